@@ -1,0 +1,1 @@
+"""What both computers share: model, configuration, protocol, shared memory, recording. Knows no device."""

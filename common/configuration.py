@@ -1,0 +1,180 @@
+"""The configuration file: one TOML file for both computers; each daemon reads the sections that concern it."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+from common.model import Model, load_model
+from common.typed_toml import load_toml
+from common.user_error import UserError
+
+Port = Annotated[int, Meta(ge=1, le=65535)]
+Positive = Annotated[float, Meta(gt=0.0)]
+NonNegative = Annotated[float, Meta(ge=0.0)]
+Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
+Count = Annotated[int, Meta(ge=1)]
+
+
+class Link(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Where the two processes listen, and the key that signs what they send. An empty key_file: the demo key."""
+
+    controller_host: str = "127.0.0.1"
+    controller_port: Port = 47001
+    supervisor_host: str = "127.0.0.1"
+    supervisor_port: Port = 47002
+    reference_port: Port = 47003
+    key_file: str = ""
+    max_datagrams_per_cycle: Annotated[int, Meta(ge=1, le=256)] = 16
+
+
+class Correlation(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Delay by recursive cross-correlation (eq. 11): M = window_s / cycle, rho = forgetting, search around the prior."""
+
+    window_s: Positive = 1.0
+    forgetting: Annotated[float, Meta(gt=0.0, lt=1.0)] = 0.5
+    search_periods: Annotated[float, Meta(gt=0.0, le=0.5)] = 0.4
+    min_correlation: Fraction = 0.5
+    min_amplitude_m: NonNegative = 0.0003
+
+
+class Regression(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """On-line sine regression over a window of 3 to 20 frames."""
+
+    frames: Annotated[int, Meta(ge=3, le=20)] = 20
+    offset_time_s: Positive = 3.0
+
+
+class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Damping by the joint. `without_schedule`: whether it may act where no schedule says when."""
+
+    without_schedule: bool = True
+    added_damping_ratio: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.12
+    return_time_s: Positive = 4.0
+    max_velocity_rad_s: Positive = 0.2
+    stale_after_s: Annotated[float, Meta(gt=0.0, le=0.15)] = 0.1
+    fade_s: Annotated[float, Meta(gt=0.0, le=0.05)] = 0.04
+
+
+class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """The 1 ms cycle."""
+
+    method: str = "correlation"
+    schedule: str = ""
+    correlation: Correlation = Correlation()
+    regression: Regression = Regression()
+    damping: Damping = Damping()
+
+
+class Tracker(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Feature tracking against a key frame."""
+
+    features: Annotated[int, Meta(ge=8, le=1000)] = 100
+    window_px: Annotated[int, Meta(ge=5, le=101)] = 21
+    levels: Annotated[int, Meta(ge=0, le=6)] = 3
+    min_inliers: Annotated[int, Meta(ge=3)] = 12
+    forward_backward_px: Positive = 0.5
+    blur_sigma_px: NonNegative = 0.0
+
+
+class Supervisor(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Frame capture and tracking. `cycles_in_flight`: how many images are asked for ahead (buffers queued)."""
+
+    cycles_in_flight: Annotated[int, Meta(ge=1, le=32)] = 1
+    tracker: Tracker = Tracker()
+
+
+class AccelerometerDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Which accelerometer hangs where. bus: /dev/i2c-N, or memory:NAME for an emulator's registers in shared memory."""
+
+    driver: Literal["lis3lv02dq", "none"] = "lis3lv02dq"
+    bus: str = "/dev/i2c-1"
+    address: Annotated[int, Meta(ge=0x03, le=0x77)] = 0x1D
+    axis: Literal["x", "y", "z"] = "y"
+    full_scale_g: Literal[2, 6] = 2
+
+
+class CameraDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Which camera. opencv: device number or URL in `device`; file: video, folder of images or .cih; shared_memory: NAME."""
+
+    driver: Literal["opencv", "file", "shared_memory"] = "opencv"
+    device: str = "0"
+    width_px: Annotated[int, Meta(ge=0)] = 0
+    height_px: Annotated[int, Meta(ge=0)] = 0
+
+
+class DriveDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Which drive."""
+
+    driver: Literal["udp_gateway", "none"] = "udp_gateway"
+    gateway_host: str = "127.0.0.1"
+    gateway_port: Port = 47010
+    local_host: str = "127.0.0.1"
+    local_port: Port = 47011
+
+
+class SimulatedScene(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """What the simulated camera looks at and how."""
+
+    width_px: Annotated[int, Meta(ge=64, le=4096)] = 640
+    height_px: Annotated[int, Meta(ge=64, le=4096)] = 480
+    noise_grey_levels: NonNegative = 2.0
+    buffers: Annotated[int, Meta(ge=2, le=64)] = 8
+    stamped: bool = False
+
+
+class Rig(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """The stand-in for the hardware. `model` holds its true parameters; empty: the model that the controller assumes."""
+
+    model: str = ""
+    scenario: str = "demo"
+    seed: Annotated[int, Meta(ge=0)] = 0
+    delay_wander_fraction: Fraction = 0.9
+    delay_wander_time_s: Positive = 2.0
+    scene: SimulatedScene = SimulatedScene()
+
+
+class Configuration(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """The whole file. `model`: the model file that the controller assumes, relative to this file."""
+
+    model: str = "model.toml"
+    link: Link = Link()
+    controller: Controller = Controller()
+    supervisor: Supervisor = Supervisor()
+    accelerometer: AccelerometerDevice = AccelerometerDevice()
+    camera: CameraDevice = CameraDevice()
+    drive: DriveDevice = DriveDevice()
+    rig: Rig = Rig()
+
+
+def default_configuration_path() -> Path:
+    """configs/default.toml as it came with the program."""
+    return Path(__file__).parent.parent / "configs" / "default.toml"
+
+
+def load_configuration(path: str | Path) -> Configuration:
+    """Read a configuration. Raises UserError in one line naming file, key, value and what is allowed."""
+    configuration = load_toml(path, Configuration)
+    link = configuration.link
+    if (link.controller_host, link.controller_port) == (link.supervisor_host, link.supervisor_port):
+        raise UserError(
+            f"{path}: link.supervisor_port = {link.supervisor_port}: the same address as the controller's; choose another"
+        )
+    return configuration
+
+
+def model_path(configuration: Configuration, path: str | Path) -> Path:
+    """The assumed model file's place, relative to the configuration file at `path`."""
+    return Path(path).parent / configuration.model
+
+
+def load_assumed_model(configuration: Configuration, path: str | Path) -> Model:
+    """The model that the controller assumes."""
+    return load_model(model_path(configuration, path))
+
+
+def load_true_model(configuration: Configuration, path: str | Path) -> Model:
+    """The model that the simulated rig obeys."""
+    name = configuration.rig.model or configuration.model
+    return load_model(Path(path).parent / name)

@@ -1,0 +1,189 @@
+"""Memory shared between processes by name: a plain block, a record under a sequence lock, and a byte ring.
+
+The blocks are files in /dev/shm (elsewhere the directory for temporary files), mapped. They outlive a killed
+process, so that whoever reads them can finish, and are removed by whoever made them.
+
+The sequence lock is the usual one: odd while writing; the reader takes the sequence, the data and the sequence again.
+Each store of an aligned 8-byte word is atomic on the machines that CPython runs on here (x86-64, aarch64 with the
+interpreter's own barriers between bytecodes); the ring moves its indices only after the bytes.
+"""
+
+import mmap
+import os
+import struct
+import tempfile
+import time
+from pathlib import Path
+
+from common.user_error import UserError
+
+_WORD = struct.Struct("<Q")
+_MAGIC = 0x6D72616C6C697473  # "stillarm"
+_HEADER = 64  # magic, size, two indices or a sequence, each on its own 8 bytes
+
+
+def block_path(name: str) -> Path:
+    """The file behind a block's name; names are plain words."""
+    if not name or any(c not in "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-." for c in name):
+        raise UserError(f"shared memory name {name!r}: use letters, digits, '_', '-' and '.' only")
+    shm = Path("/dev/shm")
+    return (shm if shm.is_dir() else Path(tempfile.gettempdir())) / f"stillarm-{name}"
+
+
+class SharedBlock:
+    """A named block of `size` bytes, zeroed when made. `buffer` is a memoryview of the payload."""
+
+    def __init__(self, name: str, size: int = 0, *, create: bool, wait_s: float = 0.0) -> None:
+        """Make a block of `size` bytes, or open one that exists, waiting up to `wait_s` for it to appear.
+
+        Raises UserError when there is none to open.
+        """
+        self.path = block_path(name)
+        self._owner = create
+        if create:
+            self.path.unlink(missing_ok=True)
+            descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+            os.ftruncate(descriptor, _HEADER + size)
+        else:
+            descriptor = self._open_existing(name, wait_s)
+            size = os.fstat(descriptor).st_size - _HEADER
+        try:
+            self._inode = os.fstat(descriptor).st_ino
+            self._map = mmap.mmap(descriptor, _HEADER + size)
+        finally:
+            os.close(descriptor)
+        self.size = size
+        self.header = memoryview(self._map)[:_HEADER]
+        self.buffer = memoryview(self._map)[_HEADER:]
+        if create:
+            _WORD.pack_into(self.header, 0, _MAGIC)  # last, so that whoever waits finds it complete
+
+    def _open_existing(self, name: str, wait_s: float) -> int:
+        deadline = time.monotonic() + wait_s
+        while True:
+            try:
+                descriptor = os.open(self.path, os.O_RDWR)
+            except FileNotFoundError:
+                pass
+            else:
+                if os.fstat(descriptor).st_size > _HEADER and os.pread(descriptor, 8, 0) == _WORD.pack(_MAGIC):
+                    return descriptor
+                os.close(descriptor)
+            if time.monotonic() >= deadline:
+                raise UserError(f"shared memory {name!r}: not there; start the process that provides it first")
+            time.sleep(0.005)
+
+    def replaced(self) -> bool:
+        """Whether the block was removed or made anew since it was opened: its provider restarted."""
+        try:
+            return self.path.stat().st_ino != self._inode
+        except FileNotFoundError:
+            return True
+
+    def close(self) -> None:
+        """Unmap, and remove the name when this side made it; may be called twice."""
+        if self._map.closed:
+            return
+        self.header.release()
+        self.buffer.release()
+        self._map.close()
+        if self._owner:
+            self.path.unlink(missing_ok=True)
+
+
+class SharedRecord:
+    """One record of fixed size under a sequence lock: one writer, any number of readers, the newest value only."""
+
+    def __init__(self, name: str, layout: struct.Struct, *, create: bool, wait_s: float = 0.0) -> None:
+        """Make or open the record `layout`; opening waits up to `wait_s` for it to appear."""
+        self.block = SharedBlock(name, layout.size, create=create, wait_s=wait_s)
+        self._layout = layout
+        self._sequence = _WORD.unpack_from(self.block.header, 8)[0] & ~1
+
+    def write(self, *values: object) -> None:
+        """Publish a new value."""
+        header = self.block.header
+        _WORD.pack_into(header, 8, self._sequence + 1)
+        self._layout.pack_into(self.block.buffer, 0, *values)
+        self._sequence += 2
+        _WORD.pack_into(header, 8, self._sequence)
+
+    def read(self, attempts: int = 50) -> tuple[object, ...] | None:
+        """The newest whole value; None before the first write, or when the writer died in the middle of one."""
+        header, buffer = self.block.header, self.block.buffer
+        for _ in range(attempts):
+            before = _WORD.unpack_from(header, 8)[0]
+            if before == 0:
+                return None
+            if before & 1 == 0:
+                values = self._layout.unpack_from(buffer, 0)
+                if _WORD.unpack_from(header, 8)[0] == before:
+                    return values
+        return None
+
+    def close(self) -> None:
+        """Release the memory."""
+        self.block.close()
+
+
+class SharedRing:
+    """A ring of whole messages from one writer to one reader. The writer never waits: a full ring loses the message.
+
+    Layout: the header holds the write index at 8, the read index at 16, the count of lost messages at 24, all
+    counting up; each message is a 4-byte length and its bytes; a length of 2^32 - 1 means: go on at the start.
+    """
+
+    _LENGTH = struct.Struct("<I")
+    _WRAP = 0xFFFFFFFF
+
+    def __init__(self, name: str, size: int = 0, *, create: bool, wait_s: float = 0.0) -> None:
+        """Make a ring of `size` bytes or open one that exists."""
+        self.block = SharedBlock(name, size, create=create, wait_s=wait_s)
+        self.lost = 0
+
+    def put(self, message: bytes | bytearray | memoryview) -> bool:
+        """Append a message; False (and counted) when there is no room."""
+        header, buffer, size = self.block.header, self.block.buffer, self.block.size
+        need = 4 + len(message)
+        write = _WORD.unpack_from(header, 8)[0]
+        place = write % size
+        to_end = size - place
+        skip = to_end if to_end < need else 0
+        if write + skip + need - _WORD.unpack_from(header, 16)[0] > size:
+            self.lost += 1
+            _WORD.pack_into(header, 24, self.lost)
+            return False
+        if skip:
+            if to_end >= 4:
+                self._LENGTH.pack_into(buffer, place, self._WRAP)
+            write += skip
+            place = 0
+        self._LENGTH.pack_into(buffer, place, need - 4)
+        buffer[place + 4 : place + need] = message
+        _WORD.pack_into(header, 8, write + need)
+        return True
+
+    def get(self) -> bytes | None:
+        """Take the oldest message; None when the ring is empty."""
+        header, buffer, size = self.block.header, self.block.buffer, self.block.size
+        read = _WORD.unpack_from(header, 16)[0]
+        if read == _WORD.unpack_from(header, 8)[0]:
+            return None
+        place = read % size
+        length = self._LENGTH.unpack_from(buffer, place)[0] if size - place >= 4 else self._WRAP
+        if length == self._WRAP:
+            read += size - place
+            place = 0
+            length = self._LENGTH.unpack_from(buffer, 0)[0]
+        message = bytes(buffer[place + 4 : place + 4 + length])
+        _WORD.pack_into(header, 16, read + 4 + length)
+        return message
+
+    @property
+    def lost_by_writer(self) -> int:
+        """How many messages the writer could not place."""
+        return int(_WORD.unpack_from(self.block.header, 24)[0])
+
+    def close(self) -> None:
+        """Release the memory."""
+        self.block.close()

@@ -1,0 +1,52 @@
+"""What the supervisor measures in one frame, and the flags that go with it."""
+
+from enum import IntEnum
+from math import nan
+
+import msgspec
+
+
+class TrackingStatus(IntEnum):
+    """Why a frame gave a measurement, or none. Only MEASURED carries numbers to be used."""
+
+    MEASURED = 0
+    NO_IMAGE = 1
+    DARK = 2
+    SATURATED = 3
+    BLANK = 4  # no texture
+    BLURRED = 5
+    FROZEN = 6  # the same image again, to the bit
+    JUMPED = 7  # the scene changed: nothing in it matches the key frame
+    FEW_FEATURES = 8
+    INCONSISTENT = 9  # features disagree about one rigid displacement
+
+
+class VisualSample(msgspec.Struct, frozen=True, gc=False):
+    """Displacement of the static scene in one frame, relative to the first frame, in image axes.
+
+    displacement_x_px, displacement_y_px, rotation_rad: global displacement at the image centre (NaN unless MEASURED)
+    variance_x_px2, variance_y_px2, covariance_xy_px2, variance_rotation_rad2: its covariance
+    frame: counter of exposures if the camera has one, else of arrivals
+    captured_s: the camera's own stamp, converted to mid-exposure as far as known, on its own clock; NaN if none
+    started_cycle: n_i, the controller's timestamp when the supervisor cycle began; -1 before the first one
+    """
+
+    frame: int
+    started_cycle: int
+    status: int
+    displacement_x_px: float = nan
+    displacement_y_px: float = nan
+    rotation_rad: float = nan
+    variance_x_px2: float = nan
+    variance_y_px2: float = nan
+    covariance_xy_px2: float = nan
+    variance_rotation_rad2: float = nan
+    captured_s: float = nan
+    exposure_s: float = nan
+    features: int = 0
+    inliers: int = 0
+
+    @property
+    def measured(self) -> bool:
+        """Whether the displacement may be used."""
+        return self.status == TrackingStatus.MEASURED

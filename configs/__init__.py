@@ -1,0 +1,1 @@
+"""Configuration, model and scenario files that come with the program."""

@@ -1,0 +1,1 @@
+"""Adapters to real parts: accelerometers, cameras, drives, and emulators that speak the parts' own registers."""
