@@ -1,0 +1,152 @@
+"""The table of topics: every message that a recording holds, its fields with their units, and its rate.
+
+Times are seconds on the controller's clock (cycle * cycle_s), except in the truth file, where they are the rig's
+monotonic clock; the controller's recording holds `origin_monotonic_s`, the monotonic time of its cycle 0.
+A number that is not there is NaN in memory and null in the file.
+"""
+
+from math import nan
+
+import msgspec
+
+
+class FastSample(msgspec.Struct, frozen=True, gc=False):
+    """/fast, every cycle: what the sensors and the reference gave the controller, and the command it answered with.
+
+    Names are those of fast.csv. joint_age_s: age of the drive's report. damping_allowed: the operator's permission.
+    """
+
+    time_s: float
+    cycle: int
+    acceleration_m_s2: float = nan
+    joint_velocity_command_rad_s: float = nan
+    joint_velocity_reference_rad_s: float = nan
+    joint_position_rad: float = nan
+    joint_velocity_rad_s: float = nan
+    joint_age_s: float = nan
+    deflection_m: float = nan
+    joint_torque_n_m: float = nan
+    damping_allowed: bool = False
+
+
+class FrameSample(msgspec.Struct, frozen=True, gc=False):
+    """/frames, one for each visual sample that the controller read. Names are those of frames.csv.
+
+    cycle: the one that read it; received_s = cycle * cycle_s. started_cycle: n_i; started_s = n_i * cycle_s.
+    status: common.visual_sample.TrackingStatus. displacement_px is the image's x axis.
+    """
+
+    time_s: float
+    cycle: int
+    frame: int
+    received_s: float
+    started_s: float
+    started_cycle: int
+    status: int
+    displacement_px: float = nan
+    displacement_y_px: float = nan
+    rotation_rad: float = nan
+    variance_x_px2: float = nan
+    variance_y_px2: float = nan
+    covariance_xy_px2: float = nan
+    variance_rotation_rad2: float = nan
+    captured_s: float = nan
+    exposure_s: float = nan
+    features: int = 0
+    inliers: int = 0
+
+
+class EstimateSample(msgspec.Struct, frozen=True, gc=False):
+    """/estimate, every cycle: the configured method's delay and deflection, and the damping part of the command.
+
+    deflection_m is that at time_s; predicted_deflection_m that at which the joint will answer (drive's lead).
+    """
+
+    time_s: float
+    cycle: int
+    delay_s: float
+    delay_std_s: float
+    delay_status: str
+    deflection_m: float
+    deflection_std_m: float
+    predicted_deflection_m: float
+    damping_rad_s: float
+    damping_status: str
+
+
+class LinkSample(msgspec.Struct, frozen=True, gc=False):
+    """/link, once a second: counts of the link since the start, the loop's cycles and its missed deadlines."""
+
+    time_s: float
+    cycle: int
+    accepted: int
+    lost: int
+    duplicate: int
+    late: int
+    malformed: int
+    forged: int
+    foreign_version: int
+    old_session: int
+    unexpected: int
+    sessions: int
+    deadline_misses: int
+    accelerometer_faults: int
+    recorder_lost: int
+
+
+class LogLine(msgspec.Struct, frozen=True, gc=False):
+    """/log, on change: what an operator should read, with its remedy."""
+
+    time_s: float
+    level: str
+    text: str
+
+
+class TrueState(msgspec.Struct, frozen=True):
+    """/truth/state, every step of the simulated rig."""
+
+    time_s: float
+    joint_position_rad: float
+    joint_velocity_rad_s: float
+    joint_acceleration_rad_s2: float
+    deflection_m: float
+    tip_position_m: float
+    tip_acceleration_m_s2: float
+    modal_deflections_m: list[float]
+
+
+class TrueFrame(msgspec.Struct, frozen=True, gc=False):
+    """/truth/frames, one for each exposure of the simulated camera: when it truly was, when it was handed over."""
+
+    time_s: float
+    frame: int
+    mid_exposure_s: float
+    delivered_s: float
+
+
+class PairSample(msgspec.Struct, frozen=True, gc=False):
+    """/pair: imported data of one input and one output, in their own units."""
+
+    time_s: float
+    input: float
+    output: float
+
+
+class Topic(msgspec.Struct, frozen=True):
+    """A topic: its name in the file, its message type, and how often it comes."""
+
+    name: str
+    message: type[msgspec.Struct]
+    rate: str
+
+
+TOPICS = (
+    Topic("/fast", FastSample, "every cycle"),
+    Topic("/frames", FrameSample, "every frame"),
+    Topic("/estimate", EstimateSample, "every cycle"),
+    Topic("/link", LinkSample, "1 Hz"),
+    Topic("/log", LogLine, "on change"),
+    Topic("/truth/state", TrueState, "every step of the rig"),
+    Topic("/truth/frames", TrueFrame, "every exposure"),
+    Topic("/pair", PairSample, "every sample"),
+)
