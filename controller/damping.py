@@ -1,0 +1,99 @@
+"""Damping by the joint: a velocity proportional to the predicted deflection.
+
+With theta'' = k q', q'' + 2 zeta w q' + w^2 q = -p L theta'' becomes q'' + (2 zeta w + p L k) q' + w^2 q = 0: a joint
+velocity k q adds the damping ratio p L k / (2 w), for either sign of the participation p. docs/damping.md derives
+it, with the slow return to the commanded position that keeps an offset from making the joint creep.
+"""
+
+from enum import StrEnum
+from math import isfinite
+
+from common.configuration import Damping
+from common.model import Model, length_of
+from controller.drive_model import DriveModel, drive_lead_s
+from controller.estimate import Estimate, Status
+
+_ENTRY_S = 0.2  # from no damping to full damping
+_JOINT_STALE_S = 0.1
+
+
+class DampingStatus(StrEnum):
+    """Why the joint damps, or does not."""
+
+    OFF = "off"  # not allowed by the operator, or by the schedule
+    ACTIVE = "active"
+    VISION_STALE = "vision stale"
+    NO_PREDICTION = "no prediction"
+    DRIVE_SILENT = "drive silent"
+
+
+class JointDamping:
+    """The damping part of the command. Zero whenever what it rests on is stale, absent or not finite."""
+
+    def __init__(self, model: Model, settings: Damping, model_name: str) -> None:
+        """Damp the first mode of `model` by `settings.added_damping_ratio`."""
+        mode = model.arm.modes[0]
+        w = mode.angular_frequency
+        self._settings = settings
+        self._cycle_s = model.timing.cycle_s
+        self._w = w
+        self._gain = 2.0 * settings.added_damping_ratio * w / (mode.participation * length_of(model, model_name))
+        self._decay = 2.0 * mode.damping_ratio * w
+        self.lead_s = drive_lead_s(model.drive, w)
+        self._weight = 0.0
+        self._last_measured_s = float("-inf")
+        self._commanded = DriveModel(model.drive, model.timing.cycle_s)
+        self._anchored = False
+
+    def see_sample(self, time_s: float) -> None:
+        """A visual sample with a measurement was read."""
+        self._last_measured_s = time_s
+
+    def follow_reference(self, reference_rad_s: float, joint_position_rad: float, cycles: int) -> None:
+        """Carry along where the joint would be by the external reference alone."""
+        if not self._anchored:
+            self._anchored = True
+            self._commanded.position_rad = joint_position_rad
+            return
+        for _ in range(min(cycles, 100_000)):
+            self._commanded.advance(reference_rad_s)
+
+    def predicted_m(self, estimate: Estimate) -> float:
+        """The deflection at which the joint will answer: the present one, moved on by the drive's lead."""
+        rate = estimate.deflection_rate_m_s
+        bend = -self._w * self._w * estimate.deflection_m - self._decay * rate
+        lead = self.lead_s
+        return estimate.deflection_m + lead * rate + 0.5 * lead * lead * bend
+
+    def velocity_rad_s(
+        self, estimate: Estimate, time_s: float, allowed: bool, joint_position_rad: float, joint_age_s: float
+    ) -> tuple[float, DampingStatus]:
+        """The damping part of the joint velocity, and why it is what it is.
+
+        joint_age_s: age of the drive's report; NaN for a drive that reports nothing.
+        """
+        settings = self._settings
+        age = time_s - self._last_measured_s
+        fresh = min(1.0, (settings.stale_after_s - age) / settings.fade_s)
+        predicted = self.predicted_m(estimate)
+        grounds = True
+        if not isfinite(predicted) or estimate.status in {Status.INVALID, Status.UNESTIMATED}:
+            status, grounds = DampingStatus.NO_PREDICTION, False
+        elif fresh <= 0.0:
+            status, grounds = DampingStatus.VISION_STALE, False
+        elif joint_age_s > _JOINT_STALE_S:
+            status, grounds = DampingStatus.DRIVE_SILENT, False
+        elif not allowed:
+            status = DampingStatus.OFF
+        else:
+            status = DampingStatus.ACTIVE
+        if not grounds:
+            self._weight = 0.0
+            return 0.0, status
+        change = self._cycle_s / (_ENTRY_S if allowed else settings.fade_s)
+        self._weight = min(1.0, self._weight + change) if allowed else max(0.0, self._weight - change)
+        if self._weight == 0.0:
+            return 0.0, status
+        back = (self._commanded.position_rad - joint_position_rad) / settings.return_time_s
+        wanted = (self._gain * predicted + back) * self._weight * fresh
+        return min(max(wanted, -settings.max_velocity_rad_s), settings.max_velocity_rad_s), status

@@ -1,0 +1,1 @@
+"""Estimators of the capture delay, one file each."""

@@ -1,0 +1,140 @@
+"""The capture delay by recursive cross-correlation of the image with the accelerometer: eq. 2 to 11 of the paper.
+
+Where the paper is silent or biased, this is what is done (../docs/methods.md gives the reasons at length):
+
+- The vibration x that the accelerometer stands for is correlated with the deflection y that the image shows, at the
+  instants of arrival only: an image held until the next one would look half a frame later than it is.
+- Mean and power are carried along with the product, at each lag, so that what is maximised is the correlation
+  coefficient r(m). By the Cauchy-Schwarz inequality its maximum lies at the true delay for every window and offset.
+- x is averaged over 2 J + 1 cycles, a pure delay of J, so that all of the accelerometer's samples count, not just
+  those that happen to lie at arrivals.
+- Lags are searched within less than half a period of the prior, never at both ends of a periodic function.
+- The maximum is taken from a cosine of the mode's frequency fitted to r around its peak.
+- The acceleration leads the deflection by 2 zeta / w, and its filter delays it; both are taken out.
+"""
+
+from math import atan2, exp, hypot, isfinite, pi, sqrt
+
+import numpy as np
+
+from common.configuration import Correlation
+from common.model import Model
+from common.visual_sample import VisualSample
+from controller.delay.moving_average import MovingAverage
+from controller.estimate import DelayEstimate, Status
+from controller.history import CycleHistory
+
+_HOLD_TIME_S = 5.0  # an unseen delay's uncertainty grows back to its prior spread in about this time
+
+
+class CorrelationDelay:
+    """Recursive normalised cross-correlation with forgetting (eq. 11)."""
+
+    def __init__(self, model: Model, settings: Correlation) -> None:
+        """Search around model.timing.capture_delay_s for the first mode of the model."""
+        mode, cycle_s = model.arm.modes[0], model.timing.cycle_s
+        period = 1.0 / mode.frequency_hz / cycle_s
+        prior = model.timing.capture_delay_s / cycle_s
+        self._cycle_s = cycle_s
+        self._settings = settings
+        self._angle_per_cycle = mode.angular_frequency * cycle_s
+        self._prior_spread_s = max(model.timing.capture_delay_std_s, cycle_s)
+        self._half_width = max(1, int(min(period / 12.0, prior / 2.0)))
+        # what stands between a lag of the averaged x and the delay: the average's own, the filter's, and the lead
+        self._shift_s = (
+            self._half_width * cycle_s + model.accelerometer.delay_s - 2.0 * mode.damping_ratio / mode.angular_frequency
+        )
+        centre = prior - self._shift_s / cycle_s
+        self._first = max(0, int(centre - settings.search_periods * period))
+        self._last = max(self._first + 8, int(centre + settings.search_periods * period))
+        self._average = MovingAverage(2 * self._half_width + 1)
+        self._smooth = CycleHistory(self._last + 2)
+        self._window = settings.window_s / cycle_s
+        count = self._last - self._first + 1
+        self._weight = 0.0
+        self._mean_x, self._mean_xx, self._mean_xy = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._mean_y = self._mean_yy = 0.0
+        self._peak_reach = max(3, int(period / 8.0))
+        angles = self._angle_per_cycle * np.arange(-self._peak_reach, self._peak_reach + 1)
+        self._to_quadratures = np.linalg.pinv(np.column_stack((np.cos(angles), np.sin(angles))))
+        self._arrival: int | None = None
+        self.correlation = np.zeros(count)
+        self.estimate = DelayEstimate(model.timing.capture_delay_s, self._prior_spread_s, Status.UNESTIMATED)
+
+    @property
+    def lags_s(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """The capture delay that each element of `correlation` stands for, s."""
+        lags: np.ndarray[tuple[int], np.dtype[np.float64]] = (
+            np.arange(self._first, self._last + 1) * self._cycle_s + self._shift_s
+        )
+        return lags
+
+    def see_cycle(self, cycle: int, vibration: float) -> None:
+        """Take in the vibration that the accelerometer shows in a cycle, m; NaN where it shows none."""
+        self._smooth.write(cycle, self._average.add(vibration))
+
+    def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
+        """Take in the deflection that an image shows, read in `cycle`; eq. 11 for all lags at once."""
+        elapsed = self._window if self._arrival is None else max(1, min(cycle - self._arrival, int(self._window)))
+        self._arrival = cycle
+        rho = self._settings.forgetting
+        gain = rho * elapsed / ((1.0 - rho) * (self._window - elapsed) + rho * elapsed)
+        if not isfinite(deflection_m):
+            return
+        x = self._smooth.lags(self._first, self._last)[::-1]
+        self._weight += gain * (1.0 - self._weight)
+        self._mean_x += gain * (x - self._mean_x)
+        self._mean_xx += gain * (x * x - self._mean_xx)
+        self._mean_xy += gain * (x * deflection_m - self._mean_xy)
+        self._mean_y += gain * (deflection_m - self._mean_y)
+        self._mean_yy += gain * (deflection_m * deflection_m - self._mean_yy)
+        self._find_peak(elapsed * self._cycle_s)
+
+    def _find_peak(self, elapsed_s: float) -> None:
+        w = self._weight
+        power_y = self._mean_yy / w - (self._mean_y / w) ** 2
+        amplitude = sqrt(max(0.0, 2.0 * power_y))
+        power_x = self._mean_xx / w - (self._mean_x / w) ** 2
+        covariance = self._mean_xy / w - self._mean_x * (self._mean_y / (w * w))
+        self.correlation = covariance / np.sqrt(np.maximum(power_x * power_y, 1e-30))
+        if amplitude < self._settings.min_amplitude_m:
+            return self._hold(elapsed_s)
+        reach = self._peak_reach
+        peak = int(np.argmax(self.correlation))
+        if not reach <= peak < len(self.correlation) - reach:
+            return self._hold(elapsed_s)
+        cosine, sine = self._to_quadratures @ self.correlation[peak - reach : peak + reach + 1]
+        offset = atan2(sine, cosine) / self._angle_per_cycle
+        height = hypot(cosine, sine)
+        if height < self._settings.min_correlation or abs(offset) > reach or not isfinite(offset):
+            return self._hold(elapsed_s)
+        delay = (self._first + peak + offset) * self._cycle_s + self._shift_s
+        self.estimate = DelayEstimate(max(0.0, delay), self._std_s(min(height, 1.0)), Status.ESTIMATED)
+        return None
+
+    def _std_s(self, height: float) -> float:
+        """Of a phase between two sinusoids: sqrt(noise to signal / independent samples) / w, in the memory's length.
+
+        Independent samples: one for each length of the moving average, but no more than there are frames.
+        """
+        rho = self._settings.forgetting
+        memory = self._window * (1.0 - rho) / rho
+        independent = max(2.0, memory / max(2 * self._half_width + 1, 1))
+        noise_to_signal = max(1.0 / (height * height) - 1.0, 1e-4)
+        rate = self._angle_per_cycle / self._cycle_s
+        return sqrt(noise_to_signal / independent) / rate
+
+    def _hold(self, elapsed_s: float) -> None:
+        """The delay cannot be seen: keep it, let its uncertainty grow back to the prior spread."""
+        delay, std, status = self.estimate
+        if status is Status.UNESTIMATED:
+            return
+        keep = exp(-2.0 * elapsed_s / _HOLD_TIME_S)
+        prior = self._prior_spread_s
+        std = sqrt(std * std * keep + prior * prior * (1.0 - keep)) if std < prior else std
+        self.estimate = DelayEstimate(delay, std, Status.HELD)
+
+
+def vibration_scale(model: Model) -> float:
+    """What turns the vibration's part of the acceleration, m/s^2, into a deflection of the first mode, m: -1/w^2."""
+    return -1.0 / (2.0 * pi * model.arm.modes[0].frequency_hz) ** 2

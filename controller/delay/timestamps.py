@@ -1,0 +1,34 @@
+"""The capture delay by the exchange of timestamps: eq. 1 of the paper."""
+
+from math import sqrt
+
+from common.model import Model
+from common.visual_sample import VisualSample
+from controller.estimate import DelayEstimate, Status
+
+
+class TimestampDelay:
+    """Delta = (n_c - n_i) tau_c, anew for each sample.
+
+    n_i says when the supervisor's cycle began; when within that cycle, or before it, the frame was exposed is
+    unknown by a frame: the standard deviation stated is that of a uniform law two frame periods wide.
+    """
+
+    def __init__(self, model: Model) -> None:
+        """The prior delay stands until the first stamped sample."""
+        self._cycle_s = model.timing.cycle_s
+        self._std_s = 2.0 / model.camera.frame_rate_hz / sqrt(12.0)
+        self.estimate = DelayEstimate(
+            model.timing.capture_delay_s, model.timing.capture_delay_std_s, Status.UNESTIMATED
+        )
+
+    def see_cycle(self, cycle: int, vibration: float) -> None:
+        """Timestamps need no accelerometer."""
+
+    def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
+        """Take the delay of a sample read in `cycle`; one without a timestamp leaves the last delay standing."""
+        if 0 <= sample.started_cycle <= cycle:
+            delay = (cycle - sample.started_cycle) * self._cycle_s
+            self.estimate = DelayEstimate(delay, self._std_s, Status.ESTIMATED)
+        else:
+            self.estimate = self.estimate._replace(status=Status.HELD)

@@ -1,0 +1,49 @@
+"""The joint as the model has it: what velocity, position and acceleration follow from the commands sent.
+
+theta'' is taken from here, never by differencing an encoder: one count of noise in a rate, differenced over a
+millisecond, is metres per second squared at the tip.
+"""
+
+from math import atan, exp, pi
+
+from common.model import Drive
+
+
+class DriveModel:
+    """First-order velocity lag after a dead time, with the drive's limits (model file, section [drive])."""
+
+    def __init__(self, drive: Drive, cycle_s: float, position_rad: float = 0.0) -> None:
+        """Start at rest at a position, with zero commands in the dead time."""
+        self._drive = drive
+        self._cycle_s = cycle_s
+        self._rate = 2.0 * pi * drive.bandwidth_hz
+        self._stay = exp(-self._rate * cycle_s)
+        whole = int(drive.dead_time_s / cycle_s)
+        self._fraction = drive.dead_time_s / cycle_s - whole
+        self._waiting = [0.0] * (whole + 2)  # commands under way, newest first
+        self.position_rad = position_rad
+        self.velocity_rad_s = 0.0
+        self.acceleration_rad_s2 = 0.0
+
+    def advance(self, command_rad_s: float) -> None:
+        """Move on by one cycle during which `command_rad_s` is sent."""
+        drive, waiting = self._drive, self._waiting
+        waiting.insert(0, min(max(command_rad_s, -drive.max_velocity_rad_s), drive.max_velocity_rad_s))
+        waiting.pop()
+        arriving = waiting[-2] + self._fraction * (waiting[-1] - waiting[-2])
+        limit = drive.max_acceleration_rad_s2
+        before = self.velocity_rad_s
+        change = min(max((arriving - before) * (1.0 - self._stay), -limit * self._cycle_s), limit * self._cycle_s)
+        self.velocity_rad_s = before + change
+        self.position_rad += self._cycle_s * (before + 0.5 * change)
+        stop = min(max(self.position_rad, drive.min_position_rad), drive.max_position_rad)
+        if stop != self.position_rad:
+            if (self.position_rad - stop) * self.velocity_rad_s > 0.0:
+                self.velocity_rad_s = 0.0
+            self.position_rad = stop
+        self.acceleration_rad_s2 = min(max(self._rate * (arriving - self.velocity_rad_s), -limit), limit)
+
+
+def drive_lead_s(drive: Drive, angular_frequency: float) -> float:
+    """How long the joint's velocity trails its command at a frequency: dead time plus the first-order lag's phase."""
+    return drive.dead_time_s + atan(angular_frequency / (2.0 * pi * drive.bandwidth_hz)) / angular_frequency

@@ -1,0 +1,61 @@
+"""What a method gets to see every cycle, and what it says."""
+
+from enum import StrEnum
+from math import nan
+from typing import NamedTuple, Protocol
+
+import msgspec
+
+from common.visual_sample import VisualSample
+from controller.joint_motion import JointMotion
+
+
+class Status(StrEnum):
+    """How far a delay or a prediction can be relied on."""
+
+    UNESTIMATED = "unestimated"  # nothing measured yet: the model's prior stands in
+    ESTIMATED = "estimated"
+    HELD = "held"  # cannot be seen at present: the last one stands, with growing uncertainty
+    INVALID = "invalid"  # not to be used
+
+
+class DelayEstimate(NamedTuple):
+    """Capture delay (reading of a visual sample minus mid-exposure) with its standard deviation, s."""
+
+    delay_s: float
+    std_s: float
+    status: Status
+
+
+class Observation(msgspec.Struct, gc=False):
+    """One cycle as every method sees it: raw measurements, and the joint's motion with its history.
+
+    acceleration_m_s2 is NaN where there was no sample; samples are the visual samples read in this cycle, in order.
+    """
+
+    cycle: int
+    time_s: float
+    acceleration_m_s2: float
+    samples: list[VisualSample]
+    joint: JointMotion
+
+
+class Estimate(msgspec.Struct, frozen=True, gc=False):
+    """What a method says in a cycle.
+
+    deflection_m (sum of the modes, zero-mean) and deflection_rate_m_s at the observation's time; NaN when unknown.
+    deflection_std_m: its standard deviation. status: that of the deflection.
+    """
+
+    delay: DelayEstimate
+    deflection_m: float = nan
+    deflection_rate_m_s: float = nan
+    deflection_std_m: float = nan
+    status: Status = Status.UNESTIMATED
+
+
+class Method(Protocol):
+    """A way from measurements to delay and deflection. One call a cycle, in order, with no other state."""
+
+    def update(self, observation: Observation) -> Estimate:
+        """Take in one cycle and say what is known then."""

@@ -1,0 +1,77 @@
+"""What the joint's own known motion does to the sensors, so that it can be taken off them.
+
+The image sees length * theta as it was at the capture instant; the accelerometer feels
+(1 - sum of participations) * length * theta'' beside the vibration; and the joint's acceleration bends the arm, by
+an amount that the model knows.
+"""
+
+from math import isfinite
+
+from common.model import Model
+from controller.drive_model import DriveModel
+from controller.history import CycleHistory
+from controller.modal_response import ModalResponse
+
+HISTORY_S = 2.5
+
+
+class JointMotion:
+    """Joint position and the first mode's answer to it, over the last seconds, on the controller's clock."""
+
+    def __init__(self, model: Model, length_m: float) -> None:
+        """Everything at rest at the first position that is reported, or at zero."""
+        self._cycle_s = model.timing.cycle_s
+        self._drive = DriveModel(model.drive, self._cycle_s)
+        self._response = ModalResponse(model.arm.modes[0], length_m, self._cycle_s)
+        held = int(HISTORY_S / self._cycle_s) + 2
+        self._position = CycleHistory(held)
+        self._forced = CycleHistory(held)
+        self._started = False
+        self._cycle = 0
+        self._command = 0.0
+
+    @property
+    def acceleration_rad_s2(self) -> float:
+        """theta'' now, from the drive model driven by the commands sent."""
+        return self._drive.acceleration_rad_s2
+
+    @property
+    def position_rad(self) -> float:
+        """theta now: reported where there is a report, else from the drive model."""
+        return self._drive.position_rad
+
+    @property
+    def forced_deflection_m(self) -> float:
+        """The first mode's answer to the joint's motion, now."""
+        return self._response.deflection_m
+
+    @property
+    def forced_rate_m_s(self) -> float:
+        """Rate of the first mode's answer to the joint's motion, now."""
+        return self._response.rate_m_s
+
+    def begin_cycle(self, cycle: int, reported_position_rad: float) -> None:
+        """Move on to `cycle` under the command sent last; take the drive's report where it is finite."""
+        if not self._started:
+            self._started = True
+            self._cycle = cycle - 1
+        for _ in range(min(cycle - self._cycle, 100_000)):
+            self._drive.advance(self._command)
+            self._response.advance(self._drive.acceleration_rad_s2)
+        self._cycle = cycle
+        if isfinite(reported_position_rad):
+            self._drive.position_rad = reported_position_rad
+        self._position.write(cycle, self._drive.position_rad)
+        self._forced.write(cycle, self._response.deflection_m)
+
+    def send(self, command_rad_s: float) -> None:
+        """Remember the command of this cycle; a missing one (an import without commands) counts as zero."""
+        self._command = command_rad_s if isfinite(command_rad_s) else 0.0
+
+    def position_at(self, time_s: float) -> float:
+        """theta at an instant of the last seconds, rad."""
+        return self._position.at(time_s / self._cycle_s)
+
+    def forced_deflection_at(self, time_s: float) -> float:
+        """The first mode's answer to the joint's motion at an instant of the last seconds, m."""
+        return self._forced.at(time_s / self._cycle_s)

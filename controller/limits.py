@@ -1,0 +1,37 @@
+"""Position, velocity and acceleration limits of the joint, which hold whatever the command rests on."""
+
+from math import isfinite, sqrt
+
+from common.model import Drive
+
+_BRAKING_SHARE = 0.5  # of the acceleration limit is counted on when stopping before a position limit
+
+
+class CommandLimits:
+    """Bounds a joint velocity command so that the joint stays within the model's limits (model file, [drive])."""
+
+    def __init__(self, drive: Drive, cycle_s: float) -> None:
+        """Start from a command of zero."""
+        self._drive = drive
+        self._cycle_s = cycle_s
+        self._lag_s = drive.dead_time_s + 1.0 / (6.283185307179586 * drive.bandwidth_hz) + cycle_s
+        self._last = 0.0
+
+    def bound(self, wanted_rad_s: float, joint_position_rad: float) -> float:
+        """The command nearest to the wanted one that keeps all limits; one that is not finite counts as zero.
+
+        Near a position limit the velocity is at most what half the acceleration limit stops in time, seen from
+        where the joint will be when this command arrives. An unknown position lets no motion through.
+        """
+        drive = self._drive
+        wanted = wanted_rad_s if isfinite(wanted_rad_s) and isfinite(joint_position_rad) else 0.0
+        wanted = min(max(wanted, -drive.max_velocity_rad_s), drive.max_velocity_rad_s)
+        arriving = joint_position_rad + self._last * self._lag_s if isfinite(joint_position_rad) else 0.0
+        braking = 2.0 * _BRAKING_SHARE * drive.max_acceleration_rad_s2
+        up = sqrt(braking * max(0.0, drive.max_position_rad - arriving))
+        down = sqrt(braking * max(0.0, arriving - drive.min_position_rad))
+        step = drive.max_acceleration_rad_s2 * self._cycle_s
+        bounded = min(max(wanted, self._last - step), self._last + step)
+        bounded = min(max(bounded, -down), up)
+        self._last = bounded
+        return bounded

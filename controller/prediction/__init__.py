@@ -1,0 +1,1 @@
+"""Predictors of the present deflection from delayed samples, one file each."""

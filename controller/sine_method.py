@@ -1,0 +1,80 @@
+"""The paper's method, for any estimator of the delay: re-date the samples by it, fit a sine, evaluate at the present."""
+
+from math import isfinite, nan, sqrt
+from typing import Protocol
+
+from common.configuration import Regression
+from common.model import Model, length_of
+from common.visual_sample import VisualSample
+from controller.estimate import DelayEstimate, Estimate, Observation, Status
+from controller.joint_motion import JointMotion
+from controller.prediction.image_offset import ImageOffset
+from controller.prediction.sine_regression import SineRegression
+from controller.sensor_deflection import SensorDeflection
+
+_LONGEST_GAP_S = 0.25  # between two frames of one window
+
+
+class DelayEstimator(Protocol):
+    """Says how old each visual sample is when it is read."""
+
+    estimate: DelayEstimate
+
+    def see_cycle(self, cycle: int, vibration: float) -> None:
+        """Take in the deflection that the accelerometer shows in a cycle, m; NaN where it shows none."""
+
+    def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
+        """Take in a visual sample read in `cycle`, and the deflection it shows, m (with an unknown constant)."""
+
+
+class SineMethod:
+    """Delay estimator and sine regression in series (the paper's Fig. 1)."""
+
+    def __init__(self, model: Model, regression: Regression, delay: DelayEstimator, model_name: str) -> None:
+        """Predict the first mode of `model` from samples that `delay` dates."""
+        length = length_of(model, model_name)
+        mode = model.arm.modes[0]
+        self._cycle_s = model.timing.cycle_s
+        self._w = mode.angular_frequency
+        self.delay = delay
+        self._sensors = SensorDeflection(model, length)
+        self._offset = ImageOffset(mode, regression.offset_time_s)
+        self._regression = SineRegression(mode, regression.frames, self._sensors.noise_std_m)
+
+    def update(self, observation: Observation) -> Estimate:
+        """One cycle: dates new samples, fits when there are any, predicts always."""
+        joint, sensors = observation.joint, self._sensors
+        self.delay.see_cycle(
+            observation.cycle, sensors.of_acceleration(observation.acceleration_m_s2, joint)
+        )
+        for sample in observation.samples:
+            if sample.measured and isfinite(sample.displacement_x_px):
+                self._take(sample, observation)
+        return self._predict(observation.time_s, joint)
+
+    def _take(self, sample: VisualSample, observation: Observation) -> None:
+        joint, time_s = observation.joint, observation.time_s
+        assumed = time_s - self.delay.estimate.delay_s
+        seen = self._sensors.of_image(sample.displacement_x_px, joint.position_at(assumed))
+        self.delay.see_sample(sample, observation.cycle, seen)
+        captured = time_s - self.delay.estimate.delay_s
+        free = (
+            self._sensors.of_image(sample.displacement_x_px, joint.position_at(captured))
+            - joint.forced_deflection_at(captured)
+        )
+        self._offset.add(captured, free)
+        self._regression.add(captured, free, _LONGEST_GAP_S)
+
+    def _predict(self, time_s: float, joint: JointMotion) -> Estimate:
+        delay = self.delay.estimate
+        if not self._regression.ready:
+            return Estimate(delay, nan, nan, nan, Status.UNESTIMATED)
+        free = self._regression.predict(time_s)
+        of_delay = self._w * free.amplitude_m * delay.std_s / sqrt(2.0)
+        return Estimate(
+            delay,
+            free.deflection_m + joint.forced_deflection_m,
+            free.rate_m_s + joint.forced_rate_m_s,
+            sqrt(free.std_m**2 + of_delay**2),
+            Status.INVALID if delay.status is Status.INVALID else Status.ESTIMATED,
+        )
