@@ -1,0 +1,116 @@
+"""Key frames: what is tracked against, and which one to use.
+
+A key frame's pose is the displacement measured in the very frame it was taken from, so changing to it makes no step. That
+measurement's error stays in it: along n key frames the error walks as the square root of n, and the key frame's
+covariance says so. Therefore few are taken, as far apart as the view allows, and an older one, whose error is smaller,
+is taken up again as soon as enough of it is in view: the same pose then gives the same number.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supervisor.tracking.displacement import Matrix
+from supervisor.tracking.features import Points, spread_corners
+from supervisor.tracking.flow import inside
+from supervisor.tracking.pose import Pose, pose_since, turned
+from supervisor.tracking.prepared_image import PreparedImage
+
+MAX_KEY_FRAMES = 24
+LEAVE_VIEW = 0.5  # share of a key frame's features in view, below which another is wanted
+RETURN_VIEW = 0.7  # share in view at which an older one is taken up again; the gap keeps them from alternating
+LEAVE_ROTATION_RAD = 0.2  # beyond this, square windows no longer match well
+RETURN_ROTATION_RAD = 0.12
+
+
+@dataclass(frozen=True, slots=True)
+class KeyFrame:
+    """image: as prepared; points: its features, (n, 2) px; pose: since the first frame; covariance: of the pose, (3, 3).
+
+    serial: how many were taken before it.
+    """
+
+    image: PreparedImage
+    points: Points
+    pose: Pose
+    covariance: Matrix
+    serial: int
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """The image's centre, x, y in px."""
+        height, width = self.image.grey.shape
+        return 0.5 * (width - 1), 0.5 * (height - 1)
+
+    def predicted_points(self, pose: Pose) -> Points:
+        """Where the features are in the image, (n, 2) px, when the scene is at `pose` (since the first frame)."""
+        since = pose_since(self.pose, pose)
+        x0, y0 = self.centre
+        x, y = self.points[:, 0] - x0, self.points[:, 1] - y0
+        c, s = turned(1.0, 0.0, since.rotation)
+        moved = np.stack((c * x - s * y + x0 + since.x, s * x + c * y + y0 + since.y), axis=1)
+        return np.asarray(moved, dtype=np.float32)
+
+    def in_view(self, pose: Pose, margin_px: float) -> NDArray[np.bool_]:
+        """Which features are in the image when the scene is at `pose`."""
+        return inside(self.predicted_points(pose), self.image.grey.shape, margin_px)
+
+    def view(self, pose: Pose, margin_px: float) -> float:
+        """The share of the features that are in the image when the scene is at `pose`."""
+        return float(self.in_view(pose, margin_px).mean())
+
+    def turned_by(self, pose: Pose) -> float:
+        """How far the scene is turned against this key frame, rad, 0 or more."""
+        return abs(pose.rotation - self.pose.rotation)
+
+
+def take_key_frame(
+    image: PreparedImage, pose: Pose, covariance: Matrix, serial: int, count: int, margin_px: int
+) -> KeyFrame:
+    """A key frame of an image whose pose has been measured, with up to `count` fresh features."""
+    return KeyFrame(image, spread_corners(image.grey, count, margin_px), pose, covariance, serial)
+
+
+class KeyFrames:
+    """A bounded set of key frames, oldest first; the first one is the origin and is never given up."""
+
+    def __init__(self, margin_px: float) -> None:
+        """margin_px: how near to the border a feature still counts as in view."""
+        self._margin = margin_px
+        self.frames: list[KeyFrame] = []
+
+    def add(self, frame: KeyFrame) -> None:
+        """Keep a key frame. When there are too many, the one (not the first) nearest in pose to another one goes."""
+        self.frames.append(frame)
+        if len(self.frames) <= MAX_KEY_FRAMES:
+            return
+        poses = np.array([(f.pose.x, f.pose.y) for f in self.frames])
+        apart = np.hypot(*(poses[:, None, :] - poses[None, :, :]).transpose(2, 0, 1))
+        np.fill_diagonal(apart, np.inf)
+        crowded = apart[1:-1].min(axis=1)  # neither the origin nor the one just taken
+        del self.frames[1 + int(np.argmin(crowded))]
+
+    def older(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
+        """The oldest key frame before `current` that is well in view at `pose`; None when there is none."""
+        for frame in self.frames:
+            if frame.serial >= current.serial:
+                return None
+            if self._usable(frame, pose):
+                return frame
+        return None
+
+    def best_other(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
+        """The oldest key frame other than `current` that is well in view at `pose`; None when there is none."""
+        return next((f for f in self.frames if f is not current and self._usable(f, pose)), None)
+
+    def most_in_view(self, pose: Pose) -> KeyFrame:
+        """The key frame that sees most at `pose`; the older one of equals. Needs at least one."""
+        return max(self.frames, key=lambda f: (round(f.view(pose, self._margin), 2), -f.serial))
+
+    def leaves(self, frame: KeyFrame, pose: Pose) -> bool:
+        """Whether so little of `frame` is in view at `pose`, or so much turned, that another is wanted."""
+        return frame.view(pose, self._margin) < LEAVE_VIEW or frame.turned_by(pose) > LEAVE_ROTATION_RAD
+
+    def _usable(self, frame: KeyFrame, pose: Pose) -> bool:
+        return frame.turned_by(pose) < RETURN_ROTATION_RAD and frame.view(pose, self._margin) >= RETURN_VIEW

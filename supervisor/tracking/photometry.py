@@ -1,0 +1,62 @@
+"""Gain and offset of an image against a key frame, so that flicker does not pull at Lucas-Kanade.
+
+Lucas-Kanade takes equal grey values for granted. A change of gain by 8 % biased it by 0.04 px.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from supervisor.tracking.prepared_image import GreyImage, SmallImage
+
+_MAX_SAMPLES = 3000
+_MIN_SAMPLES = 64
+_NO_CHANGE = 1.0, 0.0
+
+
+def overlapping(a: SmallImage, b: SmallImage, shift_x: int, shift_y: int) -> tuple[SmallImage, SmallImage]:
+    """The parts of two images of one shape that see the same, when b shows a's scene moved by the shift, in px."""
+    height, width = a.shape
+    x0, x1 = max(0, shift_x), min(width, width + shift_x)
+    y0, y1 = max(0, shift_y), min(height, height + shift_y)
+    if x0 >= x1 or y0 >= y1:
+        return a[:0, :0], b[:0, :0]
+    return a[y0 - shift_y : y1 - shift_y, x0 - shift_x : x1 - shift_x], b[y0:y1, x0:x1]
+
+
+def gain_and_offset(key: SmallImage, image: SmallImage, shift_x: int, shift_y: int) -> tuple[float, float]:
+    """gain, offset such that image = gain * key + offset over what both see, without pixels that disagree.
+
+    The gain is the ratio of the standard deviations, not a regression's slope, which a shift that is a little off
+    would lower. (1, 0) when the images share too little.
+    """
+    a, b = overlapping(key, image, shift_x, shift_y)
+    step = max(1, int(np.sqrt(a.size / _MAX_SAMPLES)))
+    x: NDArray[np.float32] = a[::step, ::step].ravel()
+    y: NDArray[np.float32] = b[::step, ::step].ravel()
+    if x.size < _MIN_SAMPLES:
+        return _NO_CHANGE
+    median_x, median_y = np.median(x), np.median(y)
+    spread = float(np.median(np.abs(x - median_x)))
+    if spread <= 0.0:
+        return _NO_CHANGE
+    gain = float(np.median(np.abs(y - median_y))) / spread
+    offset = float(median_y - gain * median_x)
+    for _ in range(2):
+        residual = np.abs(y - gain * x - offset)
+        agree = residual <= max(4.0 * float(np.median(residual)), 2.0)
+        kept_x, kept_y = x[agree], y[agree]
+        deviation = float(kept_x.std())
+        if kept_x.size < _MIN_SAMPLES or deviation <= 0.0:
+            return _NO_CHANGE
+        gain = float(kept_y.std()) / deviation
+        offset = float(kept_y.mean() - gain * kept_x.mean())
+    return (gain, offset) if 0.2 < gain < 5.0 else _NO_CHANGE
+
+
+def equalised(image: GreyImage, gain: float, offset: float) -> GreyImage:
+    """The image as it would be with gain 1 and offset 0; itself where the difference is below a grey level's rounding."""
+    if abs(gain - 1.0) < 0.002 and abs(offset) < 0.3:
+        return image
+    table = np.clip(np.rint((np.arange(256) - offset) / gain), 0, 255).astype(np.uint8)
+    return np.asarray(cv2.LUT(image, table), dtype=np.uint8)

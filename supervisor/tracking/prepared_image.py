@@ -1,0 +1,70 @@
+"""An image as the tracker uses it: a copy of its own, a small one for coarse questions, and a measure of sharpness."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+SmallImage = NDArray[np.float32]
+GreyImage = NDArray[np.uint8]
+
+MIN_SIDE_PX = 32
+_COARSE_SIDE_PX = 120  # small enough to cost little, large enough that a shift is found to a few px
+
+
+@dataclass(frozen=True, slots=True)
+class PreparedImage:
+    """grey: the image, pre-blurred where that is configured, shape (height, width), uint8; owned.
+
+    coarse: the image averaged over squares of `reduction` px, float32
+    mean, contrast: mean and standard deviation of the coarse image, grey levels
+    sharpness: largest eigenvalue of the coarse image's mean structure tensor over its variance, 1/px^2: independent
+    of gain and offset; the larger eigenvalue, because motion blur leaves the gradients across the motion
+    """
+
+    grey: GreyImage
+    coarse: SmallImage
+    reduction: int
+    mean: float
+    contrast: float
+    sharpness: float
+
+
+def is_image(image: object) -> bool:
+    """Whether this is a grey image that the tracker takes: uint8, two-dimensional, at least 32 px either way."""
+    return (
+        isinstance(image, np.ndarray)
+        and image.dtype == np.uint8
+        and image.ndim == 2
+        and min(image.shape) >= MIN_SIDE_PX
+    )
+
+
+def prepared(image: GreyImage, blur_sigma_px: float) -> PreparedImage:
+    """Copy an image, blurred by a Gaussian if blur_sigma_px > 0, and take its small version and statistics."""
+    grey = cv2.GaussianBlur(image, (0, 0), blur_sigma_px) if blur_sigma_px > 0.0 else image.copy()
+    height, width = grey.shape
+    reduction = max(1, round(min(height, width) / _COARSE_SIDE_PX))
+    small = cv2.resize(grey, (width // reduction, height // reduction), interpolation=cv2.INTER_AREA)
+    coarse = small.astype(np.float32)
+    mean, deviation = cv2.meanStdDev(coarse)
+    contrast = float(deviation[0, 0])
+    return PreparedImage(
+        grey=np.asarray(grey, dtype=np.uint8),
+        coarse=coarse,
+        reduction=reduction,
+        mean=float(mean[0, 0]),
+        contrast=contrast,
+        sharpness=_sharpness(coarse, contrast),
+    )
+
+
+def _sharpness(coarse: SmallImage, contrast: float) -> float:
+    if contrast <= 0.0:
+        return 0.0
+    x = coarse[:-1, 1:] - coarse[:-1, :-1]
+    y = coarse[1:, :-1] - coarse[:-1, :-1]
+    xx, yy, xy = (float(np.vdot(a, b)) / x.size for a, b in ((x, x), (y, y), (x, y)))
+    largest = 0.5 * (xx + yy) + float(np.hypot(0.5 * (xx - yy), xy))
+    return largest / contrast**2

@@ -1,0 +1,212 @@
+"""The tracker: one grey image after another in, the displacement of the static scene out. docs/tracking.md explains.
+
+It never invents a number: an image in which the scene of a key frame is not found is flagged, with NaN. After a gap the
+search goes on in every image, among all key frames, and what is found is on the same origin as before. A scene that
+replaces the old one is JUMPED for as long as it stays: how far the camera moved across a cut cannot be known from
+images, and a position that is carried on by guesswork would be taken for a measurement by a controller. restart() sets
+a new origin when an operator wants one. The one exception: a first frame that no second one ever confirmed is not
+an origin (cameras deliver a half-exposed or a test image first), and is replaced after UNCONFIRMED_FRAMES.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from common.configuration import Tracker
+from common.visual_sample import TrackingStatus
+from supervisor.tracking.coarse_search import coarse_shift, overlap_correlation
+from supervisor.tracking.displacement import Displacement
+from supervisor.tracking.image_quality import image_quality, is_frozen
+from supervisor.tracking.key_frame import KeyFrame, KeyFrames, take_key_frame
+from supervisor.tracking.measurement import Measurement, measure
+from supervisor.tracking.pose import Pose, extrapolated, pose_since, total_pose
+from supervisor.tracking.prepared_image import GreyImage, PreparedImage, is_image, prepared
+
+UNCONFIRMED_FRAMES = 5
+COASTING_FRAMES = 3  # for how many lost frames constant velocity is still a fair guess
+SAME_SCENE = 0.4  # correlation of the overlap, above which a coarse shift is worth trying
+NOT_SAME_SCENE = 0.25  # below this with every key frame that was tried, the scene is another
+DEFOCUSED = 0.35  # of the first sharpness: what was lost in such an image was lost to blur
+STEADY_LEVELS = 1  # pyramid levels that bridge the error of a good prediction (to 10 px and more)
+POOR_AGREEMENT = 0.5  # of the features in view: below this for POOR_FRAMES, fresh features are wanted
+POOR_FRAMES = 5
+RETRY_FRAMES = 10  # before a key frame that could not be taken up is tried again
+_ORIGIN = Pose(0.0, 0.0, 0.0)
+
+
+class FeatureTracker:
+    """Tracks features against key frames. Deterministic: the same images give the same numbers."""
+
+    def __init__(self, config: Tracker) -> None:
+        """config: section [supervisor.tracker] of the configuration."""
+        self._config = config
+        self._margin = config.window_px // 2
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything: the next good image is the origin."""
+        self._previous: GreyImage | None = None
+        self._shape: tuple[int, ...] | None = None
+        self._forget_scene()
+
+    def _forget_scene(self) -> None:
+        self._keys = KeyFrames(self._margin)
+        self._key: KeyFrame | None = None
+        self._serial = 0
+        self._reference_sharpness = 0.0
+        self._last: PreparedImage | None = None
+        self._last_pose = _ORIGIN
+        self._before_pose = _ORIGIN
+        self._lost = 0  # frames since the last measurement
+        self._measured = 0
+        self._poor = 0
+        self._wait = 0
+        self._turn = 0
+
+    @property
+    def key_frames(self) -> int:
+        """How many key frames are kept."""
+        return len(self._keys.frames)
+
+    def track(self, image: GreyImage | None) -> Displacement:
+        """Measure one image: grey, uint8, shape (height, width), the same shape every time. Never raises."""
+        if image is None or not is_image(image) or (self._shape is not None and image.shape != self._shape):
+            return self._none(TrackingStatus.NO_IMAGE)
+        if is_frozen(image, self._previous):
+            return self._none(TrackingStatus.FROZEN)
+        self._previous = image.copy()
+        current = prepared(image, self._config.blur_sigma_px)
+        quality = image_quality(current, self._reference_sharpness)
+        if quality != TrackingStatus.MEASURED:
+            return self._none(quality)
+        if self._key is None:
+            return self._begin(current)
+        found = self._locate(current, self._key)
+        if found.status != TrackingStatus.MEASURED:
+            if self._measured == 1 and self._lost + 1 >= UNCONFIRMED_FRAMES:
+                self._forget_scene()
+                return self._begin(current)
+            return self._none(found.status, found.features, found.inliers)
+        found = self._hand_over(current, found)
+        self._remember(current, found.pose)
+        x, y, rotation = found.pose
+        return Displacement(found.status, x, y, rotation, found.covariance, found.features, found.inliers)
+
+    def _none(self, status: TrackingStatus, features: int = 0, inliers: int = 0) -> Displacement:
+        self._lost += 1
+        return Displacement(status, features=features, inliers=inliers)
+
+    def _begin(self, current: PreparedImage) -> Displacement:
+        key = self._new_key(current, _ORIGIN, np.zeros((3, 3)))
+        count = len(key.points)
+        if count < self._config.min_inliers:
+            return self._none(TrackingStatus.BLANK, features=count)
+        self._shape = current.grey.shape
+        self._reference_sharpness = current.sharpness
+        self._take_up(key)
+        self._remember(current, _ORIGIN)
+        return Displacement(TrackingStatus.MEASURED, 0.0, 0.0, 0.0, np.zeros((3, 3)), count, count)
+
+    def _remember(self, current: PreparedImage, pose: Pose) -> None:
+        steady = self._lost == 0 and self._measured > 0
+        self._before_pose = self._last_pose if steady else pose
+        self._last_pose = pose
+        self._last = current
+        self._lost = 0
+        self._measured += 1
+
+    def _locate(self, current: PreparedImage, key: KeyFrame) -> Measurement:
+        config = self._config
+        frames = self._lost + 1
+        coasting = frames <= COASTING_FRAMES
+        predicted = extrapolated(self._before_pose, self._last_pose, frames) if coasting else self._last_pose
+        if self._keys.leaves(key, predicted):
+            key = self._keys.most_in_view(predicted)
+        if frames == 1 and config.levels > STEADY_LEVELS:
+            found = measure(key, current, predicted, config, STEADY_LEVELS)
+            if found.status == TrackingStatus.MEASURED:
+                return found
+        found = measure(key, current, predicted, config, config.levels)
+        if found.status == TrackingStatus.MEASURED:
+            return found
+        best = self._correlation(key, current, predicted)
+        for guess, correlation in self._guesses(current, key):
+            best = max(best, correlation)
+            if correlation >= SAME_SCENE:
+                again = measure(self._keys.most_in_view(guess), current, guess, config, config.levels)
+                if again.status == TrackingStatus.MEASURED:
+                    return again
+        status = found.status
+        if current.sharpness < DEFOCUSED * self._reference_sharpness:
+            status = TrackingStatus.BLURRED
+        elif best < NOT_SAME_SCENE:
+            status = TrackingStatus.JUMPED
+        return Measurement(status, key, predicted, found.covariance, found.features, found.inliers)
+
+    def _correlation(self, key: KeyFrame, current: PreparedImage, pose: Pose) -> float:
+        since, reduction = pose_since(key.pose, pose), current.reduction
+        return overlap_correlation(
+            key.image.coarse, current.coarse, round(since.x / reduction), round(since.y / reduction)
+        )
+
+    def _guesses(self, current: PreparedImage, key: KeyFrame) -> Iterator[tuple[Pose, float]]:
+        """Coarse poses: against the last image that was measured, the present key frame, and one other in turn."""
+        references = [(key.image, key.pose)]
+        if self._last is not None and self._last is not key.image:
+            references.insert(0, (self._last, self._last_pose))
+        others = [f for f in self._keys.frames if f is not key]
+        if others:
+            self._turn = (self._turn + 1) % len(others)
+            references.append((others[self._turn].image, others[self._turn].pose))
+        for image, pose in references:
+            shift = coarse_shift(image.coarse, current.coarse)
+            since = Pose(shift.x * current.reduction, shift.y * current.reduction, 0.0)
+            yield total_pose(pose, since), shift.correlation
+
+    def _hand_over(self, current: PreparedImage, found: Measurement) -> Measurement:
+        """Choose the key frame for the images to come; the measurement changes only when an older one is taken up."""
+        self._poor = self._poor + 1 if found.inliers < POOR_AGREEMENT * found.features else 0
+        self._wait = max(0, self._wait - 1)
+        self._key = found.key
+        leaving = self._keys.leaves(found.key, found.pose)
+        if self._poor >= POOR_FRAMES or leaving:
+            candidate = self._keys.best_other(found.key, found.pose) if self._wait == 0 else None
+            again = self._tried(candidate, current, found)
+            if again is not None:
+                return again
+            self._poor = 0
+            self._take_up(self._new_key(current, found.pose, found.covariance))
+        elif self._wait == 0:
+            again = self._tried(self._keys.older(found.key, found.pose), current, found)
+            if again is not None:
+                return again
+        return found
+
+    def _tried(self, key: KeyFrame | None, current: PreparedImage, found: Measurement) -> Measurement | None:
+        if key is None:
+            return None
+        again = measure(key, current, found.pose, self._config, STEADY_LEVELS)
+        if again.status != TrackingStatus.MEASURED or again.inliers < POOR_AGREEMENT * again.features:
+            self._wait = RETRY_FRAMES
+            return None
+        self._key, self._poor = key, 0
+        return again
+
+    def _new_key(self, current: PreparedImage, pose: Pose, covariance: np.ndarray) -> KeyFrame:
+        return take_key_frame(current, pose, covariance, self._serial, self._config.features, self._margin + 1)
+
+    def _take_up(self, key: KeyFrame) -> None:
+        if len(key.points) < self._config.min_inliers:
+            return
+        self._serial += 1
+        self._keys.add(key)
+        self._key = key
+
+
+def warm_up(config: Tracker, width_px: int, height_px: int) -> None:
+    """Track three images of noise: the first call of each OpenCV function takes 15 to 22 ms, which no cycle should."""
+    noise = np.random.default_rng(0).integers(0, 256, (height_px, width_px), dtype=np.uint8)
+    tracker = FeatureTracker(config)
+    for shift in (0, 1, 2):
+        tracker.track(np.roll(noise, shift, axis=1))
+    tracker.track(noise[::-1])
