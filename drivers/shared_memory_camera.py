@@ -1,0 +1,106 @@
+"""A camera whose frames come from another process, through a ring of images in shared memory."""
+
+import time
+from collections.abc import Callable
+
+from common.user_error import UserError
+from drivers.camera import Frame
+from drivers.frame_ring import FrameRingReader
+
+_POLL_S = 0.0004
+_LOOK_FOR_RESTART_S = 0.1  # a look at the file system is dearer than one at the ring
+_ASK_AGAIN_S = 1.0  # a request that went unanswered for so long is lost
+
+
+class SharedMemoryCamera:
+    """Frames from another process; implements drivers.camera.Camera.
+
+    When the provider restarts, its new ring is opened as soon as it is there, and read from its first frame
+    on; while it is away or stalled, read() times out. A triggered provider is asked for one frame for each
+    one taken, so that `in_flight` requests are open at any time.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        in_flight: int = 1,
+        wait_s: float = 10.0,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        """Read the ring `name`; start() waits up to `wait_s` for it. Opens nothing yet."""
+        self._name = name
+        self._in_flight = in_flight
+        self._wait_s = wait_s
+        self._clock = clock
+        self._sleep = sleep
+        self._ring: FrameRingReader | None = None
+        self._started = False
+        self._look_at_s = 0.0
+        self._last_frame_s = 0.0
+        self._lost_before = 0
+
+    @property
+    def lost(self) -> int:
+        """How many frames were overwritten before they were read."""
+        return self._lost_before + (self._ring.lost if self._ring is not None else 0)
+
+    def start(self) -> None:
+        """Open the ring; frames already in it are passed over. Raises UserError when it does not appear."""
+        try:
+            ring = FrameRingReader(self._name, wait_s=self._wait_s, from_newest=True)
+        except UserError:
+            raise UserError(
+                f"camera.device = {self._name!r}: no process offered frames under this name within "
+                f"{self._wait_s:g} s; start it (the simulated rig: `stillarm rig`), or correct camera.device"
+            ) from None
+        self._use(ring)
+        self._started = True
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame in order; None when none came within `timeout_s`. Its image lasts until the next."""
+        if not self._started:
+            raise RuntimeError("read() before start()")
+        deadline = self._clock() + timeout_s
+        while True:
+            frame = self._ring.take() if self._ring is not None else None
+            now = self._clock()
+            if frame is not None and self._ring is not None:
+                self._last_frame_s = now
+                self._ring.request(1)
+                return frame
+            if now >= self._look_at_s:
+                self._look_at_s = now + _LOOK_FOR_RESTART_S
+                self._reopen_if_replaced()
+            if self._ring is not None and now >= self._last_frame_s + _ASK_AGAIN_S:
+                self._last_frame_s = now
+                self._ring.request(self._in_flight)
+            if now >= deadline:
+                return None
+            self._sleep(min(_POLL_S, deadline - now))
+
+    def close(self) -> None:
+        """Release the memory; may be called twice."""
+        self._started = False
+        self._drop()
+
+    def _reopen_if_replaced(self) -> None:
+        if self._ring is not None and self._ring.replaced():
+            self._drop()
+        if self._ring is None:
+            try:
+                self._use(FrameRingReader(self._name))
+            except UserError:  # not there yet: the read times out, and looks again later
+                return
+
+    def _use(self, ring: FrameRingReader) -> None:
+        self._ring = ring
+        self._last_frame_s = self._clock()
+        ring.request(self._in_flight)
+
+    def _drop(self) -> None:
+        if self._ring is not None:
+            self._lost_before += self._ring.lost
+            self._ring.close()
+            self._ring = None
