@@ -20,7 +20,8 @@ class Supervisor:
         self._arrived = 0
 
     def step(self, frame: Frame, started_cycle: int) -> VisualSample:
-        """Track one frame. started_cycle: n_i, the controller's timestamp when this cycle began; -1 if none yet.
+        """Track one frame. started_cycle: n_i, the controller's timestamp when this cycle began; -1 if none
+        yet.
 
         The sample's frame is the camera's counter; without one, the count of arrivals, from 0.
         """

@@ -1,1 +1,2 @@
-"""Feature tracking against key frames: images in, displacements with covariance out. Pure; docs/tracking.md explains."""
+"""Feature tracking against key frames: images in, displacements with covariance out. Pure; docs/tracking.md
+explains."""

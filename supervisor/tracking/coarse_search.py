@@ -1,6 +1,7 @@
 """Where the scene is, to a few px, when prediction has failed: phase correlation of small images.
 
-Kuglin and Hines 1975. The shift it gives is known up to the image's size; each of the possible ones is judged by the normalised
+Kuglin and Hines 1975. The shift it gives is known up to the image's size; each of the possible ones is
+judged by the normalised
 correlation of what both images then see, and the best is only a start: Lucas-Kanade has to confirm it.
 """
 
@@ -13,7 +14,9 @@ import numpy as np
 from supervisor.tracking.photometry import overlapping
 from supervisor.tracking.prepared_image import SmallImage
 
-_MIN_OVERLAP = 0.12  # of the image: with less, the correlation of two unlike scenes is high by chance too often
+_MIN_OVERLAP = (
+    0.12  # of the image: with less, the correlation of two unlike scenes is high by chance too often
+)
 
 
 class CoarseShift(NamedTuple):

@@ -15,10 +15,11 @@ _SPACING = 0.65  # of the spacing of a square grid with as many points
 
 
 def spread_corners(image: GreyImage, count: int, margin_px: int) -> Points:
-    """Up to `count` corners, strongest first, shape (n, 2) as x, y in px, no nearer to the border than margin_px.
+    """Up to `count` corners, strongest first, shape (n, 2) as x, y in px, no nearer to the border than
+    margin_px.
 
-    Shi and Tomasi, Good features to track, CVPR 1994. A minimal distance between corners spreads them: rotation needs
-    a lever, and an occluder or a bright lamp must not hold most of them.
+    Shi and Tomasi, Good features to track, CVPR 1994. A minimal distance between corners spreads them:
+    rotation needs a lever, and an occluder or a bright lamp must not hold most of them.
     """
     height, width = image.shape
     inner = image[margin_px : height - margin_px, margin_px : width - margin_px]

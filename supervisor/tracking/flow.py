@@ -1,4 +1,5 @@
-"""Pyramidal Lucas-Kanade from a key frame to the present, with a predicted start and a forward-backward check."""
+"""Pyramidal Lucas-Kanade from a key frame to the present, with a predicted start and a forward-backward
+check."""
 
 import cv2
 import numpy as np
@@ -37,21 +38,25 @@ def matched_points(
     levels: int,
     forward_backward_px: float,
 ) -> tuple[Points, NDArray[np.bool_]]:
-    """Where `points` of `key`, shape (n, 2), are in `image`, and which of them came back to where they started.
+    """Where `points` of `key`, shape (n, 2), are in `image`, and which of them came back to where they
+    started.
 
-    The way back starts at the prediction's inverse, not at the answer, or a wrong match would confirm itself. Windows
-    that reach over the border would read mirrored pixels: such points are not taken.
+    The way back starts from the median motion of all points, not from where the point itself came from, or a
+    wrong match would confirm itself; so near, the finest level is enough. Windows that reach over the border
+    would read
+    mirrored pixels: such points are not taken.
     """
     window = (window_px, window_px)
     flags = cv2.OPTFLOW_USE_INITIAL_FLOW
     ahead, found, _ = cv2.calcOpticalFlowPyrLK(
         key, image, points, predicted.copy(), winSize=window, maxLevel=levels, criteria=_CRITERIA, flags=flags
     )
-    start = ahead - (predicted - points)
-    back, returned, _ = cv2.calcOpticalFlowPyrLK(
-        image, key, ahead, start.copy(), winSize=window, maxLevel=levels, criteria=_CRITERIA, flags=flags
-    )
     moved = np.asarray(ahead, dtype=np.float32).reshape(-1, 2)
+    missed = np.median((moved - predicted)[found.ravel() == 1], axis=0) if found.any() else np.zeros(2)
+    start = moved - (predicted - points) - missed.astype(np.float32)
+    back, returned, _ = cv2.calcOpticalFlowPyrLK(
+        image, key, moved, start, winSize=window, maxLevel=0, criteria=_CRITERIA, flags=flags
+    )
     astray = np.abs(np.asarray(back).reshape(-1, 2) - points).max(axis=1)
     good = (found.ravel() == 1) & (returned.ravel() == 1) & (astray <= forward_backward_px)
     good &= np.isfinite(moved).all(axis=1) & inside(moved, image.shape, window_px // 2)

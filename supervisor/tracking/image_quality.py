@@ -14,7 +14,8 @@ BLURRED_SHARPNESS = 0.06  # of the sharpness of the first key frame
 
 
 def is_frozen(image: GreyImage, previous: GreyImage | None) -> bool:
-    """Whether an image is the previous one to the bit: no real sensor gives that twice, a stuck buffer does."""
+    """Whether an image is the previous one to the bit: no real sensor gives that twice, a stuck buffer
+    does."""
     return previous is not None and np.array_equal(image, previous)
 
 

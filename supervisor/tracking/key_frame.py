@@ -1,8 +1,9 @@
 """Key frames: what is tracked against, and which one to use.
 
-A key frame's pose is the displacement measured in the very frame it was taken from, so changing to it makes no step. That
-measurement's error stays in it: along n key frames the error walks as the square root of n, and the key frame's
-covariance says so. Therefore few are taken, as far apart as the view allows, and an older one, whose error is smaller,
+A key frame's pose is the displacement measured in the very frame it was taken from, so changing to it makes
+no step. That measurement's error stays in it: along n key frames the error walks as the square root of n,
+and the key frame's covariance says so. Therefore few are taken, as far apart as the view allows, and an
+older one, whose error is smaller,
 is taken up again as soon as enough of it is in view: the same pose then gives the same number.
 """
 
@@ -19,14 +20,17 @@ from supervisor.tracking.prepared_image import PreparedImage
 
 MAX_KEY_FRAMES = 24
 LEAVE_VIEW = 0.5  # share of a key frame's features in view, below which another is wanted
-RETURN_VIEW = 0.7  # share in view at which an older one is taken up again; the gap keeps them from alternating
+RETURN_VIEW = (
+    0.7  # share in view at which an older one is taken up again; the gap keeps them from alternating
+)
 LEAVE_ROTATION_RAD = 0.2  # beyond this, square windows no longer match well
 RETURN_ROTATION_RAD = 0.12
 
 
 @dataclass(frozen=True, slots=True)
 class KeyFrame:
-    """image: as prepared; points: its features, (n, 2) px; pose: since the first frame; covariance: of the pose, (3, 3).
+    """image: as prepared; points: its features, (n, 2) px; pose: since the first frame; covariance: of the
+    pose, (3, 3).
 
     serial: how many were taken before it.
     """
@@ -44,7 +48,8 @@ class KeyFrame:
         return 0.5 * (width - 1), 0.5 * (height - 1)
 
     def predicted_points(self, pose: Pose) -> Points:
-        """Where the features are in the image, (n, 2) px, when the scene is at `pose` (since the first frame)."""
+        """Where the features are in the image, (n, 2) px, when the scene is at `pose` (since the first
+        frame)."""
         since = pose_since(self.pose, pose)
         x0, y0 = self.centre
         x, y = self.points[:, 0] - x0, self.points[:, 1] - y0
@@ -81,7 +86,8 @@ class KeyFrames:
         self.frames: list[KeyFrame] = []
 
     def add(self, frame: KeyFrame) -> None:
-        """Keep a key frame. When there are too many, the one (not the first) nearest in pose to another one goes."""
+        """Keep a key frame. When there are too many, the one (not the first) nearest in pose to another one
+        goes."""
         self.frames.append(frame)
         if len(self.frames) <= MAX_KEY_FRAMES:
             return
@@ -101,8 +107,16 @@ class KeyFrames:
         return None
 
     def best_other(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
-        """The oldest key frame other than `current` that is well in view at `pose`; None when there is none."""
+        """The oldest key frame other than `current` that is well in view at `pose`; None when there is
+        none."""
         return next((f for f in self.frames if f is not current and self._usable(f, pose)), None)
+
+    def surest(self, current: KeyFrame, pose: Pose, view: float) -> KeyFrame | None:
+        """The key frame with the smallest variance, other than `current`, of which at least `view` is seen
+        at `pose`."""
+        seen = (f for f in self.frames if f is not current and f.view(pose, self._margin) >= view)
+        seen = (f for f in seen if f.turned_by(pose) < LEAVE_ROTATION_RAD)
+        return min(seen, key=lambda f: float(np.trace(f.covariance[:2, :2])), default=None)
 
     def most_in_view(self, pose: Pose) -> KeyFrame:
         """The key frame that sees most at `pose`; the older one of equals. Needs at least one."""

@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from supervisor.tracking.prepared_image import GreyImage, SmallImage
 
-_MAX_SAMPLES = 3000
+_MAX_SAMPLES = 1200
 _MIN_SAMPLES = 64
+_MIN_SPREAD = 0.5  # grey levels: less is no texture to compare
 _NO_CHANGE = 1.0, 0.0
 
 
 def overlapping(a: SmallImage, b: SmallImage, shift_x: int, shift_y: int) -> tuple[SmallImage, SmallImage]:
-    """The parts of two images of one shape that see the same, when b shows a's scene moved by the shift, in px."""
+    """The parts of two images of one shape that see the same, when b shows a's scene moved by the shift, in
+    px."""
     height, width = a.shape
     x0, x1 = max(0, shift_x), min(width, width + shift_x)
     y0, y1 = max(0, shift_y), min(height, height + shift_y)
@@ -27,35 +29,41 @@ def overlapping(a: SmallImage, b: SmallImage, shift_x: int, shift_y: int) -> tup
 def gain_and_offset(key: SmallImage, image: SmallImage, shift_x: int, shift_y: int) -> tuple[float, float]:
     """gain, offset such that image = gain * key + offset over what both see, without pixels that disagree.
 
-    The gain is the ratio of the standard deviations, not a regression's slope, which a shift that is a little off
-    would lower. (1, 0) when the images share too little.
+    The gain is the ratio of the standard deviations, not a regression's slope, which a shift that is a
+    little off would lower. (1, 0) when the images share too little.
     """
     a, b = overlapping(key, image, shift_x, shift_y)
     step = max(1, int(np.sqrt(a.size / _MAX_SAMPLES)))
-    x: NDArray[np.float32] = a[::step, ::step].ravel()
-    y: NDArray[np.float32] = b[::step, ::step].ravel()
+    x: NDArray[np.float64] = a[::step, ::step].astype(np.float64).ravel()
+    y: NDArray[np.float64] = b[::step, ::step].astype(np.float64).ravel()
     if x.size < _MIN_SAMPLES:
         return _NO_CHANGE
-    median_x, median_y = np.median(x), np.median(y)
-    spread = float(np.median(np.abs(x - median_x)))
-    if spread <= 0.0:
+    median_x, median_y = _median(x), _median(y)
+    spread_x, spread_y = _median(np.abs(x - median_x)), _median(np.abs(y - median_y))
+    if min(spread_x, spread_y) < _MIN_SPREAD:
         return _NO_CHANGE
-    gain = float(np.median(np.abs(y - median_y))) / spread
-    offset = float(median_y - gain * median_x)
+    gain = spread_y / spread_x
+    offset = median_y - gain * median_x
     for _ in range(2):
         residual = np.abs(y - gain * x - offset)
-        agree = residual <= max(4.0 * float(np.median(residual)), 2.0)
+        agree = residual <= max(4.0 * _median(residual), 2.0)
         kept_x, kept_y = x[agree], y[agree]
-        deviation = float(kept_x.std())
-        if kept_x.size < _MIN_SAMPLES or deviation <= 0.0:
+        deviation = float(kept_x.std()) if kept_x.size >= _MIN_SAMPLES else 0.0
+        if deviation < _MIN_SPREAD:
             return _NO_CHANGE
         gain = float(kept_y.std()) / deviation
         offset = float(kept_y.mean() - gain * kept_x.mean())
     return (gain, offset) if 0.2 < gain < 5.0 else _NO_CHANGE
 
 
+def _median(values: NDArray[np.float64]) -> float:
+    middle = values.size // 2
+    return float(np.partition(values, middle)[middle])
+
+
 def equalised(image: GreyImage, gain: float, offset: float) -> GreyImage:
-    """The image as it would be with gain 1 and offset 0; itself where the difference is below a grey level's rounding."""
+    """The image as it would be with gain 1 and offset 0; itself where the difference is below a grey level's
+    rounding."""
     if abs(gain - 1.0) < 0.002 and abs(offset) < 0.3:
         return image
     table = np.clip(np.rint((np.arange(256) - offset) / gain), 0, 255).astype(np.uint8)

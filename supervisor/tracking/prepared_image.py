@@ -1,4 +1,5 @@
-"""An image as the tracker uses it: a copy of its own, a small one for coarse questions, and a measure of sharpness."""
+"""An image as the tracker uses it: a copy of its own, a small one for coarse questions, and a measure of
+sharpness."""
 
 from dataclasses import dataclass
 
@@ -19,8 +20,9 @@ class PreparedImage:
 
     coarse: the image averaged over squares of `reduction` px, float32
     mean, contrast: mean and standard deviation of the coarse image, grey levels
-    sharpness: largest eigenvalue of the coarse image's mean structure tensor over its variance, 1/px^2: independent
-    of gain and offset; the larger eigenvalue, because motion blur leaves the gradients across the motion
+    sharpness: largest eigenvalue of the coarse image's mean structure tensor over its variance, 1/px^2:
+    independent of gain and offset; the larger eigenvalue, because motion blur leaves the gradients across
+    the motion
     """
 
     grey: GreyImage
@@ -32,7 +34,8 @@ class PreparedImage:
 
 
 def is_image(image: object) -> bool:
-    """Whether this is a grey image that the tracker takes: uint8, two-dimensional, at least 32 px either way."""
+    """Whether this is a grey image that the tracker takes: uint8, two-dimensional, at least 32 px either
+    way."""
     return (
         isinstance(image, np.ndarray)
         and image.dtype == np.uint8
@@ -42,12 +45,11 @@ def is_image(image: object) -> bool:
 
 
 def prepared(image: GreyImage, blur_sigma_px: float) -> PreparedImage:
-    """Copy an image, blurred by a Gaussian if blur_sigma_px > 0, and take its small version and statistics."""
+    """Copy an image, blurred by a Gaussian if blur_sigma_px > 0, and take its small version and
+    statistics."""
     grey = cv2.GaussianBlur(image, (0, 0), blur_sigma_px) if blur_sigma_px > 0.0 else image.copy()
-    height, width = grey.shape
-    reduction = max(1, round(min(height, width) / _COARSE_SIDE_PX))
-    small = cv2.resize(grey, (width // reduction, height // reduction), interpolation=cv2.INTER_AREA)
-    coarse = small.astype(np.float32)
+    reduction = max(1, round(min(grey.shape) / _COARSE_SIDE_PX))
+    coarse = reduced(np.asarray(grey, dtype=np.uint8), reduction).astype(np.float32)
     mean, deviation = cv2.meanStdDev(coarse)
     contrast = float(deviation[0, 0])
     return PreparedImage(
@@ -58,6 +60,16 @@ def prepared(image: GreyImage, blur_sigma_px: float) -> PreparedImage:
         contrast=contrast,
         sharpness=_sharpness(coarse, contrast),
     )
+
+
+def reduced(grey: GreyImage, factor: int) -> GreyImage:
+    """The image averaged over squares of `factor` px; itself for 1. Pixel x of it is at factor * (x + 0.5) -
+    0.5."""
+    if factor == 1:
+        return grey
+    height, width = grey.shape[0] // factor, grey.shape[1] // factor
+    whole = grey[: height * factor, : width * factor]
+    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def _sharpness(coarse: SmallImage, contrast: float) -> float:

@@ -4,8 +4,10 @@
     weight_k = (1 - (|residual_k| / (c s))^2)^2 inside c s, 0 outside,      c = 4.6851
     s = 1.4826 MAD of the residuals' components about their median, no smaller than a floor in px
 
-Each weighted least-squares step is solved in closed form (weighted Procrustes). Tukey's weights have local minima, so
-the start comes from the least median of squares over two-point hypotheses (Rousseeuw 1984), in a fixed order.
+Each weighted least-squares step is solved in closed form (weighted Procrustes). Tukey's weights have local
+minima, so
+the start matters: the median motion with the rotation that was expected, where the points scatter little
+about it; else the least median of squares over two-point hypotheses (Rousseeuw 1984), in a fixed order.
 """
 
 from dataclasses import dataclass
@@ -18,8 +20,10 @@ Vectors = NDArray[np.float64]
 TUKEY = 4.6851
 MAD_TO_STD = 1.4826
 SCALE_FLOOR_PX = 0.02
+_GOOD_START_PX = 0.5
 _ITERATIONS = 12
 _HYPOTHESES = 60
+_STILL_PX = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,27 +43,29 @@ class RigidFit:
         return int(np.count_nonzero(self.weights > 0.1))
 
 
-def fit_rigid(points: Vectors, moved: Vectors, scale_floor_px: float = SCALE_FLOOR_PX) -> RigidFit | None:
+def fit_rigid(
+    points: Vectors, moved: Vectors, expected_rotation: float = 0.0, scale_floor_px: float = SCALE_FLOOR_PX
+) -> RigidFit | None:
     """Fit dx, dy and rotation; points and moved: shape (n, 2), px, about the image's centre.
 
     None with fewer than 3 points, or when those that agree do not determine a displacement.
     """
     if len(points) < 3:
         return None
-    rotation, shift = _start(points, moved)
+    rotation, shift = _expected_start(points, moved, expected_rotation)
     weights = np.ones(len(points))
     scale = scale_floor_px
+    reach = float(np.abs(points).max())
     for _ in range(_ITERATIONS):
         residual = _residual(points, moved, rotation, shift)
-        deviation = np.abs(residual - np.median(residual, axis=0))
-        scale = max(MAD_TO_STD * float(np.median(deviation)), scale_floor_px)
-        ratio = np.einsum("ij,ij->i", residual, residual) / (TUKEY * scale) ** 2
-        weights = np.where(ratio < 1.0, (1.0 - ratio) ** 2, 0.0)
+        scale = max(MAD_TO_STD * _median(np.abs(residual - _medians(residual)).ravel()), scale_floor_px)
+        ratio = (residual[:, 0] ** 2 + residual[:, 1] ** 2) / (TUKEY * scale) ** 2
+        weights = np.maximum(1.0 - ratio, 0.0) ** 2
         if np.count_nonzero(weights) < 3:
             return None
         before = rotation, shift
         rotation, shift = _weighted_least_squares(points, moved, weights)
-        if abs(rotation - before[0]) < 1e-9 and np.abs(shift - before[1]).max() < 1e-6:
+        if abs(rotation - before[0]) * reach + float(np.abs(shift - before[1]).max()) < _STILL_PX:
             break
     covariance = _covariance(points, moved, rotation, shift, weights, scale_floor_px)
     if covariance is None:
@@ -76,7 +82,26 @@ def _residual(points: Vectors, moved: Vectors, rotation: float, shift: Vectors) 
     return np.asarray(moved - _turned(points, rotation) - shift)
 
 
-def _start(points: Vectors, moved: Vectors) -> tuple[float, Vectors]:
+def _median(values: Vectors) -> float:
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle])
+
+
+def _medians(vectors: Vectors) -> Vectors:
+    ordered = np.sort(vectors, axis=0)
+    n = len(vectors)
+    return np.asarray(0.5 * (ordered[(n - 1) // 2] + ordered[n // 2]))
+
+
+def _expected_start(points: Vectors, moved: Vectors, rotation: float) -> tuple[float, Vectors]:
+    residual = moved - _turned(points, rotation)
+    shift = _medians(residual)
+    if _median(np.abs(residual - shift).max(axis=1)) <= _GOOD_START_PX:
+        return rotation, shift
+    return _least_median_start(points, moved)
+
+
+def _least_median_start(points: Vectors, moved: Vectors) -> tuple[float, Vectors]:
     n = len(points)
     k = np.arange(_HYPOTHESES)
     a = k % n

@@ -1,21 +1,25 @@
-"""The tracker: one grey image after another in, the displacement of the static scene out. docs/tracking.md explains.
+"""The tracker: one grey image after another in, the displacement of the static scene out. docs/tracking.md
+explains.
 
-It never invents a number: an image in which the scene of a key frame is not found is flagged, with NaN. After a gap the
-search goes on in every image, among all key frames, and what is found is on the same origin as before. A scene that
-replaces the old one is JUMPED for as long as it stays: how far the camera moved across a cut cannot be known from
-images, and a position that is carried on by guesswork would be taken for a measurement by a controller. restart() sets
-a new origin when an operator wants one. The one exception: a first frame that no second one ever confirmed is not
-an origin (cameras deliver a half-exposed or a test image first), and is replaced after UNCONFIRMED_FRAMES.
+It never invents a number: an image in which the scene of a key frame is not found is flagged, with NaN.
+After a gap the search goes on in every image, among all key frames, and what is found is on the same origin
+as before. A scene that
+replaces the old one is JUMPED for as long as it stays: how far the camera moved across a cut cannot be known
+from images, and a position that is carried on by guesswork would be taken for a measurement by a controller.
+restart() sets a new origin when an operator wants one. The one exception: a first frame that no second one
+ever confirmed is not an origin (cameras deliver a half-exposed or a test image first), and is replaced after
+UNCONFIRMED_FRAMES.
 """
 
 from collections.abc import Iterator
+from math import hypot, inf
 
 import numpy as np
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
 from supervisor.tracking.coarse_search import coarse_shift, overlap_correlation
-from supervisor.tracking.displacement import Displacement
+from supervisor.tracking.displacement import Displacement, Matrix
 from supervisor.tracking.image_quality import image_quality, is_frozen
 from supervisor.tracking.key_frame import KeyFrame, KeyFrames, take_key_frame
 from supervisor.tracking.measurement import Measurement, measure
@@ -27,10 +31,14 @@ COASTING_FRAMES = 3  # for how many lost frames constant velocity is still a fai
 SAME_SCENE = 0.4  # correlation of the overlap, above which a coarse shift is worth trying
 NOT_SAME_SCENE = 0.25  # below this with every key frame that was tried, the scene is another
 DEFOCUSED = 0.35  # of the first sharpness: what was lost in such an image was lost to blur
-STEADY_LEVELS = 1  # pyramid levels that bridge the error of a good prediction (to 10 px and more)
+STEADY_PX = 1.5  # prediction error of the last frame, up to which the finest pyramid level alone is enough
+UNSTEADY_LEVELS = 1  # bridges 10 px
 POOR_AGREEMENT = 0.5  # of the features in view: below this for POOR_FRAMES, fresh features are wanted
 POOR_FRAMES = 5
+UNSURE_PX2 = 2 * 0.03**2  # variance of a key frame's pose that is worth mending
+SUREST_VIEW = 0.15  # share of a surer key frame in view that is enough to mend it
 RETRY_FRAMES = 10  # before a key frame that could not be taken up is tried again
+SHRINKS = (2, 4)  # tried in turn where the image itself is too smeared
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
@@ -57,6 +65,8 @@ class FeatureTracker:
         self._last: PreparedImage | None = None
         self._last_pose = _ORIGIN
         self._before_pose = _ORIGIN
+        self._surprise_px = inf  # how far off the last prediction was
+        self._smeared = False  # whether the last image had to be shrunk
         self._lost = 0  # frames since the last measurement
         self._measured = 0
         self._poor = 0
@@ -68,7 +78,7 @@ class FeatureTracker:
         """How many key frames are kept."""
         return len(self._keys.frames)
 
-    def track(self, image: GreyImage | None) -> Displacement:
+    def track(self, image: GreyImage | None) -> Displacement:  # noqa: PLR0911 each fault leaves at once
         """Measure one image: grey, uint8, shape (height, width), the same shape every time. Never raises."""
         if image is None or not is_image(image) or (self._shape is not None and image.shape != self._shape):
             return self._none(TrackingStatus.NO_IMAGE)
@@ -116,25 +126,22 @@ class FeatureTracker:
         self._measured += 1
 
     def _locate(self, current: PreparedImage, key: KeyFrame) -> Measurement:
-        config = self._config
         frames = self._lost + 1
         coasting = frames <= COASTING_FRAMES
         predicted = extrapolated(self._before_pose, self._last_pose, frames) if coasting else self._last_pose
         if self._keys.leaves(key, predicted):
             key = self._keys.most_in_view(predicted)
-        if frames == 1 and config.levels > STEADY_LEVELS:
-            found = measure(key, current, predicted, config, STEADY_LEVELS)
-            if found.status == TrackingStatus.MEASURED:
-                return found
-        found = measure(key, current, predicted, config, config.levels)
+        found = self._near(current, key, predicted, frames)
         if found.status == TrackingStatus.MEASURED:
+            self._surprise_px = _distance(found.pose, predicted)
             return found
         best = self._correlation(key, current, predicted)
         for guess, correlation in self._guesses(current, key):
             best = max(best, correlation)
             if correlation >= SAME_SCENE:
-                again = measure(self._keys.most_in_view(guess), current, guess, config, config.levels)
+                again = self._near(current, self._keys.most_in_view(guess), guess, 0)
                 if again.status == TrackingStatus.MEASURED:
+                    self._surprise_px = inf
                     return again
         status = found.status
         if current.sharpness < DEFOCUSED * self._reference_sharpness:
@@ -143,6 +150,28 @@ class FeatureTracker:
             status = TrackingStatus.JUMPED
         return Measurement(status, key, predicted, found.covariance, found.features, found.inliers)
 
+    def _near(self, current: PreparedImage, key: KeyFrame, predicted: Pose, frames: int) -> Measurement:
+        """Measure near a predicted pose: quickly if the last prediction was good, thoroughly, then in small
+        images."""
+        config = self._config
+        first_levels = 0 if self._surprise_px < STEADY_PX else UNSTEADY_LEVELS
+        if frames == 1 and config.levels > first_levels and not self._smeared:
+            found = measure(key, current, predicted, config, first_levels)
+            if found.status == TrackingStatus.MEASURED:
+                return found
+        if not self._smeared:
+            found = measure(key, current, predicted, config, config.levels)
+            if found.status == TrackingStatus.MEASURED:
+                return found
+        for shrink in SHRINKS:
+            small = measure(key, current, predicted, config, config.levels, shrink)
+            if small.status == TrackingStatus.MEASURED:
+                found = measure(key, current, small.pose, config, 0)
+                self._smeared = found.status != TrackingStatus.MEASURED
+                return small if self._smeared else found
+        self._smeared = False
+        return small
+
     def _correlation(self, key: KeyFrame, current: PreparedImage, pose: Pose) -> float:
         since, reduction = pose_since(key.pose, pose), current.reduction
         return overlap_correlation(
@@ -150,7 +179,8 @@ class FeatureTracker:
         )
 
     def _guesses(self, current: PreparedImage, key: KeyFrame) -> Iterator[tuple[Pose, float]]:
-        """Coarse poses: against the last image that was measured, the present key frame, and one other in turn."""
+        """Coarse poses: against the last image that was measured, the present key frame, and one other in
+        turn."""
         references = [(key.image, key.pose)]
         if self._last is not None and self._last is not key.image:
             references.insert(0, (self._last, self._last_pose))
@@ -164,7 +194,8 @@ class FeatureTracker:
             yield total_pose(pose, since), shift.correlation
 
     def _hand_over(self, current: PreparedImage, found: Measurement) -> Measurement:
-        """Choose the key frame for the images to come; the measurement changes only when an older one is taken up."""
+        """Choose the key frame for the images to come; the measurement changes when an older or surer one
+        counts."""
         self._poor = self._poor + 1 if found.inliers < POOR_AGREEMENT * found.features else 0
         self._wait = max(0, self._wait - 1)
         self._key = found.key
@@ -178,22 +209,40 @@ class FeatureTracker:
             self._take_up(self._new_key(current, found.pose, found.covariance))
         elif self._wait == 0:
             again = self._tried(self._keys.older(found.key, found.pose), current, found)
-            if again is not None:
-                return again
+            return again or self._surer(current, found)
         return found
+
+    def _surer(self, current: PreparedImage, found: Measurement) -> Measurement:
+        """Mend a pose that was handed over in smeared images, as soon as a surer key frame is in view a
+        little."""
+        if self._smeared or self._wait > 0 or _variance(found.key.covariance) < UNSURE_PX2:
+            return found
+        key = self._keys.surest(found.key, found.pose, SUREST_VIEW)
+        if key is None:
+            return found
+        again = measure(key, current, found.pose, self._config, UNSTEADY_LEVELS)
+        self._wait = RETRY_FRAMES
+        if again.status != TrackingStatus.MEASURED or _variance(again.covariance) > 0.1 * _variance(
+            found.covariance
+        ):
+            return found
+        self._take_up(self._new_key(current, again.pose, again.covariance))
+        return again
 
     def _tried(self, key: KeyFrame | None, current: PreparedImage, found: Measurement) -> Measurement | None:
         if key is None:
             return None
-        again = measure(key, current, found.pose, self._config, STEADY_LEVELS)
+        again = measure(key, current, found.pose, self._config, UNSTEADY_LEVELS)
         if again.status != TrackingStatus.MEASURED or again.inliers < POOR_AGREEMENT * again.features:
             self._wait = RETRY_FRAMES
             return None
         self._key, self._poor = key, 0
         return again
 
-    def _new_key(self, current: PreparedImage, pose: Pose, covariance: np.ndarray) -> KeyFrame:
-        return take_key_frame(current, pose, covariance, self._serial, self._config.features, self._margin + 1)
+    def _new_key(self, current: PreparedImage, pose: Pose, covariance: Matrix) -> KeyFrame:
+        return take_key_frame(
+            current, pose, covariance, self._serial, self._config.features, self._margin + 1
+        )
 
     def _take_up(self, key: KeyFrame) -> None:
         if len(key.points) < self._config.min_inliers:
@@ -203,8 +252,17 @@ class FeatureTracker:
         self._key = key
 
 
+def _variance(covariance: Matrix) -> float:
+    return float(covariance[0, 0] + covariance[1, 1])
+
+
+def _distance(a: Pose, b: Pose) -> float:
+    return hypot(a.x - b.x, a.y - b.y)
+
+
 def warm_up(config: Tracker, width_px: int, height_px: int) -> None:
-    """Track three images of noise: the first call of each OpenCV function takes 15 to 22 ms, which no cycle should."""
+    """Track images of noise: the first call of each OpenCV function takes 15 to 22 ms, which no cycle
+    should."""
     noise = np.random.default_rng(0).integers(0, 256, (height_px, width_px), dtype=np.uint8)
     tracker = FeatureTracker(config)
     for shift in (0, 1, 2):

@@ -1,0 +1,19 @@
+"""The camera that a configuration names. Only the named driver is imported."""
+
+from common.configuration import CameraDevice
+from drivers.camera import Camera
+
+
+def open_camera(config: CameraDevice) -> Camera:
+    """The camera of section [camera]. Opens nothing yet: start() does."""
+    if config.driver == "opencv":
+        from drivers.opencv_camera import OpenCvCamera  # noqa: PLC0415
+
+        return OpenCvCamera(config.device, config.width_px, config.height_px)
+    if config.driver == "file":
+        from drivers.file_camera import FileCamera  # noqa: PLC0415
+
+        return FileCamera(config.device)
+    from drivers.shared_memory_camera import SharedMemoryCamera  # noqa: PLC0415
+
+    return SharedMemoryCamera(config.device)
