@@ -157,11 +157,12 @@ class CameraTiming:
             mean_error = target_mean - (mean + float(bounded.mean() - free.mean()))
             spread = float(bounded.std() / normal.std())
             if abs(mean_error) <= _SETTLED_S and abs(spread - target_std) <= _SETTLED_S:
-                return mean, std
+                break
             mean += mean_error
             std *= target_std / spread if spread > 0.0 else 1.0
         mean_met = abs(mean_error) <= _MEAN_TOLERANCE * target_mean
-        if mean_met and abs(spread - target_std) <= _STD_TOLERANCE * target_std:
+        std_met = abs(spread - target_std) <= _STD_TOLERANCE * target_std + _SETTLED_S
+        if mean_met and std_met and mean >= self._earliest_s:  # else most frames would come at the bound
             return mean, std
         raise UserError(
             f"timing.capture_delay_std_s = {target_std}: frames in order, and none before {least:.4f} s, "
