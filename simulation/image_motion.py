@@ -26,7 +26,8 @@ def mean_displacement_px(camera: Camera, interpolate: Interpolate, exposure_star
     fractions, weights = quadrature(_FEWEST)
     start = exposure_start_s + (0.5 * camera.readout_s if camera.shutter == "rolling" else 0.0)
     positions, angles = interpolate(start + camera.exposure_s * fractions)
-    return float(weights @ displacement_px(camera, positions, angles))
+    position, angle = weights @ positions, weights @ angles
+    return float(-camera.scale_px_per_m * position - camera.rotation_px_per_rad * angle)
 
 
 def sub_exposures(span_px: float) -> int:

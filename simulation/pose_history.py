@@ -67,7 +67,7 @@ class PoseHistory:
         and a joint accelerating with 20 rad/s^2 by 5 um at the end of 2 m. Raises PoseNotYet or PoseNoLonger.
         """
         times = np.asarray(times_s, dtype=np.float64)
-        first, last = float(times.min()), float(times.max())
+        first, last = float(np.minimum.reduce(times, axis=None)), float(np.maximum.reduce(times, axis=None))
         written = self._written()
         if not written or last > self._time(written - 1):
             raise PoseNotYet(f"pose at {last:.6f} s: the newest is that at {self.newest_time_s():.6f} s")
@@ -101,6 +101,15 @@ class PoseHistory:
     def _last_at_or_before(self, time_s: float, low: int, high: int) -> int:
         """The last row in [low, high] whose time is at most `time_s`, given that row `low` is such a one."""
         numbers = self._numbers
+        if high > low:  # rows are spaced nearly evenly: begin around the place where it then would be
+            begin, end = self._time(low), self._time(high)
+            share = min(max((time_s - begin) / (end - begin), 0.0), 1.0)
+            guess = low + int(share * (high - low))
+            below, above = max(low, guess - 1), min(high, guess + 2)
+            if self._time(below) <= time_s:
+                low = below
+            if self._time(above) > time_s:
+                high = above - 1
         while low < high:
             middle = (low + high + 1) // 2
             if numbers[3 * (middle % _ROWS)] <= time_s:

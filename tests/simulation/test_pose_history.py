@@ -97,3 +97,20 @@ def test_writer_and_reader_share_a_ring_and_a_restart_is_seen() -> None:
     assert reader.replaced()
     for history in (writer, reader, restarted, restarted):
         history.close()
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**32), rows=st.integers(2, 6000))
+def test_rows_at_irregular_times_are_found_as_well(seed: int, rows: int) -> None:
+    random = np.random.default_rng(seed)
+    times = 5.0 + np.cumsum(random.exponential(0.001, rows) * (1.0 + 200.0 * (random.random(rows) < 0.01)))
+    values = random.standard_normal(rows)
+    history = PoseHistory(None)
+    for time_s, value in zip(times.tolist(), values.tolist(), strict=True):
+        history.append(time_s, value, -value)
+    held_from = times[max(0, rows - 4000)]
+    for _ in range(20):
+        asked = np.sort(random.uniform(held_from, times[-1], 3))
+        positions, angles = history.interpolate(asked)
+        np.testing.assert_allclose(positions, np.interp(asked, times, values), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(angles, -positions, rtol=0, atol=1e-12)
