@@ -63,11 +63,13 @@ class VirtualCamera:
         self._noise = np.random.default_rng((seed, _STREAM))
         self._pending: deque[Exposure] = deque()
         self._tracked: dict[int, float] = {}
+        self._idle_until_s = float("-inf")
         self.lost = 0
 
     def request(self, time_s: float) -> None:
         """Trigger an exposure. Raises ValueError in freerun."""
         self._pending.append(self._timing.request(time_s))
+        self._idle_until_s = self._next_event_s()
 
     def due(self, now_s: float) -> list[Delivery]:
         """The frames handed over since the last call, in order; at the most as many as there are buffers.
@@ -76,12 +78,15 @@ class VirtualCamera:
         the rest. To be called with increasing times, after the poses up to `now_s` have been written. Raises
         LookupError where the history no longer holds a frame's exposure, or does not hold it yet.
         """
+        if now_s < self._idle_until_s:  # nearly every call: kept cheap
+            return []
         if self._freerun:
             while self._timing.next_start_s <= now_s:
                 self._pending.append(self._timing.expose())
         handed: list[Exposure] = []
         while self._pending and self._pending[0].handover_s <= now_s:
             handed.append(self._pending.popleft())
+        self._idle_until_s = self._next_event_s()
         if not handed:
             return []
         overwritten = max(0, len(handed) - self._buffers)
@@ -99,6 +104,11 @@ class VirtualCamera:
         delivered or is long past (256 frames).
         """
         return self._tracked[frame]
+
+    def _next_event_s(self) -> float:
+        """When the next exposure starts (in freerun) or the next frame is handed over."""
+        start = self._timing.next_start_s if self._freerun else float("inf")
+        return min(start, self._pending[0].handover_s) if self._pending else start
 
     def _deliver(self, exposure: Exposure, noise: float) -> Delivery:
         image = None
