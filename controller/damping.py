@@ -37,7 +37,9 @@ class JointDamping:
         self._settings = settings
         self._cycle_s = model.timing.cycle_s
         self._w = w
-        self._gain = 2.0 * settings.added_damping_ratio * w / (mode.participation * length_of(model, model_name))
+        self._gain = (
+            2.0 * settings.added_damping_ratio * w / (mode.participation * length_of(model, model_name))
+        )
         self._decay = 2.0 * mode.damping_ratio * w
         self.lead_s = drive_lead_s(model.drive, w)
         self._weight = 0.0

@@ -33,7 +33,9 @@ class DriveModel:
         arriving = waiting[-2] + self._fraction * (waiting[-1] - waiting[-2])
         limit = drive.max_acceleration_rad_s2
         before = self.velocity_rad_s
-        change = min(max((arriving - before) * (1.0 - self._stay), -limit * self._cycle_s), limit * self._cycle_s)
+        change = min(
+            max((arriving - before) * (1.0 - self._stay), -limit * self._cycle_s), limit * self._cycle_s
+        )
         self.velocity_rad_s = before + change
         self.position_rad += self._cycle_s * (before + 0.5 * change)
         stop = min(max(self.position_rad, drive.min_position_rad), drive.max_position_rad)

@@ -5,6 +5,9 @@ from math import isfinite, sqrt
 from common.model import Drive
 
 _BRAKING_SHARE = 0.5  # of the acceleration limit is counted on when stopping before a position limit
+_APPROACH_LAGS = (
+    4.0  # the last stretch is approached exponentially, this many times slower than the drive's lag
+)
 
 
 class CommandLimits:
@@ -27,11 +30,16 @@ class CommandLimits:
         wanted = wanted_rad_s if isfinite(wanted_rad_s) and isfinite(joint_position_rad) else 0.0
         wanted = min(max(wanted, -drive.max_velocity_rad_s), drive.max_velocity_rad_s)
         arriving = joint_position_rad + self._last * self._lag_s if isfinite(joint_position_rad) else 0.0
-        braking = 2.0 * _BRAKING_SHARE * drive.max_acceleration_rad_s2
-        up = sqrt(braking * max(0.0, drive.max_position_rad - arriving))
-        down = sqrt(braking * max(0.0, arriving - drive.min_position_rad))
+        up = self._approach(drive.max_position_rad - arriving)
+        down = self._approach(arriving - drive.min_position_rad)
         step = drive.max_acceleration_rad_s2 * self._cycle_s
         bounded = min(max(wanted, self._last - step), self._last + step)
         bounded = min(max(bounded, -down), up)
         self._last = bounded
         return bounded
+
+    def _approach(self, left_rad: float) -> float:
+        """The greatest velocity towards a position limit that is `left_rad` away."""
+        left = max(0.0, left_rad)
+        braking = _BRAKING_SHARE * self._drive.max_acceleration_rad_s2
+        return min(sqrt(2.0 * braking * left), left / (_APPROACH_LAGS * self._lag_s))

@@ -39,14 +39,14 @@ class SineMethod:
         self.delay = delay
         self._sensors = SensorDeflection(model, length)
         self._offset = ImageOffset(mode, regression.offset_time_s)
-        self._regression = SineRegression(mode, regression.frames, self._sensors.noise_std_m)
+        self._regression = SineRegression(
+            mode, regression.frames, self._sensors.noise_std_m, model.timing.capture_delay_std_s
+        )
 
     def update(self, observation: Observation) -> Estimate:
         """One cycle: dates new samples, fits when there are any, predicts always."""
         joint, sensors = observation.joint, self._sensors
-        self.delay.see_cycle(
-            observation.cycle, sensors.of_acceleration(observation.acceleration_m_s2, joint)
-        )
+        self.delay.see_cycle(observation.cycle, sensors.of_acceleration(observation.acceleration_m_s2, joint))
         for sample in observation.samples:
             if sample.measured and isfinite(sample.displacement_x_px):
                 self._take(sample, observation)
@@ -58,12 +58,12 @@ class SineMethod:
         seen = self._sensors.of_image(sample.displacement_x_px, joint.position_at(assumed))
         self.delay.see_sample(sample, observation.cycle, seen)
         captured = time_s - self.delay.estimate.delay_s
-        free = (
-            self._sensors.of_image(sample.displacement_x_px, joint.position_at(captured))
-            - joint.forced_deflection_at(captured)
-        )
+        free = self._sensors.of_image(
+            sample.displacement_x_px, joint.position_at(captured)
+        ) - joint.forced_deflection_at(captured)
+        if self._regression.add(captured, free, self._offset.offset_m, _LONGEST_GAP_S):
+            self._offset.forget_vibration()
         self._offset.add(captured, free)
-        self._regression.add(captured, free, _LONGEST_GAP_S)
 
     def _predict(self, time_s: float, joint: JointMotion) -> Estimate:
         delay = self.delay.estimate

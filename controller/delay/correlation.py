@@ -8,12 +8,14 @@ Where the paper is silent or biased, this is what is done (../docs/methods.md gi
   coefficient r(m). By the Cauchy-Schwarz inequality its maximum lies at the true delay for every window and offset.
 - x is averaged over 2 J + 1 cycles, a pure delay of J, so that all of the accelerometer's samples count, not just
   those that happen to lie at arrivals.
-- Lags are searched within less than half a period of the prior, never at both ends of a periodic function.
+- Lags are searched within less than half a period of the prior, never at both ends of a periodic function. Each
+  image is kept for a moment before it is correlated, so that short delays, too, have lags on both sides.
 - The maximum is taken from a cosine of the mode's frequency fitted to r around its peak.
 - The acceleration leads the deflection by 2 zeta / w, and its filter delays it; both are taken out.
 """
 
-from math import atan2, exp, hypot, isfinite, pi, sqrt
+from collections import deque
+from math import atan2, ceil, exp, floor, hypot, isfinite, sqrt
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from controller.estimate import DelayEstimate, Status
 from controller.history import CycleHistory
 
 _HOLD_TIME_S = 5.0  # an unseen delay's uncertainty grows back to its prior spread in about this time
+_LEAST_SPREAD_S = 0.005  # of a delay over time, whatever the model claims
 
 
 class CorrelationDelay:
@@ -38,24 +41,36 @@ class CorrelationDelay:
         self._cycle_s = cycle_s
         self._settings = settings
         self._angle_per_cycle = mode.angular_frequency * cycle_s
-        self._prior_spread_s = max(model.timing.capture_delay_std_s, cycle_s)
-        self._half_width = max(1, int(min(period / 12.0, prior / 2.0)))
+        self._prior_spread_s = max(model.timing.capture_delay_std_s, _LEAST_SPREAD_S)
+        self._half_width = max(1, round(period / 12.0))
         # what stands between a lag of the averaged x and the delay: the average's own, the filter's, and the lead
         self._shift_s = (
-            self._half_width * cycle_s + model.accelerometer.delay_s - 2.0 * mode.damping_ratio / mode.angular_frequency
+            self._half_width * cycle_s
+            + model.accelerometer.delay_s
+            - 2.0 * mode.damping_ratio / mode.angular_frequency
         )
-        centre = prior - self._shift_s / cycle_s
-        self._first = max(0, int(centre - settings.search_periods * period))
-        self._last = max(self._first + 8, int(centre + settings.search_periods * period))
+        shift, search = self._shift_s / cycle_s, settings.search_periods * period
+        self._peak_reach = reach = max(3, round(period / 16.0))
+        self._first = floor(max(0.0, prior - search) - shift) - reach
+        self._last = ceil(prior + search - shift) + reach
+        self._wait = max(0, -self._first)  # until the accelerometer's samples of all lags are there
+        self._waiting: deque[tuple[int, float]] = deque()
         self._average = MovingAverage(2 * self._half_width + 1)
-        self._smooth = CycleHistory(self._last + 2)
+        self._smooth = CycleHistory(self._wait + self._last + 64)
         self._window = settings.window_s / cycle_s
         count = self._last - self._first + 1
         self._weight = 0.0
         self._mean_x, self._mean_xx, self._mean_xy = np.zeros(count), np.zeros(count), np.zeros(count)
         self._mean_y = self._mean_yy = 0.0
-        self._peak_reach = max(3, int(period / 8.0))
-        angles = self._angle_per_cycle * np.arange(-self._peak_reach, self._peak_reach + 1)
+        self._sum_power = self._sum_power_squared = 0.0  # of what effectively was seen of the vibration
+        self._half_period = 0.5 * period
+        self._noise_m = (
+            model.accelerometer.noise_std_m_s2
+            / abs(model.accelerometer.scale)
+            / mode.angular_frequency**2
+            / sqrt(2 * self._half_width + 1)
+        )
+        angles = self._angle_per_cycle * np.arange(-reach, reach + 1)
         self._to_quadratures = np.linalg.pinv(np.column_stack((np.cos(angles), np.sin(angles))))
         self._arrival: int | None = None
         self.correlation = np.zeros(count)
@@ -72,69 +87,78 @@ class CorrelationDelay:
     def see_cycle(self, cycle: int, vibration: float) -> None:
         """Take in the vibration that the accelerometer shows in a cycle, m; NaN where it shows none."""
         self._smooth.write(cycle, self._average.add(vibration))
+        while self._waiting and self._waiting[0][0] <= cycle - self._wait:
+            arrival, deflection = self._waiting.popleft()
+            self._correlate(arrival, deflection, cycle - arrival)
 
     def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
-        """Take in the deflection that an image shows, read in `cycle`; eq. 11 for all lags at once."""
-        elapsed = self._window if self._arrival is None else max(1, min(cycle - self._arrival, int(self._window)))
-        self._arrival = cycle
+        """Take in the deflection that an image shows, read in `cycle`."""
+        if isfinite(deflection_m):
+            self._waiting.append((cycle, deflection_m))
+
+    def _correlate(self, arrival: int, deflection_m: float, age: int) -> None:
+        """Eq. 11 for all lags at once, for an image that arrived `age` cycles ago."""
+        elapsed = 1.0 if self._arrival is None else max(1.0, min(arrival - self._arrival, self._window))
+        self._arrival = arrival
         rho = self._settings.forgetting
         gain = rho * elapsed / ((1.0 - rho) * (self._window - elapsed) + rho * elapsed)
-        if not isfinite(deflection_m):
-            return
-        x = self._smooth.lags(self._first, self._last)[::-1]
+        x = self._smooth.lags(age + self._first, age + self._last)[::-1]
         self._weight += gain * (1.0 - self._weight)
         self._mean_x += gain * (x - self._mean_x)
         self._mean_xx += gain * (x * x - self._mean_xx)
         self._mean_xy += gain * (x * deflection_m - self._mean_xy)
         self._mean_y += gain * (deflection_m - self._mean_y)
         self._mean_yy += gain * (deflection_m * deflection_m - self._mean_yy)
-        self._find_peak(elapsed * self._cycle_s)
+        share = gain * (deflection_m - self._mean_y / self._weight) ** 2
+        self._sum_power += share - gain * self._sum_power
+        self._sum_power_squared += share * share - gain * (2.0 - gain) * self._sum_power_squared
+        self._find_peak(elapsed)
 
-    def _find_peak(self, elapsed_s: float) -> None:
+    def _find_peak(self, elapsed: float) -> None:
         w = self._weight
         power_y = self._mean_yy / w - (self._mean_y / w) ** 2
         amplitude = sqrt(max(0.0, 2.0 * power_y))
         power_x = self._mean_xx / w - (self._mean_x / w) ** 2
         covariance = self._mean_xy / w - self._mean_x * (self._mean_y / (w * w))
         self.correlation = covariance / np.sqrt(np.maximum(power_x * power_y, 1e-30))
-        if amplitude < self._settings.min_amplitude_m:
-            return self._hold(elapsed_s)
+        seen = (
+            elapsed * self._sum_power**2 / max(self._sum_power_squared, 1e-300)
+        )  # cycles, weighted by power
+        if amplitude < self._settings.min_amplitude_m or seen < self._half_period:
+            return self._hold(elapsed * self._cycle_s)
         reach = self._peak_reach
         peak = int(np.argmax(self.correlation))
         if not reach <= peak < len(self.correlation) - reach:
-            return self._hold(elapsed_s)
+            return self._hold(elapsed * self._cycle_s)
         cosine, sine = self._to_quadratures @ self.correlation[peak - reach : peak + reach + 1]
         offset = atan2(sine, cosine) / self._angle_per_cycle
         height = hypot(cosine, sine)
         if height < self._settings.min_correlation or abs(offset) > reach or not isfinite(offset):
-            return self._hold(elapsed_s)
+            return self._hold(elapsed * self._cycle_s)
         delay = (self._first + peak + offset) * self._cycle_s + self._shift_s
-        self.estimate = DelayEstimate(max(0.0, delay), self._std_s(min(height, 1.0)), Status.ESTIMATED)
+        std = self._std_s(min(height, 1.0), amplitude, seen)
+        known = self.estimate.status is not Status.UNESTIMATED
+        if known and std > self._held_std_s(elapsed * self._cycle_s):
+            return self._hold(elapsed * self._cycle_s)  # what is held is still the better
+        self.estimate = DelayEstimate(max(0.0, delay), std, Status.ESTIMATED)
         return None
 
-    def _std_s(self, height: float) -> float:
-        """Of a phase between two sinusoids: sqrt(noise to signal / independent samples) / w, in the memory's length.
+    def _std_s(self, height: float, amplitude_m: float, seen: float) -> float:
+        """Of a phase between two sinusoids: sqrt(noise to signal / independent samples) / w.
 
-        Independent samples: one for each length of the moving average, but no more than there are frames.
+        Noise: what the height of the peak tells, at least the accelerometer's own after averaging. Independent
+        samples: one for each length of the moving average in the cycles effectively seen.
         """
-        rho = self._settings.forgetting
-        memory = self._window * (1.0 - rho) / rho
-        independent = max(2.0, memory / max(2 * self._half_width + 1, 1))
-        noise_to_signal = max(1.0 / (height * height) - 1.0, 1e-4)
-        rate = self._angle_per_cycle / self._cycle_s
-        return sqrt(noise_to_signal / independent) / rate
+        independent = max(1.0, seen / (2 * self._half_width + 1))
+        noise_to_signal = max(1.0 / (height * height) - 1.0, 2.0 * (self._noise_m / amplitude_m) ** 2)
+        return sqrt(noise_to_signal / independent) * self._cycle_s / self._angle_per_cycle
 
     def _hold(self, elapsed_s: float) -> None:
         """The delay cannot be seen: keep it, let its uncertainty grow back to the prior spread."""
-        delay, std, status = self.estimate
-        if status is Status.UNESTIMATED:
-            return
+        if self.estimate.status is not Status.UNESTIMATED:
+            self.estimate = DelayEstimate(self.estimate.delay_s, self._held_std_s(elapsed_s), Status.HELD)
+
+    def _held_std_s(self, elapsed_s: float) -> float:
+        std, prior = self.estimate.std_s, self._prior_spread_s
         keep = exp(-2.0 * elapsed_s / _HOLD_TIME_S)
-        prior = self._prior_spread_s
-        std = sqrt(std * std * keep + prior * prior * (1.0 - keep)) if std < prior else std
-        self.estimate = DelayEstimate(delay, std, Status.HELD)
-
-
-def vibration_scale(model: Model) -> float:
-    """What turns the vibration's part of the acceleration, m/s^2, into a deflection of the first mode, m: -1/w^2."""
-    return -1.0 / (2.0 * pi * model.arm.modes[0].frequency_hz) ** 2
+        return max(std, sqrt(std * std * keep + prior * prior * (1.0 - keep)))

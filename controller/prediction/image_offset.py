@@ -30,6 +30,11 @@ class ImageOffset:
         """The offset as known now, m."""
         return float(self._state[0])
 
+    def forget_vibration(self) -> None:
+        """The arm was struck: the offset stays as well known as it was, the oscillation is unknown."""
+        self._covariance[1:, 1:] = np.eye(2) * self._PRIOR_VARIANCE
+        self._covariance[0, 1:] = self._covariance[1:, 0] = 0.0
+
     def add(self, time_s: float, value_m: float) -> None:
         """Take in one sample; times should increase, a step back counts as none at all."""
         elapsed = 0.0 if self._time_s is None else max(0.0, time_s - self._time_s)

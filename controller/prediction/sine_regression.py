@@ -1,8 +1,11 @@
 """On-line sine regression over the last 3 to 20 frames, evaluated at the present [1]: the simplified form.
 
-The frequency is given (the model's); what is fitted is the free vibration, a decaying sine. Its answer to the joint's own motion
-is known from the drive model, is taken off the samples before the fit and added again after: so the fit holds
-while the joint moves or damps, when the deflection itself is no sine.
+The frequency is given (the model's); what is fitted is the free vibration, a decaying sine. Its answer to the joint's
+own motion is known from the drive model, is taken off the samples before the fit and added again after: so the fit
+holds while the joint moves or damps, when the deflection itself is no sine.
+
+The window has a variable length: it grows to `frames` samples, and is cut down to the newest one when that lies
+further from the fit's prediction than noise and the delay's spread explain, as after a blow.
 """
 
 from collections import deque
@@ -12,6 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from common.model import Mode
+
+_CHANGE_STDS = 4.0  # at the rate of frames, a false alarm in some minutes; a blow exceeds it at once
+
+_FEW = 6
 
 
 class FreeVibration(NamedTuple):
@@ -26,52 +33,72 @@ class FreeVibration(NamedTuple):
 class SineRegression:
     """Least squares of exp(-zeta w t) (a cos wd t + b sin wd t), t counted back from the newest sample."""
 
-    def __init__(self, mode: Mode, frames: int, noise_std_m: float) -> None:
-        """Fit over `frames` samples; `noise_std_m` is the least that a sample is believed to be off."""
-        self._zeta_w = mode.damping_ratio * mode.angular_frequency
-        self._wd = mode.angular_frequency * sqrt(1.0 - mode.damping_ratio**2)
+    def __init__(self, mode: Mode, frames: int, noise_std_m: float, dating_std_s: float) -> None:
+        """Fit over up to `frames` samples, each off by `noise_std_m` in value and `dating_std_s` in time."""
+        self._w = mode.angular_frequency
+        self._zeta_w = mode.damping_ratio * self._w
+        self._wd = self._w * sqrt(1.0 - mode.damping_ratio**2)
         self._noise = noise_std_m
+        self._dating = dating_std_s
         self._times: deque[float] = deque(maxlen=frames)
         self._values: deque[float] = deque(maxlen=frames)
         self._reference = nan
         self._a = self._b = 0.0
         self._covariance = (0.0, 0.0, 0.0)
+        self.ready = False
 
     @property
-    def ready(self) -> bool:
-        """Whether a fit exists."""
-        return len(self._times) >= 3
+    def samples(self) -> int:
+        """How many samples the window holds."""
+        return len(self._times)
 
     def restart(self) -> None:
-        """Forget all samples."""
+        """Forget all samples; the last fit stands until three new ones are there."""
         self._times.clear()
         self._values.clear()
 
-    def add(self, time_s: float, free_deflection_m: float, longest_gap_s: float) -> None:
-        """Take in one sample at its capture time; a gap longer than `longest_gap_s`, or a step back, starts afresh."""
-        if self._times and not 0.0 <= time_s - self._times[-1] <= longest_gap_s:
+    def add(self, time_s: float, value_m: float, offset_m: float, longest_gap_s: float) -> bool:
+        """Take in one sample at its capture time; `offset_m` is taken off all of the window's samples.
+
+        A gap longer than `longest_gap_s` starts the window afresh. Times may go back a little: the delay that dates
+        them is only an estimate. Returns whether the sample broke with the fit, as after a blow.
+        """
+        if self._times and abs(time_s - self._times[-1]) > longest_gap_s:
+            self.restart()
+        changed = self.samples >= 3 and self._changed(time_s, value_m - offset_m)
+        if changed:
             self.restart()
         self._times.append(time_s)
-        self._values.append(free_deflection_m)
-        if self.ready:
-            self._fit()
+        self._values.append(value_m)
+        if self.samples >= 3:
+            self._fit(offset_m)
+        return changed
 
-    def _fit(self) -> None:
-        times = np.array(self._times)
-        values = np.array(self._values)
+    def _changed(self, time_s: float, value_m: float) -> bool:
+        expected = self.predict(time_s)
+        of_dating = self._dating * expected.rate_m_s
+        of_bend = 0.5 * expected.amplitude_m * (self._w * self._dating) ** 2  # where the rate is zero
+        spread = hypot(expected.std_m, self._noise, of_dating, of_bend)
+        return abs(value_m - expected.deflection_m) > _CHANGE_STDS * spread
+
+    def _fit(self, offset_m: float) -> None:
         self._reference = self._times[-1]
-        t = times - self._reference
+        t = np.array(self._times) - self._reference
+        values = np.array(self._values) - offset_m
         decay = np.exp(-self._zeta_w * t)
         c, s = decay * np.cos(self._wd * t), decay * np.sin(self._wd * t)
         cc, ss, cs = float(c @ c), float(s @ s), float(c @ s)
-        determinant = max(cc * ss - cs * cs, 1e-12 * cc * max(ss, 1e-12))
+        determinant = max(cc * ss - cs * cs, 1e-9 * cc * cc)
         cy, sy = float(c @ values), float(s @ values)
         self._a = (ss * cy - cs * sy) / determinant
         self._b = (cc * sy - cs * cy) / determinant
         residual = values - self._a * c - self._b * s
-        freedom = max(1, len(times) - 2)
-        variance = max(float(residual @ residual) / freedom, self._noise**2) / determinant
+        least = self._noise
+        if len(t) < _FEW:  # too few to tell their own scatter
+            least = hypot(least, self._w * self._dating * hypot(self._a, self._b) / sqrt(2.0))
+        variance = max(float(residual @ residual) / max(1, len(t) - 2), least * least) / determinant
         self._covariance = (ss * variance, cc * variance, -cs * variance)
+        self.ready = True
 
     def predict(self, time_s: float) -> FreeVibration:
         """The free vibration at an instant, from the last fit. Call only when ready."""

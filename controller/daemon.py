@@ -1,0 +1,139 @@
+"""The controller as a process: the loop around the step, with clock, devices and recorder at its edge."""
+
+import gc
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from common.recording.recorder_process import RecorderClient
+
+from common.configuration import Configuration, load_assumed_model, load_configuration, model_path
+from common.recording.header import live_header
+from common.recording.topics import TOPIC_INDEX, LinkSample
+from common.stop_signal import StopSignal
+from common.user_error import UserError
+from controller.live_devices import LiveDevices
+from controller.realtime import enter_realtime
+from controller.recorded import estimate_sample, fast_sample, frame_sample
+from controller.schedule import CycleClock
+from controller.step import Controller, CycleInput, CycleOutput
+
+_FADE_CYCLES = 100  # how long the loop runs on after it was asked to stop, fading the command
+_LINK_EVERY_S = 1.0
+_START_UP_S = 0.7  # until cycle 0: the recorder starts and memory is locked meanwhile
+
+
+def run(
+    configuration_path: Path, record: Path | None, duration_s: float | None, *, allow_non_realtime: bool
+) -> None:
+    """Run until SIGTERM or SIGINT, or for `duration_s`. Raises UserError for what the user can mend."""
+    configuration = load_configuration(configuration_path)
+    model = load_assumed_model(configuration, configuration_path)
+    cycle_s = model.timing.cycle_s
+    controller = Controller(
+        model, configuration.controller, str(model_path(configuration, configuration_path))
+    )
+    devices = LiveDevices(configuration, cycle_s)
+    stop = StopSignal()
+    devices.start()
+    recorder: RecorderClient | None = None
+    clock = CycleClock(cycle_s, time.monotonic() + _START_UP_S)
+    try:
+        if record is not None:
+            header = live_header(configuration_path, configuration, devices.session, clock.origin_s)
+            recorder = RecorderClient.start(record, header)
+        _grant_realtime(allow_non_realtime)
+        loop = _Loop(configuration, controller, devices, recorder, clock, cycle_s)
+        last = None if duration_s is None else int(duration_s / cycle_s)
+        loop.run(lambda cycle: bool(stop) or (last is not None and cycle >= last))
+        print(loop.summary(), flush=True)
+    finally:
+        devices.close()
+        gc.enable()
+        if recorder is not None:
+            recorder.close()
+
+
+def _grant_realtime(allow_non_realtime: bool) -> None:
+    problems = enter_realtime()
+    if not problems:
+        return
+    if not allow_non_realtime:
+        raise UserError(
+            f"controller: no real-time operation: {'; '.join(problems)}; or start with --allow-non-realtime"
+        )
+    print(f"stillarm controller: not real-time: {'; '.join(problems)}", file=sys.stderr, flush=True)
+
+
+class _Loop:
+    """Read, update, write, record: once a cycle."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        controller: Controller,
+        devices: LiveDevices,
+        recorder: RecorderClient | None,
+        clock: CycleClock,
+        cycle_s: float,
+    ) -> None:
+        self._configuration = configuration
+        self._controller = controller
+        self._devices = devices
+        self._recorder = recorder
+        self._clock = clock
+        self._cycle_s = cycle_s
+        self._link_every = max(1, round(_LINK_EVERY_S / cycle_s))
+        self._next_link = 0
+        self._cycles = 0
+
+    def run(self, finished: Callable[[int], bool]) -> None:
+        """Cycle until `finished` holds, then fade the command out."""
+        cycle, left = self._clock.start(), _FADE_CYCLES
+        while left:
+            read = self._devices.read(cycle)
+            if finished(cycle):
+                left -= 1
+                read.reference_rad_s, read.damping_allowed = 0.0, False
+            answered = self._controller.step(read)
+            self._devices.write(answered.command_rad_s)
+            self._record(read, answered)
+            self._cycles += 1
+            cycle = self._clock.wait(cycle)
+
+    def _record(self, read: CycleInput, answered: CycleOutput) -> None:
+        recorder = self._recorder
+        if recorder is None:
+            return
+        cycle_s = self._cycle_s
+        recorder.put(_FAST, fast_sample(read, answered, cycle_s))
+        recorder.put(_ESTIMATE, estimate_sample(read.cycle, answered, cycle_s))
+        for sample in read.samples:
+            recorder.put(_FRAMES, frame_sample(sample, read.cycle, cycle_s))
+        if read.cycle >= self._next_link:
+            self._next_link = read.cycle + self._link_every
+            counts = self._devices.link_counts
+            recorder.put(
+                _LINK,
+                LinkSample(
+                    time_s=read.cycle * cycle_s,
+                    cycle=read.cycle,
+                    deadline_misses=self._clock.misses,
+                    accelerometer_faults=self._devices.accelerometer_faults,
+                    recorder_lost=recorder.lost,
+                    **counts,
+                ),
+            )
+
+    def summary(self) -> str:
+        """One line about the run."""
+        counts = self._devices.link_counts
+        return (
+            f"stillarm controller: {self._cycles} cycles, {self._clock.misses} deadlines missed, "
+            f"{counts['accepted']} visual samples, {counts['lost']} lost"
+        )
+
+
+_FAST, _FRAMES = TOPIC_INDEX["/fast"], TOPIC_INDEX["/frames"]
+_ESTIMATE, _LINK = TOPIC_INDEX["/estimate"], TOPIC_INDEX["/link"]

@@ -1,0 +1,89 @@
+"""The controller's devices and sockets: what a cycle reads and writes on a rig."""
+
+from math import nan
+
+from common.link_key import load_key
+from drivers.drive_factory import open_drive
+
+from common.configuration import Configuration
+from common.scenario import Scenario, load_scenario
+from common.udp import UdpSocket, new_session
+from controller.exchange import ControllerExchange, ReferenceExchange
+from controller.step import CycleInput
+from drivers.accelerometer_factory import open_accelerometer
+
+
+class LiveDevices:
+    """Accelerometer, drive, link to the supervisor and reference, as one thing to read from and write to."""
+
+    def __init__(self, configuration: Configuration, cycle_s: float) -> None:
+        """Opens nothing; start() does."""
+        self._configuration = configuration
+        self._cycle_s = cycle_s
+        link = configuration.link
+        key = load_key(link)
+        self.session = new_session()
+        self._exchange = ControllerExchange(key, self.session)
+        self._reference = ReferenceExchange(key)
+        self._accelerometer = open_accelerometer(configuration.accelerometer)
+        self._drive = open_drive(configuration.drive, key)
+        schedule = configuration.controller.schedule
+        self._schedule: Scenario | None = load_scenario(schedule) if schedule else None
+        self._supervisor = (link.supervisor_host, link.supervisor_port)
+        self._limit = link.max_datagrams_per_cycle
+        self._sockets: list[UdpSocket] = []
+
+    def start(self) -> None:
+        """Open sockets and devices. Moves nothing. Raises UserError with a remedy."""
+        link = self._configuration.link
+        self._sockets = [
+            UdpSocket((link.controller_host, link.controller_port), "link.controller_port"),
+            UdpSocket((link.controller_host, link.reference_port), "link.reference_port"),
+        ]
+        if self._accelerometer is not None:
+            self._accelerometer.start()
+        if self._drive is not None:
+            self._drive.start()
+
+    def read(self, cycle: int) -> CycleInput:
+        """Open a cycle: send its timestamp, then read the accelerometer, the drive and what came by UDP."""
+        data_socket, reference_socket = self._sockets
+        data_socket.send(self._exchange.timestamp(cycle), self._supervisor)
+        time_s = cycle * self._cycle_s
+        acceleration = self._accelerometer.read() if self._accelerometer is not None else nan
+        position = velocity = age = nan
+        if self._drive is not None:
+            position, velocity, age = self._drive.state()
+        self._reference.take(reference_socket.drain(self._limit), time_s)
+        reference, allowed = self._reference.reference(time_s)
+        if self._schedule is not None:
+            reference += self._schedule.reference_rad_s(time_s)
+            allowed = allowed and self._schedule.damping_allowed(time_s)
+        else:
+            allowed = allowed and self._configuration.controller.damping.without_schedule
+        samples = self._exchange.take(data_socket.drain(self._limit), cycle)
+        return CycleInput(cycle, acceleration, position, velocity, age, reference, allowed, samples)
+
+    def write(self, command_rad_s: float) -> None:
+        """Send the command."""
+        if self._drive is not None:
+            self._drive.command(command_rad_s)
+
+    @property
+    def link_counts(self) -> dict[str, int]:
+        """Counts of the visual datagrams, by name."""
+        return self._exchange.count_by_name()
+
+    @property
+    def accelerometer_faults(self) -> int:
+        """Reads of the accelerometer that gave no sample."""
+        return self._accelerometer.faults if self._accelerometer is not None else 0
+
+    def close(self) -> None:
+        """Command zero, release everything."""
+        if self._drive is not None:
+            self._drive.close()
+        if self._accelerometer is not None:
+            self._accelerometer.close()
+        for socket in self._sockets:
+            socket.close()

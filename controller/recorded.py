@@ -1,0 +1,119 @@
+"""Between the controller's step and the recording's topics, both ways, exactly."""
+
+from collections.abc import Iterable, Iterator
+from math import isfinite, nan
+
+from common.recording.topics import EstimateSample, FastSample, FrameSample
+from common.visual_sample import VisualSample
+from controller.step import CycleInput, CycleOutput
+
+
+def fast_sample(read: CycleInput, answered: CycleOutput, cycle_s: float) -> FastSample:
+    """What a cycle read, and the command it gave."""
+    return FastSample(
+        time_s=read.cycle * cycle_s,
+        cycle=read.cycle,
+        acceleration_m_s2=read.acceleration_m_s2,
+        joint_velocity_command_rad_s=answered.command_rad_s,
+        joint_velocity_reference_rad_s=read.reference_rad_s,
+        joint_position_rad=read.joint_position_rad,
+        joint_velocity_rad_s=read.joint_velocity_rad_s,
+        joint_age_s=read.joint_age_s,
+        damping_allowed=read.damping_allowed,
+    )
+
+
+def estimate_sample(cycle: int, answered: CycleOutput, cycle_s: float) -> EstimateSample:
+    """What a cycle estimated and predicted."""
+    estimate = answered.estimate
+    return EstimateSample(
+        cycle * cycle_s,
+        cycle,
+        estimate.delay.delay_s,
+        estimate.delay.std_s,
+        estimate.delay.status,
+        estimate.deflection_m,
+        estimate.deflection_std_m,
+        answered.predicted_deflection_m,
+        answered.damping_rad_s,
+        answered.damping_status,
+    )
+
+
+def frame_sample(sample: VisualSample, cycle: int, cycle_s: float) -> FrameSample:
+    """A visual sample with the cycle that read it."""
+    return FrameSample(
+        time_s=cycle * cycle_s,
+        cycle=cycle,
+        frame=sample.frame,
+        received_s=cycle * cycle_s,
+        started_s=sample.started_cycle * cycle_s if sample.started_cycle >= 0 else nan,
+        started_cycle=sample.started_cycle,
+        status=sample.status,
+        displacement_px=sample.displacement_x_px,
+        displacement_y_px=sample.displacement_y_px,
+        rotation_rad=sample.rotation_rad,
+        variance_x_px2=sample.variance_x_px2,
+        variance_y_px2=sample.variance_y_px2,
+        covariance_xy_px2=sample.covariance_xy_px2,
+        variance_rotation_rad2=sample.variance_rotation_rad2,
+        captured_s=sample.captured_s,
+        exposure_s=sample.exposure_s,
+        features=sample.features,
+        inliers=sample.inliers,
+    )
+
+
+def visual_sample(frame: FrameSample) -> VisualSample:
+    """The visual sample that a recorded frame holds."""
+    return VisualSample(
+        frame.frame,
+        frame.started_cycle,
+        frame.status,
+        frame.displacement_px,
+        frame.displacement_y_px,
+        frame.rotation_rad,
+        frame.variance_x_px2,
+        frame.variance_y_px2,
+        frame.covariance_xy_px2,
+        frame.variance_rotation_rad2,
+        frame.captured_s,
+        frame.exposure_s,
+        frame.features,
+        frame.inliers,
+    )
+
+
+def cycle_inputs(
+    fast: Iterable[FastSample], frames: Iterable[FrameSample]
+) -> Iterator[tuple[CycleInput, float]]:
+    """The recorded cycles as the step saw them, each with the command that was given (NaN if none was recorded).
+
+    A frame that a recording holds at a cycle without a row of its own (rows may be missing in an import) is read in
+    the next cycle that has one.
+    """
+    waiting = iter(sorted(frames, key=lambda frame: frame.cycle))
+    frame = next(waiting, None)
+    last = None
+    for row in fast:
+        if (
+            last is not None and row.cycle <= last
+        ):  # two rows in one cycle, or a clock stepped back: the first counts
+            continue
+        last = row.cycle
+        samples = []
+        while frame is not None and frame.cycle <= row.cycle:
+            samples.append(visual_sample(frame))
+            frame = next(waiting, None)
+        reference = row.joint_velocity_reference_rad_s
+        read = CycleInput(
+            row.cycle,
+            row.acceleration_m_s2,
+            row.joint_position_rad,
+            row.joint_velocity_rad_s,
+            row.joint_age_s,
+            reference if isfinite(reference) else 0.0,
+            row.damping_allowed,
+            samples,
+        )
+        yield read, row.joint_velocity_command_rad_s

@@ -1,0 +1,29 @@
+"""`stillarm controller`: the 1 ms cycle."""
+
+import argparse
+from pathlib import Path
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument(
+        "--config", type=Path, required=True, metavar="FILE", help="configuration file (TOML)"
+    )
+    parser.add_argument("--record", type=Path, metavar="REC", help="write a recording (MCAP) to this file")
+    parser.add_argument("--duration-s", type=float, metavar="S", help="stop by itself after so many seconds")
+    parser.add_argument(
+        "--allow-non-realtime", action="store_true", help="run without the privileges that keep the deadlines"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the daemon."""
+    from controller.daemon import run as run_controller
+
+    run_controller(
+        arguments.config,
+        arguments.record,
+        arguments.duration_s,
+        allow_non_realtime=arguments.allow_non_realtime,
+    )
+    return 0

@@ -1,0 +1,62 @@
+"""The command `stillarm`: finds the subcommand, runs it, and turns what a user can mend into one line."""
+
+import argparse
+import importlib
+import sys
+from typing import NoReturn
+
+from common.user_error import UserError
+
+COMMANDS = {
+    "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",
+    "controller": "the 1 ms cycle, as a daemon",
+    "supervisor": "frame capture and tracking, as a daemon",
+    "rig": "the simulated rig that stands in for the hardware, as a daemon",
+    "simulate": "rig, supervisor and controller in virtual time",
+    "replay": "run the estimators on recorded data",
+    "import": "read measured data (a CSV bundle, or one file with --map) into a recording",
+    "export": "write a recording as CSV or Parquet",
+    "recover": "mend a cut recording",
+    "benchmark": "make the documentation's tables afresh",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, with the command that explains."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {' '.join(message.split())}; see `{self.prog} --help`\n")
+
+
+def parser(command: str | None = None) -> argparse.ArgumentParser:
+    """The command line's parser; only the named command's own arguments are filled in, so that start-up stays short."""
+    top = _Parser(
+        prog="stillarm", description="Stills the vibration of flexible robot arms through a late camera."
+    )
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, help_text in COMMANDS.items():
+        sub = commands.add_parser(
+            name, help=help_text, description=help_text[0].upper() + help_text[1:] + "."
+        )
+        if name == command:
+            importlib.import_module(f"stillarm.commands.{name}_command").add_arguments(sub)
+    return top
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    words = sys.argv[1:] if arguments is None else arguments
+    command = next((word for word in words if word in COMMANDS), None)
+    try:
+        parsed = parser(command).parse_args(words)
+        module = importlib.import_module(f"stillarm.commands.{parsed.command}_command")
+        status: int = module.run(parsed)
+        return status
+    except UserError as error:
+        print(f"stillarm: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("stillarm: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        return 1

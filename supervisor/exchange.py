@@ -1,0 +1,68 @@
+"""The supervisor's side of the exchange with the controller (the paper's Fig. 2). Pure: bytes in, bytes out."""
+
+from collections import deque
+from typing import NamedTuple
+
+from common.datagram import Kind, encode
+from common.peer import LinkCounts, Peer
+from common.visual_datagram import visual_body
+from common.visual_sample import VisualSample
+
+
+class Timestamp(NamedTuple):
+    """The latest timestamp of the controller: its session and its cycle n_c; session 0 before the first."""
+
+    session: int
+    cycle: int
+
+
+class SupervisorExchange:
+    """Keeps only the latest timestamp; answers with visual data that carry the one its cycle began with.
+
+    A cycle begins when an image is asked for and ends when its data are sent. With several buffers queued at the
+    camera, `cycles_in_flight` of them overlap; images come back in the order in which they were asked for.
+    """
+
+    def __init__(self, key: bytes, session: int, cycles_in_flight: int) -> None:
+        """Sign with `key`; `session` is this process's own, never used before."""
+        self._key = key
+        self._session = session
+        self._sequence = 0
+        self._in_flight = cycles_in_flight
+        self._begun: deque[Timestamp] = deque()
+        self._peer = Peer(key, (Kind.TIMESTAMP,))
+        self.latest = Timestamp(0, -1)
+
+    @property
+    def counts(self) -> LinkCounts:
+        """Counts of the timestamps since the start."""
+        return self._peer.counts
+
+    def take(self, datagrams: list[bytes]) -> None:
+        """Read what has arrived, keeping the latest timestamp."""
+        for data in datagrams:
+            datagram = self._peer.receive(data)
+            if datagram is None:
+                continue
+            (cycle,) = datagram.body
+            if type(cycle) is int and cycle >= 0:
+                self.latest = Timestamp(datagram.session, cycle)
+            else:
+                self._peer.counts.malformed += 1
+
+    def begin_cycles(self) -> None:
+        """Begin as many cycles as may be in flight, with the latest timestamp as their n_i."""
+        while len(self._begun) < self._in_flight:
+            self._begun.append(self.latest)
+
+    def oldest(self) -> Timestamp:
+        """The timestamp with which the oldest cycle in flight began: its image comes next."""
+        return self._begun[0]
+
+    def end_cycle(self, sample: VisualSample) -> bytes:
+        """End the oldest cycle: the datagram with its visual data and its n_i."""
+        started = self._begun.popleft()
+        self._sequence += 1
+        return encode(
+            self._key, Kind.VISUAL, self._session, self._sequence, visual_body(started.session, sample)
+        )

@@ -1,0 +1,128 @@
+"""Damping in closed loop, against an arm integrated apart from the controller."""
+
+from math import exp, nan, pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from common.configuration import Controller as Settings
+from common.configuration import Damping
+from common.model import Arm, Mode, Model
+from controller.damping import DampingStatus, JointDamping
+from controller.estimate import DelayEstimate, Estimate, Status
+from controller.step import Controller, CycleInput
+from tests.reference.arm_world import constant, run_world
+
+A = 0.00625
+
+
+def model(participation: float = 1.14) -> Model:
+    return Model(arm=Arm(length_m=2.0, modes=[Mode(participation=participation)]))
+
+
+def decay_ratio(t: np.ndarray, q: np.ndarray, from_s: float, to_s: float) -> float:
+    """Damping ratio from the energy-like envelope between two times."""
+    span = (t >= from_s) & (t < to_s)
+    first, last = np.array_split(q[span], 2)
+    return float(np.log(np.std(first) / np.std(last)) / (0.5 * (to_s - from_s)) / (2 * pi * 2.6))
+
+
+@pytest.mark.parametrize("participation", [1.14, -0.8])
+def test_the_added_damping_is_what_was_asked_for(participation: float) -> None:
+    """k = 2 zeta_a w / (p L) adds zeta_a = 0.06 to 0.01, for either sign of the participation."""
+    arm = model(participation)
+    settings = Settings(method="correlation", damping=Damping(added_damping_ratio=0.06))
+    trace = run_world(
+        arm, Controller(arm, settings), 4.0, strikes={1.0: A}, delay=constant(0.074), damping=lambda t: True
+    ).arrays()
+    assert decay_ratio(trace["time"], trace["truth"], 1.4, 3.0) == pytest.approx(0.07, abs=0.008)
+
+
+def test_an_image_offset_never_makes_the_joint_creep() -> None:
+    """200 px of constant offset, and a joint that starts away from its commanded position's zero."""
+    arm = model()
+    trace = run_world(
+        arm, Controller(arm, Settings(method="correlation")), 20.0, strikes={1.0: A, 4.0: -A}, delay=constant(0.074),
+        damping=lambda t: True, image_offset_px=200.0, image_noise_px=0.05, accelerometer_noise=0.5,
+    ).arrays()  # fmt: skip
+    late = trace["time"] > 15.0
+    assert np.max(np.abs(trace["joint"][late])) < 5e-5
+    assert np.max(np.abs(trace["truth"][late])) < 0.05 * A
+
+
+def test_damping_while_the_joint_moves_returns_to_the_commanded_position() -> None:
+    """A move of 0.3 rad with damping on: the joint ends where the reference led it, the arm at rest."""
+    arm = model()
+
+    def reference(t: float) -> float:
+        return 0.3 if 1.0 <= t < 2.0 else 0.0
+
+    trace = run_world(
+        arm, Controller(arm, Settings(method="correlation")), 16.0, strikes={}, delay=constant(0.074),
+        damping=lambda t: True, reference=reference, image_noise_px=0.05, accelerometer_noise=0.5,
+    ).arrays()  # fmt: skip
+    assert trace["joint"][-1] == pytest.approx(0.3, abs=0.003)
+    assert np.max(np.abs(trace["truth"][-1000:])) < 0.1 * A
+
+
+def test_the_command_is_zero_within_a_fifth_of_a_second_of_the_last_image() -> None:
+    """Whatever the arm does; and it comes back by itself with the images."""
+    arm = model()
+
+    def cut(read: CycleInput) -> None:
+        if 2000 <= read.cycle < 2600:
+            read.samples.clear()
+
+    trace = run_world(
+        arm, Controller(arm, Settings(method="correlation")), 4.0, strikes={1.8: A, 2.55: A}, delay=constant(0.074),
+        damping=lambda t: True, change_input=cut,
+    ).arrays()  # fmt: skip
+    command, t = trace["command"], trace["time"]
+    assert np.max(np.abs(command[(t > 1.9) & (t < 2.0)])) > 0.003
+    assert np.all(command[(t >= 2.2) & (t < 2.6)] == 0.0)
+    assert np.max(np.abs(command[(t > 2.9) & (t < 3.3)])) > 0.001
+
+
+def test_a_silent_drive_and_a_lost_permission_stop_the_damping() -> None:
+    """Each with its own status, each at zero."""
+    damping = JointDamping(model(), Damping(), "model")
+    estimate = Estimate(DelayEstimate(0.07, 0.001, Status.ESTIMATED), 0.005, 0.0, 1e-4, Status.ESTIMATED)
+    damping.see_sample(1.0)
+    for k in range(300):
+        damping.see_sample(1.0 + k * 0.001)
+        velocity, status = damping.velocity_rad_s(estimate, 1.0 + k * 0.001, True, 0.0, 0.0)
+    assert status is DampingStatus.ACTIVE
+    assert velocity > 0.0
+    assert damping.velocity_rad_s(estimate, 1.3, True, 0.0, 0.5) == (0.0, DampingStatus.DRIVE_SILENT)
+    for k in range(300):
+        damping.see_sample(1.3 + k * 0.001)
+        velocity, status = damping.velocity_rad_s(estimate, 1.3 + k * 0.001, False, 0.0, 0.0)
+    assert (velocity, status) == (0.0, DampingStatus.OFF)
+
+
+@given(
+    deflection=st.one_of(st.floats(), st.just(nan)), rate=st.floats(), joint=st.floats(), age=st.floats(),
+    time_s=st.floats(0.0, 1e6),
+)  # fmt: skip
+@settings(max_examples=200)
+def test_the_damping_part_is_always_finite_and_bounded(
+    deflection: float, rate: float, joint: float, age: float, time_s: float
+) -> None:
+    """Any numbers at all."""
+    damping = JointDamping(model(), Damping(), "model")
+    estimate = Estimate(
+        DelayEstimate(0.07, 0.001, Status.ESTIMATED), deflection, rate, 1e-4, Status.ESTIMATED
+    )
+    damping.see_sample(time_s)
+    for _ in range(3):
+        velocity, _ = damping.velocity_rad_s(estimate, time_s, True, joint, age)
+        assert abs(velocity) <= Damping().max_velocity_rad_s
+
+
+def test_envelope_helper() -> None:
+    """The judge itself: a known decay gives its own ratio back."""
+    t = np.arange(0, 4, 0.001)
+    q = np.array([exp(-0.07 * 2 * pi * 2.6 * x) * np.cos(2 * pi * 2.6 * x) for x in t])
+    assert decay_ratio(t, q, 0.4, 2.0) == pytest.approx(0.07, abs=0.003)
