@@ -1,0 +1,60 @@
+"""Buses named "memory:NAME" for smbus2: its own code runs, only the open, close and ioctl beneath it are
+replaced.
+
+smbus2 calls os.open, os.close and fcntl.ioctl through names in its module. Those names are bound to the
+functions here, once, when the first emulated bus is asked for; every descriptor that is not an emulated bus
+passes through.
+"""
+
+import fcntl
+import os
+from types import SimpleNamespace
+from typing import Any
+
+import smbus2.smbus2
+
+from drivers.emulation.i2c_adapter import I2cAdapter
+from drivers.emulation.lis3lv02dq_chip import Lis3lv02dqChip
+
+PREFIX = "memory:"
+LIS3LV02DQ_ADDRESS = 0x1D
+
+_adapters: dict[int, I2cAdapter] = {}
+_waiting: dict[str, float] = {}
+
+
+def open_memory_bus(name: str, wait_s: float) -> smbus2.SMBus:
+    """Open the bus "memory:NAME", waiting up to `wait_s` for a rig to make the registers NAME.
+
+    Raises UserError when there are none.
+    """
+    replaced = SimpleNamespace(open=_open, close=_close, O_RDWR=os.O_RDWR)
+    vars(smbus2.smbus2).update(os=replaced, ioctl=_ioctl)
+    _waiting[name] = wait_s
+    try:
+        return smbus2.SMBus(name)
+    finally:
+        del _waiting[name]
+
+
+def _open(path: Any, flags: int) -> int:
+    if not isinstance(path, str) or not path.startswith(PREFIX):
+        return os.open(path, flags)
+    chip = Lis3lv02dqChip(path.removeprefix(PREFIX), _waiting.get(path, 0.0))
+    descriptor = os.open(os.devnull, flags)  # a number of its own, which nothing else can be given meanwhile
+    _adapters[descriptor] = I2cAdapter(LIS3LV02DQ_ADDRESS, chip)
+    return descriptor
+
+
+def _close(descriptor: int) -> None:
+    adapter = _adapters.pop(descriptor, None)
+    if adapter is not None:
+        adapter.close()
+    os.close(descriptor)
+
+
+def _ioctl(descriptor: int, request: int, argument: Any = 0) -> int:
+    adapter = _adapters.get(descriptor)
+    if adapter is None:
+        return int(fcntl.ioctl(descriptor, request, argument))
+    return adapter.ioctl(request, argument)

@@ -1,0 +1,35 @@
+"""Opening an I2C bus by its name in the configuration."""
+
+import smbus2
+
+from common.user_error import UserError
+from drivers.emulation.memory_bus import PREFIX, open_memory_bus
+
+
+def open_bus(name: str, *, wait_s: float = 0.0) -> smbus2.SMBus:
+    """Open /dev/i2c-N, or "memory:NAME": the emulator's registers NAME in memory shared with the simulated
+    rig.
+
+    wait_s: how long to wait for an emulator's registers to appear; a real bus is there or not. Raises
+    UserError.
+    """
+    if name.startswith(PREFIX):
+        try:
+            return open_memory_bus(name, wait_s)
+        except UserError:
+            raise UserError(
+                f"accelerometer.bus = {name!r}: no process offers these registers; start it "
+                "(the simulated rig: `stillarm rig`), or name a real bus such as /dev/i2c-1"
+            ) from None
+    try:
+        return smbus2.SMBus(name)
+    except FileNotFoundError:
+        remedy = "no such bus; load the kernel module i2c-dev (modprobe i2c-dev), or name one of /dev/i2c-*"
+    except PermissionError:
+        remedy = (
+            "permission denied; add this user to the group that owns the bus (usually i2c) and log in again"
+        )
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        remedy = f"cannot be opened as an I2C bus ({reason}); name one of /dev/i2c-*"
+    raise UserError(f"accelerometer.bus = {name!r}: {remedy}")
