@@ -24,10 +24,19 @@ _HEADER = 64  # magic, size, two indices or a sequence, each on its own 8 bytes
 
 def block_path(name: str) -> Path:
     """The file behind a block's name; names are plain words."""
-    if not name or any(c not in "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-." for c in name):
+    if not name or any(
+        c not in "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-." for c in name
+    ):
         raise UserError(f"shared memory name {name!r}: use letters, digits, '_', '-' and '.' only")
     shm = Path("/dev/shm")
     return (shm if shm.is_dir() else Path(tempfile.gettempdir())) / f"stillarm-{name}"
+
+
+def _no_memory(name: str, path: Path, length: int, error: OSError) -> UserError:
+    return UserError(
+        f"shared memory {name!r}: cannot make {length} bytes at {path} ({(error.strerror or str(error)).lower()}); "
+        f"free memory in {path.parent}, or remove the file if it is another user's"
+    )
 
 
 class SharedBlock:
@@ -41,9 +50,7 @@ class SharedBlock:
         self.path = block_path(name)
         self._owner = create
         if create:
-            self.path.unlink(missing_ok=True)
-            descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
-            os.ftruncate(descriptor, _HEADER + size)
+            descriptor = self._make(name, _HEADER + size)
         else:
             descriptor = self._open_existing(name, wait_s)
             size = os.fstat(descriptor).st_size - _HEADER
@@ -58,6 +65,22 @@ class SharedBlock:
         if create:
             _WORD.pack_into(self.header, 0, _MAGIC)  # last, so that whoever waits finds it complete
 
+    def _make(self, name: str, length: int) -> int:
+        try:
+            self.path.unlink(missing_ok=True)
+            descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+        except OSError as error:
+            raise _no_memory(name, self.path, length, error) from None
+        try:
+            # Not ftruncate: pages that are promised only would kill whoever first writes to them (SIGBUS) when the
+            # memory runs out, and would be fetched in the middle of a cycle.
+            os.posix_fallocate(descriptor, 0, length)
+        except OSError as error:
+            os.close(descriptor)
+            self.path.unlink(missing_ok=True)
+            raise _no_memory(name, self.path, length, error) from None
+        return descriptor
+
     def _open_existing(self, name: str, wait_s: float) -> int:
         deadline = time.monotonic() + wait_s
         while True:
@@ -66,11 +89,15 @@ class SharedBlock:
             except FileNotFoundError:
                 pass
             else:
-                if os.fstat(descriptor).st_size > _HEADER and os.pread(descriptor, 8, 0) == _WORD.pack(_MAGIC):
+                if os.fstat(descriptor).st_size > _HEADER and os.pread(descriptor, 8, 0) == _WORD.pack(
+                    _MAGIC
+                ):
                     return descriptor
                 os.close(descriptor)
             if time.monotonic() >= deadline:
-                raise UserError(f"shared memory {name!r}: not there; start the process that provides it first")
+                raise UserError(
+                    f"shared memory {name!r}: not there; start the process that provides it first"
+                )
             time.sleep(0.005)
 
     def replaced(self) -> bool:

@@ -132,6 +132,16 @@ class PairSample(msgspec.Struct, frozen=True, gc=False):
     output: float
 
 
+class ForeignColumns(msgspec.Struct, frozen=True):
+    """/fast/columns and /frames/columns: what an imported row held in columns that are not known, as it was given.
+
+    One message for each row of the file, in its order: a number, a text, or null for an empty field.
+    """
+
+    time_s: float
+    columns: dict[str, float | str | None]
+
+
 class Topic(msgspec.Struct, frozen=True):
     """A topic: its name in the file, its message type, and how often it comes."""
 
@@ -149,4 +159,7 @@ TOPICS = (
     Topic("/truth/state", TrueState, "every step of the rig"),
     Topic("/truth/frames", TrueFrame, "every exposure"),
     Topic("/pair", PairSample, "every sample"),
+    Topic("/fast/columns", ForeignColumns, "every row, where an imported fast.csv has unknown columns"),
+    Topic("/frames/columns", ForeignColumns, "every row, where an imported frames.csv has unknown columns"),
 )
+TOPIC_INDEX = {topic.name: index for index, topic in enumerate(TOPICS)}

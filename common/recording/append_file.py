@@ -1,0 +1,55 @@
+"""A file that only grows by whole records: a write that fails leaves nothing of itself behind."""
+
+import contextlib
+from pathlib import Path
+from typing import IO, cast
+
+from common.user_error import UserError
+
+
+class AppendFile:
+    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is taken back."""
+
+    def __init__(self, path_or_file: str | Path | IO[bytes]) -> None:
+        """Make the file (an existing one is replaced), or write to one that is open. Raises UserError if it cannot."""
+        self._own = isinstance(path_or_file, str | Path)
+        if isinstance(path_or_file, str | Path):
+            self.name = str(path_or_file)
+            try:
+                self._file = cast(IO[bytes], Path(path_or_file).open("wb", buffering=0))
+            except OSError as error:
+                raise UserError(
+                    f"{self.name}: cannot be written ({(error.strerror or str(error)).lower()}); "
+                    "name a file in an existing folder that you may write to"
+                ) from None
+        else:
+            self._file = path_or_file
+            self.name = str(getattr(path_or_file, "name", "recording"))
+        self._length = 0
+
+    def write(self, data: bytes) -> int:
+        """Append all of `data`; on OSError the file ends again where it ended before, and the error goes on."""
+        rest = memoryview(data)
+        try:
+            while rest:
+                rest = rest[self._file.write(rest) :]
+        except OSError:
+            with contextlib.suppress(OSError):
+                self._file.seek(self._length)
+                self._file.truncate()
+            raise
+        self._length += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        """Length so far."""
+        return self._length
+
+    def flush(self) -> None:
+        """Hand everything to the operating system."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file if it was opened here; may be called twice."""
+        if self._own:
+            self._file.close()

@@ -1,0 +1,234 @@
+"""The records of an MCAP file, read so that a cut or damaged file gives everything that is whole in it.
+
+Specification: https://mcap.dev/spec. The public reader stops with an exception at the first damage and takes several
+times as long; here only what a recording needs is read: channels, messages and metadata.
+"""
+
+import importlib
+import struct
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO
+
+import zstandard
+
+from common.user_error import UserError
+
+MAGIC = b"\x89MCAP0\r\n"
+_FOOTER, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 0x02, 0x04, 0x05, 0x06, 0x0C
+_RECORD = struct.Struct("<BQ")
+_MESSAGE_HEAD = struct.Struct("<HIQQ")
+_MAX_CHUNK = 1 << 29  # no writer makes larger ones: a damaged length must not take all memory
+
+
+@dataclass(slots=True)
+class Channel:
+    """A channel: one topic with its encoding; `messages` counts what is whole."""
+
+    topic: str
+    encoding: str
+    messages: int = 0
+
+
+@dataclass(slots=True)
+class Block:
+    """A stretch of records that holds messages: the body of a chunk, or a record outside of any."""
+
+    offset: int
+    length: int
+    chunk: bool
+
+
+@dataclass
+class Contents:
+    """What a file holds. cut: its end is missing. damaged: how many of its records could not be read."""
+
+    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    blocks: list[Block] = field(default_factory=list)
+    cut: bool = False
+    damaged: int = 0
+
+
+class _Damaged(Exception):
+    """A record is not what its length or check sum says."""
+
+
+def scan(path: Path) -> Contents:
+    """Go through a whole file once. Raises UserError when it cannot be read or is no MCAP file."""
+    try:
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise UserError(f"{path}: not an MCAP recording; `stillarm import` reads CSV")
+            return _scan(file, path.stat().st_size)
+    except OSError as error:
+        raise UserError(
+            f"{path}: cannot be read ({(error.strerror or str(error)).lower()}); name a recording"
+        ) from None
+
+
+def messages(path: Path, contents: Contents, topic: str) -> Iterator[list[bytes]]:
+    """The messages of a topic, encoded, in the file's order; a list for each stretch of the file."""
+    wanted = {number for number, channel in contents.channels.items() if channel.topic == topic}
+    try:
+        with path.open("rb") as file:
+            for block in contents.blocks:
+                file.seek(block.offset)
+                data = file.read(block.length)
+                try:
+                    body = _uncompress(data) if block.chunk else data
+                except _Damaged:
+                    continue
+                found = [body[a:b] for number, a, b in _walk(body, {}) if number in wanted]
+                if found:
+                    yield found
+    except OSError as error:
+        raise UserError(f"{path}: cannot be read ({(error.strerror or str(error)).lower()})") from None
+
+
+def _scan(file: IO[bytes], size: int) -> Contents:
+    contents = Contents()
+    counts: Counter[int] = Counter()
+    ended = False
+    offset = len(MAGIC)
+    while not ended:
+        head = file.read(_RECORD.size)
+        if len(head) < _RECORD.size:
+            break
+        opcode, length = _RECORD.unpack(head)
+        start, offset = offset + _RECORD.size, offset + _RECORD.size + length
+        whole = offset <= size
+        try:
+            if opcode == _CHUNK:
+                there = max(0, min(length, size - start))
+                _note_block(contents, counts, Block(start, there, chunk=True), file.read(there))
+            elif opcode == _MESSAGE and whole:
+                block = Block(start - _RECORD.size, length + _RECORD.size, chunk=False)
+                _note_block(contents, counts, block, head + file.read(length))
+            elif opcode == _CHANNEL and whole:
+                _note_channel(file.read(length), contents.channels)
+            elif opcode == _METADATA and whole:
+                name, entries = _metadata(file.read(length))
+                contents.metadata.setdefault(name, entries)
+            ended = opcode == _FOOTER and whole
+        except _Damaged:
+            contents.damaged += 1
+        if not whole:
+            break
+        file.seek(offset)
+    for (
+        number,
+        count,
+    ) in counts.items():  # only now: where a chunk is damaged, its channels stand in the summary too
+        if number in contents.channels:
+            contents.channels[number].messages = count
+        else:
+            contents.damaged += 1
+    contents.cut = not ended or file.read(len(MAGIC)) != MAGIC
+    return contents
+
+
+def _note_block(contents: Contents, counts: Counter[int], block: Block, data: bytes) -> None:
+    body = _uncompress(data) if block.chunk else data
+    counts.update([number for number, _, _ in _walk(body, contents.channels)])
+    contents.blocks.append(block)
+
+
+def _walk(body: bytes, channels: dict[int, Channel]) -> Iterator[tuple[int, int, int]]:
+    """Channel number, start and end of each whole message in a chunk's body; adds the channels met to `channels`."""
+    offset, end = 0, len(body)
+    unpack, unpack_message = _RECORD.unpack_from, _MESSAGE_HEAD.unpack_from
+    while offset + 9 <= end:
+        opcode, length = unpack(body, offset)
+        offset += 9
+        if offset + length > end:
+            return
+        if opcode == _MESSAGE and length >= 22:
+            yield unpack_message(body, offset)[0], offset + 22, offset + length
+        elif opcode == _CHANNEL:
+            _note_channel(body[offset : offset + length], channels)
+        offset += length
+
+
+def _uncompress(chunk: bytes) -> bytes:
+    """The records inside a chunk record; of one that is cut, those that can be had."""
+    try:
+        size, check_sum, name_length = struct.unpack_from("<QII", chunk, 16)
+        name = chunk[32 : 32 + name_length]
+        (length,) = struct.unpack_from("<Q", chunk, 32 + name_length)
+    except struct.error:
+        raise _Damaged from None
+    data = chunk[40 + name_length : 40 + name_length + length]
+    if size > _MAX_CHUNK:
+        raise _Damaged
+    cut = len(data) < length
+    try:
+        body = _UNCOMPRESS[name](data, size, cut)
+    except (KeyError, zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
+        raise _Damaged from None
+    if not cut and (len(body) != size or (check_sum and zlib.crc32(body) != check_sum)):
+        raise _Damaged
+    return body
+
+
+def _zstd(data: bytes, size: int, cut: bool) -> bytes:
+    if zstandard.get_frame_parameters(data).window_size > _MAX_CHUNK:
+        raise _Damaged
+    if cut:
+        return zstandard.ZstdDecompressor().decompressobj().decompress(data)
+    if zstandard.frame_content_size(data) not in (size, -1):  # -1: a writer that streams does not say
+        raise _Damaged
+    return zstandard.ZstdDecompressor().decompress(data, max_output_size=max(1, size))
+
+
+def _lz4(data: bytes, size: int, cut: bool) -> bytes:
+    frame = importlib.import_module(
+        "lz4.frame"
+    )  # only other programs' files need it; comes with the package mcap
+    return bytes(frame.LZ4FrameDecompressor().decompress(data, max_length=size))
+
+
+_UNCOMPRESS: dict[bytes, Callable[[bytes, int, bool], bytes]] = {
+    b"": lambda data, size, cut: data,
+    b"zstd": _zstd,
+    b"lz4": _lz4,
+}
+
+
+def _note_channel(data: bytes, channels: dict[int, Channel]) -> None:
+    try:
+        number, _ = struct.unpack_from("<HH", data, 0)
+        topic, offset = _text(data, 4)
+        encoding, _ = _text(data, offset)
+    except struct.error:
+        raise _Damaged from None
+    channels.setdefault(number, Channel(topic, encoding))
+
+
+def _metadata(data: bytes) -> tuple[str, dict[str, str]]:
+    try:
+        name, offset = _text(data, 0)
+        (length,) = struct.unpack_from("<I", data, offset)
+        offset += 4
+        end = min(len(data), offset + length)
+        entries: dict[str, str] = {}
+        while offset < end:
+            key, offset = _text(data, offset)
+            entries[key], offset = _text(data, offset)
+    except struct.error:
+        raise _Damaged from None
+    return name, entries
+
+
+def _text(data: bytes, offset: int) -> tuple[str, int]:
+    (length,) = struct.unpack_from("<I", data, offset)
+    end = offset + 4 + length
+    if end > len(data):
+        raise _Damaged
+    try:
+        return data[offset + 4 : end].decode("utf-8"), end
+    except UnicodeDecodeError:
+        raise _Damaged from None

@@ -1,0 +1,111 @@
+"""The daemon's side of the recorder: messages go into a ring in shared memory, a process of its own writes them.
+
+A write of a recording takes milliseconds now and then; a put() takes microseconds always, and never waits.
+"""
+
+import contextlib
+import os
+import secrets
+import selectors
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+
+from common.recording.header import RecordingHeader
+from common.recording.topics import TOPICS
+from common.shared_memory import SharedRing
+from common.user_error import UserError
+
+_RING_BYTES = 8 << 20  # some ten seconds of every topic at 1 kHz, should the disk stall
+_START_S = 20.0
+_PREFIX = [bytes([index]) for index in range(len(TOPICS))]
+
+
+class RecorderClient:
+    """A recorder process and the way to it. Of one process and one thread: the ring has one writer."""
+
+    def __init__(self, process: subprocess.Popen[bytes], ring: SharedRing, path: Path) -> None:
+        """Use start()."""
+        self._process = process
+        self._ring = ring
+        self._path = path
+        self._encode = msgspec.msgpack.Encoder().encode
+        self._put = ring.put
+
+    @classmethod
+    def start(
+        cls, path: str | Path, header: RecordingHeader, *, ring_bytes: int = _RING_BYTES
+    ) -> "RecorderClient":
+        """Start the recorder and wait until its file is open.
+
+        Raises UserError when the file cannot be written or there is no shared memory for the ring.
+        """
+        name = f"recorder-{os.getpid()}-{secrets.token_hex(4)}"
+        ring = SharedRing(name, ring_bytes, create=True)
+        try:
+            process = _spawn(Path(path), name, msgspec.msgpack.encode(header))
+        except BaseException:
+            ring.close()
+            raise
+        return cls(process, ring, Path(path))
+
+    def put(self, topic_index: int, message: msgspec.Struct) -> None:
+        """Hand over a message; `topic_index` from common.recording.topics.TOPIC_INDEX.
+
+        Never waits. A message for which there is no room is lost, and counted.
+        """
+        self._put(_PREFIX[topic_index] + self._encode(message))
+
+    @property
+    def lost(self) -> int:
+        """How many messages found no room."""
+        return self._ring.lost
+
+    def alive(self) -> bool:
+        """Whether the recorder still runs; never waits."""
+        return self._process.poll() is None
+
+    def close(self, timeout_s: float = 10.0) -> bool:
+        """Have the recorder write what it was given and complete the file, waiting up to `timeout_s`.
+
+        Returns whether it did, in time and without an error of its own; may be called twice.
+        """
+        self._process.terminate()  # to the recorder this means: finish
+        try:
+            complete = self._process.wait(timeout_s) == 0
+        except subprocess.TimeoutExpired:  # a disk that hangs; the recorder goes on by itself
+            return False
+        self._ring.close()
+        return complete
+
+
+def _spawn(path: Path, ring_name: str, header: bytes) -> subprocess.Popen[bytes]:
+    """Start the recorder in a session of its own, where neither Ctrl-C nor a hang-up of the terminal reaches it."""
+    root = str(Path(__file__).resolve().parents[2])
+    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
+    process = subprocess.Popen(
+        # -P: a folder named 'common' where the user happens to stand must not take this package's place
+        [
+            *(sys.executable, "-P", "-m", "common.recording.recorder_process"),
+            *(os.path.abspath(path), ring_name, str(os.getpid())),
+        ],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": search},
+    )
+    assert process.stdin is not None and process.stdout is not None
+    with contextlib.suppress(BrokenPipeError), process.stdin as stdin:
+        stdin.write(header)
+    with process.stdout as stdout, selectors.DefaultSelector() as selector:
+        selector.register(stdout, selectors.EVENT_READ)
+        answer = stdout.readline().decode().strip() if selector.select(_START_S) else ""
+    if answer == "ready":
+        return process
+    process.kill()
+    process.wait()
+    raise UserError(
+        answer or f"{path}: the recorder did not start within {_START_S:.0f} s; is the machine overloaded?"
+    )
