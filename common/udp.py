@@ -24,7 +24,7 @@ class UdpSocket:
             reason = getattr(error, "strerror", None) or str(error)
             raise UserError(
                 f"{purpose}: cannot listen on {local[0]}:{local[1]} ({reason.lower()}); "
-                "stop the process that uses it, or choose another host or port in [link]"
+                "stop the process that uses it, or choose another host or port"
             ) from None
         self.send_failures = 0
 
@@ -43,6 +43,17 @@ class UdpSocket:
             while len(received) < limit:
                 try:
                     received.append(receive(MAX_DATAGRAM_BYTES + 1))
+                except ConnectionError:  # a queued "port unreachable" from an earlier send
+                    continue
+        return received
+
+    def drain_with_senders(self, limit: int) -> list[tuple[bytes, Address]]:
+        """Up to `limit` datagrams that have arrived, oldest first, each with the address it came from."""
+        received: list[tuple[bytes, Address]] = []
+        with contextlib.suppress(BlockingIOError):
+            while len(received) < limit:
+                try:
+                    received.append(self._socket.recvfrom(MAX_DATAGRAM_BYTES + 1))
                 except ConnectionError:  # a queued "port unreachable" from an earlier send
                     continue
         return received

@@ -62,7 +62,7 @@ LIS3LV02DQ = RegisterTable(
     counts_per_g={2: 1024, 6: 340},
     max_count=2048,
     start_up_s=5.0 / 2560.0,
-    # the bandwidth is a quarter of the rate, 640 Hz; taken as a first-order lag's, no group delay being stated
+    # bandwidth: a quarter of the rate, 640 Hz; taken as a first-order lag's, no group delay being stated
     delay_s=1.0 / (2.0 * pi * 640.0),
 )
 
@@ -117,7 +117,8 @@ class Lis3lv02dq:
             self.close()
             raise UserError(
                 f"{self._place}: no {self._table.name} answers ({(error.strerror or str(error)).lower()}); "
-                "check power and wiring, or correct accelerometer.address (`i2cdetect -y N` lists what answers on bus N)"
+                "check power and wiring, or correct accelerometer.address "
+                "(`i2cdetect -y N` lists what answers on bus N)"
             ) from None
         except UserError:
             self.close()
@@ -183,9 +184,9 @@ class Lis3lv02dq:
         identity = bus.read_byte_data(self._config.address, table.identity_register)
         if identity != table.identity:
             raise UserError(
-                f"{self._place}: the device says 0x{identity:02x} in register 0x{table.identity_register:02x}, "
-                f"a {table.name} says 0x{table.identity:02x}; correct accelerometer.driver "
-                "or accelerometer.address"
+                f"{self._place}: the device says 0x{identity:02x} in register "
+                f"0x{table.identity_register:02x}, a {table.name} says 0x{table.identity:02x}; "
+                "correct accelerometer.driver or accelerometer.address"
             )
 
     def _set_up(self, bus: smbus2.SMBus) -> None:
@@ -199,5 +200,6 @@ class Lis3lv02dq:
             self._sleep(_POLL_S)
         raise UserError(
             f"{self._place}: the {self._table.name} gives no samples "
-            f"{_FIRST_SAMPLE_WITHIN_S:g} s after its set-up; switch its power off and on, and check that the simulated rig runs where there is one"
+            f"{_FIRST_SAMPLE_WITHIN_S:g} s after its set-up; "
+            "switch its power off and on, and check that the simulated rig runs where there is one"
         )

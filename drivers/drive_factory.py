@@ -1,0 +1,23 @@
+"""The drive that the configuration names."""
+
+from common.configuration import DriveDevice
+from common.datagram import DEMO_KEY
+from common.link_key import is_loopback
+from common.user_error import UserError
+from drivers.drive import Drive
+from drivers.udp_gateway_drive import UdpGatewayDrive
+
+
+def open_drive(config: DriveDevice, key: bytes) -> Drive | None:
+    """The configured drive, not yet started; None for "none".
+
+    Raises UserError for a gateway on another computer under the demo key, which everybody knows.
+    """
+    if config.driver == "none":
+        return None
+    if key == DEMO_KEY and not is_loopback(config.gateway_host):
+        raise UserError(
+            f"drive.gateway_host = {config.gateway_host!r} lies outside this computer, where the demo key "
+            "(127.0.0.0/8 only) protects nothing; name a key file in link.key_file, with mode 600"
+        )
+    return UdpGatewayDrive(config, key)

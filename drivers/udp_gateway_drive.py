@@ -1,0 +1,105 @@
+"""A drive behind a gateway that speaks the signed datagrams of docs/gateway.md over UDP."""
+
+import time
+from collections.abc import Callable
+from math import inf, isfinite, nan
+
+from common.configuration import DriveDevice
+from common.datagram import Datagram, Kind, encode
+from common.peer import LinkCounts, Peer
+from common.udp import UdpSocket, new_session
+from drivers.drive import JointState
+
+_MAX_DATAGRAMS = 16
+
+
+class UdpGatewayDrive:
+    """Commands a joint's velocity and hears its state; implements drivers.drive.Drive."""
+
+    def __init__(
+        self,
+        config: DriveDevice,
+        key: bytes,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        session: int | None = None,
+    ) -> None:
+        """Opens nothing. clock: seconds, never backwards. session: of the commands; None draws a random
+        one."""
+        self._config = config
+        self._gateway = (config.gateway_host, config.gateway_port)
+        self._key = key
+        self._clock = clock
+        self._session = new_session() if session is None else session
+        self._sequence = 0
+        self._peer = Peer(key, (Kind.DRIVE_STATE,))
+        self._socket: UdpSocket | None = None
+        self._position = self._velocity = nan
+        self._arrived_s = -inf
+        self.status = 0
+        """The gateway's status: drivers.drive_gateway.GatewayStatus."""
+        self.echoed_sequence = 0
+        """Sequence number of the newest command that the gateway had when it reported."""
+        self.ignored = 0
+        """States that were signed and in order, but hold anything but two finite numbers and two integers."""
+        self.refused = 0
+        """Commands that were no finite number; zero was sent in their place."""
+
+    @property
+    def counts(self) -> LinkCounts:
+        """What became of the datagrams received."""
+        return self._peer.counts
+
+    def start(self) -> None:
+        """Open the socket. Moves nothing. Raises UserError when the port is taken."""
+        self.close()
+        self._socket = UdpSocket((self._config.local_host, self._config.local_port), "drive.local_port")
+
+    def command(self, velocity_rad_s: float) -> None:
+        """Send the joint velocity command, rad/s; what is no finite number is sent as zero, and counted.
+
+        The gateway stops the joint when no command reaches it for 0.1 s. Raises RuntimeError before start().
+        """
+        if self._socket is None:
+            raise RuntimeError("command() before start()")
+        if not isfinite(velocity_rad_s):
+            self.refused += 1
+            velocity_rad_s = 0.0
+        self._sequence += 1
+        # float(): a NumPy scalar would not go into msgpack
+        body = (float(velocity_rad_s),)
+        self._socket.send(
+            encode(self._key, Kind.DRIVE_COMMAND, self._session, self._sequence, body), self._gateway
+        )
+
+    def state(self) -> JointState:
+        """The newest report of the drive; never blocks. Before the first: NaN, NaN and an infinite age."""
+        if self._socket is None:
+            raise RuntimeError("state() before start()")
+        for data in self._socket.drain(_MAX_DATAGRAMS):
+            datagram = self._peer.receive(data)
+            if datagram is not None:
+                self._take(datagram)
+        return JointState(self._position, self._velocity, self._clock() - self._arrived_s)
+
+    def close(self) -> None:
+        """Command zero and release the socket; may be called twice."""
+        if self._socket is not None:
+            self.command(0.0)
+            self._socket.close()
+            self._socket = None
+
+    def _take(self, datagram: Datagram) -> None:
+        position, velocity, status, echoed = datagram.body
+        if (
+            type(position) not in (float, int)
+            or type(velocity) not in (float, int)
+            or not (isfinite(position) and isfinite(velocity))
+            or type(status) is not int
+            or type(echoed) is not int
+        ):
+            self.ignored += 1
+            return
+        self._position, self._velocity = float(position), float(velocity)
+        self.status, self.echoed_sequence = status, echoed
+        self._arrived_s = self._clock()

@@ -1,0 +1,104 @@
+"""The gateway's side: the dead-man timer above all."""
+
+from math import inf, nan
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from common.datagram import Kind, decode, encode
+from common.user_error import UserError
+from drivers.drive_gateway import DEAD_MAN_S, DriveGateway, GatewayStatus
+from drivers.drive_gateway_socket import DriveGatewaySocket
+
+KEY = b"a key of the tests' own"
+SESSION = 7
+
+
+def command(velocity: object, sequence: int, session: int = SESSION, key: bytes = KEY) -> bytes:
+    return encode(key, Kind.DRIVE_COMMAND, session, sequence, (velocity,))
+
+
+def test_holds_still_before_the_first_command() -> None:
+    gateway = DriveGateway(KEY)
+    assert gateway.velocity_command(0.0) == 0.0
+    assert decode(KEY, gateway.state_datagram(0.0, 0.0)).body[2:] == (GatewayStatus.IDLE, 0)
+
+
+def test_follows_until_the_dead_man_timer_and_again_after() -> None:
+    gateway = DriveGateway(KEY)
+    assert gateway.receive(command(0.3, 1), 10.0)
+    assert gateway.velocity_command(10.0) == 0.3
+    assert gateway.velocity_command(10.0 + 0.99 * DEAD_MAN_S) == 0.3
+    assert decode(KEY, gateway.state_datagram(0.0, 0.0)).body[2:] == (GatewayStatus.FOLLOWING, 1)
+    assert gateway.velocity_command(10.0 + 1.01 * DEAD_MAN_S) == 0.0
+    assert decode(KEY, gateway.state_datagram(0.0, 0.0)).body[2:] == (GatewayStatus.DEAD_MAN, 1)
+    assert gateway.receive(command(-0.2, 2), 11.0)
+    assert gateway.velocity_command(11.0) == -0.2
+
+
+@pytest.mark.parametrize("velocity", [nan, inf, -inf, None, "fast", True, [0.1], b"\x00"])
+def test_ignores_what_is_no_finite_number_and_does_not_rewind_the_timer(velocity: object) -> None:
+    gateway = DriveGateway(KEY)
+    gateway.receive(command(0.3, 1), 0.0)
+    assert not gateway.receive(command(velocity, 2), 0.09)
+    assert gateway.ignored == 1
+    assert gateway.velocity_command(0.09) == 0.3
+    assert gateway.velocity_command(0.11) == 0.0
+
+
+def test_refuses_forged_repeated_and_older_commands() -> None:
+    gateway = DriveGateway(KEY)
+    gateway.receive(command(0.1, 5), 0.0)
+    for data in (command(0.5, 6, key=b"somebody else's key"), command(0.5, 5), command(0.5, 4)):
+        assert not gateway.receive(data, 0.05)
+    state = encode(KEY, Kind.DRIVE_STATE, SESSION, 9, (0.5, 0.5, 1, 1))
+    assert not gateway.receive(state, 0.05)
+    assert gateway.velocity_command(0.05) == 0.1
+    counts = gateway.counts
+    assert (counts.accepted, counts.forged, counts.duplicate, counts.unexpected) == (1, 1, 2, 1)
+
+
+def test_a_replaced_session_has_no_say_any_more() -> None:
+    gateway = DriveGateway(KEY)
+    gateway.receive(command(0.1, 5, session=1), 0.0)
+    assert gateway.receive(command(0.2, 1, session=2), 0.01)
+    assert not gateway.receive(command(0.3, 6, session=1), 0.02)
+    assert gateway.velocity_command(0.02) == 0.2
+
+
+def test_state_counts_up_and_echoes_the_command() -> None:
+    gateway = DriveGateway(KEY, session=99)
+    gateway.receive(command(0.25, 41), 0.0)
+    gateway.velocity_command(0.0)
+    for sequence in (1, 2):
+        state = decode(KEY, gateway.state_datagram(0.5, -0.125))
+        assert state == (Kind.DRIVE_STATE, 99, sequence, (0.5, -0.125, GatewayStatus.FOLLOWING, 41))
+
+
+@given(st.binary(max_size=1300))
+def test_no_bytes_make_it_raise_or_move(data: bytes) -> None:
+    gateway = DriveGateway(KEY)
+    assert not gateway.receive(data, 0.0)
+    assert gateway.velocity_command(0.0) == 0.0
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary(),
+        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
+    )
+)
+def test_no_signed_body_makes_it_raise_or_gives_a_velocity_that_is_no_number(body: object) -> None:
+    gateway = DriveGateway(KEY)
+    accepted = gateway.receive(command(body, 1), 0.0)
+    assert accepted == (type(body) in (int, float) and -inf < body < inf)
+    assert gateway.velocity_command(0.0) == (float(body) if accepted else 0.0)
+
+
+def test_a_second_gateway_on_a_port_is_refused_in_one_line() -> None:
+    first = DriveGatewaySocket(DriveGateway(KEY), ("127.0.0.1", 0))
+    with pytest.raises(UserError, match=r"^drive\.gateway_port: [^\n]*; [^\n]*$"):
+        DriveGatewaySocket(DriveGateway(KEY), first.address)
+    first.close()
+    first.close()
