@@ -1,4 +1,6 @@
-"""The configuration file: one TOML file for both computers; each daemon reads the sections that concern it."""
+"""The configuration file: one TOML file for both computers; each daemon reads the sections that
+concern it.
+"""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +20,9 @@ Count = Annotated[int, Meta(ge=1)]
 
 
 class Link(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Where the two processes listen, and the key that signs what they send. An empty key_file: the demo key."""
+    """Where the two processes listen, and the key that signs what they send. An empty key_file: the
+    demo key.
+    """
 
     controller_host: str = "127.0.0.1"
     controller_port: Port = 47001
@@ -30,7 +34,9 @@ class Link(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Correlation(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Delay by recursive cross-correlation (eq. 11): M = window_s / cycle, rho = forgetting, search around the prior."""
+    """Delay by recursive cross-correlation (eq. 11): M = window_s / cycle, rho = forgetting, search around
+    the prior.
+    """
 
     window_s: Positive = 1.0
     forgetting: Annotated[float, Meta(gt=0.0, lt=1.0)] = 0.5
@@ -79,14 +85,18 @@ class Tracker(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Supervisor(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Frame capture and tracking. `cycles_in_flight`: how many images are asked for ahead (buffers queued)."""
+    """Frame capture and tracking. `cycles_in_flight`: how many images are asked for ahead (buffers
+    queued).
+    """
 
     cycles_in_flight: Annotated[int, Meta(ge=1, le=32)] = 1
     tracker: Tracker = Tracker()
 
 
 class AccelerometerDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Which accelerometer hangs where. bus: /dev/i2c-N, or memory:NAME for an emulator's registers in shared memory."""
+    """Which accelerometer hangs where. bus: /dev/i2c-N, or memory:NAME for an emulator's registers in shared
+    memory.
+    """
 
     driver: Literal["lis3lv02dq", "none"] = "lis3lv02dq"
     bus: str = "/dev/i2c-1"
@@ -96,7 +106,9 @@ class AccelerometerDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=Tru
 
 
 class CameraDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Which camera. opencv: device number or URL in `device`; file: video, folder of images or .cih; shared_memory: NAME."""
+    """Which camera. opencv: device number or URL in `device`; file: video, folder of images or .cih;
+    shared_memory: NAME.
+    """
 
     driver: Literal["opencv", "file", "shared_memory"] = "opencv"
     device: str = "0"
@@ -125,7 +137,9 @@ class SimulatedScene(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Rig(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """The stand-in for the hardware. `model` holds its true parameters; empty: the model that the controller assumes."""
+    """The stand-in for the hardware. `model` holds its true parameters; empty: the model that the controller
+    assumes.
+    """
 
     model: str = ""
     scenario: str = "demo"
@@ -159,7 +173,8 @@ def load_configuration(path: str | Path) -> Configuration:
     link = configuration.link
     if (link.controller_host, link.controller_port) == (link.supervisor_host, link.supervisor_port):
         raise UserError(
-            f"{path}: link.supervisor_port = {link.supervisor_port}: the same address as the controller's; choose another"
+            f"{path}: link.supervisor_port = {link.supervisor_port}: the same address as "
+            "the controller's; choose another"
         )
     return configuration
 

@@ -1,7 +1,9 @@
-"""The datagrams: msgpack, versioned, with session and sequence number, signed. docs/protocol.md describes them.
+"""The datagrams: msgpack, versioned, with session and sequence number, signed. docs/protocol.md describes
+them.
 
-A datagram is a msgpack array [version, kind, session, sequence, body...] followed by a 16-byte keyed BLAKE2s tag of
-all bytes before it. Sessions are random 63-bit numbers, drawn when a process starts; sequences count up from 1.
+A datagram is a msgpack array [version, kind, session, sequence, body...] followed by a 16-byte keyed BLAKE2s
+tag of all bytes before it. Sessions are random 63-bit numbers, drawn when a process starts; sequences count
+up from 1.
 """
 
 import hmac
@@ -27,11 +29,19 @@ class Kind(IntEnum):
     REFERENCE = 5  # operator -> controller: joint velocity reference, whether damping is allowed
 
 
-BODY_FIELDS = {Kind.TIMESTAMP: 1, Kind.VISUAL: 15, Kind.DRIVE_COMMAND: 1, Kind.DRIVE_STATE: 4, Kind.REFERENCE: 2}
+BODY_FIELDS = {
+    Kind.TIMESTAMP: 1,
+    Kind.VISUAL: 15,
+    Kind.DRIVE_COMMAND: 1,
+    Kind.DRIVE_STATE: 4,
+    Kind.REFERENCE: 2,
+}
 
 
 class Datagram(NamedTuple):
-    """A datagram whose tag held and whose shape is right. The body's values are checked by whoever takes them."""
+    """A datagram whose tag held and whose shape is right. The body's values are checked by whoever takes
+    them.
+    """
 
     kind: int
     session: int
@@ -51,7 +61,7 @@ def encode(key: bytes, kind: int, session: int, sequence: int, body: tuple[Any, 
     return payload + blake2s(payload, key=key, digest_size=TAG_BYTES).digest()
 
 
-def decode(key: bytes, data: bytes) -> Datagram | Rejected:
+def decode(key: bytes, data: bytes) -> Datagram | Rejected:  # noqa: PLR0911 - one for each check, in order
     """Check and read a datagram: size, then tag, then version, then shape. Never raises for any bytes."""
     if not TAG_BYTES + 5 <= len(data) <= MAX_DATAGRAM_BYTES:
         return Rejected("malformed")

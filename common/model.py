@@ -40,7 +40,9 @@ class Arm(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The flexible link. `length_m` may be absent where no deflection is asked for."""
 
     length_m: Positive | None = None
-    modes: Annotated[list[Mode], Meta(min_length=1, max_length=12)] = msgspec.field(default_factory=lambda: [Mode()])
+    modes: Annotated[list[Mode], Meta(min_length=1, max_length=12)] = msgspec.field(
+        default_factory=lambda: [Mode()]
+    )
 
 
 class Drive(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -117,15 +119,20 @@ def check_model(model: Model, name: str) -> Model:
         ("camera.scale_px_per_m", model.camera.scale_px_per_m),
     ):
         if value == 0.0:
-            raise UserError(f"{name}: {key} = 0: a signed number other than zero is needed; `stillarm calibrate` finds it")
+            raise UserError(
+                f"{name}: {key} = 0: a signed number other than zero is needed; `stillarm calibrate` finds it"
+            )
     if model.camera.exposure_s * model.camera.frame_rate_hz > 1.0 + 1e-9:
         raise UserError(
             f"{name}: camera.exposure_s = {model.camera.exposure_s}: longer than a frame at "
-            f"camera.frame_rate_hz = {model.camera.frame_rate_hz}; at most {1.0 / model.camera.frame_rate_hz:.6f}"
+            f"camera.frame_rate_hz = {model.camera.frame_rate_hz}; "
+            f"at most {1.0 / model.camera.frame_rate_hz:.6f}"
         )
     for index, effect in enumerate(model.effects):
         if not isinstance(effect.get("cause"), str):
-            raise UserError(f"{name}: effects[{index}].cause: a cause's name is needed, such as \"cubic_stiffness\"")
+            raise UserError(
+                f'{name}: effects[{index}].cause: a cause\'s name is needed, such as "cubic_stiffness"'
+            )
     return model
 
 
@@ -133,6 +140,7 @@ def length_of(model: Model, name: str) -> float:
     """Length of the arm in metres. Raises UserError when the model has none but a deflection is asked for."""
     if model.arm.length_m is None:
         raise UserError(
-            f"{name}: arm.length_m: needed for a deflection and absent; measure it from joint to tip, or run `stillarm calibrate`"
+            f"{name}: arm.length_m: needed for a deflection and absent; "
+            "measure it from joint to tip, or run `stillarm calibrate`"
         )
     return model.arm.length_m

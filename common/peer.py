@@ -1,4 +1,6 @@
-"""Which datagrams of a peer to take: newest session, increasing sequence; and the counts of those not taken."""
+"""Which datagrams of a peer to take: newest session, increasing sequence; and the counts of those
+not taken.
+"""
 
 from collections import deque
 
@@ -25,8 +27,8 @@ class LinkCounts(msgspec.Struct):
 class Peer:
     """Accepts the datagrams of one peer, in order, across its restarts. Pure: bytes in, datagrams out.
 
-    A session that has been replaced is never accepted again, so that an old one cannot be replayed. State moves on
-    only after the tag holds.
+    A session that has been replaced is never accepted again, so that an old one cannot be replayed. State
+    moves on only after the tag holds.
     """
 
     _REMEMBERED_SESSIONS = 64
@@ -63,7 +65,9 @@ class Peer:
             counts.accepted += 1
             counts.lost += step - 1
             self.sequence = datagram.sequence
-            self._seen = ((self._seen << min(step, self._REORDER_WINDOW)) | 1) & ((1 << self._REORDER_WINDOW) - 1)
+            self._seen = ((self._seen << min(step, self._REORDER_WINDOW)) | 1) & (
+                (1 << self._REORDER_WINDOW) - 1
+            )
             return datagram
         behind = -step
         if behind < self._REORDER_WINDOW and not self._seen >> behind & 1:

@@ -1,7 +1,7 @@
 """What happens in a run, on a schedule: strikes at the tip, moves of the joint, when damping may act.
 
-The controller reads the moves and the damping windows of a scenario as its external reference; the simulated rig
-reads the strikes and the random disturbance. Times are on the controller's clock, from its first cycle.
+The controller reads the moves and the damping windows of a scenario as its external reference; the simulated
+rig reads the strikes and the random disturbance. Times are on the controller's clock, from its first cycle.
 """
 
 from pathlib import Path
@@ -17,7 +17,8 @@ Time = Annotated[float, Meta(ge=0.0)]
 
 
 class Strike(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """A blow at the tip: mode number `mode` (1 = first) rings on from it with amplitude `deflection_m` (signed).
+    """A blow at the tip: mode number `mode` (1 = first) rings on from it with amplitude `deflection_m`
+    (signed).
 
     It jumps the modal velocity by w * deflection_m.
     """
@@ -28,7 +29,9 @@ class Strike(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Move(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """A move of the joint at constant velocity with ramps of `ramp_s` at both ends, inside [start_s, end_s]."""
+    """A move of the joint at constant velocity with ramps of `ramp_s` at both ends, inside
+    [start_s, end_s].
+    """
 
     start_s: Time
     end_s: Time
@@ -44,7 +47,9 @@ class Window(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Scenario(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """A whole run. `random_disturbance_m_s2` is the spectral level of a white modal acceleration, per 1 kHz sample."""
+    """A whole run. `random_disturbance_m_s2` is the spectral level of a white modal acceleration, per 1 kHz
+    sample.
+    """
 
     duration_s: Annotated[float, Meta(gt=0.0)] = 30.0
     strikes: list[Strike] = []
@@ -67,18 +72,22 @@ class Scenario(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
-    """Read a scenario by file, or by the name of one that comes with the program (configs/scenario_NAME.toml)."""
+    """Read a scenario by file, or by the name of one that comes with the program
+    (configs/scenario_NAME.toml).
+    """
     path = Path(name_or_path)
     if path.suffix != ".toml":
         known = Path(__file__).parent.parent / "configs"
         path = known / f"scenario_{name_or_path}.toml"
         if not path.exists():
             names = sorted(p.stem.removeprefix("scenario_") for p in known.glob("scenario_*.toml"))
-            raise UserError(f"scenario {name_or_path!r}: unknown; use one of {', '.join(names)}, or a file ending in .toml")
+            raise UserError(
+                f"scenario {name_or_path!r}: unknown; use one of {', '.join(names)}, or a file ending in .toml"
+            )
     scenario = load_toml(path, Scenario)
-    for kind, spans in (("moves", scenario.moves), ("damping", scenario.damping)):
-        for index, span in enumerate(spans):
-            start, end = (span.start_s, span.end_s) if isinstance(span, Move) else (span.on_s, span.off_s)
-            if not start < end:
-                raise UserError(f"{path}: {kind}[{index}]: ends at {end} s, not after its start at {start} s")
+    spans = [(f"moves[{i}]", move.start_s, move.end_s) for i, move in enumerate(scenario.moves)]
+    spans += [(f"damping[{i}]", window.on_s, window.off_s) for i, window in enumerate(scenario.damping)]
+    for key, start, end in spans:
+        if not start < end:
+            raise UserError(f"{path}: {key}: ends at {end} s, not after its start at {start} s")
     return scenario

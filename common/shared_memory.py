@@ -3,9 +3,10 @@
 The blocks are files in /dev/shm (elsewhere the directory for temporary files), mapped. They outlive a killed
 process, so that whoever reads them can finish, and are removed by whoever made them.
 
-The sequence lock is the usual one: odd while writing; the reader takes the sequence, the data and the sequence again.
-Each store of an aligned 8-byte word is atomic on the machines that CPython runs on here (x86-64, aarch64 with the
-interpreter's own barriers between bytecodes); the ring moves its indices only after the bytes.
+The sequence lock is the usual one: odd while writing; the reader takes the sequence, the data and the
+sequence again. Each store of an aligned 8-byte word is atomic on the machines that CPython runs on here
+(x86-64, aarch64 with the interpreter's own barriers between bytecodes); the ring moves its indices only after
+the bytes.
 """
 
 import mmap
@@ -34,7 +35,8 @@ def block_path(name: str) -> Path:
 
 def _no_memory(name: str, path: Path, length: int, error: OSError) -> UserError:
     return UserError(
-        f"shared memory {name!r}: cannot make {length} bytes at {path} ({(error.strerror or str(error)).lower()}); "
+        f"shared memory {name!r}: cannot make {length} bytes at {path} "
+        f"({(error.strerror or str(error)).lower()}); "
         f"free memory in {path.parent}, or remove the file if it is another user's"
     )
 
@@ -72,8 +74,8 @@ class SharedBlock:
         except OSError as error:
             raise _no_memory(name, self.path, length, error) from None
         try:
-            # Not ftruncate: pages that are promised only would kill whoever first writes to them (SIGBUS) when the
-            # memory runs out, and would be fetched in the middle of a cycle.
+            # Not ftruncate: pages that are promised only would kill whoever first writes to them (SIGBUS)
+            # when the memory runs out, and would be fetched in the middle of a cycle.
             os.posix_fallocate(descriptor, 0, length)
         except OSError as error:
             os.close(descriptor)
@@ -119,7 +121,9 @@ class SharedBlock:
 
 
 class SharedRecord:
-    """One record of fixed size under a sequence lock: one writer, any number of readers, the newest value only."""
+    """One record of fixed size under a sequence lock: one writer, any number of readers, the newest value
+    only.
+    """
 
     def __init__(self, name: str, layout: struct.Struct, *, create: bool, wait_s: float = 0.0) -> None:
         """Make or open the record `layout`; opening waits up to `wait_s` for it to appear."""
@@ -136,7 +140,9 @@ class SharedRecord:
         _WORD.pack_into(header, 8, self._sequence)
 
     def read(self, attempts: int = 50) -> tuple[object, ...] | None:
-        """The newest whole value; None before the first write, or when the writer died in the middle of one."""
+        """The newest whole value; None before the first write, or when the writer died in the
+        middle of one.
+        """
         header, buffer = self.block.header, self.block.buffer
         for _ in range(attempts):
             before = _WORD.unpack_from(header, 8)[0]
@@ -154,10 +160,12 @@ class SharedRecord:
 
 
 class SharedRing:
-    """A ring of whole messages from one writer to one reader. The writer never waits: a full ring loses the message.
+    """A ring of whole messages from one writer to one reader. The writer never waits: a full ring loses the
+    message.
 
     Layout: the header holds the write index at 8, the read index at 16, the count of lost messages at 24, all
-    counting up; each message is a 4-byte length and its bytes; a length of 2^32 - 1 means: go on at the start.
+    counting up; each message is a 4-byte length and its bytes; a length of 2^32 - 1 means: go on at the
+    start.
     """
 
     _LENGTH = struct.Struct("<I")

@@ -1,4 +1,6 @@
-"""TOML files read into typed structures, with errors that name file, key, value, bound and the nearest key."""
+"""TOML files read into typed structures, with errors that name file, key, value, bound and the
+nearest key.
+"""
 
 import difflib
 import math
@@ -15,6 +17,7 @@ from common.user_error import UserError
 Structure = TypeVar("Structure")
 
 _PATH = re.compile(r" - at `\$?(?P<path>[^`]*)`$")
+_SOME_KEY = "[...]"  # how msgspec names the key of a table whose keys are free
 _UNKNOWN = re.compile(r"unknown field `(?P<field>[^`]*)`")
 
 
@@ -56,7 +59,7 @@ def convert_tree(tree: dict[str, Any], structure: type[Structure], name: str) ->
 
 def _explain(message: str, tree: dict[str, Any], structure: Any, name: str) -> str:
     match = _PATH.search(message)
-    keys = _split(match["path"]) if match else []
+    keys = _found(_split(match["path"]), tree) if match else []
     problem = message[: match.start()] if match else message
     unknown = _UNKNOWN.search(problem)
     if unknown:
@@ -69,24 +72,41 @@ def _explain(message: str, tree: dict[str, Any], structure: Any, name: str) -> s
     missing = re.search(r"missing required field `([^`]*)`", problem)
     if missing:
         return f"{name}: {_join([*keys, missing[1]])}: required key is missing; add it"
-    return f"{name}: {_join(keys)} = {_shorten(_value_at(tree, keys))}: {_one_line(problem).lower()}"
+    where = f"{name}: {_join(keys)} = {_shorten(_value_at(tree, keys))}"
+    choices = _choices(structure, keys)
+    if choices and problem.startswith("Invalid enum value"):
+        return f"{where}: not one of the choices; use {' or '.join(map(_toml, choices))}"
+    return f"{where}: {_one_line(problem).lower()}"
+
+
+def _choices(structure: Any, keys: list[str | int]) -> list[Any]:
+    """What a Literal at a place in the tree allows, sorted."""
+    kind = _kind_at(structure, keys)
+    kinds = kind.types if isinstance(kind, msgspec.inspect.UnionType) else [kind]
+    return [value for k in kinds if isinstance(k, msgspec.inspect.LiteralType) for value in k.values]
 
 
 def _fields(structure: Any, keys: list[str | int]) -> list[str]:
     """Names of the keys that are valid at a place in the tree."""
-    kind = msgspec.inspect.type_info(structure)
-    for key in keys:
-        kind = _inner(kind, key)
-    kind = _inner(kind, None)
+    kind = _inner(_kind_at(structure, keys), None)
     if isinstance(kind, msgspec.inspect.StructType):
         return [field.encode_name for field in kind.fields]
     return []
 
 
+def _kind_at(structure: Any, keys: list[str | int]) -> Any:
+    kind = msgspec.inspect.type_info(structure)
+    for key in keys:
+        kind = _inner(kind, key)
+    return kind
+
+
 def _inner(kind: Any, key: str | int | None) -> Any:
     inspect = msgspec.inspect
     if isinstance(kind, inspect.UnionType):
-        kind = next((t for t in kind.types if isinstance(t, inspect.StructType | inspect.ListType)), kind.types[0])
+        kind = next(
+            (t for t in kind.types if isinstance(t, inspect.StructType | inspect.ListType)), kind.types[0]
+        )
     if key is None:
         return kind
     if isinstance(kind, inspect.StructType):
@@ -98,9 +118,27 @@ def _inner(kind: Any, key: str | int | None) -> Any:
 
 def _split(path: str) -> list[str | int]:
     return [
-        int(part[1:-1]) if part.startswith("[") and part != "[...]" else 0 if part == "[...]" else part
+        int(part[1:-1]) if part.startswith("[") and part != _SOME_KEY else part
         for part in re.findall(r"\[[^\]]*\]|[^.\[\]]+", path)
     ]
+
+
+def _found(keys: list[str | int], tree: Any) -> list[str | int]:
+    """The keys with a table's own key where msgspec only says that there is one: that of the value that is no
+    plain one.
+    """
+    found: list[str | int] = []
+    for key in keys:
+        table = _value_at(tree, found)
+        if key == _SOME_KEY and isinstance(table, dict):
+            found.append(next((k for k, v in table.items() if not isinstance(v, str | int | float)), key))
+        else:
+            found.append(key)
+    return found
+
+
+def _toml(value: Any) -> str:
+    return f'"{value}"' if isinstance(value, str) else str(value)
 
 
 def _join(keys: list[str | int]) -> str:

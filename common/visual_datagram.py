@@ -8,7 +8,9 @@ _FLOATS = 9
 
 
 def visual_body(controller_session: int, sample: VisualSample) -> tuple[Any, ...]:
-    """The body of a VISUAL datagram: session of the timestamps, frame, n_i, status, nine numbers, features, inliers."""
+    """The body of a VISUAL datagram: session of the timestamps, frame, n_i, status, nine numbers,
+    features, inliers.
+    """
     return (
         controller_session,
         sample.frame,

@@ -24,10 +24,11 @@ class TrackingStatus(IntEnum):
 class VisualSample(msgspec.Struct, frozen=True, gc=False):
     """Displacement of the static scene in one frame, relative to the first frame, in image axes.
 
-    displacement_x_px, displacement_y_px, rotation_rad: global displacement at the image centre (NaN unless MEASURED)
-    variance_x_px2, variance_y_px2, covariance_xy_px2, variance_rotation_rad2: its covariance
+    displacement_x_px, displacement_y_px, rotation_rad: global displacement at the image centre (NaN unless
+    MEASURED) variance_x_px2, variance_y_px2, covariance_xy_px2, variance_rotation_rad2: its covariance
     frame: counter of exposures if the camera has one, else of arrivals
-    captured_s: the camera's own stamp, converted to mid-exposure as far as known, on its own clock; NaN if none
+    captured_s: the camera's own stamp, converted to mid-exposure as far as known, on its own clock; NaN if
+    none
     started_cycle: n_i, the controller's timestamp when the supervisor cycle began; -1 before the first one
     """
 

@@ -8,15 +8,19 @@ from common.user_error import UserError
 
 
 class AppendFile:
-    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is taken back."""
+    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is
+    taken back.
+    """
 
     def __init__(self, path_or_file: str | Path | IO[bytes]) -> None:
-        """Make the file (an existing one is replaced), or write to one that is open. Raises UserError if it cannot."""
+        """Make the file (an existing one is replaced), or write to one that is open. Raises UserError if it
+        cannot.
+        """
         self._own = isinstance(path_or_file, str | Path)
         if isinstance(path_or_file, str | Path):
             self.name = str(path_or_file)
             try:
-                self._file = cast(IO[bytes], Path(path_or_file).open("wb", buffering=0))
+                self._file = cast(IO[bytes], Path(path_or_file).open("wb", buffering=0))  # noqa: SIM115 - closed by close()
             except OSError as error:
                 raise UserError(
                     f"{self.name}: cannot be written ({(error.strerror or str(error)).lower()}); "
@@ -28,7 +32,9 @@ class AppendFile:
         self._length = 0
 
     def write(self, data: bytes) -> int:
-        """Append all of `data`; on OSError the file ends again where it ended before, and the error goes on."""
+        """Append all of `data`; on OSError the file ends again where it ended before, and the error
+        goes on.
+        """
         rest = memoryview(data)
         try:
             while rest:

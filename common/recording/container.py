@@ -1,7 +1,7 @@
 """The records of an MCAP file, read so that a cut or damaged file gives everything that is whole in it.
 
-Specification: https://mcap.dev/spec. The public reader stops with an exception at the first damage and takes several
-times as long; here only what a recording needs is read: channels, messages and metadata.
+Specification: https://mcap.dev/spec. The public reader stops with an exception at the first damage and takes
+several times as long; here only what a recording needs is read: channels, messages and metadata.
 """
 
 import importlib
@@ -138,7 +138,9 @@ def _note_block(contents: Contents, counts: Counter[int], block: Block, data: by
 
 
 def _walk(body: bytes, channels: dict[int, Channel]) -> Iterator[tuple[int, int, int]]:
-    """Channel number, start and end of each whole message in a chunk's body; adds the channels met to `channels`."""
+    """Channel number, start and end of each whole message in a chunk's body; adds the channels met to
+    `channels`.
+    """
     offset, end = 0, len(body)
     unpack, unpack_message = _RECORD.unpack_from, _MESSAGE_HEAD.unpack_from
     while offset + 9 <= end:

@@ -1,4 +1,6 @@
-"""From the JSON of a recording's messages to their Structs and columns; null becomes NaN, floats come back exactly."""
+"""From the JSON of a recording's messages to their Structs and columns; null becomes NaN, floats come back
+exactly.
+"""
 
 from collections.abc import Callable
 from math import nan
@@ -72,7 +74,8 @@ class MessageDecoder:
         return found
 
     def columns(self, blocks: list[list[Any]]) -> dict[str, NDArray[Any]]:
-        """A column for each field from blocks of rows(): float64 (lists: a row each, NaN where shorter), int64, bool,
+        """A column for each field from blocks of rows(): float64 (lists: a row each, NaN where shorter),
+        int64, bool,
         object for texts."""
         return {
             name: _COLUMN.get(kind, _objects)([getattr(row, name) for block in blocks for row in block])

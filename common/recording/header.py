@@ -1,4 +1,6 @@
-"""What a recording says about itself: kept as MCAP metadata at the file's beginning, so that a cut file has it too."""
+"""What a recording says about itself: kept as MCAP metadata at the file's beginning, so that a cut file has
+it too.
+"""
 
 import time
 from importlib.metadata import PackageNotFoundError, version
@@ -20,7 +22,8 @@ Kind = Literal["live", "simulated", "imported"]
 class RecordingHeader(msgspec.Struct, frozen=True, kw_only=True):
     """What was run, and when.
 
-    configuration, model: the text of the TOML files; an empty model means: none was given, every key at its default
+    configuration, model: the text of the TOML files; an empty model means: none was given, every key at its
+    default
     configuration_name: the configuration file, or what stands for it, as it was named
     method: the estimator whose results /estimate holds
     session: the controller's session number on the link; 0 where there was no link
@@ -60,9 +63,11 @@ def live_header(
     seed: int | None = None,
     notes: dict[str, str] | None = None,
 ) -> RecordingHeader:
-    """Header of a run in real time whose time_s is 0 at `origin_monotonic_s` (0 where time_s is the monotonic clock).
+    """Header of a run in real time whose time_s is 0 at `origin_monotonic_s` (0 where time_s is the monotonic
+    clock).
 
-    Reads the wall clock once: it fixes the offset of all log times. Raises UserError when a file cannot be read.
+    Reads the wall clock once: it fixes the offset of all log times. Raises UserError when a file cannot be
+    read.
     """
     return RecordingHeader(
         program_version=program_version(),
@@ -90,19 +95,19 @@ def header_metadata(header: RecordingHeader) -> dict[str, str]:
 
 
 def read_header(fields: dict[str, str], notes: dict[str, str], name: str) -> RecordingHeader:
-    """The header out of MCAP metadata; `name` stands for the file. Raises UserError for a foreign or broken one."""
+    """The header out of MCAP metadata; `name` stands for the file. Raises UserError for a foreign or broken
+    one.
+    """
     written = fields.get("format", "")
     if written != str(FORMAT):
         raise UserError(
             f"{name}: recording format {written[:20]!r}: this program reads format {FORMAT}; "
-            f"open it with the stillarm that wrote it (version {fields.get('program_version', 'unknown')[:40]})"
+            f"open it with the stillarm that wrote it, {fields.get('program_version', 'unknown')[:40]}"
         )
     try:
         return msgspec.convert(
-            {
-                **{k: v for k, v in fields.items() if k in _FIELDS and (k, v) != ("seed", "null")},
-                "notes": notes,
-            },
+            {"notes": notes}
+            | {k: v for k, v in fields.items() if k in _FIELDS and (k, v) != ("seed", "null")},
             RecordingHeader,
             strict=False,  # numbers out of texts
         )

@@ -1,4 +1,6 @@
-"""The JSON schema of a message type, made from its Struct, in the plain form that Foxglove and PlotJuggler read."""
+"""The JSON schema of a message type, made from its Struct, in the plain form that Foxglove and PlotJuggler
+read.
+"""
 
 from typing import Any
 
@@ -22,7 +24,7 @@ def json_schema(message: type[msgspec.Struct]) -> bytes:
         {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             "title": message.__name__,
-            "description": (message.__doc__ or "").split("\n", maxsplit=1)[0],
+            "description": " ".join((message.__doc__ or "").split("\n\n", maxsplit=1)[0].split()),
             "type": "object",
             "properties": {field.encode_name: _PLAIN[field.type] for field in fields},
             "required": [field.encode_name for field in fields],

@@ -35,15 +35,18 @@ class Recording:
         self._contents = contents
 
     def messages(self, topic: str) -> Iterator[Any]:
-        """The topic's messages in the file's order, as Structs of its type in common.recording.topics; null is NaN.
+        """The topic's messages in the file's order, as Structs of its type in common.recording.topics; null
+        is NaN.
 
-        Raises UserError, naming topic and index, when the recording has no such topic or a message does not fit.
+        Raises UserError, naming topic and index, when the recording has no such topic or a message does not
+        fit.
         """
         decoder = self._decoder(topic)
         return self._structs(topic, decoder)
 
     def columns(self, topic: str) -> dict[str, NDArray[Any]]:
-        """The topic's fields as arrays of one length: float64 (null is NaN), int64, bool; object for texts and maps.
+        """The topic's fields as arrays of one length: float64 (null is NaN), int64, bool; object for texts
+        and maps.
 
         A list of floats is an array of shape (messages, longest list). Raises UserError as messages() does.
         """
@@ -60,7 +63,8 @@ class Recording:
             return decoder.columns(rows)
         except OverflowError:
             raise UserError(
-                f"{self.path}: {topic}: a whole number beyond 64 bits; the file is damaged or was written by another program"
+                f"{self.path}: {topic}: a whole number beyond 64 bits; "
+                "the file is damaged or was written by another program"
             ) from None
 
     def _structs(self, topic: str, decoder: MessageDecoder) -> Iterator[msgspec.Struct]:
@@ -76,7 +80,8 @@ class Recording:
         present = [name for name, count in self.counts.items() if count]
         if topic not in TOPIC_INDEX or topic not in present:
             raise UserError(
-                f"{self.path}: has no messages of topic {topic}; it holds {', '.join(sorted(present)) or 'none at all'}"
+                f"{self.path}: has no messages of topic {topic}; "
+                f"it holds {', '.join(sorted(present)) or 'none at all'}"
             )
         encodings = {c.encoding for c in self._contents.channels.values() if c.topic == topic}
         if encodings != {"json"}:
@@ -95,7 +100,8 @@ class Recording:
 def open_recording(path: str | Path) -> Recording:
     """Open a recording; a cut or damaged one gives what is whole in it, and says so.
 
-    Raises UserError for a file that cannot be read, is no MCAP file, is none of this program's, or has another format.
+    Raises UserError for a file that cannot be read, is no MCAP file, is none of this program's, or has
+    another format.
     """
     path = Path(path)
     contents = scan(path)

@@ -1,4 +1,5 @@
-"""The daemon's side of the recorder: messages go into a ring in shared memory, a process of its own writes them.
+"""The daemon's side of the recorder: messages go into a ring in shared memory, a process of its own writes
+them.
 
 A write of a recording takes milliseconds now and then; a put() takes microseconds always, and never waits.
 """
@@ -82,14 +83,16 @@ class RecorderClient:
 
 
 def _spawn(path: Path, ring_name: str, header: bytes) -> subprocess.Popen[bytes]:
-    """Start the recorder in a session of its own, where neither Ctrl-C nor a hang-up of the terminal reaches it."""
+    """Start the recorder in a session of its own, where neither Ctrl-C nor a hang-up of the terminal reaches
+    it.
+    """
     root = str(Path(__file__).resolve().parents[2])
     search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
     process = subprocess.Popen(
         # -P: a folder named 'common' where the user happens to stand must not take this package's place
         [
             *(sys.executable, "-P", "-m", "common.recording.recorder_process"),
-            *(os.path.abspath(path), ring_name, str(os.getpid())),
+            *(str(path.absolute()), ring_name, str(os.getpid())),
         ],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,

@@ -1,7 +1,7 @@
 """The recorder: a process of its own that empties a daemon's ring into a recording.
 
-It ends when it is asked to (SIGTERM, SIGINT) or when the daemon is gone, however that came; in either case it first
-writes what the ring still holds and completes the file. Start it with RecorderClient.start().
+It ends when it is asked to (SIGTERM, SIGINT) or when the daemon is gone, however that came; in either case it
+first writes what the ring still holds and completes the file. Start it with RecorderClient.start().
 """
 
 import contextlib
@@ -28,7 +28,9 @@ _DECODERS = [(topic.name, msgspec.msgpack.Decoder(topic.message)) for topic in T
 
 
 class Drain:
-    """Empties a ring into a writer. When writing fails it goes on emptying, so that the daemon counts no loss of its own."""
+    """Empties a ring into a writer. When writing fails it goes on emptying, so that the daemon counts no loss
+    of its own.
+    """
 
     def __init__(self, ring: SharedRing, writer: RecordingWriter, say: Callable[[str], None]) -> None:
         """`say` takes a line for the user."""
@@ -98,8 +100,8 @@ def main(path: str, ring_name: str, daemon: int) -> int:
     print("ready", flush=True)
     sys.stdout.close()
     flushed = time.monotonic()
-    # The parent of a process changes at the instant its parent is gone, and can never be a later process with the same
-    # number: surer than to look the number up.
+    # The parent of a process changes at the instant its parent is gone, and can never be a later process with
+    # the same number: surer than to look the number up.
     while not stop and os.getppid() == daemon:
         drain.drain()
         if time.monotonic() - flushed >= _FLUSH_S:

@@ -1,8 +1,8 @@
 """The table of topics: every message that a recording holds, its fields with their units, and its rate.
 
-Times are seconds on the controller's clock (cycle * cycle_s), except in the truth file, where they are the rig's
-monotonic clock; the controller's recording holds `origin_monotonic_s`, the monotonic time of its cycle 0.
-A number that is not there is NaN in memory and null in the file.
+Times are seconds on the controller's clock (cycle * cycle_s), except in the truth file, where they are the
+rig's monotonic clock; the controller's recording holds `origin_monotonic_s`, the monotonic time of its cycle
+0. A number that is not there is NaN in memory and null in the file.
 """
 
 from math import nan
@@ -11,9 +11,11 @@ import msgspec
 
 
 class FastSample(msgspec.Struct, frozen=True, gc=False):
-    """/fast, every cycle: what the sensors and the reference gave the controller, and the command it answered with.
+    """/fast, every cycle: what the sensors and the reference gave the controller, and the command it answered
+    with.
 
-    Names are those of fast.csv. joint_age_s: age of the drive's report. damping_allowed: the operator's permission.
+    Names are those of fast.csv. joint_age_s: age of the drive's report. damping_allowed: the operator's
+    permission.
     """
 
     time_s: float
@@ -57,7 +59,8 @@ class FrameSample(msgspec.Struct, frozen=True, gc=False):
 
 
 class EstimateSample(msgspec.Struct, frozen=True, gc=False):
-    """/estimate, every cycle: the configured method's delay and deflection, and the damping part of the command.
+    """/estimate, every cycle: the configured method's delay and deflection, and the damping part of the
+    command.
 
     deflection_m is that at time_s; predicted_deflection_m that at which the joint will answer (drive's lead).
     """
@@ -75,7 +78,9 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
 
 
 class LinkSample(msgspec.Struct, frozen=True, gc=False):
-    """/link, once a second: counts of the link since the start, the loop's cycles and its missed deadlines."""
+    """/link, once a second: counts of the link since the start, the loop's cycles and its missed
+    deadlines.
+    """
 
     time_s: float
     cycle: int
@@ -116,7 +121,9 @@ class TrueState(msgspec.Struct, frozen=True):
 
 
 class TrueFrame(msgspec.Struct, frozen=True, gc=False):
-    """/truth/frames, one for each exposure of the simulated camera: when it truly was, when it was handed over."""
+    """/truth/frames, one for each exposure of the simulated camera: when it truly was, when it was handed
+    over.
+    """
 
     time_s: float
     frame: int
@@ -133,7 +140,8 @@ class PairSample(msgspec.Struct, frozen=True, gc=False):
 
 
 class ForeignColumns(msgspec.Struct, frozen=True):
-    """/fast/columns and /frames/columns: what an imported row held in columns that are not known, as it was given.
+    """/fast/columns and /frames/columns: what an imported row held in columns that are not known, as it was
+    given.
 
     One message for each row of the file, in its order: a number, a text, or null for an empty field.
     """

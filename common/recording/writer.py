@@ -1,6 +1,7 @@
 """Writes a recording: MCAP, JSON messages with a JSON schema each, zstd chunks.
 
-Specification of the container: https://mcap.dev/spec. log_time = header.origin_unix_ns + time_s, in nanoseconds.
+Specification of the container: https://mcap.dev/spec. log_time = header.origin_unix_ns + time_s, in
+nanoseconds.
 """
 
 from math import isfinite
@@ -26,7 +27,8 @@ _MAX_LOG_TIME_NS = (1 << 63) - 1  # some readers take it as signed
 class RecordingWriter:
     """One recording being written. The same header and messages give the same bytes.
 
-    After a failed write (disk full) the file is ended so that it opens, and every call but close() raises UserError.
+    After a failed write (disk full) the file is ended so that it opens, and every call but close() raises
+    UserError.
     """
 
     def __init__(self, path_or_file: str | Path | IO[bytes], header: RecordingHeader) -> None:
@@ -53,7 +55,8 @@ class RecordingWriter:
     def write(self, topic_name: str, message: msgspec.Struct) -> None:
         """Append a message of a topic of the table; its time is message.time_s.
 
-        A time that is not finite takes the log time of the message before it. Raises UserError when writing failed.
+        A time that is not finite takes the log time of the message before it. Raises UserError when writing
+        failed.
         """
         if self._failure:
             raise UserError(self._failure)
@@ -85,7 +88,9 @@ class RecordingWriter:
         self._chunk_start_ns = None
 
     def close(self) -> None:
-        """Complete the file; may be called twice. Raises UserError when that failed, or writing had failed before."""
+        """Complete the file; may be called twice. Raises UserError when that failed, or writing had failed
+        before.
+        """
         if self._closed:
             return
         self._closed = True
@@ -110,7 +115,9 @@ class RecordingWriter:
         return channel
 
     def _fail(self, error: OSError) -> UserError:
-        """End the file after its last whole record, in the fewest bytes that MCAP allows: there may be no room."""
+        """End the file after its last whole record, in the fewest bytes that MCAP allows: there may be no
+        room.
+        """
         reason = (error.strerror or str(error)).lower()
         end = RecordBuilder()
         DataEnd(0).write(end)
