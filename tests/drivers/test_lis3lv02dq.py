@@ -5,7 +5,6 @@ import os
 import time
 from collections.abc import Iterator
 from math import isnan
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -210,37 +209,6 @@ def test_start_waits_for_the_first_sample(registers: Lis3lv02dqRegisters) -> Non
     assert driver.read() == pytest.approx(1.0, abs=COUNT_M_S2)
     driver.close()
     driver.close()
-
-
-def test_a_missing_bus_is_told_with_its_remedy(tmp_path: Path) -> None:
-    missing = Lis3lv02dq(AccelerometerDevice(bus=str(tmp_path / "i2c-9")), wait_s=0.0)
-    with pytest.raises(UserError, match=r"^accelerometer\.bus = [^\n]*modprobe i2c-dev[^\n]*$"):
-        missing.start()
-    with pytest.raises(UserError, match=r"^accelerometer\.bus = 'memory:nobody-made-it': [^\n]*rig[^\n]*$"):
-        Lis3lv02dq(AccelerometerDevice(bus="memory:nobody-made-it"), wait_s=0.0).start()
-
-
-def test_the_emulated_bus_leaves_real_ones_to_the_kernel(
-    registers: Lis3lv02dqRegisters, tmp_path: Path
-) -> None:
-    open_bus(BUS).close()
-    file = tmp_path / "no-bus"
-    file.touch()
-    with pytest.raises(UserError, match=r"^accelerometer\.bus = [^\n]*cannot be opened as an I2C bus[^\n]*$"):
-        open_bus(str(file))
-    with pytest.raises(UserError, match="no such bus"):
-        open_bus(str(tmp_path / "absent"))
-
-
-def test_a_bus_that_one_may_not_open(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: Any) -> int:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr("smbus2.smbus2.os.open", refuse)
-    with pytest.raises(
-        UserError, match=r"^accelerometer\.bus = '/dev/i2c-1': permission denied; [^\n]*group[^\n]*$"
-    ):
-        open_bus("/dev/i2c-1")
 
 
 def test_factory(registers: Lis3lv02dqRegisters) -> None:
