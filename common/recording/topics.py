@@ -99,6 +99,24 @@ class LinkSample(msgspec.Struct, frozen=True, gc=False):
     recorder_lost: int
 
 
+class LoopSample(msgspec.Struct, frozen=True, gc=False):
+    """/loop, when the loop ends: how the whole run kept its deadlines. Percentiles of the wake-up's lateness and of the
+    time from wake-up to the command, microseconds.
+    """
+
+    time_s: float
+    cycles: int
+    deadline_misses: int
+    wakeup_latency_us_p50: float
+    wakeup_latency_us_p99: float
+    wakeup_latency_us_p999: float
+    wakeup_latency_us_max: float
+    compute_us_p50: float
+    compute_us_p99: float
+    compute_us_p999: float
+    compute_us_max: float
+
+
 class LogLine(msgspec.Struct, frozen=True, gc=False):
     """/log, on change: what an operator should read, with its remedy."""
 
@@ -129,6 +147,27 @@ class TrueFrame(msgspec.Struct, frozen=True, gc=False):
     frame: int
     mid_exposure_s: float
     delivered_s: float
+
+
+class ImageSample(msgspec.Struct, frozen=True, gc=False):
+    """/images, every frame, in the supervisor's own recording: the image, and what the tracker made of it.
+
+    time_s: the supervisor's monotonic clock. counter: the camera's own, -1 if it has none. data: a PNG in base64.
+    """
+
+    time_s: float
+    counter: int
+    started_cycle: int
+    stamp_s: float
+    exposure_s: float
+    status: int
+    displacement_px: float
+    displacement_y_px: float
+    rotation_rad: float
+    features: int
+    inliers: int
+    format: str
+    data: str
 
 
 class PairSample(msgspec.Struct, frozen=True, gc=False):
@@ -163,9 +202,11 @@ TOPICS = (
     Topic("/frames", FrameSample, "every frame"),
     Topic("/estimate", EstimateSample, "every cycle"),
     Topic("/link", LinkSample, "1 Hz"),
+    Topic("/loop", LoopSample, "when the loop ends"),
     Topic("/log", LogLine, "on change"),
     Topic("/truth/state", TrueState, "every step of the rig"),
     Topic("/truth/frames", TrueFrame, "every exposure"),
+    Topic("/images", ImageSample, "every frame, with --record-images"),
     Topic("/pair", PairSample, "every sample"),
     Topic("/fast/columns", ForeignColumns, "every row, where an imported fast.csv has unknown columns"),
     Topic("/frames/columns", ForeignColumns, "every row, where an imported frames.csv has unknown columns"),

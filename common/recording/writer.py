@@ -4,7 +4,6 @@ Specification of the container: https://mcap.dev/spec. log_time = header.origin_
 nanoseconds.
 """
 
-from math import isfinite
 from pathlib import Path
 from typing import IO
 
@@ -21,6 +20,7 @@ from common.user_error import UserError
 
 _CHUNK_BYTES = 1 << 20
 _CHUNK_NS = 500_000_000  # of log time: what a killed writer may lose
+_MAX_TIME_S = 9.2e9
 _MAX_LOG_TIME_NS = (1 << 63) - 1  # some readers take it as signed
 
 
@@ -55,14 +55,14 @@ class RecordingWriter:
     def write(self, topic_name: str, message: msgspec.Struct) -> None:
         """Append a message of a topic of the table; its time is message.time_s.
 
-        A time that is not finite takes the log time of the message before it. Raises UserError when writing
-        failed.
+        A time that no log time can hold (not finite, beyond 290 years) takes that of the message before.
+        Raises UserError when writing failed.
         """
         if self._failure:
             raise UserError(self._failure)
         channel = self._channels.get(topic_name) or self._register(topic_name)
         time_s: float = message.time_s  # type: ignore[attr-defined]
-        if isfinite(time_s):
+        if -_MAX_TIME_S <= time_s <= _MAX_TIME_S:
             self._last_ns = min(max(0, self._origin_ns + round(time_s * 1e9)), _MAX_LOG_TIME_NS)
         log_ns = self._last_ns
         sequence = self._sequences[channel]
