@@ -21,7 +21,6 @@ STANDARD_GRAVITY_M_S2 = 9.80665
 _READ = 0x0001  # I2C_M_RD
 _STALE_AFTER_READS = 5
 _SET_UP_AGAIN_AFTER_READS = 500
-_FIRST_SAMPLE_WITHIN_S = 0.5
 _POLL_S = 0.001
 
 
@@ -78,8 +77,8 @@ class Lis3lv02dq:
         wait_s: float = 10.0,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Opens nothing. wait_s: how long start() waits for an emulated bus to appear, and whether for a
-        first sample.
+        """Opens nothing. wait_s: how long start() waits for an emulated bus to appear, and then for a first
+        sample.
 
         With wait_s = 0, as in virtual time, where nothing moves during start(), it waits for neither.
         """
@@ -194,12 +193,12 @@ class Lis3lv02dq:
             bus.write_byte_data(self._config.address, register, value)
 
     def _await_sample(self) -> None:
-        for _ in range(round(_FIRST_SAMPLE_WITHIN_S / _POLL_S)):
+        for _ in range(round(self._wait_s / _POLL_S)):
             if self.read() == self._last:  # a number: NaN equals nothing
                 return
             self._sleep(_POLL_S)
         raise UserError(
             f"{self._place}: the {self._table.name} gives no samples "
-            f"{_FIRST_SAMPLE_WITHIN_S:g} s after its set-up; "
+            f"{self._wait_s:g} s after its set-up; "
             "switch its power off and on, and check that the simulated rig runs where there is one"
         )
