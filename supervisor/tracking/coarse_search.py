@@ -1,59 +1,63 @@
-"""Where the scene is, to a few px, when prediction has failed: phase correlation of small images.
+"""Where the scene is, to a few px, when prediction has failed: normalised correlation of small images at
+every shift.
 
-Kuglin and Hines 1975. The shift it gives is known up to the image's size; each of the possible ones is
-judged by the normalised
-correlation of what both images then see, and the best is only a start: Lucas-Kanade has to confirm it.
+Padfield, Masked object registration in the Fourier domain, IEEE TIP 2012: means and variances are those of
+what both images see at each shift, so that large shifts, with a small common part, are found as well. (Phase
+correlation lost the scene at a quarter of the image.) A small common part correlates by chance more easily:
+the score is the correlation times the square root of the share in common. The best shift is only a start:
+Lucas-Kanade has to confirm it.
 """
 
-from functools import lru_cache
 from typing import NamedTuple
 
-import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from supervisor.tracking.photometry import overlapping
 from supervisor.tracking.prepared_image import SmallImage
 
-_MIN_OVERLAP = (
-    0.12  # of the image: with less, the correlation of two unlike scenes is high by chance too often
-)
+MIN_COMMON = 0.12  # share of the image
 
 
 class CoarseShift(NamedTuple):
-    """x, y: motion of the scene in px of the small image; correlation: of the overlap, -1..1."""
+    """x, y: motion of the scene in px of the small image; score: correlation * sqrt(share in
+    common), -1..1.
+    """
 
-    x: float
-    y: float
-    correlation: float
-
-
-@lru_cache(maxsize=8)
-def _window(height: int, width: int) -> SmallImage:
-    return np.asarray(cv2.createHanningWindow((width, height), cv2.CV_32F))
+    x: int
+    y: int
+    score: float
 
 
 def coarse_shift(before: SmallImage, image: SmallImage) -> CoarseShift:
     """By how much the scene of `before` has moved in `image`; both float32 of one shape."""
     height, width = image.shape
-    (x, y), _ = cv2.phaseCorrelate(before, image, _window(height, width))
-    candidates = [(u, v) for u in (x, x - width * _sign(x)) for v in (y, y - height * _sign(y))]
-    best = CoarseShift(0.0, 0.0, -1.0)
-    for u, v in candidates:
-        correlation = overlap_correlation(before, image, round(u), round(v))
-        if correlation > best.correlation:
-            best = CoarseShift(u, v, correlation)
-    return best
+    padded = 2 * height, 2 * width
+    a, b = before - before.mean(), image - image.mean()
+    ones = np.ones_like(a)
+    fa, fa2, fb, fb2, f1 = (np.fft.rfft2(v, padded) for v in (a, a * a, b, b * b, ones))
+
+    def sums(left: NDArray[np.complex128], right: NDArray[np.complex128]) -> NDArray[np.float64]:
+        return np.asarray(np.fft.irfft2(left.conj() * right, padded), dtype=np.float64)
+
+    count = np.maximum(np.rint(sums(f1, f1)), 1.0)
+    sum_a, sum_b = sums(fa, f1), sums(f1, fb)
+    covariance = sums(fa, fb) - sum_a * sum_b / count
+    variance = (sums(fa2, f1) - sum_a**2 / count) * (sums(f1, fb2) - sum_b**2 / count)
+    common = count / image.size
+    smallest = 1e-6 * (float(np.vdot(a, a)) * float(np.vdot(b, b)) + 1e-9)  # below it, rounding
+    sound = (common >= MIN_COMMON) & (variance > smallest)
+    score = np.where(sound, covariance / np.sqrt(np.maximum(variance, smallest)) * np.sqrt(common), -1.0)
+    y, x = np.unravel_index(int(np.argmax(score)), score.shape)
+    best = float(score[y, x])
+    return CoarseShift(int(x) - padded[1] * (x >= width), int(y) - padded[0] * (y >= height), best)
 
 
-def overlap_correlation(before: SmallImage, image: SmallImage, shift_x: int, shift_y: int) -> float:
-    """Normalised correlation, -1..1, of what two images both see; -1 when that is too little."""
+def overlap_score(before: SmallImage, image: SmallImage, shift_x: int, shift_y: int) -> float:
+    """The same score at one shift; -1 when too little is in common."""
     a, b = overlapping(before, image, shift_x, shift_y)
-    if a.size < _MIN_OVERLAP * image.size:
+    if a.size < MIN_COMMON * image.size:
         return -1.0
     a, b = a - a.mean(), b - b.mean()
     norm = float(np.sqrt(np.vdot(a, a) * np.vdot(b, b)))
-    return float(np.vdot(a, b)) / norm if norm > 0.0 else -1.0
-
-
-def _sign(value: float) -> float:
-    return 1.0 if value >= 0.0 else -1.0
+    return float(np.vdot(a, b)) / norm * float(np.sqrt(a.size / image.size)) if norm > 0.0 else -1.0

@@ -9,8 +9,8 @@ DARK_MEAN = 12.0  # grey levels: below this, with little contrast, a lens cap or
 DARK_CONTRAST = 6.0
 BLANK_CONTRAST = 2.5  # grey levels, after averaging over squares: sensor noise alone stays below
 SATURATED_LEVEL = 250.0
-SATURATED_FRACTION = 0.5
-BLURRED_SHARPNESS = 0.06  # of the sharpness of the first key frame
+SATURATED_FRACTION = 0.9  # a drawing on white paper is a scene; what is left of one beyond this is not
+BLURRED_SHARPNESS = 0.05  # of the sharpness of the first key frame
 
 
 def is_frozen(image: GreyImage, previous: GreyImage | None) -> bool:

@@ -4,7 +4,8 @@ A key frame's pose is the displacement measured in the very frame it was taken f
 no step. That measurement's error stays in it: along n key frames the error walks as the square root of n,
 and the key frame's covariance says so. Therefore few are taken, as far apart as the view allows, and an
 older one, whose error is smaller,
-is taken up again as soon as enough of it is in view: the same pose then gives the same number.
+is taken up again as soon as enough of it is in view: the same pose then gives the same number. Sure means:
+small variance.
 """
 
 from dataclasses import dataclass
@@ -23,8 +24,9 @@ LEAVE_VIEW = 0.5  # share of a key frame's features in view, below which another
 RETURN_VIEW = (
     0.7  # share in view at which an older one is taken up again; the gap keeps them from alternating
 )
-LEAVE_ROTATION_RAD = 0.2  # beyond this, square windows no longer match well
-RETURN_ROTATION_RAD = 0.12
+ANCHOR_VIEW = 0.15  # share in view that is enough to measure against once
+LEAVE_ROTATION_RAD = 0.12  # beyond this, square windows no longer match well
+RETURN_ROTATION_RAD = 0.06
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,11 @@ class KeyFrame:
     pose: Pose
     covariance: Matrix
     serial: int
+
+    @property
+    def variance(self) -> float:
+        """Of the pose's x and y together, px^2: the smaller, the surer."""
+        return float(self.covariance[0, 0] + self.covariance[1, 1])
 
     @property
     def centre(self) -> tuple[float, float]:
@@ -97,26 +104,27 @@ class KeyFrames:
         crowded = apart[1:-1].min(axis=1)  # neither the origin nor the one just taken
         del self.frames[1 + int(np.argmin(crowded))]
 
-    def older(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
-        """The oldest key frame before `current` that is well in view at `pose`; None when there is none."""
-        for frame in self.frames:
-            if frame.serial >= current.serial:
-                return None
-            if self._usable(frame, pose):
-                return frame
-        return None
+    def surer(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
+        """The surest key frame that is well in view at `pose`, if it is surer than `current`."""
+        best = self.best_other(current, pose)
+        return best if best is not None and best.variance < current.variance else None
 
     def best_other(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
-        """The oldest key frame other than `current` that is well in view at `pose`; None when there is
-        none."""
-        return next((f for f in self.frames if f is not current and self._usable(f, pose)), None)
+        """The surest key frame other than `current` that is well in view at `pose`; None when there
+        is none.
+        """
+        return self._surest(current, pose, RETURN_VIEW, RETURN_ROTATION_RAD)
 
-    def surest(self, current: KeyFrame, pose: Pose, view: float) -> KeyFrame | None:
-        """The key frame with the smallest variance, other than `current`, of which at least `view` is seen
-        at `pose`."""
-        seen = (f for f in self.frames if f is not current and f.view(pose, self._margin) >= view)
-        seen = (f for f in seen if f.turned_by(pose) < LEAVE_ROTATION_RAD)
-        return min(seen, key=lambda f: float(np.trace(f.covariance[:2, :2])), default=None)
+    def anchor(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
+        """The surest key frame other than `current` of which a little is in view at `pose`."""
+        return self._surest(current, pose, ANCHOR_VIEW, LEAVE_ROTATION_RAD)
+
+    def _surest(self, current: KeyFrame, pose: Pose, view: float, rotation: float) -> KeyFrame | None:
+        for frame in sorted(self.frames, key=lambda f: (f.variance, f.serial)):
+            near = frame is not current and frame.turned_by(pose) < rotation
+            if near and frame.view(pose, self._margin) >= view:
+                return frame
+        return None
 
     def most_in_view(self, pose: Pose) -> KeyFrame:
         """The key frame that sees most at `pose`; the older one of equals. Needs at least one."""
@@ -125,6 +133,3 @@ class KeyFrames:
     def leaves(self, frame: KeyFrame, pose: Pose) -> bool:
         """Whether so little of `frame` is in view at `pose`, or so much turned, that another is wanted."""
         return frame.view(pose, self._margin) < LEAVE_VIEW or frame.turned_by(pose) > LEAVE_ROTATION_RAD
-
-    def _usable(self, frame: KeyFrame, pose: Pose) -> bool:
-        return frame.turned_by(pose) < RETURN_ROTATION_RAD and frame.view(pose, self._margin) >= RETURN_VIEW

@@ -37,6 +37,11 @@ class Measurement:
     inliers: int
 
 
+def nothing_found(key: KeyFrame, predicted: Pose) -> Measurement:
+    """What is said of an image in which it was not worth looking for features."""
+    return Measurement(TrackingStatus.FEW_FEATURES, key, predicted, np.full((3, 3), np.nan), 0, 0)
+
+
 def measure(
     key: KeyFrame, image: PreparedImage, predicted: Pose, config: Tracker, levels: int, shrink: int = 1
 ) -> Measurement:
@@ -79,20 +84,21 @@ def measure(
     fit = fit_rigid(key.points[chosen][good] - centre, moved[good] - centre, since.rotation)
     if fit is None:
         return without(TrackingStatus.INCONSISTENT)
-    std = hypot(*np.sqrt(np.diag(fit.covariance)[:2]))
+    covariance = fit.covariance * shrink**2  # windows that overlap so much more do not err independently
+    std = hypot(*np.sqrt(np.diag(covariance)[:2]))
     pose = total_pose(key.pose, Pose(fit.dx, fit.dy, fit.rotation))
     in_view = int(np.count_nonzero(key.in_view(pose, config.window_px // 2)))
     if (
         fit.inliers < max(config.min_inliers, MIN_AGREEING * matched, MIN_AGREEING_IN_VIEW * in_view)
         or fit.scale > MAX_SCALE_PX * shrink
-        or std > MAX_STD_PX
+        or std > MAX_STD_PX * shrink
     ):
         return without(TrackingStatus.INCONSISTENT, fit.inliers)
     return Measurement(
         TrackingStatus.MEASURED,
         key,
         pose,
-        key.covariance + fit.covariance,
+        key.covariance + covariance,
         max(in_view, fit.inliers),
         fit.inliers,
     )

@@ -11,6 +11,7 @@ SmallImage = NDArray[np.float32]
 GreyImage = NDArray[np.uint8]
 
 MIN_SIDE_PX = 32
+_SAMPLE = 4  # px between samples of sharpness
 _COARSE_SIDE_PX = 120  # small enough to cost little, large enough that a shift is found to a few px
 
 
@@ -20,9 +21,9 @@ class PreparedImage:
 
     coarse: the image averaged over squares of `reduction` px, float32
     mean, contrast: mean and standard deviation of the coarse image, grey levels
-    sharpness: largest eigenvalue of the coarse image's mean structure tensor over its variance, 1/px^2:
-    independent of gain and offset; the larger eigenvalue, because motion blur leaves the gradients across
-    the motion
+    sharpness: largest eigenvalue of the mean structure tensor over the mean grey value squared, 1/px^2.
+    Differences over 2 px less those over 1 px: white noise is in both and drops out. The larger eigenvalue,
+    because motion blur leaves the gradients across the motion, defocus leaves none.
     """
 
     grey: GreyImage
@@ -58,7 +59,7 @@ def prepared(image: GreyImage, blur_sigma_px: float) -> PreparedImage:
         reduction=reduction,
         mean=float(mean[0, 0]),
         contrast=contrast,
-        sharpness=_sharpness(coarse, contrast),
+        sharpness=_sharpness(np.asarray(grey, dtype=np.uint8)),
     )
 
 
@@ -72,11 +73,15 @@ def reduced(grey: GreyImage, factor: int) -> GreyImage:
     return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
-def _sharpness(coarse: SmallImage, contrast: float) -> float:
-    if contrast <= 0.0:
-        return 0.0
-    x = coarse[:-1, 1:] - coarse[:-1, :-1]
-    y = coarse[1:, :-1] - coarse[:-1, :-1]
-    xx, yy, xy = (float(np.vdot(a, b)) / x.size for a, b in ((x, x), (y, y), (x, y)))
-    largest = 0.5 * (xx + yy) + float(np.hypot(0.5 * (xx - yy), xy))
-    return largest / contrast**2
+def _sharpness(grey: GreyImage) -> float:
+    sample = grey[::_SAMPLE, ::_SAMPLE]
+    height, width = sample.shape[0] - 1, sample.shape[1] - 1  # so that all neighbours are inside
+    here = sample[:height, :width].astype(np.float32)
+    tensor = np.zeros(3)
+    for lag, sign in ((2, 1.0), (1, -1.0)):
+        x = grey[::_SAMPLE, lag::_SAMPLE][:height, :width] - here
+        y = grey[lag::_SAMPLE, ::_SAMPLE][:height, :width] - here
+        tensor += sign * np.array([np.vdot(x, x), np.vdot(y, y), np.vdot(x, y)])
+    xx, yy, xy = tensor / here.size
+    largest = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+    return max(0.0, float(largest)) / max(1.0, float(here.mean())) ** 2

@@ -11,32 +11,30 @@ ever confirmed is not an origin (cameras deliver a half-exposed or a test image 
 UNCONFIRMED_FRAMES.
 """
 
-from collections.abc import Iterator
+from dataclasses import replace
 from math import hypot, inf
 
 import numpy as np
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
-from supervisor.tracking.coarse_search import coarse_shift, overlap_correlation
+from supervisor.tracking.coarse_search import coarse_shift, overlap_score
 from supervisor.tracking.displacement import Displacement, Matrix
 from supervisor.tracking.image_quality import image_quality, is_frozen
 from supervisor.tracking.key_frame import KeyFrame, KeyFrames, take_key_frame
-from supervisor.tracking.measurement import Measurement, measure
+from supervisor.tracking.measurement import Measurement, measure, nothing_found
 from supervisor.tracking.pose import Pose, extrapolated, pose_since, total_pose
 from supervisor.tracking.prepared_image import GreyImage, PreparedImage, is_image, prepared
 
 UNCONFIRMED_FRAMES = 5
 COASTING_FRAMES = 3  # for how many lost frames constant velocity is still a fair guess
-SAME_SCENE = 0.4  # correlation of the overlap, above which a coarse shift is worth trying
-NOT_SAME_SCENE = 0.25  # below this with every key frame that was tried, the scene is another
-DEFOCUSED = 0.35  # of the first sharpness: what was lost in such an image was lost to blur
+SAME_SCENE = 0.35  # coarse_search's score, above which a coarse shift is worth trying
+SMEARED = 0.5  # of the first sharpness: such an image may be shrunk; one that was lost was lost to blur
 STEADY_PX = 1.5  # prediction error of the last frame, up to which the finest pyramid level alone is enough
 UNSTEADY_LEVELS = 1  # bridges 10 px
-POOR_AGREEMENT = 0.5  # of the features in view: below this for POOR_FRAMES, fresh features are wanted
+POOR_AGREEMENT = 0.35  # of the features in view: below this for POOR_FRAMES, fresh features are wanted
 POOR_FRAMES = 5
 UNSURE_PX2 = 2 * 0.03**2  # variance of a key frame's pose that is worth mending
-SUREST_VIEW = 0.15  # share of a surer key frame in view that is enough to mend it
 RETRY_FRAMES = 10  # before a key frame that could not be taken up is tried again
 SHRINKS = (2, 4)  # tried in turn where the image itself is too smeared
 _ORIGIN = Pose(0.0, 0.0, 0.0)
@@ -110,7 +108,7 @@ class FeatureTracker:
         key = self._new_key(current, _ORIGIN, np.zeros((3, 3)))
         count = len(key.points)
         if count < self._config.min_inliers:
-            return self._none(TrackingStatus.BLANK, features=count)
+            return self._none(TrackingStatus.FEW_FEATURES, features=count)
         self._shape = current.grey.shape
         self._reference_sharpness = current.sharpness
         self._take_up(key)
@@ -122,7 +120,7 @@ class FeatureTracker:
         self._before_pose = self._last_pose if steady else pose
         self._last_pose = pose
         self._last = current
-        self._lost = 0
+        self._lost = self._turn = 0
         self._measured += 1
 
     def _locate(self, current: PreparedImage, key: KeyFrame) -> Measurement:
@@ -131,22 +129,26 @@ class FeatureTracker:
         predicted = extrapolated(self._before_pose, self._last_pose, frames) if coasting else self._last_pose
         if self._keys.leaves(key, predicted):
             key = self._keys.most_in_view(predicted)
-        found = self._near(current, key, predicted, frames)
+        best = self._correlation(key.image, key.pose, current, predicted)
+        found = nothing_found(key, predicted)
+        if (
+            coasting or best >= SAME_SCENE
+        ):  # features are dear to look for in every image of a scene that has gone
+            found = self._near(current, key, predicted, frames)
         if found.status == TrackingStatus.MEASURED:
             self._surprise_px = _distance(found.pose, predicted)
             return found
-        best = self._correlation(key, current, predicted)
-        for guess, correlation in self._guesses(current, key):
-            best = max(best, correlation)
-            if correlation >= SAME_SCENE:
-                again = self._near(current, self._keys.most_in_view(guess), guess, 0)
-                if again.status == TrackingStatus.MEASURED:
-                    self._surprise_px = inf
-                    return again
+        guess, score = self._guess(current)
+        best = max(best, score)
+        if score >= SAME_SCENE:
+            again = self._near(current, self._keys.most_in_view(guess), guess, 0)
+            if again.status == TrackingStatus.MEASURED:
+                self._surprise_px = inf
+                return again
         status = found.status
-        if current.sharpness < DEFOCUSED * self._reference_sharpness:
+        if self._is_smeared(current):
             status = TrackingStatus.BLURRED
-        elif best < NOT_SAME_SCENE:
+        elif best < SAME_SCENE:
             status = TrackingStatus.JUMPED
         return Measurement(status, key, predicted, found.covariance, found.features, found.inliers)
 
@@ -154,6 +156,7 @@ class FeatureTracker:
         """Measure near a predicted pose: quickly if the last prediction was good, thoroughly, then in small
         images."""
         config = self._config
+        smeared = self._is_smeared(current) or self._is_smeared(key.image)
         first_levels = 0 if self._surprise_px < STEADY_PX else UNSTEADY_LEVELS
         if frames == 1 and config.levels > first_levels and not self._smeared:
             found = measure(key, current, predicted, config, first_levels)
@@ -161,37 +164,48 @@ class FeatureTracker:
                 return found
         if not self._smeared:
             found = measure(key, current, predicted, config, config.levels)
-            if found.status == TrackingStatus.MEASURED:
+            if found.status == TrackingStatus.MEASURED or not smeared:
                 return found
         for shrink in SHRINKS:
             small = measure(key, current, predicted, config, config.levels, shrink)
-            if small.status == TrackingStatus.MEASURED:
-                found = measure(key, current, small.pose, config, 0)
+            if small.status == TrackingStatus.MEASURED and self._looks_alike(key, current, small.pose):
+                found = measure(key, current, small.pose, config, UNSTEADY_LEVELS)
                 self._smeared = found.status != TrackingStatus.MEASURED
                 return small if self._smeared else found
         self._smeared = False
-        return small
+        return replace(small, status=TrackingStatus.BLURRED)
 
-    def _correlation(self, key: KeyFrame, current: PreparedImage, pose: Pose) -> float:
-        since, reduction = pose_since(key.pose, pose), current.reduction
-        return overlap_correlation(
-            key.image.coarse, current.coarse, round(since.x / reduction), round(since.y / reduction)
-        )
+    def _is_smeared(self, current: PreparedImage) -> bool:
+        return current.sharpness < SMEARED * self._reference_sharpness
 
-    def _guesses(self, current: PreparedImage, key: KeyFrame) -> Iterator[tuple[Pose, float]]:
-        """Coarse poses: against the last image that was measured, the present key frame, and one other in
-        turn."""
-        references = [(key.image, key.pose)]
-        if self._last is not None and self._last is not key.image:
+    def _looks_alike(self, key: KeyFrame, current: PreparedImage, pose: Pose) -> bool:
+        """Whether the small images agree: with the key frame's, or with the last one, smeared like
+        this one.
+        """
+        if self._correlation(key.image, key.pose, current, pose) >= SAME_SCENE:
+            return True
+        last = self._last
+        return last is not None and self._correlation(last, self._last_pose, current, pose) >= SAME_SCENE
+
+    def _correlation(
+        self, before: PreparedImage, before_pose: Pose, current: PreparedImage, pose: Pose
+    ) -> float:
+        since, reduction = pose_since(before_pose, pose), current.reduction
+        shift = round(since.x / reduction), round(since.y / reduction)
+        return overlap_score(before.coarse, current.coarse, *shift)
+
+    def _guess(self, current: PreparedImage) -> tuple[Pose, float]:
+        """A coarse pose and its score, against the last image measured or a key frame: one of them
+        in each image.
+        """
+        references = [(f.image, f.pose) for f in self._keys.frames]
+        if self._last is not None:
             references.insert(0, (self._last, self._last_pose))
-        others = [f for f in self._keys.frames if f is not key]
-        if others:
-            self._turn = (self._turn + 1) % len(others)
-            references.append((others[self._turn].image, others[self._turn].pose))
-        for image, pose in references:
-            shift = coarse_shift(image.coarse, current.coarse)
-            since = Pose(shift.x * current.reduction, shift.y * current.reduction, 0.0)
-            yield total_pose(pose, since), shift.correlation
+        image, pose = references[self._turn % len(references)]
+        self._turn += 1
+        shift = coarse_shift(image.coarse, current.coarse)
+        since = Pose(shift.x * current.reduction, shift.y * current.reduction, 0.0)
+        return total_pose(pose, since), shift.score
 
     def _hand_over(self, current: PreparedImage, found: Measurement) -> Measurement:
         """Choose the key frame for the images to come; the measurement changes when an older or surer one
@@ -207,17 +221,20 @@ class FeatureTracker:
                 return again
             self._poor = 0
             self._take_up(self._new_key(current, found.pose, found.covariance))
+        elif self._is_smeared(found.key.image) and not self._is_smeared(current):
+            self._take_up(self._new_key(current, found.pose, found.covariance))
+            self._smeared, self._wait = False, 0
         elif self._wait == 0:
-            again = self._tried(self._keys.older(found.key, found.pose), current, found)
-            return again or self._surer(current, found)
+            again = self._tried(self._keys.surer(found.key, found.pose), current, found)
+            return again or self._mended(current, found)
         return found
 
-    def _surer(self, current: PreparedImage, found: Measurement) -> Measurement:
+    def _mended(self, current: PreparedImage, found: Measurement) -> Measurement:
         """Mend a pose that was handed over in smeared images, as soon as a surer key frame is in view a
         little."""
-        if self._smeared or self._wait > 0 or _variance(found.key.covariance) < UNSURE_PX2:
+        if self._smeared or self._wait > 0 or found.key.variance < UNSURE_PX2:
             return found
-        key = self._keys.surest(found.key, found.pose, SUREST_VIEW)
+        key = self._keys.anchor(found.key, found.pose)
         if key is None:
             return found
         again = measure(key, current, found.pose, self._config, UNSTEADY_LEVELS)

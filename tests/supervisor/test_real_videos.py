@@ -1,0 +1,59 @@
+"""The tracker on measured videos, against the references that came with them. See docs/tracking.md."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from common.configuration import Tracker
+from drivers.camera import EndOfStream
+from drivers.file_camera import FileCamera
+from supervisor.tracking.tracker import FeatureTracker
+
+DATA = Path(__file__).parents[3] / "shared" / "data"
+pytestmark = [
+    pytest.mark.hardware_data,
+    pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data, the measured videos"),
+]
+
+
+def played(path, frames=10**9, crop=np.s_[:, :]):
+    """status, dx, dy of each frame, shape (n, 3)."""
+    camera, tracker, rows = FileCamera(path), FeatureTracker(Tracker()), []
+    camera.start()
+    try:
+        while len(rows) < frames:
+            result = tracker.track(np.ascontiguousarray(camera.read(0.0).image[crop]))
+            rows.append((result.status, result.dx, result.dy))
+    except EndOfStream:
+        pass
+    camera.close()
+    return np.array(rows, dtype=float)
+
+
+def test_synthetic_beam_video_against_its_truth():
+    rows = played(DATA / "beam_video" / "data_synthetic.cih")
+    truth = np.load(DATA / "beam_video" / "data_synthetic_generated.npy")[1:].T
+    truth = truth - truth[0]
+    assert (rows[:, 0] == 0).all() and len(rows) == len(truth)
+    assert np.sqrt(np.mean((rows[:, 1:] - truth) ** 2)) < 0.003
+    for axis in (0, 1):
+        assert abs(np.polyfit(truth[:, axis], rows[:, 1 + axis], 1)[0] - 1.0) < 0.03
+
+
+def test_speckled_beam():
+    rows = played(DATA / "beam_video" / "Speckle_beam_500.cih", 250)
+    assert (rows[:, 0] == 0).all()
+    assert np.ptp(rows[:, 1]) < 0.1  # it vibrates vertically
+    assert 0.6 < np.ptp(rows[:, 2]) < 1.1
+
+
+def test_tuning_fork_rings_at_its_drive():
+    one_tine = np.s_[60:420, 290:342]
+    rows = played(DATA / "tuning_fork_video" / "tuning_hz32_fps250_50-1_640x420.mp4", 300, one_tine)
+    assert (rows[:, 0] == 0).mean() > 0.95
+    good = rows[:, 0] == 0
+    time, x = np.flatnonzero(good) / 250.0, rows[good, 1] - rows[good, 1].mean()
+    frequency = np.arange(20.0, 45.0, 0.02)
+    spectrum = np.abs(np.exp(-2j * np.pi * np.outer(frequency, time)) @ x)
+    assert abs(frequency[spectrum.argmax()] - 32.0) < 0.15
