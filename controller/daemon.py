@@ -6,13 +6,14 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from common.recording.recorder_process import RecorderClient
+from common.recording.recorder_client import RecorderClient
 
 from common.configuration import Configuration, load_assumed_model, load_configuration, model_path
 from common.recording.header import live_header
-from common.recording.topics import TOPIC_INDEX, LinkSample
+from common.recording.topics import TOPIC_INDEX, LinkSample, LoopSample
 from common.stop_signal import StopSignal
 from common.user_error import UserError
+from controller.histogram import MicrosecondHistogram
 from controller.live_devices import LiveDevices
 from controller.realtime import enter_realtime
 from controller.recorded import estimate_sample, fast_sample, frame_sample
@@ -87,20 +88,27 @@ class _Loop:
         self._link_every = max(1, round(_LINK_EVERY_S / cycle_s))
         self._next_link = 0
         self._cycles = 0
+        self._lateness, self._compute = MicrosecondHistogram(), MicrosecondHistogram()
 
     def run(self, finished: Callable[[int], bool]) -> None:
         """Cycle until `finished` holds, then fade the command out."""
         cycle, left = self._clock.start(), _FADE_CYCLES
+        clock, cycle_s, now = self._clock, self._cycle_s, time.monotonic
         while left:
+            woke = now()
             read = self._devices.read(cycle)
             if finished(cycle):
                 left -= 1
                 read.reference_rad_s, read.damping_allowed = 0.0, False
             answered = self._controller.step(read)
             self._devices.write(answered.command_rad_s)
+            answered_at = now()
             self._record(read, answered)
             self._cycles += 1
-            cycle = self._clock.wait(cycle)
+            self._lateness.add(woke - clock.origin_s - cycle * cycle_s)
+            self._compute.add(answered_at - woke)
+            cycle = clock.wait(cycle)
+        self._record_loop(cycle * cycle_s)
 
     def _record(self, read: CycleInput, answered: CycleOutput) -> None:
         recorder = self._recorder
@@ -126,6 +134,11 @@ class _Loop:
                 ),
             )
 
+    def _record_loop(self, time_s: float) -> None:
+        if self._recorder is not None:
+            lateness, compute = self._lateness.summary(), self._compute.summary()
+            self._recorder.put(_LOOP, LoopSample(time_s, self._cycles, self._clock.misses, *lateness, *compute))
+
     def summary(self) -> str:
         """One line about the run."""
         counts = self._devices.link_counts
@@ -136,4 +149,4 @@ class _Loop:
 
 
 _FAST, _FRAMES = TOPIC_INDEX["/fast"], TOPIC_INDEX["/frames"]
-_ESTIMATE, _LINK = TOPIC_INDEX["/estimate"], TOPIC_INDEX["/link"]
+_ESTIMATE, _LINK, _LOOP = TOPIC_INDEX["/estimate"], TOPIC_INDEX["/link"], TOPIC_INDEX["/loop"]

@@ -12,6 +12,8 @@ from controller.exchange import ControllerExchange, ReferenceExchange
 from controller.step import CycleInput
 from drivers.accelerometer_factory import open_accelerometer
 
+_OLDEST_S = 1e6  # a drive that never reported: an infinite age would not survive a recording
+
 
 class LiveDevices:
     """Accelerometer, drive, link to the supervisor and reference, as one thing to read from and write to."""
@@ -54,6 +56,7 @@ class LiveDevices:
         position = velocity = age = nan
         if self._drive is not None:
             position, velocity, age = self._drive.state()
+            age = min(age, _OLDEST_S)
         self._reference.take(reference_socket.drain(self._limit), time_s)
         reference, allowed = self._reference.reference(time_s)
         if self._schedule is not None:

@@ -4,8 +4,8 @@ from common.configuration import CameraDevice
 from drivers.camera import Camera
 
 
-def open_camera(config: CameraDevice) -> Camera:
-    """The camera of section [camera]. Opens nothing yet: start() does."""
+def open_camera(config: CameraDevice, in_flight: int = 1) -> Camera:
+    """The camera of section [camera], with `in_flight` images asked for ahead. Opens nothing yet: start() does."""
     if config.driver == "opencv":
         from drivers.opencv_camera import OpenCvCamera  # noqa: PLC0415
 
@@ -16,4 +16,4 @@ def open_camera(config: CameraDevice) -> Camera:
         return FileCamera(config.device)
     from drivers.shared_memory_camera import SharedMemoryCamera  # noqa: PLC0415
 
-    return SharedMemoryCamera(config.device)
+    return SharedMemoryCamera(config.device, in_flight=in_flight)

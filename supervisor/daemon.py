@@ -1,55 +1,103 @@
-"""The supervisor as a process: the loop around the step, with camera and socket at its edge."""
+"""The supervisor as a process: the loop around the step, with camera, socket and recorder at its edge."""
 
+import time
 from pathlib import Path
 
 import cv2
-from common.link_key import load_key
 
-from common.configuration import load_configuration
+from common.configuration import Configuration, load_configuration
+from common.link_key import load_key
+from common.recording.header import live_header
+from common.recording.recorder_client import RecorderClient
+from common.recording.topics import TOPIC_INDEX
 from common.stop_signal import StopSignal
 from common.udp import UdpSocket, new_session
 from common.visual_sample import TrackingStatus, VisualSample
-from drivers.camera import EndOfStream
+from drivers.camera import Camera, EndOfStream, Frame
 from drivers.camera_factory import open_camera
 from supervisor.exchange import SupervisorExchange
+from supervisor.recorded_images import image_sample
 from supervisor.step import Supervisor
 
 _FRAME_TIMEOUT_S = 0.1  # then the controller is told that there is no image
 _TIMESTAMPS_AT_ONCE = 256
+_RING_BYTES = 64 << 20  # seconds of images, should the disk stall
+_IMAGES = TOPIC_INDEX["/images"]
 
 
-def run(configuration_path: Path) -> None:
+def run(configuration_path: Path, record_images: Path | None = None) -> None:
     """Run until SIGTERM or SIGINT, or until a file has no more frames. Raises UserError for what the user can mend."""
     configuration = load_configuration(configuration_path)
-    link = configuration.link
     cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
-    exchange = SupervisorExchange(load_key(link), new_session(), configuration.supervisor.cycles_in_flight)
-    supervisor = Supervisor(configuration.supervisor.tracker)
-    camera = open_camera(configuration.camera)
-    controller = (link.controller_host, link.controller_port)
-    stop = StopSignal()
-    socket = UdpSocket((link.supervisor_host, link.supervisor_port), "link.supervisor_port")
-    frames = measured = 0
+    camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)
+    recorder = None
+    if record_images is not None:
+        header = live_header(configuration_path, configuration, 0, 0.0)
+        recorder = RecorderClient.start(record_images, header, ring_bytes=_RING_BYTES)
     try:
-        camera.start()
+        loop = _Loop(configuration, camera, recorder)
+        try:
+            loop.run(StopSignal())
+        finally:
+            loop.close()
+    finally:
+        if recorder is not None:
+            recorder.close()
+    print(loop.summary(), flush=True)
+
+
+class _Loop:
+    """Take the timestamp, capture, track, send: once a frame."""
+
+    def __init__(self, configuration: Configuration, camera: Camera, recorder: RecorderClient | None) -> None:
+        link = configuration.link
+        self._camera = camera
+        self._recorder = recorder
+        self._supervisor = Supervisor(configuration.supervisor.tracker)
+        self._exchange = SupervisorExchange(
+            load_key(link), new_session(), configuration.supervisor.cycles_in_flight
+        )
+        self._controller = (link.controller_host, link.controller_port)
+        self._socket = UdpSocket((link.supervisor_host, link.supervisor_port), "link.supervisor_port")
+        self._frames = self._measured = 0
+
+    def run(self, stop: StopSignal) -> None:
+        """Cycle until asked to stop, or until the stream ends."""
+        exchange = self._exchange
+        self._camera.start()
         while not stop:
-            exchange.take(socket.drain(_TIMESTAMPS_AT_ONCE))
+            self._take_timestamps()
             exchange.begin_cycles()
             try:
-                frame = camera.read(_FRAME_TIMEOUT_S)
+                frame = self._camera.read(_FRAME_TIMEOUT_S)
             except EndOfStream:
-                break
+                return
             if frame is None:
-                exchange.take(socket.drain(_TIMESTAMPS_AT_ONCE))
+                self._take_timestamps()
                 sample = VisualSample(-1, exchange.oldest().cycle, TrackingStatus.NO_IMAGE)
             else:
-                sample = supervisor.step(frame, exchange.oldest().cycle)
-                frames += 1
-                measured += sample.measured
-            socket.send(exchange.end_cycle(sample), controller)
-    finally:
-        camera.close()
-        socket.close()
-    print(
-        f"stillarm supervisor: {frames} frames, {measured} measured, {frames - measured} flagged", flush=True
-    )
+                sample = self._supervisor.step(frame, exchange.oldest().cycle)
+                self._frames += 1
+                self._measured += sample.measured
+            self._socket.send(exchange.end_cycle(sample), self._controller)
+            if frame is not None:
+                self._record(frame, sample)
+
+    def _take_timestamps(self) -> None:
+        self._exchange.take(self._socket.drain(_TIMESTAMPS_AT_ONCE))
+
+    def _record(self, frame: Frame, sample: VisualSample) -> None:
+        if self._recorder is not None:
+            self._recorder.put(_IMAGES, image_sample(time.monotonic(), frame, sample))
+
+    def close(self) -> None:
+        """Release camera and port."""
+        self._camera.close()
+        self._socket.close()
+
+    def summary(self) -> str:
+        """One line about the run."""
+        flagged = self._frames - self._measured
+        lost = 0 if self._recorder is None else self._recorder.lost
+        images = f", {lost} images not recorded" if lost else ""
+        return f"stillarm supervisor: {self._frames} frames, {self._measured} measured, {flagged} flagged{images}"

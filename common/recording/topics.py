@@ -100,8 +100,8 @@ class LinkSample(msgspec.Struct, frozen=True, gc=False):
 
 
 class LoopSample(msgspec.Struct, frozen=True, gc=False):
-    """/loop, when the loop ends: how the whole run kept its deadlines. Percentiles of the wake-up's lateness and of the
-    time from wake-up to the command, microseconds.
+    """/loop, when the loop ends: how the whole run kept its deadlines. Percentiles of the wake-up's lateness
+    and of the time from wake-up to the command, microseconds.
     """
 
     time_s: float
@@ -152,7 +152,8 @@ class TrueFrame(msgspec.Struct, frozen=True, gc=False):
 class ImageSample(msgspec.Struct, frozen=True, gc=False):
     """/images, every frame, in the supervisor's own recording: the image, and what the tracker made of it.
 
-    time_s: the supervisor's monotonic clock. counter: the camera's own, -1 if it has none. data: a PNG in base64.
+    time_s: the supervisor's monotonic clock. counter: the camera's own, -1 if it has none. data: a PNG in
+    base64.
     """
 
     time_s: float

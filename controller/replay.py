@@ -1,0 +1,133 @@
+"""Recorded data through the same step functions that ran live."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from math import isnan
+
+from common.configuration import Configuration, default_configuration_path
+from common.configuration import Controller as ControllerSettings
+from common.model import Model, check_model, length_of
+from common.recording.reader import Recording
+from common.recording.topics import EstimateSample, FastSample, FrameSample
+from common.typed_toml import parse_toml
+from controller.estimate import Estimate, Observation
+from controller.joint_motion import JointMotion
+from controller.methods import make_method
+from controller.recorded import cycle_inputs, estimate_sample, fast_sample
+from controller.step import Controller, CycleInput
+
+_REPORT_EVERY = 1000  # cycles
+
+
+@dataclass(frozen=True)
+class RecordedRun:
+    """A recording read into memory, with the configuration and the model that it holds."""
+
+    name: str
+    configuration: Configuration
+    model: Model
+    fast: list[FastSample]
+    frames: list[FrameSample]
+    estimates: list[EstimateSample]
+
+    @property
+    def cycle_s(self) -> float:
+        """The controller's cycle, s."""
+        return self.model.timing.cycle_s
+
+    def inputs(self) -> Iterator[tuple[CycleInput, float]]:
+        """What each cycle read, with the command that was given."""
+        return cycle_inputs(self.fast, self.frames)
+
+
+@dataclass
+class MethodRun:
+    """What one method said: in each cycle, and for each frame at the cycle that read it."""
+
+    method: str
+    times_s: list[float] = field(default_factory=list)
+    estimates: list[Estimate] = field(default_factory=list)
+    frames: list[tuple[int, float, Estimate]] = field(default_factory=list)  # frame, received_s, estimate
+
+
+@dataclass
+class LiveComparison:
+    """How a replay of the recorded controller compares with what it did: cycles, and the differences among them."""
+
+    cycles: int = 0
+    different: int = 0
+    first_difference: str | None = None
+
+    @property
+    def identical(self) -> bool:
+        """Whether every number is the same."""
+        return self.different == 0
+
+
+def read_run(recording: Recording) -> RecordedRun:
+    """Read a recording's messages, configuration and model. Raises UserError for what does not fit."""
+    header, name = recording.header, str(recording.path)
+    text = header.configuration or default_configuration_path().read_text()
+    configuration = parse_toml(text, Configuration, f"{name} (configuration)")
+    model = check_model(parse_toml(header.model, Model, f"{name} (model)"), f"{name} (model)")
+
+    def topic(topic_name: str) -> list:  # type: ignore[type-arg]
+        return list(recording.messages(topic_name)) if recording.counts.get(topic_name) else []
+
+    return RecordedRun(name, configuration, model, topic("/fast"), topic("/frames"), topic("/estimate"))
+
+
+def replay_method(
+    run: RecordedRun, method: str, progress: Callable[[float], None] = lambda done: None
+) -> MethodRun:
+    """Run a method over recorded measurements and commands. Raises UserError for an unknown method or no length."""
+    name = f"{run.name} (model)"
+    estimator = make_method(method, run.model, run.configuration.controller, name)
+    joint = JointMotion(run.model, length_of(run.model, name))
+    result = MethodRun(method)
+    for count, (read, command) in enumerate(run.inputs()):
+        time_s = read.cycle * run.cycle_s
+        joint.begin_cycle(read.cycle, read.joint_position_rad)
+        estimate = estimator.update(
+            Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint)
+        )
+        joint.send(command)
+        result.times_s.append(time_s)
+        result.estimates.append(estimate)
+        result.frames.extend((sample.frame, time_s, estimate) for sample in read.samples)
+        if count % _REPORT_EVERY == 0:
+            progress(count / max(1, len(run.fast)))
+    return result
+
+
+def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = None) -> LiveComparison:
+    """Run the recorded controller again and compare every estimate, prediction and command with what it did."""
+    controller = Controller(run.model, settings or run.configuration.controller, f"{run.name} (model)")
+    comparison = LiveComparison()
+    recorded = {estimate.cycle: estimate for estimate in run.estimates}
+    commands = {row.cycle: row for row in run.fast}
+    for read, _ in run.inputs():
+        answered = controller.step(read)
+        comparison.cycles += 1
+        wanted = recorded.get(read.cycle)
+        found = estimate_sample(read.cycle, answered, run.cycle_s)
+        row = commands[read.cycle]
+        pairs = list(_numbers(wanted, found)) if wanted is not None else []
+        pairs += _numbers(row, fast_sample(read, answered, run.cycle_s))
+        different = [f"{key}: {was!r} live, {now!r} replayed" for key, was, now in pairs if not _same(was, now)]
+        if different:
+            comparison.different += 1
+            if comparison.first_difference is None:
+                comparison.first_difference = f"cycle {read.cycle}, {different[0]}"
+    return comparison
+
+
+def _numbers(was: object, now: object) -> Iterator[tuple[str, object, object]]:
+    for key in now.__struct_fields__:  # type: ignore[attr-defined]
+        yield key, getattr(was, key), getattr(now, key)
+
+
+def _same(was: object, now: object) -> bool:
+    if isinstance(was, float) and isinstance(now, float) and isnan(was) and isnan(now):
+        return True
+    return was == now

@@ -1,0 +1,1 @@
+"""The demonstration: all processes in real time, then replay, scores against the truth, figures."""

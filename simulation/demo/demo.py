@@ -1,0 +1,113 @@
+"""The demonstration: a flexible arm rings in real time and is then stilled through a camera that is 74 ms late."""
+
+import json
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+from common.recording.reader import Recording, open_recording
+from common.scenario import Scenario
+from common.shared_memory import block_path
+from common.user_error import UserError
+from controller.replay import LiveComparison, RecordedRun, compare_with_live, read_run, replay_method
+from simulation.demo.processes import DemoProcesses
+from simulation.demo.scoring import damping_scores, method_scores
+from simulation.demo.set_up import SHORTEST_S, write_demo_configuration
+from simulation.demo.truth_file import read_truth
+
+METHODS = ("timestamps", "correlation")
+_RIG_READY_WITHIN_S = 20.0
+_OVER_TIME_S = 30.0
+
+Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
+
+
+def run_demo(directory: Path, duration_s: float, seed: int, progress: Progress) -> dict[str, Any]:
+    """Run it all into `directory`; returns what summary.json holds. Raises UserError when a process fails."""
+    if duration_s < SHORTEST_S:
+        raise UserError(f"--duration-s {duration_s:g}: at least {SHORTEST_S:g} s are needed for two strikes")
+    directory.mkdir(parents=True, exist_ok=True)
+    for stale in ("recording.mcap", "truth.mcap", "summary.json"):
+        (directory / stale).unlink(missing_ok=True)
+    scenario = _run_processes(directory, duration_s, seed, progress)
+    recording = open_recording(directory / "recording.mcap")
+    run = read_run(recording)
+    truth = read_truth(directory / "truth.mcap", recording.header.origin_monotonic_s)
+    if len(truth.strikes_s) < 2:
+        raise UserError("the demo's rig was struck less than twice; see rig.log and controller.log beside the recording")
+    replays = []
+    for method in METHODS:
+        with progress(f"replay, {method}") as done:
+            replays.append(replay_method(run, method, done))
+    with progress("replay, live method"):
+        comparison = compare_with_live(run)
+    scores = damping_scores(truth, run.model, scenario.damping[0].on_s)
+    summary = summarise(recording, run, scores, {r.method: method_scores(r, truth, run.model) for r in replays}, comparison)
+    (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    with progress("figures"):
+        from simulation.demo.figures import draw_figures
+
+        draw_figures(directory, run, truth, replays, summary)
+    return summary
+
+
+def _run_processes(directory: Path, duration_s: float, seed: int, progress: Progress) -> Scenario:
+    path, configuration, scenario = write_demo_configuration(directory, duration_s, seed)
+    processes = DemoProcesses(directory)
+    try:
+        processes.start("rig", "--config", str(path), "--truth", str(directory / "truth.mcap"))
+        processes.start("supervisor", "--config", str(path))
+        _wait_for_camera(configuration.camera.device, processes)
+        processes.start(
+            "controller",
+            *("--config", str(path), "--record", str(directory / "recording.mcap")),
+            *("--duration-s", str(duration_s), "--allow-non-realtime"),
+        )
+        with progress("arm, camera, controller") as done:
+            processes.wait_for("controller", duration_s + _OVER_TIME_S, lambda passed: done(passed / duration_s))
+    finally:
+        processes.stop_all()
+    return scenario
+
+
+def _wait_for_camera(name: str, processes: DemoProcesses) -> None:
+    deadline = time.monotonic() + _RIG_READY_WITHIN_S
+    while not block_path(name).exists():
+        processes.check()
+        if time.monotonic() > deadline:
+            raise UserError("the demo's rig did not start its camera in time; see rig.log in the output folder")
+        time.sleep(0.05)
+
+
+def summarise(
+    recording: Recording,
+    run: RecordedRun,
+    damping: dict[str, float | None],
+    methods: dict[str, dict[str, Any]],
+    comparison: LiveComparison,
+) -> dict[str, Any]:
+    """What summary.json holds: the figures that outside scripts read, and the replay's verdict."""
+    loop = recording.columns("/loop")
+    link = recording.columns("/link")
+
+    def percentiles(name: str) -> dict[str, float]:
+        return {key: float(loop[f"{name}_{key}"][-1]) for key in ("p50", "p99", "p999", "max")}
+
+    return {
+        "cycles": int(loop["cycles"][-1]),
+        "deadline_misses": int(loop["deadline_misses"][-1]),
+        "wakeup_latency_us": percentiles("wakeup_latency_us"),
+        "compute_us": percentiles("compute_us"),
+        "frames": len(run.frames),
+        "frames_lost": _frames_lost([frame.frame for frame in run.frames if frame.frame >= 0]),
+        "datagrams_lost": int(link["lost"][-1]),
+        "damping": damping,
+        "methods": methods,
+        "replay_identical": comparison.identical,
+    }
+
+
+def _frames_lost(counters: list[int]) -> int:
+    return counters[-1] - counters[0] + 1 - len(counters) if counters else 0

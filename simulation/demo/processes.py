@@ -1,0 +1,75 @@
+"""The demo's processes: started, watched, stopped. Each writes what it says to a log of its own."""
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from common.user_error import UserError
+
+_STOP_WITHIN_S = 15.0
+_POLL_S = 0.1
+
+
+class DemoProcesses:
+    """Operating-system processes of `stillarm`, by name."""
+
+    def __init__(self, directory: Path) -> None:
+        """Logs go to `directory`/NAME.log."""
+        self._directory = directory
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def start(self, name: str, *arguments: str) -> None:
+        """Start `stillarm NAME ARGUMENTS`."""
+        with self._log(name).open("wb") as log:
+            self._running[name] = subprocess.Popen(
+                [sys.executable, "-m", "stillarm", name, *arguments], stdout=log, stderr=subprocess.STDOUT
+            )
+
+    def wait_for(self, name: str, timeout_s: float, progress: Callable[[float], None]) -> None:
+        """Wait until a process has ended, the others running on.
+
+        progress: told the seconds that have passed. Raises UserError, with the last words of whoever failed.
+        """
+        started = time.monotonic()
+        while self._running[name].poll() is None:
+            self.check()
+            passed = time.monotonic() - started
+            if passed > timeout_s:
+                raise UserError(f"the demo's {name} did not end within {timeout_s:.0f} s; see {self._log(name)}")
+            progress(passed)
+            time.sleep(_POLL_S)
+        self.check()
+
+    def check(self) -> None:
+        """Raise UserError if a process has failed, or ended that should run on."""
+        for name, process in self._running.items():
+            status = process.poll()
+            if status is not None and (status != 0 or name != "controller"):
+                raise UserError(f"the demo's {name} ended (status {status}): {self._last_words(name)}")
+
+    def stop(self, name: str) -> None:
+        """Ask a process to stop, and wait for it; kill it when it does not."""
+        process = self._running.pop(name, None)
+        if process is None or process.poll() is not None:
+            return
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(_STOP_WITHIN_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+    def stop_all(self) -> None:
+        """Stop whatever runs, the controller first."""
+        for name in ("controller", "supervisor", "rig"):
+            self.stop(name)
+
+    def _log(self, name: str) -> Path:
+        return self._directory / f"{name}.log"
+
+    def _last_words(self, name: str) -> str:
+        lines = self._log(name).read_text(errors="replace").strip().splitlines()
+        return lines[-1] if lines else "it said nothing"

@@ -1,0 +1,183 @@
+"""The simulated rig in real time: the plant in this process, the camera in another; it stands in for the hardware.
+
+Accelerometer: registers in shared memory behind an I2C bus "memory:NAME". Joint: a drive gateway on UDP. Camera: frames
+in shared memory. The scenario's clock starts with the first drive command.
+"""
+
+import multiprocessing
+import signal
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from common.configuration import Configuration, Rig, load_configuration, load_true_model
+from common.link_key import load_key
+from common.model import Model
+from common.recording.header import live_header
+from common.recording.recorder_client import RecorderClient
+from common.recording.topics import TOPIC_INDEX, TrueFrame
+from common.scenario import Scenario, load_scenario
+from common.stop_signal import StopSignal
+from common.user_error import UserError
+from controller.schedule import CycleClock
+from drivers.drive_gateway import DriveGateway
+from drivers.drive_gateway_socket import DriveGatewaySocket
+from drivers.emulation.lis3lv02dq_registers import Lis3lv02dqRegisters, sensed_axes
+from simulation.accelerometer_signal import AccelerometerSignal
+from simulation.camera_process import pose_history_name
+from simulation.camera_process import run as run_camera
+from simulation.disturbance import Disturbance
+from simulation.plant import Plant
+from simulation.pose_history import PoseHistory
+from simulation.truth import strike_line, true_state
+
+_STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
+_ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
+_BUS_PREFIX = "memory:"
+_LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
+
+
+def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, scenario: str | None) -> None:
+    """Be the rig until SIGTERM or SIGINT. `seed`, `scenario`: in place of the configuration's. Raises UserError."""
+    configuration = load_configuration(configuration_path)
+    rig = configuration.rig
+    if seed is not None or scenario is not None:
+        rig = msgspec.structs.replace(
+            rig, seed=rig.seed if seed is None else seed, scenario=scenario or rig.scenario
+        )
+        configuration = msgspec.structs.replace(configuration, rig=rig)
+    model = load_true_model(configuration, configuration_path)
+    stop = StopSignal()
+    recorder = None
+    if truth_path is not None:
+        header = live_header(configuration_path, configuration, 0, 0.0, seed=rig.seed)
+        recorder = RecorderClient.start(truth_path, header)
+    try:
+        plant = _PlantProcess(configuration, model, load_scenario(rig.scenario), rig)
+        camera, frames = _start_camera(configuration, model, rig.seed)
+        try:
+            plant.run(stop, recorder, frames, camera.is_alive)
+        finally:
+            camera.terminate()
+            camera.join(5.0)
+            plant.close()
+            _record_frames(recorder, frames)
+    finally:
+        if recorder is not None:
+            recorder.close()
+
+
+class _PlantProcess:
+    """The plant with its sensors and its drive's gateway, step by step in real time."""
+
+    def __init__(self, configuration: Configuration, model: Model, scenario: Scenario, rig: Rig) -> None:
+        bus = configuration.accelerometer.bus
+        if not bus.startswith(_BUS_PREFIX):
+            raise UserError(
+                f"accelerometer.bus = {bus!r}: the simulated rig needs a bus in memory, such as 'memory:rig-i2c'"
+            )
+        if configuration.camera.driver != "shared_memory":
+            raise UserError(
+                f"camera.driver = {configuration.camera.driver!r}: the simulated rig needs 'shared_memory'"
+            )
+        self._cycle_s = model.timing.cycle_s
+        self._plant = Plant(model)
+        self._signal = AccelerometerSignal(
+            model.accelerometer, self._cycle_s, np.random.default_rng((rig.seed, _ACCELEROMETER_STREAM))
+        )
+        self._disturbance = Disturbance(
+            scenario,
+            len(model.arm.modes),
+            self._cycle_s,
+            np.random.default_rng((rig.seed, _DISTURBANCE_STREAM)),
+            rig.scenario,
+        )
+        self._strikes = sorted(scenario.strikes, key=lambda strike: strike.time_s)
+        self._axis = configuration.accelerometer.axis
+        self._registers = Lis3lv02dqRegisters(bus.removeprefix(_BUS_PREFIX))
+        self._poses = PoseHistory(pose_history_name(configuration), create=True)
+        drive = configuration.drive
+        gateway = DriveGateway(load_key(configuration.link))
+        self._gateway = gateway
+        self._socket = DriveGatewaySocket(gateway, (drive.gateway_host, drive.gateway_port))
+        self._first_command_s: float | None = None
+
+    def run(
+        self, stop: StopSignal, recorder: RecorderClient | None, frames: Connection, camera_alive: Callable[[], bool]
+    ) -> None:
+        """Step the plant at every cycle of the clock, as many steps as cycles have passed."""
+        clock = CycleClock(self._cycle_s, time.monotonic())
+        stepped, cycle = 0, clock.start()
+        while not stop:
+            behind = min(cycle - stepped, _LONGEST_CATCH_UP)
+            now = clock.origin_s + cycle * self._cycle_s
+            command = self._socket.poll(now)
+            if self._first_command_s is None and self._gateway.counts.accepted:
+                self._first_command_s = now
+            for late in range(behind - 1, -1, -1):
+                self._step(now - late * self._cycle_s, command, recorder)
+            stepped = cycle
+            self._socket.report(self._plant.joint_position_rad, self._plant.joint_velocity_rad_s)
+            _record_frames(recorder, frames)
+            if not camera_alive():
+                raise UserError("the rig's camera process ended; its message above tells why")
+            cycle = clock.wait(cycle)
+
+    def _step(self, time_s: float, command: float, recorder: RecorderClient | None) -> None:
+        """Move the plant on to an instant under a command, and let its sensors show it."""
+        plant = self._plant
+        if self._first_command_s is not None:
+            since = time_s - self._first_command_s
+            self._disturbance.act_on(plant, since)
+            while self._strikes and self._strikes[0].time_s <= since:
+                line = strike_line(self._strikes.pop(0), time_s - self._cycle_s)
+                if recorder is not None:
+                    recorder.put(_LOG, line)
+        plant.advance(command)
+        self._registers.publish(sensed_axes(self._signal.sample(plant.tip_acceleration_m_s2), self._axis))
+        self._poses.append(time_s, plant.tip_position_m, plant.tip_angle_rad)
+        if recorder is not None:
+            recorder.put(_STATE, true_state(plant, time_s))
+
+    def close(self) -> None:
+        """Release sockets and shared memory."""
+        self._socket.close()
+        self._registers.close()
+        self._poses.close()
+
+
+def _record_frames(recorder: RecorderClient | None, frames: Connection) -> None:
+    try:
+        while frames.poll():
+            frame = TrueFrame(*frames.recv())
+            if recorder is not None:
+                recorder.put(_FRAMES, frame)
+    except (EOFError, OSError):  # the camera's process has ended
+        return
+
+
+def _start_camera(
+    configuration: Configuration, model: Model, seed: int
+) -> tuple[multiprocessing.process.BaseProcess, Connection]:
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(
+        target=_camera_main, args=(configuration, model, seed, sender), name="camera", daemon=True
+    )
+    process.start()
+    sender.close()
+    return process, receiver
+
+
+def _camera_main(configuration: Configuration, model: Model, seed: int, frames: Connection) -> None:
+    stop = StopSignal()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the plant's process tells this one
+
+    def report(frame: TrueFrame) -> None:
+        frames.send((frame.time_s, frame.frame, frame.mid_exposure_s, frame.delivered_s))
+
+    run_camera(configuration, model, seed, stop.is_set, report)

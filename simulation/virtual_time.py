@@ -1,0 +1,221 @@
+"""Rig, supervisor and controller in virtual time: the same step functions, deterministic from a seed.
+
+One pass of the loop is one controller cycle. The order is that of the rig in real time: the sensors show the state at
+the cycle's start, the controller answers, the arm moves on under the answer. The datagrams between supervisor and
+controller are real ones; the drive's are left out, its commands are taken over directly.
+"""
+
+import secrets
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import inf, nan
+
+import msgspec
+import numpy as np
+
+from common.configuration import Configuration
+from common.datagram import DEMO_KEY
+from common.model import Model
+from common.recording.writer import RecordingWriter
+from common.scenario import Scenario
+from common.visual_sample import TrackingStatus, VisualSample
+from controller.exchange import ControllerExchange
+from controller.recorded import estimate_sample, fast_sample, frame_sample
+from controller.step import Controller, CycleInput
+from drivers.accelerometer import Accelerometer
+from drivers.accelerometer_factory import open_accelerometer
+from drivers.emulation.lis3lv02dq_registers import Lis3lv02dqRegisters, sensed_axes
+from simulation.accelerometer_signal import AccelerometerSignal
+from simulation.camera_timing import AFTER_DELIVERY_S
+from simulation.disturbance import Disturbance
+from simulation.plant import Plant
+from simulation.pose_history import PoseHistory
+from simulation.truth import strike_line, true_state
+from simulation.virtual_camera import Delivery, VirtualCamera
+from supervisor.exchange import SupervisorExchange
+from supervisor.step import Supervisor
+
+_ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
+_CONTROLLER_SESSION, _SUPERVISOR_SESSION = 1, 2
+_REPORT_EVERY = 1000  # cycles
+_PROCESSING_S = AFTER_DELIVERY_S - 0.0005  # tracking and network; the wait for the next cycle adds half a cycle
+
+
+@dataclass
+class PartCosts:
+    """Seconds of real time that each part of a simulation took."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    _since: float = 0.0
+
+    def start(self) -> None:
+        """Begin to count."""
+        self._since = time.perf_counter()
+
+    def spent_on(self, part: str) -> None:
+        """What has passed since the last call went into `part`."""
+        now = time.perf_counter()
+        self.seconds[part] = self.seconds.get(part, 0.0) + now - self._since
+        self._since = now
+
+
+class _VirtualSupervisor:
+    """The supervisor's cycles in virtual time: one frame after the other, each taking a fixed time."""
+
+    def __init__(self, configuration: Configuration, camera: VirtualCamera, noise_std_px: float, images: bool) -> None:
+        self._camera = camera
+        self._exchange = SupervisorExchange(
+            DEMO_KEY, _SUPERVISOR_SESSION, configuration.supervisor.cycles_in_flight
+        )
+        self._tracker = Supervisor(configuration.supervisor.tracker) if images else None
+        self._variance = noise_std_px**2
+        self._zero_px: float | None = None
+        self._free_at_s = -inf
+        self._sent: deque[tuple[float, bytes]] = deque()
+
+    def advance(self, now_s: float, timestamp: bytes) -> tuple[list[bytes], list[Delivery]]:
+        """Do what falls due up to `now_s`, `timestamp` being the latest before it.
+
+        Returns the datagrams that arrive at the controller by then, and the frames that the camera handed over.
+        """
+        delivered = self._camera.due(now_s)
+        for delivery in delivered:
+            self._begin_cycles(timestamp)
+            sample = self._sample(delivery, self._exchange.oldest().cycle)
+            self._free_at_s = max(self._free_at_s, delivery.truth.delivered_s) + _PROCESSING_S
+            self._sent.append((self._free_at_s, self._exchange.end_cycle(sample)))
+        arrived = []
+        while self._sent and self._sent[0][0] <= now_s:
+            arrived.append(self._sent.popleft()[1])
+            self._begin_cycles(timestamp)  # the next image is asked for as soon as this one is done
+        return arrived, delivered
+
+    def _begin_cycles(self, timestamp: bytes) -> None:
+        self._exchange.take([timestamp])
+        self._exchange.begin_cycles()
+
+    def _sample(self, delivery: Delivery, started_cycle: int) -> VisualSample:
+        if self._tracker is not None:
+            return self._tracker.step(delivery.as_frame(), started_cycle)
+        displacement = self._camera.tracked_displacement(delivery.truth.frame)
+        if self._zero_px is None:
+            self._zero_px = displacement
+        return VisualSample(
+            delivery.truth.frame,
+            started_cycle,
+            TrackingStatus.MEASURED,
+            displacement - self._zero_px,
+            0.0,
+            0.0,
+            self._variance,
+            self._variance,
+            0.0,
+            0.0,
+            nan if delivery.stamp_s is None else delivery.stamp_s,
+            delivery.exposure_s,
+            100,
+            100,
+        )
+
+
+@dataclass
+class VirtualRun:
+    """What is to be simulated: the true model, what the controller assumes, what happens, and from which seed."""
+
+    configuration: Configuration
+    true_model: Model
+    assumed_model: Model
+    scenario: Scenario
+    seed: int
+    images: bool = False
+    name: str = "model"
+
+
+def simulate(
+    run: VirtualRun,
+    recording: RecordingWriter,
+    truth: RecordingWriter,
+    progress: Callable[[float], None] = lambda done: None,
+) -> PartCosts:
+    """Run the loop and write both files; returns what each part cost. Raises UserError for what cannot be simulated."""
+    cycle_s = run.true_model.timing.cycle_s
+    plant = Plant(run.true_model, run.name)
+    signal = AccelerometerSignal(
+        run.true_model.accelerometer, cycle_s, np.random.default_rng((run.seed, _ACCELEROMETER_STREAM))
+    )
+    disturbance = Disturbance(
+        run.scenario,
+        len(run.true_model.arm.modes),
+        cycle_s,
+        np.random.default_rng((run.seed, _DISTURBANCE_STREAM)),
+    )
+    poses = PoseHistory(None)
+    camera = VirtualCamera(run.true_model, run.configuration.rig, run.seed, poses, images=run.images)
+    supervisor = _VirtualSupervisor(run.configuration, camera, run.true_model.camera.noise_std_px, run.images)
+    controller = Controller(run.assumed_model, run.configuration.controller, run.name)
+    exchange = ControllerExchange(DEMO_KEY, _CONTROLLER_SESSION)
+    registers, accelerometer = _emulated_accelerometer(run.configuration)
+    axis = run.configuration.accelerometer.axis
+    costs = PartCosts()
+    strikes = sorted(run.scenario.strikes, key=lambda strike: strike.time_s)
+    timestamp = exchange.timestamp(0)
+    cycles = round(run.scenario.duration_s / cycle_s)
+    costs.start()
+    try:
+        for cycle in range(cycles):
+            now = cycle * cycle_s
+            registers.publish(sensed_axes(signal.sample(plant.tip_acceleration_m_s2), axis))
+            acceleration = accelerometer.read() if accelerometer is not None else nan
+            costs.spent_on("accelerometer")
+            poses.append(now, plant.tip_position_m, plant.tip_angle_rad)
+            datagrams, delivered = supervisor.advance(now, timestamp)
+            costs.spent_on("camera and supervisor")
+            timestamp = exchange.timestamp(cycle)
+            read = CycleInput(
+                cycle,
+                acceleration,
+                plant.joint_position_rad,
+                plant.joint_velocity_rad_s,
+                0.0,
+                run.scenario.reference_rad_s(now),
+                run.scenario.damping_allowed(now),
+                exchange.take(datagrams, cycle),
+            )
+            costs.spent_on("exchange")
+            answered = controller.step(read)
+            costs.spent_on("controller")
+            recording.write("/fast", fast_sample(read, answered, cycle_s))
+            recording.write("/estimate", estimate_sample(cycle, answered, cycle_s))
+            for sample in read.samples:
+                recording.write("/frames", frame_sample(sample, cycle, cycle_s))
+            truth.write("/truth/state", true_state(plant, now))
+            for delivery in delivered:
+                truth.write("/truth/frames", delivery.truth)
+            while strikes and strikes[0].time_s <= now:
+                truth.write("/log", strike_line(strikes.pop(0), now))
+            costs.spent_on("recording")
+            disturbance.act_on(plant, now)
+            plant.advance(answered.command_rad_s)
+            costs.spent_on("plant")
+            if cycle % _REPORT_EVERY == 0:
+                progress(cycle / cycles)
+    finally:
+        if accelerometer is not None:
+            accelerometer.close()
+        registers.close()
+        poses.close()
+    return costs
+
+
+def _emulated_accelerometer(configuration: Configuration) -> tuple[Lis3lv02dqRegisters, Accelerometer | None]:
+    """The configured accelerometer on emulated registers of its own, whatever bus the configuration names."""
+    name = f"simulate-{secrets.token_hex(6)}"
+    registers = Lis3lv02dqRegisters(name)
+    device = msgspec.structs.replace(configuration.accelerometer, bus=f"memory:{name}")
+    accelerometer = open_accelerometer(device, wait_s=0.0)
+    if accelerometer is not None:
+        accelerometer.start()
+    return registers, accelerometer
+

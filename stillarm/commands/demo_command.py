@@ -1,0 +1,51 @@
+"""`stillarm demo`: rig, supervisor and controller in real time, then replay and figures."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--duration-s", type=float, default=30.0, metavar="S", help="length of the run (30)")
+    parser.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="output folder (demo)")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of everything random (0)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the demo and print its table."""
+    from simulation.demo.demo import run_demo
+    from stillarm.progress import progress_bar
+
+    print(f"A flexible arm is struck at 2 s and rings; it is struck again at {0.6 * arguments.duration_s:g} s and damped.")
+    summary = run_demo(arguments.out, arguments.duration_s, arguments.seed, progress_bar)
+    print_table(summary)
+    print(f"Figures, recording.mcap and summary.json are in {arguments.out}; begin with {arguments.out / 'overview.png'}")
+    return 0
+
+
+def print_table(summary: dict[str, Any]) -> None:
+    """The demo's result for people."""
+    damping = summary["damping"]
+    free = damping["settling_time_free_s"] or damping["settling_time_free_fitted_s"]
+    print(f"{'':<26}{'free':>10}{'damped':>10}")
+    print(f"{'settling time to 5 %, s':<26}{_number(free, 2):>10}{_number(damping['settling_time_damped_s'], 2):>10}")
+    ratios = _number(damping["damping_ratio_free"], 3), _number(damping["damping_ratio_damped"], 3)
+    print(f"{'damping ratio':<26}{ratios[0]:>10}{ratios[1]:>10}")
+    print(f"{'':<26}" + "".join(f"{name:>14}" for name in summary["methods"]))
+    for label, key, factor, digits in (
+        ("capture delay, ms", "delay_mean_s", 1e3, 1),
+        ("delay error rms, ms", "delay_error_rms_s", 1e3, 1),
+        ("prediction error mean, %", "prediction_error_mean", 100.0, 1),
+    ):
+        values = (_number(m[key], digits, factor) for m in summary["methods"].values())
+        print(f"{label:<26}" + "".join(f"{value:>14}" for value in values))
+    print(
+        f"{summary['cycles']} cycles, {summary['deadline_misses']} deadlines missed, "
+        f"{summary['frames']} frames, {summary['frames_lost']} lost; "
+        f"replay {'identical' if summary['replay_identical'] else 'DIFFERENT'}"
+    )
+
+
+def _number(value: float | None, digits: int, factor: float = 1.0) -> str:
+    return "-" if value is None else f"{factor * value:.{digits}f}"

@@ -1,0 +1,63 @@
+"""`stillarm replay`: the estimators on recorded data."""
+
+import argparse
+import json
+from pathlib import Path
+
+from common.user_error import UserError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    from controller.methods import METHODS
+
+    parser.add_argument("recording", type=Path, metavar="REC", help="recording (MCAP)")
+    parser.add_argument(
+        "--method",
+        action="append",
+        metavar="NAME",
+        help=f"a method to run, may be repeated: {', '.join(METHODS)}, or all; default: the recording's own",
+    )
+    parser.add_argument("--out", type=Path, default=Path("replay"), metavar="DIR", help="folder for the tables (replay)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Replay and write the tables."""
+    from common.recording.reader import open_recording
+    from controller.methods import METHODS
+    from controller.replay import compare_with_live, read_run, replay_method
+    from controller.replay_tables import replay_summary, write_tables
+    from stillarm.progress import progress_bar
+
+    recording = open_recording(arguments.recording)
+    recorded = read_run(recording)
+    if not recorded.fast:
+        raise UserError(
+            f"{arguments.recording}: holds no cycles (/fast), so there is nothing to replay; "
+            "record with `stillarm controller --record`, or import a bundle with a fast.csv"
+        )
+    names = arguments.method or [recording.header.method or recorded.configuration.controller.method]
+    if "all" in names:
+        names = list(METHODS)
+    runs = []
+    for name in dict.fromkeys(names):
+        with progress_bar(f"replay, {name}") as progress:
+            runs.append(replay_method(recorded, name, progress))
+    comparison = compare_with_live(recorded) if recorded.estimates else None
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    write_tables(runs, arguments.out)
+    summary = replay_summary(str(arguments.recording), runs, comparison)
+    (arguments.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    for name, found in summary["methods"].items():
+        mean = found["delay_mean_s"]
+        delay = "no delay estimated" if mean is None else f"delay {1e3 * mean:.1f} +- {1e3 * found['delay_std_s']:.1f} ms"
+        print(f"{name}: {found['frames']} frames, {delay}")
+    if comparison is not None:
+        same = (
+            "identical to the recorded run, number for number"
+            if comparison.identical
+            else f"differs from the recorded run in {comparison.different} cycles; first: {comparison.first_difference}"
+        )
+        print(f"controller, {comparison.cycles} cycles: {same}")
+    print(f"tables in {arguments.out}")
+    return 0
