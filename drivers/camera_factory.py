@@ -5,15 +5,17 @@ from drivers.camera import Camera
 
 
 def open_camera(config: CameraDevice, in_flight: int = 1) -> Camera:
-    """The camera of section [camera], with `in_flight` images asked for ahead. Opens nothing yet: start() does."""
+    """The camera of section [camera], with `in_flight` images asked for ahead. Opens nothing yet:
+    start() does.
+    """
     if config.driver == "opencv":
-        from drivers.opencv_camera import OpenCvCamera  # noqa: PLC0415
+        from drivers.opencv_camera import OpenCvCamera
 
         return OpenCvCamera(config.device, config.width_px, config.height_px)
     if config.driver == "file":
-        from drivers.file_camera import FileCamera  # noqa: PLC0415
+        from drivers.file_camera import FileCamera
 
         return FileCamera(config.device)
-    from drivers.shared_memory_camera import SharedMemoryCamera  # noqa: PLC0415
+    from drivers.shared_memory_camera import SharedMemoryCamera
 
     return SharedMemoryCamera(config.device, in_flight=in_flight)

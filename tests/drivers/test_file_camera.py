@@ -115,7 +115,7 @@ def test_errors_are_one_line_with_a_remedy(tmp_path):
         assert "\n" not in str(error.value)
     path.write_text(text)
     (tmp_path / "v.mraw").unlink()
-    with pytest.raises(UserError, match="needs its .mraw"):
+    with pytest.raises(UserError, match=r"needs its \.mraw"):
         FileCamera(path).start()
 
 

@@ -1,5 +1,7 @@
 """The live camera, with a capture that obeys, refuses, stalls, lies about its stamps, or goes away."""
 
+from itertools import pairwise
+
 import cv2
 import numpy as np
 import pytest
@@ -77,7 +79,7 @@ def test_a_size_that_the_camera_does_not_take_is_named():
 
 def test_a_device_that_is_not_there_is_named():
     clock = Clock()
-    with pytest.raises(UserError, match="camera.device = '0'") as error:
+    with pytest.raises(UserError, match=r"camera\.device = '0'") as error:
         camera_with(FakeCapture(clock, opened=False), clock).start()
     assert "\n" not in str(error.value)
 
@@ -112,7 +114,7 @@ def test_a_stalled_device_gives_none_and_is_opened_again():
         frames.append(camera.read(0.1))
     assert frames[0] is None and camera.failed_reads > 10
     assert first.released == 1
-    assert len(opened) == 3 and all(b - a >= REOPEN_S for a, b in zip(opened, opened[1:], strict=False))
+    assert len(opened) == 3 and all(b - a >= REOPEN_S for a, b in pairwise(opened))
     assert sum(f is not None for f in frames) == 1
 
 

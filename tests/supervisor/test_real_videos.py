@@ -42,10 +42,11 @@ def test_synthetic_beam_video_against_its_truth():
 
 
 def test_speckled_beam():
-    rows = played(DATA / "beam_video" / "Speckle_beam_500.cih", 250)
-    assert (rows[:, 0] == 0).all()
+    right_third = np.s_[:, 660:]  # a bending beam has no one displacement: where the published figure holds
+    rows = played(DATA / "beam_video" / "Speckle_beam_500.cih", crop=right_third)
+    assert (rows[:, 0] == 0).all() and len(rows) == 500
     assert np.ptp(rows[:, 1]) < 0.1  # it vibrates vertically
-    assert 0.6 < np.ptp(rows[:, 2]) < 1.1
+    assert abs(np.ptp(rows[:, 2]) - 0.76) < 0.04
 
 
 def test_tuning_fork_rings_at_its_drive():

@@ -47,10 +47,8 @@ def test_a_group_that_moves_together_is_rejected():
 
 def test_covariance_matches_the_scatter_of_many_fits():
     random = np.random.default_rng(1)
-    points = random.uniform(-250, 250, (60, 2)) + [
-        80.0,
-        0.0,
-    ]  # off the centre: rotation and displacement couple
+    off_centre = np.array([80.0, 0.0])  # so that rotation and displacement couple
+    points = off_centre + random.uniform(-250, 250, (60, 2))
     fits = [fit_rigid(points, points + random.normal(0, 0.1, points.shape)) for _ in range(400)]
     scatter = np.cov(np.array([(f.dx, f.dy, f.rotation) for f in fits]).T)
     stated = np.mean([f.covariance for f in fits], axis=0)
