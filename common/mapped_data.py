@@ -42,6 +42,8 @@ def import_mapped(
         raise UserError(f"{path}: --rate-hz {rate_hz}: a number above 0 is needed, samples per second")
     rows = _rows(path)
     names = [] if all(map(_is_number, rows[0][1])) else [field.strip() for field in rows.pop(0)[1]]
+    if not rows:
+        raise UserError(f"{path}: holds no data; rows of numbers are needed")
     places = {role: _place(path, columns[role], role, names, rows) for role in _ROLES}
     values = {role: _column(path, rows, place, columns[role]) for role, place in places.items()}
     header = RecordingHeader(
@@ -79,7 +81,7 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
     while rows and all(row and not row[-1].strip() for _, row in rows):
         for _, row in rows:
             row.pop()
-    if not any(not all(map(_is_number, row)) or row for _, row in rows):
+    if not rows:
         raise UserError(f"{path}: holds no data; rows of numbers are needed")
     return rows
 

@@ -82,7 +82,8 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         if not path.exists():
             names = sorted(p.stem.removeprefix("scenario_") for p in known.glob("scenario_*.toml"))
             raise UserError(
-                f"scenario {name_or_path!r}: unknown; use one of {', '.join(names)}, or a file ending in .toml"
+                f"scenario {name_or_path!r}: unknown; "
+                f"name one of {', '.join(names)}, or a file ending in .toml"
             )
     scenario = load_toml(path, Scenario)
     spans = [(f"moves[{i}]", move.start_s, move.end_s) for i, move in enumerate(scenario.moves)]

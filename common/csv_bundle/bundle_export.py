@@ -15,7 +15,7 @@ from common.csv_bundle.bundle_import import UNCOUNTED, known_columns, status_of
 from common.model import Model
 from common.recording.header import model_was_given
 from common.recording.reader import Recording
-from common.recording.topics import TOPICS, FastSample, FrameSample
+from common.recording.topics import TOPICS, FastSample, FrameSample, ImageSample, Topic
 from common.typed_toml import parse_toml
 from common.user_error import UserError
 
@@ -63,7 +63,7 @@ def topic_tables(recording: Recording) -> dict[str, Table]:
     for topic in TOPICS:
         if not recording.counts.get(topic.name) or topic.name.endswith("/columns"):
             continue
-        table = {name: column.tolist() for name, column in recording.columns(topic.name).items()}
+        table = _columns(recording, topic)
         if topic.message is FastSample:
             table = _fast_table(table, model.timing.cycle_s)
         elif topic.message is FrameSample:
@@ -73,6 +73,16 @@ def topic_tables(recording: Recording) -> dict[str, Table]:
             table |= _foreign_table(recording, f"{topic.name}/columns")
         tables[topic.name.strip("/").replace("/", "_")] = table
     return tables
+
+
+def _columns(recording: Recording, topic: Topic) -> Table:
+    if topic.message is not ImageSample:
+        return {name: column.tolist() for name, column in recording.columns(topic.name).items()}
+    names = [
+        name for name in ImageSample.__struct_fields__ if name not in ("format", "data")
+    ]  # no table of pixels
+    rows = [[getattr(image, name) for name in names] for image in recording.messages(topic.name)]
+    return {name: list(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
 
 
 def _export(

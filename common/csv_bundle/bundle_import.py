@@ -182,6 +182,8 @@ def _times(table: CsvTable, values: dict[str, list[Any]], column: str, notes: li
 
 
 def _fast_samples(table: CsvTable, cycle_s: float, notes: list[str]) -> list[FastSample]:
+    if not table.lines:
+        raise UserError(f"{table.name}: no rows; at least one with a time_s is needed")
     values = _values(table, FastSample)
     times = _times(table, values, "time_s", notes)
     _fill(values, "cycle", [round(time_s / cycle_s) for time_s in times])

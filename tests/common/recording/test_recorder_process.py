@@ -60,7 +60,9 @@ import sys, time
 from common.recording.header import RecordingHeader
 from common.recording.recorder_process import RecorderClient
 from common.recording.topics import FastSample
-header = RecordingHeader(program_version="0", configuration="", configuration_name="", model="", method="m", kind="live")
+header = RecordingHeader(
+    program_version="0", configuration="", configuration_name="", model="", method="m", kind="live"
+)
 client = RecorderClient.start(sys.argv[1], header)
 for i in range(3000):
     client.put(0, FastSample(i * 0.001, i))

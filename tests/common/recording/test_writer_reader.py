@@ -129,7 +129,7 @@ def test_lists_of_floats_make_a_table_and_null_is_nan(tmp_path: Path) -> None:
 
 def test_a_field_without_default_may_be_null(tmp_path: Path) -> None:
     path = tmp_path / "e.mcap"
-    sample = EstimateSample(0.0, 0, *[math.nan] * 2, "held", *[math.nan] * 4, "off")
+    sample = EstimateSample(0.0, 0, math.nan, math.nan, "held", math.nan, math.nan, math.nan, 0.0, "off")
     path.write_bytes(written([("/estimate", sample)]))
     assert math.isnan(next(open_recording(path).messages("/estimate")).delay_s)
 
@@ -230,7 +230,7 @@ def foreign(
         channel = writer.register_channel("/log", encoding, schema)
         writer.add_message(channel, 0, b'{"time_s":0,"level":"a","text":"b","more":[1]}', 0)
         writer.add_message(channel, 1, payload, 1)
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
 
 
 def test_unknown_fields_and_header_keys_are_passed_over(tmp_path: Path) -> None:
@@ -273,7 +273,7 @@ def test_a_topic_that_is_not_there_is_named_with_those_that_are(tmp_path: Path) 
 
 
 class FullDisk(io.BytesIO):
-    """A file on a disk with room for so many bytes; writes what fits of each call, as an operating system may."""
+    """A file on a disk with room for so many bytes; a write may be partial, as an operating system's."""
 
     def __init__(self, room: int) -> None:
         super().__init__()
