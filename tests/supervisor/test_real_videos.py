@@ -42,7 +42,7 @@ def test_synthetic_beam_video_against_its_truth():
 
 
 def test_speckled_beam():
-    right_third = np.s_[:, 660:]  # a bending beam has no one displacement: where the published figure holds
+    right_third = np.s_[:, 660:]  # the beam bends; of the thirds, the one that gives the published figure
     rows = played(DATA / "beam_video" / "Speckle_beam_500.cih", crop=right_third)
     assert (rows[:, 0] == 0).all() and len(rows) == 500
     assert np.ptp(rows[:, 1]) < 0.1  # it vibrates vertically
