@@ -75,7 +75,7 @@ def decode(key: bytes, data: bytes) -> Datagram | Rejected:  # noqa: PLR0911 - o
     if not isinstance(fields, tuple) or len(fields) < 4:
         return Rejected("malformed")
     version, kind, session, sequence = fields[:4]
-    if version != VERSION:
+    if type(version) is not int or version != VERSION:  # True and 1.0 equal 1
         return Rejected("foreign_version")
     if (
         type(kind) is not int

@@ -1,0 +1,112 @@
+"""Datagrams: what was encoded is decoded, anything else is rejected with a reason and never raises."""
+
+from hashlib import blake2s
+
+import msgpack
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from common.datagram import (
+    BODY_FIELDS,
+    MAX_DATAGRAM_BYTES,
+    TAG_BYTES,
+    Datagram,
+    Kind,
+    Rejected,
+    decode,
+    encode,
+)
+
+KEY = b"0123456789abcdef"
+_plain = (
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**63), 2**64 - 1)
+    | st.floats(allow_nan=False)
+    | st.text(max_size=8)
+)
+_values = st.recursive(
+    _plain | st.binary(max_size=8), lambda v: st.lists(v, max_size=3) | st.dictionaries(_plain, v, max_size=2)
+)
+_numbers = st.integers(1, 2**63 - 1)
+
+
+def signed(payload: bytes) -> bytes:
+    return payload + blake2s(payload, key=KEY, digest_size=TAG_BYTES).digest()
+
+
+@settings(deadline=None)
+@given(st.sampled_from(list(Kind)), _numbers, _numbers, st.data())
+def test_a_datagram_comes_back(kind: Kind, session: int, sequence: int, data: st.DataObject) -> None:
+    count = BODY_FIELDS[kind]
+    body = tuple(
+        data.draw(st.lists(st.integers(-(2**63), 2**63) | st.floats(), min_size=count, max_size=count))
+    )
+    decoded = decode(KEY, encode(KEY, kind, session, sequence, body))
+    assert repr(decoded) == repr(Datagram(int(kind), session, sequence, body))
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.binary(max_size=200))
+def test_any_bytes_are_rejected(data: bytes) -> None:
+    assert isinstance(decode(KEY, data), Rejected)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.binary(max_size=100))
+def test_any_signed_bytes_never_raise(payload: bytes) -> None:
+    decoded = decode(KEY, signed(payload))
+    assert isinstance(decoded, Rejected) or msgpack.unpackb(payload)[0] == 1
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(_values, max_size=6))
+def test_any_signed_array_is_well_formed_or_rejected(fields: list[object]) -> None:
+    decoded = decode(KEY, signed(msgpack.packb([1, *fields])))
+    if isinstance(decoded, Datagram):
+        assert BODY_FIELDS[Kind(decoded.kind)] == len(decoded.body)
+        assert decoded.session > 0 and decoded.sequence > 0
+    else:
+        assert decoded.reason == "malformed"
+
+
+@settings(deadline=None)
+@given(st.data())
+def test_one_changed_bit_is_a_forgery(data: st.DataObject) -> None:
+    good = bytearray(encode(KEY, Kind.REFERENCE, 5, 6, (0.25, True)))
+    bit = data.draw(st.integers(0, len(good) * 8 - 1))
+    good[bit // 8] ^= 1 << bit % 8
+    assert decode(KEY, bytes(good)) == Rejected("forged")
+
+
+def test_another_key_is_a_forgery() -> None:
+    assert decode(KEY[::-1], encode(KEY, Kind.TIMESTAMP, 1, 1, (3,))) == Rejected("forged")
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ([2, 1, 5, 6, 7], "foreign_version"),
+        ([True, 1, 5, 6, 7], "foreign_version"),
+        ([1.0, 1, 5, 6, 7], "foreign_version"),
+        ([1, 99, 5, 6, 7], "malformed"),
+        ([1, True, 5, 6, 7], "malformed"),
+        ([1, 1, 5, 6], "malformed"),
+        ([1, 1, 5, 6, 7, 8], "malformed"),
+        ([1, 1, 0, 6, 7], "malformed"),
+        ([1, 1, 5, -6, 7], "malformed"),
+        ([1, 1, 5, 6.0, 7], "malformed"),
+        ([1, 1, True, 6, 7], "malformed"),
+        ([1, [1], 5, 6, 7], "malformed"),
+        ({"a": 1, "b": 2, "c": 3}, "malformed"),
+    ],
+)
+def test_wrong_shapes(fields: object, reason: str) -> None:
+    assert decode(KEY, signed(msgpack.packb(fields))) == Rejected(reason)
+
+
+def test_sizes_beyond_the_bounds_are_malformed() -> None:
+    assert decode(KEY, b"") == Rejected("malformed")
+    assert decode(KEY, signed(bytes(MAX_DATAGRAM_BYTES))) == Rejected("malformed")
+    assert decode(KEY, signed(b"\x91" * 1100)) == Rejected("malformed")  # nested deeper than can be read
