@@ -116,7 +116,9 @@ class SharedBlock:
         self.header.release()
         self.buffer.release()
         self._map.close()
-        if self._owner:
+        if (
+            self._owner and not self.replaced()
+        ):  # a successor's block of the same name is not this one's to remove
             self.path.unlink(missing_ok=True)
 
 

@@ -104,11 +104,16 @@ def _spawn(path: Path, ring_name: str, header: bytes) -> subprocess.Popen[bytes]
         stdin.write(header)
     with process.stdout as stdout, selectors.DefaultSelector() as selector:
         selector.register(stdout, selectors.EVENT_READ)
-        answer = stdout.readline().decode().strip() if selector.select(_START_S) else ""
+        answered = bool(selector.select(_START_S))
+        answer = stdout.readline().decode().strip() if answered else ""
     if answer == "ready":
         return process
     process.kill()
     process.wait()
+    if answered and not answer:
+        raise UserError(
+            f"{path}: the recorder ended before it began; what it said on standard error tells why"
+        )
     raise UserError(
         answer or f"{path}: the recorder did not start within {_START_S:.0f} s; is the machine overloaded?"
     )

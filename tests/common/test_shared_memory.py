@@ -117,6 +117,8 @@ def test_a_block_made_anew_is_noticed(name: str) -> None:
     assert reader.size == 16 and not reader.replaced()
     second = SharedBlock(name, 32, create=True)
     assert reader.replaced() and bytes(second.buffer) == bytes(32)
+    first.close()
+    assert block_path(name).exists(), "the predecessor removed its successor's block"
     for block in (reader, second, first):
         block.close()
         block.close()

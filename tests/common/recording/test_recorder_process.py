@@ -175,3 +175,11 @@ def test_messages_that_fit_no_topic_are_left_out(tmp_path: Path) -> None:
     ring.close()
     assert len(said) == 1 and not drain.failed
     assert list(open_recording(tmp_path / "a.mcap").messages("/log")) == [LogLine(1.0, "i", "t")]
+
+
+def test_a_recorder_that_crashes_at_its_start_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(UserError, match="ended before it began"):
+        RecorderClient.start(tmp_path / "a.mcap", HEADER)
