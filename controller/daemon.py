@@ -6,10 +6,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from common.recording.recorder_client import RecorderClient
-
 from common.configuration import Configuration, load_assumed_model, load_configuration, model_path
 from common.recording.header import live_header
+from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, LinkSample, LoopSample
 from common.stop_signal import StopSignal
 from common.user_error import UserError
@@ -137,7 +136,9 @@ class _Loop:
     def _record_loop(self, time_s: float) -> None:
         if self._recorder is not None:
             lateness, compute = self._lateness.summary(), self._compute.summary()
-            self._recorder.put(_LOOP, LoopSample(time_s, self._cycles, self._clock.misses, *lateness, *compute))
+            self._recorder.put(
+                _LOOP, LoopSample(time_s, self._cycles, self._clock.misses, *lateness, *compute)
+            )
 
     def summary(self) -> str:
         """One line about the run."""

@@ -15,8 +15,7 @@ class MicrosecondHistogram:
 
     def add(self, duration_s: float) -> None:
         """Count one duration; negative ones count as zero."""
-        if duration_s > self._greatest_s:
-            self._greatest_s = duration_s
+        self._greatest_s = max(self._greatest_s, duration_s)
         self._counts[min(max(int(duration_s * 1e6), 0), _BINS - 1)] += 1
 
     def summary(self) -> tuple[float, float, float, float]:

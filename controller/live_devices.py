@@ -2,15 +2,14 @@
 
 from math import nan
 
-from common.link_key import load_key
-from drivers.drive_factory import open_drive
-
 from common.configuration import Configuration
+from common.link_key import load_key
 from common.scenario import Scenario, load_scenario
 from common.udp import UdpSocket, new_session
 from controller.exchange import ControllerExchange, ReferenceExchange
 from controller.step import CycleInput
 from drivers.accelerometer_factory import open_accelerometer
+from drivers.drive_factory import open_drive
 
 _OLDEST_S = 1e6  # a drive that never reported: an infinite age would not survive a recording
 

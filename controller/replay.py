@@ -114,7 +114,9 @@ def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = No
         row = commands[read.cycle]
         pairs = list(_numbers(wanted, found)) if wanted is not None else []
         pairs += _numbers(row, fast_sample(read, answered, run.cycle_s))
-        different = [f"{key}: {was!r} live, {now!r} replayed" for key, was, now in pairs if not _same(was, now)]
+        different = [
+            f"{key}: {was!r} live, {now!r} replayed" for key, was, now in pairs if not _same(was, now)
+        ]
         if different:
             comparison.different += 1
             if comparison.first_difference is None:

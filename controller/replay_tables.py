@@ -41,7 +41,9 @@ def write_tables(runs: list[MethodRun], directory: Path) -> None:
                 )
 
 
-def replay_summary(recording: str, runs: list[MethodRun], comparison: LiveComparison | None) -> dict[str, Any]:
+def replay_summary(
+    recording: str, runs: list[MethodRun], comparison: LiveComparison | None
+) -> dict[str, Any]:
     """What a replay found, as plain values for summary.json."""
     return {
         "recording": recording,

@@ -1,4 +1,4 @@
-"""The paper's method, for any estimator of the delay: re-date the samples by it, fit a sine, evaluate at the present."""
+"""The paper's method, for any estimator of the delay: date the samples by it, fit a sine, evaluate at the present."""
 
 from math import isfinite, nan, sqrt
 from typing import Protocol

@@ -32,7 +32,7 @@ class Camera(Protocol):
         """Open the device and begin to stream."""
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame in order of arrival, or None when none came within the time. Raises EndOfStream at a file's end."""
+        """The next frame in order of arrival; None when none came in time. Raises EndOfStream at a file's end."""
 
     def close(self) -> None:
         """Stop streaming and release the device; may be called twice."""

@@ -15,9 +15,10 @@ Where the paper is silent or biased, this is what is done (../docs/methods.md gi
 """
 
 from collections import deque
-from math import atan2, ceil, exp, floor, hypot, isfinite, sqrt
+from math import atan2, ceil, exp, floor, hypot, isfinite, nan, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.configuration import Correlation
 from common.model import Model
@@ -56,7 +57,9 @@ class CorrelationDelay:
         self._wait = max(0, -self._first)  # until the accelerometer's samples of all lags are there
         self._waiting: deque[tuple[int, float]] = deque()
         self._average = MovingAverage(2 * self._half_width + 1)
-        self._smooth = CycleHistory(self._wait + self._last + 64)
+        self._remembered = self._wait + self._last + 64
+        self._smooth = CycleHistory(self._remembered)
+        self._cycle: int | None = None
         self._window = settings.window_s / cycle_s
         count = self._last - self._first + 1
         self._weight = 0.0
@@ -77,15 +80,20 @@ class CorrelationDelay:
         self.estimate = DelayEstimate(model.timing.capture_delay_s, self._prior_spread_s, Status.UNESTIMATED)
 
     @property
-    def lags_s(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    def lags_s(self) -> NDArray[np.float64]:
         """The capture delay that each element of `correlation` stands for, s."""
-        lags: np.ndarray[tuple[int], np.dtype[np.float64]] = (
-            np.arange(self._first, self._last + 1) * self._cycle_s + self._shift_s
-        )
-        return lags
+        lags: NDArray[np.float64] = np.arange(self._first, self._last + 1, dtype=np.float64)
+        return lags * self._cycle_s + self._shift_s
 
     def see_cycle(self, cycle: int, vibration: float) -> None:
-        """Take in the vibration that the accelerometer shows in a cycle, m; NaN where it shows none."""
+        """Take in the vibration that the accelerometer shows in a cycle, m; NaN where it shows none.
+
+        A cycle that never came (an overrun; a recording at a lower rate) is one without a sample.
+        """
+        skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, self._remembered)
+        for missed in range(cycle - skipped, cycle):
+            self._smooth.write(missed, self._average.add(nan))
+        self._cycle = cycle
         self._smooth.write(cycle, self._average.add(vibration))
         while self._waiting and self._waiting[0][0] <= cycle - self._wait:
             arrival, deflection = self._waiting.popleft()

@@ -17,10 +17,14 @@ def run(arguments: argparse.Namespace) -> int:
     from simulation.demo.demo import run_demo
     from stillarm.progress import progress_bar
 
-    print(f"A flexible arm is struck at 2 s and rings; it is struck again at {0.6 * arguments.duration_s:g} s and damped.")
+    print(
+        f"A flexible arm is struck at 2 s and rings; it is struck again at {0.6 * arguments.duration_s:g} s and damped."
+    )
     summary = run_demo(arguments.out, arguments.duration_s, arguments.seed, progress_bar)
     print_table(summary)
-    print(f"Figures, recording.mcap and summary.json are in {arguments.out}; begin with {arguments.out / 'overview.png'}")
+    print(
+        f"Figures, recording.mcap and summary.json are in {arguments.out}; begin with {arguments.out / 'overview.png'}"
+    )
     return 0
 
 
@@ -29,7 +33,9 @@ def print_table(summary: dict[str, Any]) -> None:
     damping = summary["damping"]
     free = damping["settling_time_free_s"] or damping["settling_time_free_fitted_s"]
     print(f"{'':<26}{'free':>10}{'damped':>10}")
-    print(f"{'settling time to 5 %, s':<26}{_number(free, 2):>10}{_number(damping['settling_time_damped_s'], 2):>10}")
+    print(
+        f"{'settling time to 5 %, s':<26}{_number(free, 2):>10}{_number(damping['settling_time_damped_s'], 2):>10}"
+    )
     ratios = _number(damping["damping_ratio_free"], 3), _number(damping["damping_ratio_damped"], 3)
     print(f"{'damping ratio':<26}{ratios[0]:>10}{ratios[1]:>10}")
     print(f"{'':<26}" + "".join(f"{name:>14}" for name in summary["methods"]))

@@ -18,7 +18,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"a method to run, may be repeated: {', '.join(METHODS)}, or all; default: the recording's own",
     )
-    parser.add_argument("--out", type=Path, default=Path("replay"), metavar="DIR", help="folder for the tables (replay)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("replay"), metavar="DIR", help="folder for the tables (replay)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -50,7 +52,11 @@ def run(arguments: argparse.Namespace) -> int:
     (arguments.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
     for name, found in summary["methods"].items():
         mean = found["delay_mean_s"]
-        delay = "no delay estimated" if mean is None else f"delay {1e3 * mean:.1f} +- {1e3 * found['delay_std_s']:.1f} ms"
+        delay = (
+            "no delay estimated"
+            if mean is None
+            else f"delay {1e3 * mean:.1f} +- {1e3 * found['delay_std_s']:.1f} ms"
+        )
         print(f"{name}: {found['frames']} frames, {delay}")
     if comparison is not None:
         same = (

@@ -6,9 +6,15 @@ from pathlib import Path
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument("--config", type=Path, required=True, metavar="FILE", help="configuration file (TOML)")
-    parser.add_argument("--truth", type=Path, metavar="REC", help="write what the rig truly does to this file (MCAP)")
-    parser.add_argument("--scenario", metavar="NAME", help="scenario by name or file, in place of the configuration's")
+    parser.add_argument(
+        "--config", type=Path, required=True, metavar="FILE", help="configuration file (TOML)"
+    )
+    parser.add_argument(
+        "--truth", type=Path, metavar="REC", help="write what the rig truly does to this file (MCAP)"
+    )
+    parser.add_argument(
+        "--scenario", metavar="NAME", help="scenario by name or file, in place of the configuration's"
+    )
     parser.add_argument("--seed", type=int, metavar="N", help="seed, in place of the configuration's")
 
 

@@ -7,18 +7,36 @@ from pathlib import Path
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument("--model", type=Path, required=True, metavar="FILE", help="model file: the rig's true parameters")
     parser.add_argument(
-        "--assumed-model", type=Path, metavar="FILE", help="what the controller assumes (default: the true model)"
+        "--model", type=Path, required=True, metavar="FILE", help="model file: the rig's true parameters"
+    )
+    parser.add_argument(
+        "--assumed-model",
+        type=Path,
+        metavar="FILE",
+        help="what the controller assumes (default: the true model)",
     )
     parser.add_argument("--scenario", default="demo", metavar="NAME", help="scenario by name or file (demo)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of everything random (0)")
-    parser.add_argument("-o", "--out", type=Path, required=True, metavar="REC", help="recording to write (MCAP)")
-    parser.add_argument("--truth", type=Path, metavar="REC", help="truth file (default: truth.mcap beside REC)")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="configuration (default: the program's simulated_rig.toml)")
-    parser.add_argument("--method", metavar="NAME", help="method of the controller, in place of the configuration's")
     parser.add_argument(
-        "--images", action="store_true", help="render and track images; otherwise the tracker's error model stands in"
+        "-o", "--out", type=Path, required=True, metavar="REC", help="recording to write (MCAP)"
+    )
+    parser.add_argument(
+        "--truth", type=Path, metavar="REC", help="truth file (default: truth.mcap beside REC)"
+    )
+    parser.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="configuration (default: the program's simulated_rig.toml)",
+    )
+    parser.add_argument(
+        "--method", metavar="NAME", help="method of the controller, in place of the configuration's"
+    )
+    parser.add_argument(
+        "--images",
+        action="store_true",
+        help="render and track images; otherwise the tracker's error model stands in",
     )
 
 

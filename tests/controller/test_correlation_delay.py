@@ -9,7 +9,7 @@ from common.configuration import Controller as Settings
 from common.configuration import Damping
 from common.model import Accelerometer, Arm, Camera, Mode, Model, Timing
 from controller.estimate import Status
-from controller.step import Controller
+from controller.step import Controller, CycleInput, CycleOutput
 from tests.reference.arm_world import constant, run_world
 
 AMPLITUDE = 0.00625
@@ -136,3 +136,21 @@ def test_missing_accelerometer_samples_are_skipped() -> None:
 
     errors, _ = delays(model, 5.0, 2.5, strikes={0.2: AMPLITUDE}, delay=constant(0.074), change_input=drop)
     assert abs(np.mean(errors)) < 0.0015
+
+
+def test_a_recording_at_half_the_rate_gives_the_same_delay() -> None:
+    """Rows every second cycle only: the average is one over time, not over rows."""
+    model = Model(arm=arm())
+    kept = Controller(model, Settings(method="correlation"))
+
+    class EverySecond:
+        def step(self, read: CycleInput) -> CycleOutput:
+            self.waiting = [*getattr(self, "waiting", []), *read.samples]
+            if read.cycle % 2 == 0:
+                read.samples, self.waiting = self.waiting, []
+                self.last = kept.step(read)
+            return self.last
+
+    trace = run_world(model, EverySecond(), 4.0, strikes={0.2: AMPLITUDE}, delay=constant(0.074)).arrays()  # type: ignore[arg-type]
+    late = trace["delay_time"] > 2.0
+    assert abs(np.mean(trace["delay_error"][late]) - 0.0005) < 0.001  # read half a cycle later on average

@@ -1,6 +1,6 @@
 """The running mean against numpy's, with gaps."""
 
-from math import nan
+from math import isnan, nan
 
 import numpy as np
 import pytest
@@ -18,6 +18,6 @@ def test_mean_of_what_is_present(values: list[float], length: int) -> None:
     """NaN counts as no value; with none at all the last mean stands."""
     average, last = MovingAverage(length), 0.0
     for k, value in enumerate(values):
-        window = [v for v in values[max(0, k + 1 - length) : k + 1] if v == v]
+        window = [v for v in values[max(0, k + 1 - length) : k + 1] if not isnan(v)]
         last = float(np.mean(window)) if window else last
         assert average.add(value) == pytest.approx(last, abs=1e-8)

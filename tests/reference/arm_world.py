@@ -33,9 +33,100 @@ class Trace:
     delay_error: list[float] = field(default_factory=list)
     delay_std: list[float] = field(default_factory=list)
 
+    def add(self, time_s: float, state: State, output: CycleOutput) -> None:
+        """One cycle."""
+        self.time.append(time_s)
+        self.truth.append(state[2])
+        self.joint.append(state[0])
+        self.estimate.append(output.estimate.deflection_m)
+        self.estimate_std.append(output.estimate.deflection_std_m)
+        self.command.append(output.command_rad_s)
+        self.outputs.append(output)
+
+    def add_delay(self, time_s: float, output: CycleOutput, true_delay_s: float) -> None:
+        """One frame, when it was read."""
+        self.delay_time.append(time_s)
+        self.delay_error.append(output.estimate.delay.delay_s - true_delay_s)
+        self.delay_std.append(output.estimate.delay.std_s)
+
     def arrays(self) -> dict[str, np.ndarray]:
         """The numeric columns."""
         return {name: np.array(value) for name, value in vars(self).items() if name != "outputs"}
+
+
+class Arm:
+    """theta, theta', q, q' of a joint with a lag and a dead time, and of one mode."""
+
+    def __init__(self, model: Model, frequency_factor: float) -> None:
+        mode, length = model.arm.modes[0], model.arm.length_m
+        assert length is not None
+        self.h = model.timing.cycle_s / SUBSTEPS
+        self.length = length
+        self.w = 2.0 * pi * mode.frequency_hz * frequency_factor
+        self.decay, self.lever = 2.0 * mode.damping_ratio * self.w, mode.participation * length
+        self.rate = 2.0 * pi * model.drive.bandwidth_hz
+        self.under_way = [0.0] * (round(model.drive.dead_time_s / self.h) + 1)
+        self.x: State = (0.0, 0.0, 0.0, 0.0)
+
+    def slope(self, x: State, command: float) -> State:
+        acceleration = self.rate * (command - x[1])
+        bend = -self.decay * x[3] - self.w * self.w * x[2] - self.lever * acceleration
+        return (x[1], acceleration, x[3], bend)
+
+    def strike(self, amplitude_m: float) -> None:
+        self.x = (*self.x[:3], self.x[3] + self.w * amplitude_m)
+
+    def tip_acceleration(self) -> float:
+        slope = self.slope(self.x, self.under_way[0])
+        return self.length * slope[1] + slope[3]
+
+    def tip_position(self) -> float:
+        return self.length * self.x[0] + self.x[2]
+
+    def advance(self, command: float) -> None:
+        """One step of h by the classical Runge-Kutta method."""
+        self.under_way.append(command)
+        now, h, x = self.under_way.pop(0), self.h, self.x
+
+        def moved(k: State, by: float) -> State:
+            return (x[0] + by * k[0], x[1] + by * k[1], x[2] + by * k[2], x[3] + by * k[3])
+
+        k1 = self.slope(x, now)
+        k2 = self.slope(moved(k1, 0.5 * h), now)
+        k3 = self.slope(moved(k2, 0.5 * h), now)
+        k4 = self.slope(moved(k3, h), now)
+        self.x = tuple(
+            a + h / 6.0 * (b + 2 * c + 2 * d + e) for a, b, c, d, e in zip(x, k1, k2, k3, k4, strict=True)
+        )  # type: ignore[assignment]
+
+
+class Images:
+    """Frames exposed at a steady rate, each arriving late by its own delay."""
+
+    def __init__(self, model: Model, mid: np.ndarray, arrival: np.ndarray) -> None:
+        self.mid, self.arrival = mid, arrival
+        self.scale, self.cycle_s = model.camera.scale_px_per_m, model.timing.cycle_s
+        self.seen: list[float] = []
+        self.arrived = 0
+
+    def expose(self, before: tuple[float, float], after: tuple[float, float]) -> None:
+        """The tip moved from (time, position) to (time, position): note the frames exposed in between."""
+        while len(self.seen) < len(self.mid) and self.mid[len(self.seen)] <= after[0]:
+            self.seen.append(
+                -self.scale * float(np.interp(self.mid[len(self.seen)], *zip(before, after, strict=True)))
+            )
+
+    def read(
+        self, time_s: float, started_before_mid_s: float, error_px: Callable[[], float]
+    ) -> list[VisualSample]:
+        """What has arrived by a time, and was not read before."""
+        samples = []
+        while self.arrived < len(self.arrival) and self.arrival[self.arrived] <= time_s:
+            started = max(0, int((self.mid[self.arrived] - started_before_mid_s) / self.cycle_s))
+            displacement = self.seen[self.arrived] + error_px()
+            samples.append(VisualSample(self.arrived, started, 0, displacement_x_px=displacement))
+            self.arrived += 1
+        return samples
 
 
 def run_world(
@@ -60,56 +151,24 @@ def run_world(
     strikes: time -> amplitude, m. delay(random, frames): capture delay of each frame, up to its arrival.
     """
     random = np.random.default_rng(seed)
-    h = model.timing.cycle_s / SUBSTEPS
-    mode, length = model.arm.modes[0], model.arm.length_m
-    assert length is not None
-    w = 2.0 * pi * mode.frequency_hz * frequency_factor
-    rate = 2.0 * pi * model.drive.bandwidth_hz
-    wait = round(model.drive.dead_time_s / h)
-    under_way = [0.0] * (wait + 1)
-
-    decay, stiffness, lever = 2.0 * mode.damping_ratio * w, w * w, mode.participation * length
-
-    def slope(x: State, command: float) -> State:
-        acceleration = rate * (command - x[1])
-        return (x[1], acceleration, x[3], -decay * x[3] - stiffness * x[2] - lever * acceleration)
-
-    def moved(x: State, k: State, by: float) -> State:
-        return (x[0] + by * k[0], x[1] + by * k[1], x[2] + by * k[2], x[3] + by * k[3])
-
     frames = int(duration_s * model.camera.frame_rate_hz)
     mid = 0.004 + np.arange(frames) / model.camera.frame_rate_hz
-    arrival = np.maximum.accumulate(mid + delay(random, frames))
-    seen = np.zeros(frames)
-    exposed = arrived = 0
-    x: State = (0.0, 0.0, 0.0, 0.0)
-    command = 0.0
-    trace = Trace()
-    pending = sorted(strikes.items())
+    arm = Arm(model, frequency_factor)
+    images = Images(model, mid, np.maximum.accumulate(mid + delay(random, frames)))
+    trace, pending = Trace(), sorted(strikes.items())
     for cycle in range(int(duration_s / model.timing.cycle_s)):
         t = cycle * model.timing.cycle_s
         while pending and pending[0][0] <= t:
-            x = (x[0], x[1], x[2], x[3] + w * pending.pop(0)[1])
-        acceleration = slope(x, under_way[0])
-        tip = length * acceleration[1] + acceleration[3]
-        samples = []
-        while arrived < frames and arrival[arrived] <= t:
-            noise = image_noise_px * random.standard_normal()
-            started = int((mid[arrived] - started_before_mid_s) / model.timing.cycle_s)
-            samples.append(
-                VisualSample(
-                    arrived,
-                    max(0, started),
-                    0,
-                    displacement_x_px=float(seen[arrived] + image_offset_px + noise),
-                )
-            )
-            arrived += 1
+            arm.strike(pending.pop(0)[1])
+        acceleration = model.accelerometer.scale * arm.tip_acceleration()
+        samples = images.read(
+            t, started_before_mid_s, lambda: image_offset_px + image_noise_px * random.standard_normal()
+        )
         read = CycleInput(
             cycle,
-            model.accelerometer.scale * tip + accelerometer_noise * random.standard_normal(),
-            float(x[0]),
-            float(x[1]),
+            acceleration + accelerometer_noise * random.standard_normal(),
+            arm.x[0],
+            arm.x[1],
             0.0,
             reference(t),
             damping(t),
@@ -117,34 +176,13 @@ def run_world(
         )
         change_input(read)
         output = controller.step(read)
-        command = output.command_rad_s
-        trace.time.append(t)
-        trace.truth.append(float(x[2]))
-        trace.estimate.append(output.estimate.deflection_m)
-        trace.estimate_std.append(output.estimate.deflection_std_m)
-        trace.command.append(command)
-        trace.joint.append(float(x[0]))
-        trace.outputs.append(output)
+        trace.add(t, arm.x, output)
         if samples:
-            trace.delay_time.append(t)
-            trace.delay_error.append(output.estimate.delay.delay_s - (t - mid[arrived - 1]))
-            trace.delay_std.append(output.estimate.delay.std_s)
-        for _ in range(SUBSTEPS):
-            under_way.append(command)
-            now = under_way.pop(0)
-            before = x
-            k1 = slope(x, now)
-            k2 = slope(moved(x, k1, 0.5 * h), now)
-            k3 = slope(moved(x, k2, 0.5 * h), now)
-            k4 = slope(moved(x, k3, h), now)
-            for weight, k in ((1, k1), (2, k2), (2, k3), (1, k4)):
-                x = moved(x, k, weight * h / 6.0)
-            t += h
-            while exposed < frames and mid[exposed] <= t:
-                share = (mid[exposed] - (t - h)) / h
-                angle, bend = (before[i] + share * (x[i] - before[i]) for i in (0, 2))
-                seen[exposed] = -model.camera.scale_px_per_m * (length * angle + bend)
-                exposed += 1
+            trace.add_delay(t, output, t - images.mid[images.arrived - 1])
+        for k in range(SUBSTEPS):
+            before = t + k * arm.h, arm.tip_position()
+            arm.advance(output.command_rad_s)
+            images.expose(before, (t + (k + 1) * arm.h, arm.tip_position()))
     return trace
 
 
