@@ -17,6 +17,7 @@ import numpy as np
 from common.configuration import Configuration, Rig, load_configuration, load_true_model
 from common.link_key import load_key
 from common.model import Model
+from common.priority import raise_priority
 from common.recording.header import live_header
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, TrueFrame
@@ -37,6 +38,7 @@ from simulation.truth import strike_line, true_state
 
 _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
 _ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
+_NICENESS = -10  # hardware is never late; the program under test must not be either, on its account
 _BUS_PREFIX = "memory:"
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
 
@@ -51,6 +53,7 @@ def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, 
         )
         configuration = msgspec.structs.replace(configuration, rig=rig)
     model = load_true_model(configuration, configuration_path)
+    raise_priority(_NICENESS)
     stop = StopSignal()
     recorder = None
     if truth_path is not None:
@@ -107,7 +110,11 @@ class _PlantProcess:
         self._first_command_s: float | None = None
 
     def run(
-        self, stop: StopSignal, recorder: RecorderClient | None, frames: Connection, camera_alive: Callable[[], bool]
+        self,
+        stop: StopSignal,
+        recorder: RecorderClient | None,
+        frames: Connection,
+        camera_alive: Callable[[], bool],
     ) -> None:
         """Step the plant at every cycle of the clock, as many steps as cycles have passed."""
         clock = CycleClock(self._cycle_s, time.monotonic())
@@ -175,7 +182,9 @@ def _start_camera(
 
 def _camera_main(configuration: Configuration, model: Model, seed: int, frames: Connection) -> None:
     stop = StopSignal()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the plant's process tells this one
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # Ctrl-C reaches the whole group; the plant's process tells this one
 
     def report(frame: TrueFrame) -> None:
         frames.send((frame.time_s, frame.frame, frame.mid_exposure_s, frame.delivered_s))

@@ -38,7 +38,9 @@ def write_simulated_recording(
     The same arguments give the same bytes: nothing of the clock, the machine or the paths goes into the files.
     """
     if recording_path.resolve() == truth_path.resolve():
-        raise UserError(f"{recording_path}: the recording and its truth need two files; name another with --truth")
+        raise UserError(
+            f"{recording_path}: the recording and its truth need two files; name another with --truth"
+        )
     path = configuration_path or default_simulation_configuration()
     configuration = load_configuration(path)
     if method is not None:

@@ -40,7 +40,9 @@ from supervisor.step import Supervisor
 _ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
 _CONTROLLER_SESSION, _SUPERVISOR_SESSION = 1, 2
 _REPORT_EVERY = 1000  # cycles
-_PROCESSING_S = AFTER_DELIVERY_S - 0.0005  # tracking and network; the wait for the next cycle adds half a cycle
+_PROCESSING_S = (
+    AFTER_DELIVERY_S - 0.0005
+)  # tracking and network; the wait for the next cycle adds half a cycle
 
 
 @dataclass
@@ -64,7 +66,9 @@ class PartCosts:
 class _VirtualSupervisor:
     """The supervisor's cycles in virtual time: one frame after the other, each taking a fixed time."""
 
-    def __init__(self, configuration: Configuration, camera: VirtualCamera, noise_std_px: float, images: bool) -> None:
+    def __init__(
+        self, configuration: Configuration, camera: VirtualCamera, noise_std_px: float, images: bool
+    ) -> None:
         self._camera = camera
         self._exchange = SupervisorExchange(
             DEMO_KEY, _SUPERVISOR_SESSION, configuration.supervisor.cycles_in_flight
@@ -218,4 +222,3 @@ def _emulated_accelerometer(configuration: Configuration) -> tuple[Lis3lv02dqReg
     if accelerometer is not None:
         accelerometer.start()
     return registers, accelerometer
-

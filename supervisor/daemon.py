@@ -7,6 +7,7 @@ import cv2
 
 from common.configuration import Configuration, load_configuration
 from common.link_key import load_key
+from common.priority import raise_priority
 from common.recording.header import live_header
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX
@@ -19,6 +20,7 @@ from supervisor.exchange import SupervisorExchange
 from supervisor.recorded_images import image_sample
 from supervisor.step import Supervisor
 
+_NICENESS = -5  # before whatever else this computer does
 _FRAME_TIMEOUT_S = 0.1  # then the controller is told that there is no image
 _TIMESTAMPS_AT_ONCE = 256
 _RING_BYTES = 64 << 20  # seconds of images, should the disk stall
@@ -28,6 +30,7 @@ _IMAGES = TOPIC_INDEX["/images"]
 def run(configuration_path: Path, record_images: Path | None = None) -> None:
     """Run until SIGTERM or SIGINT, or until a file has no more frames. Raises UserError for what the user can mend."""
     configuration = load_configuration(configuration_path)
+    raise_priority(_NICENESS)
     cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
     camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)
     recorder = None

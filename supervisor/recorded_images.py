@@ -77,10 +77,14 @@ def compare_with_live(recording: Recording) -> ImageComparison:
             ("rotation_rad", message.rotation_rad, found.rotation_rad),
             ("inliers", message.inliers, found.inliers),
         )
-        different = [f"{key}: {was!r} live, {now!r} replayed" for key, was, now in pairs if not _same(was, now)]
+        different = [
+            f"{key}: {was!r} live, {now!r} replayed" for key, was, now in pairs if not _same(was, now)
+        ]
         if different:
             comparison.different += 1
-            comparison.first_difference = comparison.first_difference or f"frame {found.frame}, {different[0]}"
+            comparison.first_difference = (
+                comparison.first_difference or f"frame {found.frame}, {different[0]}"
+            )
     return comparison
 
 

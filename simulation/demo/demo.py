@@ -36,7 +36,9 @@ def run_demo(directory: Path, duration_s: float, seed: int, progress: Progress) 
     run = read_run(recording)
     truth = read_truth(directory / "truth.mcap", recording.header.origin_monotonic_s)
     if len(truth.strikes_s) < 2:
-        raise UserError("the demo's rig was struck less than twice; see rig.log and controller.log beside the recording")
+        raise UserError(
+            "the demo's rig was struck less than twice; see rig.log and controller.log beside the recording"
+        )
     replays = []
     for method in METHODS:
         with progress(f"replay, {method}") as done:
@@ -44,7 +46,9 @@ def run_demo(directory: Path, duration_s: float, seed: int, progress: Progress) 
     with progress("replay, live method"):
         comparison = compare_with_live(run)
     scores = damping_scores(truth, run.model, scenario.damping[0].on_s)
-    summary = summarise(recording, run, scores, {r.method: method_scores(r, truth, run.model) for r in replays}, comparison)
+    summary = summarise(
+        recording, run, scores, {r.method: method_scores(r, truth, run.model) for r in replays}, comparison
+    )
     (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
     with progress("figures"):
         from simulation.demo.figures import draw_figures
@@ -66,7 +70,9 @@ def _run_processes(directory: Path, duration_s: float, seed: int, progress: Prog
             *("--duration-s", str(duration_s), "--allow-non-realtime"),
         )
         with progress("arm, camera, controller") as done:
-            processes.wait_for("controller", duration_s + _OVER_TIME_S, lambda passed: done(passed / duration_s))
+            processes.wait_for(
+                "controller", duration_s + _OVER_TIME_S, lambda passed: done(passed / duration_s)
+            )
     finally:
         processes.stop_all()
     return scenario
@@ -77,7 +83,9 @@ def _wait_for_camera(name: str, processes: DemoProcesses) -> None:
     while not block_path(name).exists():
         processes.check()
         if time.monotonic() > deadline:
-            raise UserError("the demo's rig did not start its camera in time; see rig.log in the output folder")
+            raise UserError(
+                "the demo's rig did not start its camera in time; see rig.log in the output folder"
+            )
         time.sleep(0.05)
 
 

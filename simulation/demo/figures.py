@@ -18,7 +18,13 @@ from simulation.demo.scoring import Truth, scored_span_s, struck_amplitude_m
 
 _COLOURS = {"timestamps": "#c44e52", "correlation": "#4c72b0"}
 _TRUTH = "#333333"
-_STYLE = {"axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False, "axes.spines.right": False, "font.size": 9}
+_STYLE: Any = {
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "font.size": 9,
+}
 
 
 def draw_figures(
@@ -80,7 +86,12 @@ def _signals(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure
     figure, axes = _figure(3, 6.0)
     fast = [row for row in run.fast if from_s <= row.time_s < to_s]
     of_full = mode.angular_frequency**2 * amplitude * scale
-    axes[0].plot([r.time_s for r in fast], [-r.acceleration_m_s2 / of_full for r in fast], color="#8c8c8c", linewidth=0.5)
+    axes[0].plot(
+        [r.time_s for r in fast],
+        [-r.acceleration_m_s2 / of_full for r in fast],
+        color="#8c8c8c",
+        linewidth=0.5,
+    )
     axes[0].set_ylabel("accelerometer\n(- a / w² A)")
     frames = [f for f in run.frames if from_s <= f.received_s < to_s]
     seen = np.array([f.displacement_px for f in frames])
@@ -132,7 +143,10 @@ def _correlation(run: RecordedRun, truth: Truth) -> Figure:
     axes.plot(1e3 * method.delay.lags_s, method.delay.correlation, color=_COLOURS["correlation"])
     found = method.delay.estimate
     axes.axvline(1e3 * found.delay_s, color=_COLOURS["timestamps"], linestyle="--", linewidth=1.0)
-    axes.set_title(f"Correlation at t = {at_s:.1f} s: delay {1e3 * found.delay_s:.1f} ± {1e3 * found.std_s:.1f} ms", fontsize=10)
+    axes.set_title(
+        f"Correlation at t = {at_s:.1f} s: delay {1e3 * found.delay_s:.1f} ± {1e3 * found.std_s:.1f} ms",
+        fontsize=10,
+    )
     axes.set_xlabel("capture delay, ms")
     axes.set_ylabel("correlation coefficient")
     return figure
@@ -141,8 +155,14 @@ def _correlation(run: RecordedRun, truth: Truth) -> Figure:
 def _delays(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:
     """After Fig. 6: the estimated capture delay over time, with the truth."""
     figure, (axes,) = _figure(1, 4.0)
-    true = [(f.received_s, f.received_s - truth.mid_exposure_s[f.frame]) for f in run.frames if f.frame in truth.mid_exposure_s]
-    axes.plot([t for t, _ in true], [1e3 * d for _, d in true], ".", color="#8c8c8c", markersize=2, label="truth")
+    true = [
+        (f.received_s, f.received_s - truth.mid_exposure_s[f.frame])
+        for f in run.frames
+        if f.frame in truth.mid_exposure_s
+    ]
+    axes.plot(
+        [t for t, _ in true], [1e3 * d for _, d in true], ".", color="#8c8c8c", markersize=2, label="truth"
+    )
     for replay in replays:
         times = [t for _, t, _ in replay.frames]
         delays = np.array([1e3 * e.delay.delay_s for _, _, e in replay.frames])
@@ -157,7 +177,9 @@ def _delays(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:
     axes.set_xlabel("time, s")
     axes.set_ylabel("capture delay, ms")
     axes.legend(loc="upper right", ncols=3, fontsize=8)
-    axes.set_title("Capture delay: what each method says (band: one standard deviation), and what it was", fontsize=10)
+    axes.set_title(
+        "Capture delay: what each method says (band: one standard deviation), and what it was", fontsize=10
+    )
     return figure
 
 
@@ -175,11 +197,17 @@ def _methods(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure
     prediction.plot(times[inside], true, color=_TRUTH, linewidth=2.5, alpha=0.3, label="truth")
     for replay in replays:
         said = np.array([e.deflection_m for e in replay.estimates])[inside] / amplitude
-        prediction.plot(times[inside], said, color=_COLOURS[replay.method], linewidth=0.9, label=replay.method)
+        prediction.plot(
+            times[inside], said, color=_COLOURS[replay.method], linewidth=0.9, label=replay.method
+        )
         difference = 100.0 * (said - true)
         mean = float(np.mean(np.abs(difference)))
         error.plot(
-            times[inside], difference, color=_COLOURS[replay.method], linewidth=0.8, label=f"{replay.method}: mean {mean:.1f} %"
+            times[inside],
+            difference,
+            color=_COLOURS[replay.method],
+            linewidth=0.8,
+            label=f"{replay.method}: mean {mean:.1f} %",
         )
     prediction.set_ylabel("deflection / A")
     prediction.legend(loc="upper right", ncols=3, fontsize=8)

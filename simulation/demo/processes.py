@@ -38,7 +38,9 @@ class DemoProcesses:
             self.check()
             passed = time.monotonic() - started
             if passed > timeout_s:
-                raise UserError(f"the demo's {name} did not end within {timeout_s:.0f} s; see {self._log(name)}")
+                raise UserError(
+                    f"the demo's {name} did not end within {timeout_s:.0f} s; see {self._log(name)}"
+                )
             progress(passed)
             time.sleep(_POLL_S)
         self.check()

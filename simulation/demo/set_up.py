@@ -27,7 +27,9 @@ def demo_scenario(duration_s: float) -> Scenario:
     )
 
 
-def write_demo_configuration(directory: Path, duration_s: float, seed: int) -> tuple[Path, Configuration, Scenario]:
+def write_demo_configuration(
+    directory: Path, duration_s: float, seed: int
+) -> tuple[Path, Configuration, Scenario]:
     """Write config.toml, model.toml and scenario.toml into `directory`; returns the configuration and where it lies."""
     source = default_simulation_configuration()
     configuration = load_configuration(source)

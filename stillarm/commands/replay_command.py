@@ -3,8 +3,12 @@
 import argparse
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from common.user_error import UserError
+
+if TYPE_CHECKING:
+    from common.recording.reader import Recording
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +27,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _replay_images(recording: "Recording") -> int:
+    """The supervisor's own recording: track its images again."""
+    from supervisor.recorded_images import compare_with_live
+
+    comparison = compare_with_live(recording)
+    same = (
+        "identical to the live tracker's, number for number"
+        if comparison.different == 0
+        else f"different in {comparison.different}; first: {comparison.first_difference}"
+    )
+    print(f"supervisor, {comparison.frames} images: displacements {same}")
+    return 0
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Replay and write the tables."""
     from common.recording.reader import open_recording
@@ -32,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     from stillarm.progress import progress_bar
 
     recording = open_recording(arguments.recording)
+    if recording.counts.get("/images") and not recording.counts.get("/fast"):
+        return _replay_images(recording)
     recorded = read_run(recording)
     if not recorded.fast:
         raise UserError(

@@ -14,14 +14,14 @@ from simulation.simulated_recording import write_simulated_recording
 ROOT = Path(__file__).parent.parent.parent
 MODEL = ROOT / "configs" / "model.toml"
 SCENARIO = """
-duration_s = 9.0
-strikes = [{time_s = 1.0, deflection_m = 0.00625}, {time_s = 6.0, deflection_m = 0.00625}]
-damping = [{on_s = 5.8, off_s = 9.0}]
-moves = [{start_s = 4.2, end_s = 4.7, velocity_rad_s = 0.05}]
+duration_s = 13.0
+strikes = [{time_s = 1.0, deflection_m = 0.00625}, {time_s = 10.0, deflection_m = 0.00625}]
+damping = [{on_s = 9.8, off_s = 13.0}]
+moves = [{start_s = 8.8, end_s = 9.3, velocity_rad_s = 0.05}]
 """
 
 
-def simulated(folder: Path, seed: int = 1, images: bool = False, scenario: str = SCENARIO) -> Path:
+def simulated(folder: Path, seed: int = 3, images: bool = False, scenario: str = SCENARIO) -> Path:
     folder.mkdir(exist_ok=True)
     (folder / "scenario.toml").write_text(scenario)
     write_simulated_recording(
@@ -53,7 +53,7 @@ def test_replay_gives_the_same_numbers(run: Path) -> None:
     """Every delay, prediction and command of the controller; and a changed measurement would be noticed."""
     recorded = read_run(open_recording(run / "rec.mcap"))
     comparison = compare_with_live(recorded)
-    assert comparison.cycles == 9000
+    assert comparison.cycles == 13000
     assert comparison.identical, comparison.first_difference
     wrong = recorded.frames[100]
     recorded.frames[100] = type(wrong)(
@@ -67,7 +67,7 @@ def test_the_delay_is_found_and_the_arm_is_stilled(run: Path) -> None:
     """Against the truth: correlation beats timestamps by half, and damping settles in a fraction of the free time."""
     recorded = read_run(open_recording(run / "rec.mcap"))
     truth = read_truth(run / "truth.mcap", 0.0)
-    assert [round(s, 3) for s in truth.strikes_s] == [1.0, 6.0]
+    assert [round(s, 3) for s in truth.strikes_s] == [1.0, 10.0]
     scores = {
         name: method_scores(replay_method(recorded, name), truth, recorded.model)
         for name in ("timestamps", "correlation")
@@ -75,9 +75,9 @@ def test_the_delay_is_found_and_the_arm_is_stilled(run: Path) -> None:
     assert (
         scores["correlation"]["prediction_error_mean"] < 0.5 * scores["timestamps"]["prediction_error_mean"]
     )
-    assert scores["correlation"]["prediction_error_mean"] < 0.045
+    assert scores["correlation"]["prediction_error_mean"] < 0.035
     assert scores["correlation"]["delay_error_rms_s"] < 0.007
-    damping = damping_scores(truth, recorded.model, 4.0)
+    damping = damping_scores(truth, recorded.model, 8.8)
     assert damping["damping_ratio_free"] == pytest.approx(0.01, rel=0.02)
     assert damping["damping_ratio_damped"] is not None and damping["damping_ratio_damped"] > 0.08
     assert damping["settling_time_damped_s"] is not None and damping["settling_time_damped_s"] < 2.5
