@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 from supervisor.tracking.features import Points
 from supervisor.tracking.prepared_image import GreyImage
 
+Flags = NDArray[np.bool_]
+
 _CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 20, 0.005)
+_BACK_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)
 
 
 def possible_levels(shape: tuple[int, ...], window_px: int, levels: int) -> int:
@@ -20,7 +23,7 @@ def possible_levels(shape: tuple[int, ...], window_px: int, levels: int) -> int:
     return possible
 
 
-def inside(points: Points, shape: tuple[int, ...], margin_px: float) -> NDArray[np.bool_]:
+def inside(points: Points, shape: tuple[int, ...], margin_px: float) -> Flags:
     """Which points, shape (n, 2), lie in the image and no nearer to its border than margin_px."""
     height, width = shape
     x, y = points[:, 0], points[:, 1]
@@ -29,35 +32,66 @@ def inside(points: Points, shape: tuple[int, ...], margin_px: float) -> NDArray[
     )
 
 
-def matched_points(
+def tracked_points(
+    key: GreyImage, image: GreyImage, points: Points, predicted: Points, window_px: int, levels: int
+) -> tuple[Points, Flags]:
+    """Where `points` of `key`, shape (n, 2), are in `image`, starting from `predicted`, and which were found.
+
+    Windows that reach over the border would read mirrored pixels: such points do not count as found.
+    """
+    moved, found = _flow(key, image, points, predicted, window_px, levels, _CRITERIA)
+    found &= np.isfinite(moved).all(axis=1)
+    return moved, found & inside(moved, image.shape, window_px // 2)
+
+
+def median_motion(points: Points, moved: Points, found: Flags) -> Points:
+    """x, y in px of the middle one of the points found, each axis for itself; zero where none is."""
+    motion = moved[found] - points[found]
+    middle = len(motion) // 2
+    return np.partition(motion, middle, axis=0)[middle] if len(motion) else np.zeros(2, np.float32)
+
+
+def returned_points(
     key: GreyImage,
     image: GreyImage,
+    points: Points,
+    moved: Points,
+    asked: Flags,
+    motion: Points,
+    window_px: int,
+    limit_px: float,
+) -> Flags:
+    """Which of the points asked for come back from `moved` to within limit_px of where they started.
+
+    The way back starts from the motion that all points have in common, shape (2,), not from where the point
+    itself came from, or a wrong match would confirm itself; so near, the finest level is enough.
+    """
+    chosen = np.flatnonzero(asked)
+    came_back = np.zeros_like(asked)
+    if len(chosen):
+        here, there = points[chosen], moved[chosen]
+        back, returned = _flow(image, key, there, there - motion, window_px, 0, _BACK_CRITERIA)
+        came_back[chosen] = returned & (np.abs(back - here).max(axis=1) <= limit_px)
+    return came_back
+
+
+def _flow(
+    before: GreyImage,
+    after: GreyImage,
     points: Points,
     predicted: Points,
     window_px: int,
     levels: int,
-    forward_backward_px: float,
-) -> tuple[Points, NDArray[np.bool_]]:
-    """Where `points` of `key`, shape (n, 2), are in `image`, and which of them came back to where they
-    started.
-
-    The way back starts from the median motion of all points, not from where the point itself came from, or a
-    wrong match would confirm itself; so near, the finest level is enough. Windows that reach over the border
-    would read
-    mirrored pixels: such points are not taken.
-    """
-    window = (window_px, window_px)
-    flags = cv2.OPTFLOW_USE_INITIAL_FLOW
-    ahead, found, _ = cv2.calcOpticalFlowPyrLK(
-        key, image, points, predicted.copy(), winSize=window, maxLevel=levels, criteria=_CRITERIA, flags=flags
+    criteria: tuple[int, int, float],
+) -> tuple[Points, Flags]:
+    moved, found, _ = cv2.calcOpticalFlowPyrLK(
+        before,
+        after,
+        points,
+        predicted.copy(),
+        winSize=(window_px, window_px),
+        maxLevel=levels,
+        criteria=criteria,
+        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
     )
-    moved = np.asarray(ahead, dtype=np.float32).reshape(-1, 2)
-    missed = np.median((moved - predicted)[found.ravel() == 1], axis=0) if found.any() else np.zeros(2)
-    start = moved - (predicted - points) - missed.astype(np.float32)
-    back, returned, _ = cv2.calcOpticalFlowPyrLK(
-        image, key, moved, start, winSize=window, maxLevel=0, criteria=_CRITERIA, flags=flags
-    )
-    astray = np.abs(np.asarray(back).reshape(-1, 2) - points).max(axis=1)
-    good = (found.ravel() == 1) & (returned.ravel() == 1) & (astray <= forward_backward_px)
-    good &= np.isfinite(moved).all(axis=1) & inside(moved, image.shape, window_px // 2)
-    return moved, np.asarray(good)
+    return np.asarray(moved, dtype=np.float32).reshape(-1, 2), np.asarray(found.ravel() == 1)

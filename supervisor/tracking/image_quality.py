@@ -16,7 +16,10 @@ BLURRED_SHARPNESS = 0.05  # of the sharpness of the first key frame
 def is_frozen(image: GreyImage, previous: GreyImage | None) -> bool:
     """Whether an image is the previous one to the bit: no real sensor gives that twice, a stuck buffer
     does."""
-    return previous is not None and np.array_equal(image, previous)
+    if previous is None or image.shape != previous.shape:
+        return False
+    middle = image.shape[0] // 2  # tells nearly always, in a hundredth of the time
+    return np.array_equal(image[middle], previous[middle]) and np.array_equal(image, previous)
 
 
 def image_quality(image: PreparedImage, reference_sharpness: float) -> TrackingStatus:

@@ -17,7 +17,7 @@ from supervisor.tracking.displacement import Matrix
 from supervisor.tracking.features import Points, spread_corners
 from supervisor.tracking.flow import inside
 from supervisor.tracking.pose import Pose, pose_since, turned
-from supervisor.tracking.prepared_image import PreparedImage
+from supervisor.tracking.prepared_image import GreyImage, PreparedImage
 
 MAX_KEY_FRAMES = 24
 LEAVE_VIEW = 0.5  # share of a key frame's features in view, below which another is wanted
@@ -31,14 +31,13 @@ RETURN_ROTATION_RAD = 0.06
 
 @dataclass(frozen=True, slots=True)
 class KeyFrame:
-    """image: as prepared; points: its features, (n, 2) px; pose: since the first frame; covariance: of the
-    pose, (3, 3).
-
-    serial: how many were taken before it.
+    """image: as prepared; points: its features, (n, 2) px; arms: the same about the image's centre; pose: since
+    the first frame; covariance: of the pose, (3, 3); serial: how many were taken before it.
     """
 
     image: PreparedImage
     points: Points
+    arms: NDArray[np.float64]
     pose: Pose
     covariance: Matrix
     serial: int
@@ -51,17 +50,15 @@ class KeyFrame:
     @property
     def centre(self) -> tuple[float, float]:
         """The image's centre, x, y in px."""
-        height, width = self.image.grey.shape
-        return 0.5 * (width - 1), 0.5 * (height - 1)
+        return centre(self.image.grey)
 
     def predicted_points(self, pose: Pose) -> Points:
         """Where the features are in the image, (n, 2) px, when the scene is at `pose` (since the first
         frame)."""
         since = pose_since(self.pose, pose)
         x0, y0 = self.centre
-        x, y = self.points[:, 0] - x0, self.points[:, 1] - y0
         c, s = turned(1.0, 0.0, since.rotation)
-        moved = np.stack((c * x - s * y + x0 + since.x, s * x + c * y + y0 + since.y), axis=1)
+        moved = self.arms @ np.array([[c, s], [-s, c]]) + (x0 + since.x, y0 + since.y)
         return np.asarray(moved, dtype=np.float32)
 
     def in_view(self, pose: Pose, margin_px: float) -> NDArray[np.bool_]:
@@ -81,7 +78,14 @@ def take_key_frame(
     image: PreparedImage, pose: Pose, covariance: Matrix, serial: int, count: int, margin_px: int
 ) -> KeyFrame:
     """A key frame of an image whose pose has been measured, with up to `count` fresh features."""
-    return KeyFrame(image, spread_corners(image.grey, count, margin_px), pose, covariance, serial)
+    points = spread_corners(image.grey, count, margin_px)
+    return KeyFrame(image, points, points - np.array(centre(image.grey)), pose, covariance, serial)
+
+
+def centre(image: GreyImage) -> tuple[float, float]:
+    """The image's centre, x, y in px."""
+    height, width = image.shape
+    return 0.5 * (width - 1), 0.5 * (height - 1)
 
 
 class KeyFrames:
@@ -106,6 +110,8 @@ class KeyFrames:
 
     def surer(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
         """The surest key frame that is well in view at `pose`, if it is surer than `current`."""
+        if all(f.variance >= current.variance for f in self.frames):
+            return None
         best = self.best_other(current, pose)
         return best if best is not None and best.variance < current.variance else None
 

@@ -4,22 +4,25 @@ from dataclasses import dataclass
 from math import hypot
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
 from supervisor.tracking.displacement import Matrix
 from supervisor.tracking.features import Points
-from supervisor.tracking.flow import inside, matched_points, possible_levels
+from supervisor.tracking.flow import inside, median_motion, possible_levels, returned_points, tracked_points
 from supervisor.tracking.key_frame import KeyFrame
 from supervisor.tracking.photometry import equalised, gain_and_offset
 from supervisor.tracking.pose import Pose, pose_since, total_pose
-from supervisor.tracking.prepared_image import PreparedImage, reduced
+from supervisor.tracking.prepared_image import GreyImage, PreparedImage, reduced
 from supervisor.tracking.rigid_displacement import fit_rigid
 
 MAX_SCALE_PX = 1.0  # features that scatter more do not tell of one rigid motion
 MAX_STD_PX = 0.5
 MIN_AGREEING = 0.5  # of the matched ones
 MIN_AGREEING_IN_VIEW = 0.25  # of those that should be in view
+MIN_HALF_PX = 120  # side of the image of half the size, from which it pays to look back in it
+ASK_AGAIN = 0.2  # share of the points found that did not come back in it, above which the full one is asked
 _HALF = np.float32(0.5)  # a pixel's middle
 RETRY_VIEW_PX = 24.0  # how far the prediction may be off for a feature still to be tried
 
@@ -66,22 +69,15 @@ def measure(
     gain, offset = gain_and_offset(
         key.image.coarse, image.coarse, round(since.x / reduction), round(since.y / reduction)
     )
-    before, now = reduced(key.image.grey, shrink), reduced(equalised(image.grey, gain, offset), shrink)
-    moved, good = matched_points(
-        before,
-        now,
-        _shrunk(key.points[chosen], shrink),
-        _shrunk(start[chosen], shrink),
-        config.window_px,
-        possible_levels(now.shape, config.window_px, levels),
-        config.forward_backward_px,
+    pair = _Pair(key.image, image, gain, offset, shrink)
+    moved, good = pair.matched(
+        _shrunk(key.points[chosen], shrink), _shrunk(start[chosen], shrink), config, levels
     )
     moved = (moved + _HALF) * shrink - _HALF
     matched = int(np.count_nonzero(good))
     if matched < config.min_inliers:
         return without(TrackingStatus.FEW_FEATURES)
-    centre = np.array(key.centre)
-    fit = fit_rigid(key.points[chosen][good] - centre, moved[good] - centre, since.rotation)
+    fit = fit_rigid(key.arms[chosen][good], moved[good] - np.array(key.centre), since.rotation)
     if fit is None:
         return without(TrackingStatus.INCONSISTENT)
     covariance = fit.covariance * shrink**2  # windows that overlap so much more do not err independently
@@ -102,6 +98,40 @@ def measure(
         max(in_view, fit.inliers),
         fit.inliers,
     )
+
+
+class _Pair:
+    """The two images between which features are matched: in equal light, reduced by `shrink`."""
+
+    def __init__(
+        self, key: PreparedImage, image: PreparedImage, gain: float, offset: float, shrink: int
+    ) -> None:
+        self._before = reduced(key.grey, shrink)
+        self._now = equalised(reduced(image.grey, shrink), gain, offset)
+        self._halves: tuple[GreyImage, GreyImage] | None = None
+        if shrink == 1 and min(image.half.shape) >= MIN_HALF_PX:
+            self._halves = key.half, equalised(image.half, gain, offset)
+
+    def matched(
+        self, points: Points, predicted: Points, config: Tracker, levels: int
+    ) -> tuple[Points, NDArray[np.bool_]]:
+        """Where the points are, and which were found and came back.
+
+        Whether a point comes back to within half a px shows in images of half the size, in a quarter of the
+        time. Texture too fine for those makes good points fail there: they are asked once more in the full image.
+        """
+        window, limit = config.window_px, config.forward_backward_px
+        possible = possible_levels(self._now.shape, window, levels)
+        moved, found = tracked_points(self._before, self._now, points, predicted, window, possible)
+        motion = median_motion(points, moved, found)
+        good = np.zeros_like(found)
+        if self._halves is not None:
+            here, there, small = _shrunk(points, 2), _shrunk(moved, 2), window // 2 | 1
+            good = returned_points(*self._halves, here, there, found, motion * _HALF, small, limit / 2)
+        left = found & ~good
+        if np.count_nonzero(left) > ASK_AGAIN * np.count_nonzero(found):
+            good |= returned_points(self._before, self._now, points, moved, left, motion, window, limit)
+        return moved, good
 
 
 def _shrunk(points: Points, factor: int) -> Points:

@@ -34,8 +34,7 @@ def gain_and_offset(key: SmallImage, image: SmallImage, shift_x: int, shift_y: i
     """
     a, b = overlapping(key, image, shift_x, shift_y)
     step = max(1, int(np.sqrt(a.size / _MAX_SAMPLES)))
-    x: NDArray[np.float64] = a[::step, ::step].astype(np.float64).ravel()
-    y: NDArray[np.float64] = b[::step, ::step].astype(np.float64).ravel()
+    x, y = a[::step, ::step].ravel(), b[::step, ::step].ravel()
     if x.size < _MIN_SAMPLES:
         return _NO_CHANGE
     median_x, median_y = _median(x), _median(y)
@@ -47,16 +46,21 @@ def gain_and_offset(key: SmallImage, image: SmallImage, shift_x: int, shift_y: i
     for _ in range(2):
         residual = np.abs(y - gain * x - offset)
         agree = residual <= max(4.0 * _median(residual), 2.0)
-        kept_x, kept_y = x[agree], y[agree]
-        deviation = float(kept_x.std()) if kept_x.size >= _MIN_SAMPLES else 0.0
-        if deviation < _MIN_SPREAD:
+        mean_x, deviation_x = _mean_and_deviation(x, agree)
+        mean_y, deviation_y = _mean_and_deviation(y, agree)
+        if np.count_nonzero(agree) < _MIN_SAMPLES or deviation_x < _MIN_SPREAD:
             return _NO_CHANGE
-        gain = float(kept_y.std()) / deviation
-        offset = float(kept_y.mean() - gain * kept_x.mean())
+        gain = deviation_y / deviation_x
+        offset = mean_y - gain * mean_x
     return (gain, offset) if 0.2 < gain < 5.0 else _NO_CHANGE
 
 
-def _median(values: NDArray[np.float64]) -> float:
+def _mean_and_deviation(values: NDArray[np.float32], chosen: NDArray[np.bool_]) -> tuple[float, float]:
+    mean, deviation = cv2.meanStdDev(values, mask=chosen.view(np.uint8))
+    return float(mean[0, 0]), float(deviation[0, 0])
+
+
+def _median(values: NDArray[np.float32]) -> float:
     middle = values.size // 2
     return float(np.partition(values, middle)[middle])
 
@@ -66,5 +70,4 @@ def equalised(image: GreyImage, gain: float, offset: float) -> GreyImage:
     rounding."""
     if abs(gain - 1.0) < 0.002 and abs(offset) < 0.3:
         return image
-    table = np.clip(np.rint((np.arange(256) - offset) / gain), 0, 255).astype(np.uint8)
-    return np.asarray(cv2.LUT(image, table), dtype=np.uint8)
+    return np.asarray(cv2.addWeighted(image, 1.0 / gain, image, 0.0, -offset / gain), dtype=np.uint8)

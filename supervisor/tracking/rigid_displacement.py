@@ -10,12 +10,15 @@ the start matters: the median motion with the rotation that was expected, where 
 about it; else the least median of squares over two-point hypotheses (Rousseeuw 1984), in a fixed order.
 """
 
+from cmath import phase, rect
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Vectors = NDArray[np.float64]
+ComplexVectors = NDArray[np.complex128]
 
 TUKEY = 4.6851
 MAD_TO_STD = 1.4826
@@ -24,6 +27,9 @@ _GOOD_START_PX = 0.5
 _ITERATIONS = 12
 _HYPOTHESES = 60
 _STILL_PX = 1e-4
+_SMALLEST_LEVER_PX = (
+    1e-3  # rms distance from the centre of gravity: points that coincide do not tell a rotation
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,56 +58,106 @@ def fit_rigid(
     """
     if len(points) < 3:
         return None
-    rotation, shift = _expected_start(points, moved, expected_rotation)
+    pairs = _Pairs(points, moved)
+    motion = _expected_start(pairs, expected_rotation) or _least_median_start(points, moved)
     weights = np.ones(len(points))
     scale = scale_floor_px
-    reach = float(np.abs(points).max())
     for _ in range(_ITERATIONS):
-        residual = _residual(points, moved, rotation, shift)
-        scale = max(MAD_TO_STD * _median(np.abs(residual - _medians(residual)).ravel()), scale_floor_px)
-        ratio = (residual[:, 0] ** 2 + residual[:, 1] ** 2) / (TUKEY * scale) ** 2
-        weights = np.maximum(1.0 - ratio, 0.0) ** 2
+        residual = pairs.residual(motion)
+        x, y = residual.real, residual.imag
+        spread = np.abs(np.concatenate((x - _median(x), y - _median(y))))
+        scale = max(MAD_TO_STD * _upper_median(spread), scale_floor_px)
+        rest = np.maximum(1.0 - (x * x + y * y) / (TUKEY * scale) ** 2, 0.0)
+        weights = rest * rest
         if np.count_nonzero(weights) < 3:
             return None
-        before = rotation, shift
-        rotation, shift = _weighted_least_squares(points, moved, weights)
-        if abs(rotation - before[0]) * reach + float(np.abs(shift - before[1]).max()) < _STILL_PX:
+        before = motion
+        motion = pairs.least_squares(weights)
+        still = abs(motion.rotation - before.rotation) * pairs.reach + abs(motion.shift - before.shift)
+        if still < _STILL_PX:
             break
-    covariance = _covariance(points, moved, rotation, shift, weights, scale_floor_px)
+    covariance = pairs.covariance(motion, weights, scale_floor_px)
     if covariance is None:
         return None
-    return RigidFit(float(shift[0]), float(shift[1]), float(rotation), covariance, weights, scale)
+    return RigidFit(motion.shift.real, motion.shift.imag, motion.rotation, covariance, weights, float(scale))
 
 
-def _turned(points: Vectors, rotation: float) -> Vectors:
-    c, s = np.cos(rotation), np.sin(rotation)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]))
+class _Motion(NamedTuple):
+    """rotation in rad; shift: x + i y, px."""
+
+    rotation: float
+    shift: complex
 
 
-def _residual(points: Vectors, moved: Vectors, rotation: float, shift: Vectors) -> Vectors:
-    return np.asarray(moved - _turned(points, rotation) - shift)
+class _Pairs:
+    """Matched points as complex numbers x + i y: a rotation is then one product, which saves calls of numpy."""
+
+    def __init__(self, points: Vectors, moved: Vectors) -> None:
+        self.p = points[:, 0] + 1j * points[:, 1]
+        self.q = moved[:, 0] + 1j * moved[:, 1]
+        self.rows = np.stack((self.p, self.q, self.p.conj() * self.q))
+        self.reach = float(np.abs(points).max())
+
+    def residual(self, motion: _Motion) -> ComplexVectors:
+        """moved - R points - d."""
+        return np.asarray(self.q - rect(1.0, motion.rotation) * self.p - motion.shift)
+
+    def least_squares(self, weights: Vectors) -> _Motion:
+        """The weighted Procrustes solution, in closed form."""
+        total = float(weights.sum())
+        p, q, product = (self.rows @ weights).tolist()
+        rotation = phase(product - p.conjugate() * q / total)
+        return _Motion(rotation, (q - rect(1.0, rotation) * p) / total)
+
+    def covariance(self, motion: _Motion, weights: Vectors, floor_px: float) -> Vectors | None:
+        """sigma^2 (sum w J^T J)^-1, with J = [[1, 0, -y], [0, 1, x]] at the turned point; inverted by way of
+        the centre of gravity, about which displacement and rotation do not couple.
+        """
+        total = float(weights.sum())
+        freedom = 2.0 * total - 3.0
+        if freedom < 1.0:
+            return None
+        residual = self.residual(motion)
+        turned = self.q - residual - motion.shift
+        centre = complex(weights @ turned) / total
+        inertia = float(weights @ _squared(turned - centre))
+        if inertia < _SMALLEST_LEVER_PX**2 * total:
+            return None
+        variance = max(float(weights @ _squared(residual)) / freedom, floor_px**2)
+        one, turn, x, y = variance / total, variance / inertia, centre.real, centre.imag
+        return np.array(
+            [
+                [one + y * y * turn, -x * y * turn, y * turn],
+                [-x * y * turn, one + x * x * turn, -x * turn],
+                [y * turn, -x * turn, turn],
+            ]
+        )
 
 
-def _median(values: Vectors) -> float:
+def _squared(values: ComplexVectors) -> Vectors:
+    return np.asarray(values.real**2 + values.imag**2)
+
+
+def _upper_median(values: Vectors) -> float:
     middle = len(values) // 2
     return float(np.partition(values, middle)[middle])
 
 
-def _medians(vectors: Vectors) -> Vectors:
-    ordered = np.sort(vectors, axis=0)
-    n = len(vectors)
-    return np.asarray(0.5 * (ordered[(n - 1) // 2] + ordered[n // 2]))
+def _median(values: Vectors) -> float:
+    n = len(values)
+    ordered = np.partition(values, ((n - 1) // 2, n // 2))
+    return 0.5 * float(ordered[(n - 1) // 2] + ordered[n // 2])
 
 
-def _expected_start(points: Vectors, moved: Vectors, rotation: float) -> tuple[float, Vectors]:
-    residual = moved - _turned(points, rotation)
-    shift = _medians(residual)
-    if _median(np.abs(residual - shift).max(axis=1)) <= _GOOD_START_PX:
-        return rotation, shift
-    return _least_median_start(points, moved)
+def _expected_start(pairs: _Pairs, rotation: float) -> _Motion | None:
+    residual = pairs.residual(_Motion(rotation, 0j))
+    x, y = residual.real, residual.imag
+    shift_x, shift_y = _median(x), _median(y)
+    scatter = _upper_median(np.maximum(np.abs(x - shift_x), np.abs(y - shift_y)))
+    return _Motion(rotation, complex(shift_x, shift_y)) if scatter <= _GOOD_START_PX else None
 
 
-def _least_median_start(points: Vectors, moved: Vectors) -> tuple[float, Vectors]:
+def _least_median_start(points: Vectors, moved: Vectors) -> _Motion:
     n = len(points)
     k = np.arange(_HYPOTHESES)
     a = k % n
@@ -116,32 +172,5 @@ def _least_median_start(points: Vectors, moved: Vectors) -> tuple[float, Vectors
     rest_y = moved[:, 1] - (s * (x - middle_p[:, :1]) + c * (y - middle_p[:, 1:])) - middle_q[:, 1:]
     best = int(np.argmin(np.median(rest_x**2 + rest_y**2, axis=1)))
     turn = float(rotation[best])
-    return turn, middle_q[best] - _turned(middle_p[best : best + 1], turn)[0]
-
-
-def _weighted_least_squares(points: Vectors, moved: Vectors, weights: Vectors) -> tuple[float, Vectors]:
-    total = weights.sum()
-    centre_p, centre_q = weights @ points / total, weights @ moved / total
-    p, q = points - centre_p, moved - centre_q
-    cross = float(weights @ (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]))
-    along = float(weights @ (p[:, 0] * q[:, 0] + p[:, 1] * q[:, 1]))
-    rotation = float(np.arctan2(cross, along))
-    return rotation, centre_q - _turned(centre_p[None, :], rotation)[0]
-
-
-def _covariance(
-    points: Vectors, moved: Vectors, rotation: float, shift: Vectors, weights: Vectors, floor_px: float
-) -> Vectors | None:
-    """sigma^2 (sum w J^T J)^-1, with J = [[1, 0, -y], [0, 1, x]] at the turned point."""
-    total = weights.sum()
-    freedom = 2.0 * total - 3.0
-    if freedom < 1.0:
-        return None
-    residual = _residual(points, moved, rotation, shift)
-    x, y = _turned(points, rotation).T
-    wx, wy = weights @ x, weights @ y
-    normal = np.array([[total, 0.0, -wy], [0.0, total, wx], [-wy, wx, weights @ (x * x + y * y)]])
-    if np.linalg.cond(normal) > 1e12:
-        return None
-    variance = float(weights @ (residual * residual).sum(axis=1)) / freedom
-    return np.asarray(max(variance, floor_px**2) * np.linalg.inv(normal))
+    p, q = complex(*middle_p[best].tolist()), complex(*middle_q[best].tolist())
+    return _Motion(turn, q - rect(1.0, turn) * p)

@@ -82,8 +82,8 @@ class FeatureTracker:
             return self._none(TrackingStatus.NO_IMAGE)
         if is_frozen(image, self._previous):
             return self._none(TrackingStatus.FROZEN)
-        self._previous = image.copy()
         current = prepared(image, self._config.blur_sigma_px)
+        self._previous = image.copy() if self._config.blur_sigma_px > 0.0 else current.grey
         quality = image_quality(current, self._reference_sharpness)
         if quality != TrackingStatus.MEASURED:
             return self._none(quality)
@@ -129,15 +129,14 @@ class FeatureTracker:
         predicted = extrapolated(self._before_pose, self._last_pose, frames) if coasting else self._last_pose
         if self._keys.leaves(key, predicted):
             key = self._keys.most_in_view(predicted)
-        best = self._correlation(key.image, key.pose, current, predicted)
         found = nothing_found(key, predicted)
-        if (
-            coasting or best >= SAME_SCENE
-        ):  # features are dear to look for in every image of a scene that has gone
+        # features are dear to look for in every image of a scene that has gone
+        if coasting or self._correlation(key.image, key.pose, current, predicted) >= SAME_SCENE:
             found = self._near(current, key, predicted, frames)
         if found.status == TrackingStatus.MEASURED:
             self._surprise_px = _distance(found.pose, predicted)
             return found
+        best = self._correlation(key.image, key.pose, current, predicted)
         guess, score = self._guess(current)
         best = max(best, score)
         if score >= SAME_SCENE:
