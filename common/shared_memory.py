@@ -4,21 +4,21 @@ The blocks are files in /dev/shm (elsewhere the directory for temporary files), 
 process, so that whoever reads them can finish, and are removed by whoever made them.
 
 The sequence lock is the usual one: odd while writing; the reader takes the sequence, the data and the
-sequence again. Each store of an aligned 8-byte word is atomic on the machines that CPython runs on here
-(x86-64, aarch64 with the interpreter's own barriers between bytecodes); the ring moves its indices only after
-the bytes.
+sequence again. Words that one side writes while the other reads go through `words` or word_at(): storing an
+item of a memoryview of format "Q" is one store of an aligned 8-byte word. struct.pack_into is not: it zeroes
+the bytes first, and a reader sees the zero.
 """
 
 import mmap
 import os
 import struct
+import sys
 import tempfile
 import time
 from pathlib import Path
 
 from common.user_error import UserError
 
-_WORD = struct.Struct("<Q")
 _MAGIC = 0x6D72616C6C697473  # "stillarm"
 _HEADER = 64  # magic, size, two indices or a sequence, each on its own 8 bytes
 
@@ -64,8 +64,9 @@ class SharedBlock:
         self.size = size
         self.header = memoryview(self._map)[:_HEADER]
         self.buffer = memoryview(self._map)[_HEADER:]
+        self.words = self.header.cast("Q")
         if create:
-            _WORD.pack_into(self.header, 0, _MAGIC)  # last, so that whoever waits finds it complete
+            self.words[0] = _MAGIC  # last, so that whoever waits finds it complete
 
     def _make(self, name: str, length: int) -> int:
         try:
@@ -91,8 +92,8 @@ class SharedBlock:
             except FileNotFoundError:
                 pass
             else:
-                if os.fstat(descriptor).st_size > _HEADER and os.pread(descriptor, 8, 0) == _WORD.pack(
-                    _MAGIC
+                if os.fstat(descriptor).st_size > _HEADER and os.pread(descriptor, 8, 0) == _MAGIC.to_bytes(
+                    8, sys.byteorder
                 ):
                     return descriptor
                 os.close(descriptor)
@@ -113,6 +114,7 @@ class SharedBlock:
         """Unmap, and remove the name when this side made it; may be called twice."""
         if self._map.closed:
             return
+        self.words.release()
         self.header.release()
         self.buffer.release()
         self._map.close()
@@ -120,6 +122,11 @@ class SharedBlock:
             self._owner and not self.replaced()
         ):  # a successor's block of the same name is not this one's to remove
             self.path.unlink(missing_ok=True)
+
+
+def word_at(buffer: memoryview, offset: int) -> memoryview:
+    """The 8-byte word at an offset (a multiple of 8) of a buffer, as item 0 of a view: read and stored whole."""
+    return buffer[offset : offset + 8].cast("Q")
 
 
 class SharedRecord:
@@ -131,28 +138,28 @@ class SharedRecord:
         """Make or open the record `layout`; opening waits up to `wait_s` for it to appear."""
         self.block = SharedBlock(name, layout.size, create=create, wait_s=wait_s)
         self._layout = layout
-        self._sequence = _WORD.unpack_from(self.block.header, 8)[0] & ~1
+        self._sequence = self.block.words[1] & ~1
 
     def write(self, *values: object) -> None:
         """Publish a new value."""
-        header = self.block.header
-        _WORD.pack_into(header, 8, self._sequence + 1)
+        words = self.block.words
+        words[1] = self._sequence + 1
         self._layout.pack_into(self.block.buffer, 0, *values)
         self._sequence += 2
-        _WORD.pack_into(header, 8, self._sequence)
+        words[1] = self._sequence
 
     def read(self, attempts: int = 50) -> tuple[object, ...] | None:
         """The newest whole value; None before the first write, or when the writer died in the
         middle of one.
         """
-        header, buffer = self.block.header, self.block.buffer
+        words, buffer = self.block.words, self.block.buffer
         for _ in range(attempts):
-            before = _WORD.unpack_from(header, 8)[0]
+            before = words[1]
             if before == 0:
                 return None
             if before & 1 == 0:
                 values = self._layout.unpack_from(buffer, 0)
-                if _WORD.unpack_from(header, 8)[0] == before:
+                if words[1] == before:
                     return values
         return None
 
@@ -180,15 +187,15 @@ class SharedRing:
 
     def put(self, message: bytes | bytearray | memoryview) -> bool:
         """Append a message; False (and counted) when there is no room."""
-        header, buffer, size = self.block.header, self.block.buffer, self.block.size
+        words, buffer, size = self.block.words, self.block.buffer, self.block.size
         need = 4 + len(message)
-        write = _WORD.unpack_from(header, 8)[0]
+        write = words[1]
         place = write % size
         to_end = size - place
         skip = to_end if to_end < need else 0
-        if write + skip + need - _WORD.unpack_from(header, 16)[0] > size:
+        if write + skip + need - words[2] > size:
             self.lost += 1
-            _WORD.pack_into(header, 24, self.lost)
+            words[3] = self.lost
             return False
         if skip:
             if to_end >= 4:
@@ -197,14 +204,14 @@ class SharedRing:
             place = 0
         self._LENGTH.pack_into(buffer, place, need - 4)
         buffer[place + 4 : place + need] = message
-        _WORD.pack_into(header, 8, write + need)
+        words[1] = write + need
         return True
 
     def get(self) -> bytes | None:
         """Take the oldest message; None when the ring is empty."""
-        header, buffer, size = self.block.header, self.block.buffer, self.block.size
-        read = _WORD.unpack_from(header, 16)[0]
-        if read == _WORD.unpack_from(header, 8)[0]:
+        words, buffer, size = self.block.words, self.block.buffer, self.block.size
+        read = words[2]
+        if read == words[1]:
             return None
         place = read % size
         length = self._LENGTH.unpack_from(buffer, place)[0] if size - place >= 4 else self._WRAP
@@ -213,13 +220,13 @@ class SharedRing:
             place = 0
             length = self._LENGTH.unpack_from(buffer, 0)[0]
         message = bytes(buffer[place + 4 : place + 4 + length])
-        _WORD.pack_into(header, 16, read + 4 + length)
+        words[2] = read + 4 + length
         return message
 
     @property
     def lost_by_writer(self) -> int:
         """How many messages the writer could not place."""
-        return int(_WORD.unpack_from(self.block.header, 24)[0])
+        return int(self.block.words[3])
 
     def close(self) -> None:
         """Release the memory."""

@@ -16,15 +16,14 @@ from math import isnan, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from common.shared_memory import SharedBlock
+from common.shared_memory import SharedBlock, word_at
 from common.user_error import UserError
 from drivers.camera import Frame, GreyImage
 
-_WORD = struct.Struct("<Q")
 _SHAPE = struct.Struct("<3Q")
-_SLOT = struct.Struct("<Qqqdd")
+_SLOT = struct.Struct("<qqdd")  # after the sequence
 _SLOT_HEAD = 64
-_PUBLISHED_AT, _REQUESTED_AT = 8, 16
+_PUBLISHED, _REQUESTED = 1, 2  # words of the header
 
 
 def _slot_bytes(width: int, height: int) -> int:
@@ -41,7 +40,11 @@ class FrameRingWriter:
         self._images = _images(self._block.buffer, width, height, held)
         self._shape = (height, width)
         self._published = 0
-        _SHAPE.pack_into(self._block.buffer, 0, width, height, held)  # last: readers wait for it
+        self._sequences = _sequences(self._block.buffer, width, height, held)
+        shape = self._block.buffer[: _SHAPE.size].cast("Q")
+        shape[0], shape[1] = width, height
+        shape[2] = held  # last: readers wait for it
+        shape.release()
 
     def publish(
         self, image: GreyImage, counter: int | None, stamp_s: float | None, exposure_s: float | None
@@ -52,29 +55,31 @@ class FrameRingWriter:
         slot = self._published % len(self._images)
         place = 64 + slot * _slot_bytes(self._shape[1], self._shape[0])
         buffer = self._block.buffer
-        sequence = _WORD.unpack_from(buffer, place)[0]
-        _WORD.pack_into(buffer, place, sequence + 1)
+        lock = self._sequences[slot]
+        lock[0] += 1
         _SLOT.pack_into(
             buffer,
-            place,
-            sequence + 1,
+            place + 8,
             self._published,
             -1 if counter is None else counter,
             nan if stamp_s is None else stamp_s,
             nan if exposure_s is None else exposure_s,
         )
         self._images[slot][:] = image
-        _WORD.pack_into(buffer, place, sequence + 2)
+        lock[0] += 1
         self._published += 1
-        _WORD.pack_into(self._block.header, _PUBLISHED_AT, self._published)
+        self._block.words[_PUBLISHED] = self._published
 
     def requested(self) -> int:
         """How many frames the reader has asked for since the ring was made; freerun takes no heed of it."""
-        return int(_WORD.unpack_from(self._block.header, _REQUESTED_AT)[0])
+        return int(self._block.words[_REQUESTED])
 
     def close(self) -> None:
         """Remove the ring; may be called twice."""
         self._images.clear()
+        for lock in self._sequences:
+            lock.release()
+        self._sequences.clear()
         self._block.close()
 
 
@@ -97,6 +102,7 @@ class FrameRingReader:
             time.sleep(0.001)
             width, height, held = _SHAPE.unpack_from(self._block.buffer, 0)
         self._images = _images(self._block.buffer, width, height, held)
+        self._sequences = _sequences(self._block.buffer, width, height, held)
         self._slot_bytes = _slot_bytes(width, height)
         self._own = np.empty((height, width), dtype=np.uint8)
         self._next = self._published() if from_newest else 0
@@ -115,10 +121,12 @@ class FrameRingReader:
                 self._next = oldest
             index, self._next = self._next, self._next + 1
             place = 64 + index % slots * self._slot_bytes
-            sequence, held, counter, stamp, exposure = _SLOT.unpack_from(buffer, place)
+            lock = self._sequences[index % slots]
+            sequence = lock[0]
+            held, counter, stamp, exposure = _SLOT.unpack_from(buffer, place + 8)
             if sequence & 1 == 0 and held == index:
                 np.copyto(self._own, self._images[index % slots])
-                if _WORD.unpack_from(buffer, place)[0] == sequence:
+                if lock[0] == sequence:
                     return Frame(
                         image=self._own,
                         counter=None if counter < 0 else counter,
@@ -130,8 +138,7 @@ class FrameRingReader:
 
     def request(self, frames: int) -> None:
         """Ask for `frames` more exposures: what a triggered camera waits for."""
-        asked = _WORD.unpack_from(self._block.header, _REQUESTED_AT)[0]
-        _WORD.pack_into(self._block.header, _REQUESTED_AT, asked + frames)
+        self._block.words[_REQUESTED] += frames
 
     def replaced(self) -> bool:
         """Whether the ring was removed or made anew: the camera's process restarted."""
@@ -140,10 +147,13 @@ class FrameRingReader:
     def close(self) -> None:
         """Release the memory; may be called twice."""
         self._images.clear()
+        for lock in self._sequences:
+            lock.release()
+        self._sequences.clear()
         self._block.close()
 
     def _published(self) -> int:
-        return int(_WORD.unpack_from(self._block.header, _PUBLISHED_AT)[0])
+        return int(self._block.words[_PUBLISHED])
 
 
 def _images(buffer: memoryview, width: int, height: int, slots: int) -> list[NDArray[np.uint8]]:
@@ -154,3 +164,8 @@ def _images(buffer: memoryview, width: int, height: int, slots: int) -> list[NDA
         flat = np.frombuffer(buffer, dtype=np.uint8, count=width * height, offset=place)
         images.append(flat.reshape(height, width))
     return images
+
+
+def _sequences(buffer: memoryview, width: int, height: int, slots: int) -> list[memoryview]:
+    """The slots' sequence locks."""
+    return [word_at(buffer, 64 + slot * _slot_bytes(width, height)) for slot in range(slots)]

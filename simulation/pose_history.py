@@ -11,9 +11,8 @@ FloatArray = NDArray[np.float64]
 
 _ROWS = 4096  # 4 s at 1 kHz: a frame is rendered within a fraction of a second of its exposure
 _ROW = struct.Struct("<3d")
-_COUNT = struct.Struct("<Q")
 _HEADER_BYTES = 64
-_COUNT_AT = 8
+_COUNT_WORD = 1
 
 
 class PoseNotYet(LookupError):
@@ -41,19 +40,19 @@ class PoseHistory:
         """
         self._block: SharedBlock | None = None
         if name is None:
-            self._header = memoryview(bytearray(_HEADER_BYTES))
+            self._words = memoryview(bytearray(_HEADER_BYTES)).cast("Q")
             self._buffer = memoryview(bytearray(_ROWS * _ROW.size))
         else:
             self._block = SharedBlock(name, _ROWS * _ROW.size, create=create, wait_s=wait_s)
-            self._header, self._buffer = self._block.header, self._block.buffer
+            self._words, self._buffer = self._block.words, self._block.buffer
         self._numbers = self._buffer.cast("d")
-        self._count = _COUNT.unpack_from(self._header, _COUNT_AT)[0]
+        self._count = self._written()
 
     def append(self, time_s: float, tip_position_m: float, tip_angle_rad: float) -> None:
         """Add a row; times must increase from row to row. For the one writer only."""
         _ROW.pack_into(self._buffer, self._count % _ROWS * _ROW.size, time_s, tip_position_m, tip_angle_rad)
         self._count += 1
-        _COUNT.pack_into(self._header, _COUNT_AT, self._count)
+        self._words[_COUNT_WORD] = self._count
 
     def newest_time_s(self) -> float:
         """Time of the newest row; minus infinity before the first one."""
@@ -93,7 +92,7 @@ class PoseHistory:
             self._block.close()
 
     def _written(self) -> int:
-        return int(_COUNT.unpack_from(self._header, _COUNT_AT)[0])
+        return int(self._words[_COUNT_WORD])
 
     def _time(self, row: int) -> float:
         return float(self._numbers[3 * (row % _ROWS)])

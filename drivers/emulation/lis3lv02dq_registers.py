@@ -11,7 +11,7 @@ import struct
 from enum import IntEnum
 from typing import Literal
 
-from common.shared_memory import SharedBlock
+from common.shared_memory import SharedBlock, word_at
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 
@@ -25,9 +25,7 @@ _LOWEST, _HIGHEST = -2048, 2047  # 12 bit
 
 _REGISTERS = 128
 _SAMPLE_AT, _READ_AT, _FAILURE_AT, _SIZE = 128, 160, 184, 192
-_WORD = struct.Struct("<Q")
 _SAMPLE = struct.Struct("<Q3h")
-_LOCKED_SAMPLE = struct.Struct("<QQ3h")
 _READ = struct.Struct("<3Q")
 
 
@@ -66,6 +64,7 @@ class Lis3lv02dqRegisters:
         self._block = SharedBlock(name, _SIZE, create=True)
         buffer = self._block.buffer
         self._buffer = buffer
+        self._lock = word_at(buffer, _SAMPLE_AT)
         buffer[WHO_AM_I], buffer[CTRL1], buffer[CTRL3] = IDENTITY, AXES_MASK, 0x08
         self._period_s = period_s
         self._phase = 0.0
@@ -88,10 +87,10 @@ class Lis3lv02dqRegisters:
         counts_per_m_s2 = _COUNTS_PER_G[buffer[CTRL2] & SIX_G != 0] / STANDARD_GRAVITY_M_S2
         x, y, z = [min(max(round(a * counts_per_m_s2), _LOWEST), _HIGHEST) for a in acceleration_xyz_m_s2]
         self._count += 1
-        _WORD.pack_into(buffer, _SAMPLE_AT, self._sequence + 1)
+        self._lock[0] = self._sequence + 1
         _SAMPLE.pack_into(buffer, _SAMPLE_AT + 8, self._count, x, y, z)
         self._sequence += 2
-        _WORD.pack_into(buffer, _SAMPLE_AT, self._sequence)
+        self._lock[0] = self._sequence
 
     def inject(self, failure: Failure) -> None:
         """Make the device fail from now on; Failure.NONE mends it."""
@@ -100,6 +99,7 @@ class Lis3lv02dqRegisters:
     def close(self) -> None:
         """Remove the registers; may be called twice."""
         self._buffer = memoryview(bytearray(_SIZE))
+        self._lock.release()
         self._block.close()
 
 
@@ -111,6 +111,7 @@ class SharedRegisters:
         none."""
         self._block = SharedBlock(name, create=False, wait_s=wait_s)
         self.buffer = self._block.buffer
+        self._lock = word_at(self.buffer, _SAMPLE_AT)
 
     @property
     def failure(self) -> int:
@@ -119,10 +120,11 @@ class SharedRegisters:
 
     def sample(self) -> tuple[int, int, int, int] | None:
         """(count of samples so far, x, y, z in counts), whole; None where the rig died while writing."""
-        buffer = self.buffer
+        buffer, lock = self.buffer, self._lock
         for _ in range(1000):
-            sequence, count, x, y, z = _LOCKED_SAMPLE.unpack_from(buffer, _SAMPLE_AT)
-            if not sequence & 1 and _WORD.unpack_from(buffer, _SAMPLE_AT)[0] == sequence:
+            sequence = lock[0]
+            count, x, y, z = _SAMPLE.unpack_from(buffer, _SAMPLE_AT + 8)
+            if not sequence & 1 and lock[0] == sequence:
                 return count, x, y, z
         return None
 
@@ -141,4 +143,5 @@ class SharedRegisters:
     def close(self) -> None:
         """Release the memory; may be called twice."""
         self.buffer = memoryview(bytearray(_SIZE))
+        self._lock.release()
         self._block.close()
