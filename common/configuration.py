@@ -46,15 +46,42 @@ class Correlation(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Regression(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """On-line sine regression over a window of 3 to 20 frames."""
+    """On-line sine regression over a window of 3 to 20 frames.
+
+    form: "simplified" takes the model's frequency, "exact" fits it, within frequency_std_fraction of the model's.
+    variable_window: whether a sample that breaks with the fit cuts the window down to itself.
+    """
 
     frames: Annotated[int, Meta(ge=3, le=20)] = 20
     offset_time_s: Positive = 3.0
+    form: Literal["simplified", "exact"] = "simplified"
+    frequency_std_fraction: Annotated[float, Meta(gt=0.0, le=0.3)] = 0.05
+    variable_window: bool = True
+
+
+class Kalman(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """The Kalman filters. Disturbances are white accelerations, given by their level per millisecond sample.
+
+    disturbance_m_s2: of each mode; imposed_motion_m_s2: of the slow motion that nobody reports (drift of the image)
+    fusion_sensor: what kalman_fusion takes beside the camera; fusion_delay: what dates the camera's samples there
+    strain_noise_m: of a deflection measured by a strain gauge, in one cycle
+    """
+
+    disturbance_m_s2: Annotated[float, Meta(gt=0.0, le=100.0)] = 0.05
+    imposed_motion_m_s2: Annotated[float, Meta(ge=0.0, le=100.0)] = 0.001
+    fusion_sensor: Literal["accelerometer", "strain_gauge"] = "accelerometer"
+    fusion_delay: Literal["timestamps", "model"] = "timestamps"
+    strain_noise_m: Annotated[float, Meta(gt=0.0, le=0.1)] = 0.0001
 
 
 class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Damping by the joint. `without_schedule`: whether it may act where no schedule says when."""
+    """Damping by the joint. `without_schedule`: whether it may act where no schedule says when.
 
+    law: "velocity", proportional to the deflection ahead; or "composite", fast feedback of deflection and rate with
+    slow feedback of the image.
+    """
+
+    law: Literal["velocity", "composite"] = "velocity"
     without_schedule: bool = True
     added_damping_ratio: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.12
     return_time_s: Positive = 4.0
@@ -64,12 +91,14 @@ class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """The 1 ms cycle."""
+    """The 1 ms cycle. reference_shaping: how the external reference is shaped so as not to excite the first mode."""
 
     method: str = "correlation"
     schedule: str = ""
+    reference_shaping: Literal["none", "zv", "zvd"] = "none"
     correlation: Correlation = Correlation()
     regression: Regression = Regression()
+    kalman: Kalman = Kalman()
     damping: Damping = Damping()
 
 

@@ -8,6 +8,7 @@ from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
 from controller.joint_motion import JointMotion
+from controller.prediction.exact_regression import ExactRegression
 from controller.prediction.image_offset import ImageOffset
 from controller.prediction.sine_regression import SineRegression
 from controller.sensor_deflection import SensorDeflection
@@ -39,8 +40,15 @@ class SineMethod:
         self.delay = delay
         self._sensors = SensorDeflection(model, length)
         self._offset = ImageOffset(mode, regression.offset_time_s)
+        noise, dating = self._sensors.noise_std_m, model.timing.capture_delay_std_s
+        exact = ExactRegression(mode, noise, dating, regression.frequency_std_fraction)
         self._regression = SineRegression(
-            mode, regression.frames, self._sensors.noise_std_m, model.timing.capture_delay_std_s
+            mode,
+            regression.frames,
+            noise,
+            dating,
+            variable_window=regression.variable_window,
+            exact=exact if regression.form == "exact" else None,
         )
 
     def update(self, observation: Observation) -> Estimate:

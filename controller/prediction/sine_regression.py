@@ -1,11 +1,13 @@
-"""On-line sine regression over the last 3 to 20 frames, evaluated at the present [1]: the simplified form.
+"""On-line sine regression over the last 3 to 20 frames, evaluated at the present [1].
 
-The frequency is given (the model's); what is fitted is the free vibration, a decaying sine. Its answer to the joint's
+In the simplified form the frequency is given (the model's); in the exact form (exact_regression.py) it is fitted. What
+is fitted is the free vibration, a decaying sine. Its answer to the joint's
 own motion is known from the drive model, is taken off the samples before the fit and added again after: so the fit
 holds while the joint moves or damps, when the deflection itself is no sine.
 
-The window has a variable length: it grows to `frames` samples, and is cut down to the newest one when that lies
-further from the fit's prediction than noise and the delay's spread explain, as after a blow.
+The window may have a variable length: it grows to `frames` samples, and is cut down to the newest one when that lies
+further from the fit's prediction than noise and the delay's spread explain, as after a blow. A window of fixed length
+takes `frames` samples to forget a blow.
 """
 
 from collections import deque
@@ -15,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from common.model import Mode
+from controller.prediction.exact_regression import ExactFit, ExactRegression
 
 _CHANGE_STDS = 4.0  # at the rate of frames, a false alarm in some minutes; a blow exceeds it at once
 
@@ -33,8 +36,20 @@ class FreeVibration(NamedTuple):
 class SineRegression:
     """Least squares of exp(-zeta w t) (a cos wd t + b sin wd t), t counted back from the newest sample."""
 
-    def __init__(self, mode: Mode, frames: int, noise_std_m: float, dating_std_s: float) -> None:
-        """Fit over up to `frames` samples, each off by `noise_std_m` in value and `dating_std_s` in time."""
+    def __init__(
+        self,
+        mode: Mode,
+        frames: int,
+        noise_std_m: float,
+        dating_std_s: float,
+        *,
+        variable_window: bool = True,
+        exact: ExactRegression | None = None,
+    ) -> None:
+        """Fit over up to `frames` samples, each off by `noise_std_m` in value and `dating_std_s` in time.
+
+        variable_window: whether a blow cuts the window. exact: what fits the frequency too; None: it is given.
+        """
         self._w = mode.angular_frequency
         self._zeta_w = mode.damping_ratio * self._w
         self._wd = self._w * sqrt(1.0 - mode.damping_ratio**2)
@@ -45,6 +60,10 @@ class SineRegression:
         self._reference = nan
         self._a = self._b = 0.0
         self._covariance = (0.0, 0.0, 0.0)
+        self._variable_window = variable_window
+        self._exact = exact
+        self._turn, self._zeta = sqrt(1.0 - mode.damping_ratio**2), mode.damping_ratio
+        self._frequency_variance = self._a_per_w = self._b_per_w = 0.0
         self.ready = False
 
     @property
@@ -65,7 +84,7 @@ class SineRegression:
         """
         if self._times and abs(time_s - self._times[-1]) > longest_gap_s:
             self.restart()
-        changed = self.samples >= 3 and self._changed(time_s, value_m - offset_m)
+        changed = self._variable_window and self.samples >= 3 and self._changed(time_s, value_m - offset_m)
         if changed:
             self.restart()
         self._times.append(time_s)
@@ -85,6 +104,8 @@ class SineRegression:
         self._reference = self._times[-1]
         t = np.array(self._times) - self._reference
         values = np.array(self._values) - offset_m
+        if self._exact is not None:
+            return self._take(self._exact.fit(t, values))
         decay = np.exp(-self._zeta_w * t)
         c, s = decay * np.cos(self._wd * t), decay * np.sin(self._wd * t)
         cc, ss, cs = float(c @ c), float(s @ s), float(c @ s)
@@ -99,6 +120,15 @@ class SineRegression:
         variance = max(float(residual @ residual) / max(1, len(t) - 2), least * least) / determinant
         self._covariance = (ss * variance, cc * variance, -cs * variance)
         self.ready = True
+        return None
+
+    def _take(self, fit: ExactFit) -> None:
+        self._a, self._b, self._covariance = fit.a, fit.b, fit.covariance
+        self._wd = self._turn * fit.angular_frequency
+        self._zeta_w = self._zeta * fit.angular_frequency
+        self._frequency_variance = fit.angular_frequency_variance
+        self._a_per_w, self._b_per_w = fit.a_per_w, fit.b_per_w
+        self.ready = True
 
     def predict(self, time_s: float) -> FreeVibration:
         """The free vibration at an instant, from the last fit. Call only when ready."""
@@ -108,4 +138,8 @@ class SineRegression:
         rate = decay * self._wd * (self._b * c - self._a * s) - self._zeta_w * deflection
         aa, bb, ab = self._covariance
         variance = decay * decay * (c * c * aa + s * s * bb + 2.0 * c * s * ab)
+        if self._frequency_variance > 0.0:
+            turned = self._turn * (self._b * c - self._a * s) * decay - self._zeta * deflection
+            by_w = t * turned + decay * (self._a_per_w * c + self._b_per_w * s)
+            variance += by_w * by_w * self._frequency_variance
         return FreeVibration(deflection, rate, sqrt(max(variance, 0.0)), decay * hypot(self._a, self._b))
