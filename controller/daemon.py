@@ -18,6 +18,7 @@ from controller.realtime import enter_realtime
 from controller.recorded import estimate_sample, fast_sample, frame_sample
 from controller.schedule import CycleClock
 from controller.step import Controller, CycleInput, CycleOutput
+from controller.warm_up import warm_up
 
 _FADE_CYCLES = 100  # how long the loop runs on after it was asked to stop, fading the command
 _LINK_EVERY_S = 1.0
@@ -31,9 +32,8 @@ def run(
     configuration = load_configuration(configuration_path)
     model = load_assumed_model(configuration, configuration_path)
     cycle_s = model.timing.cycle_s
-    controller = Controller(
-        model, configuration.controller, str(model_path(configuration, configuration_path))
-    )
+    model_name = str(model_path(configuration, configuration_path))
+    controller = Controller(model, configuration.controller, model_name)
     devices = LiveDevices(configuration, cycle_s)
     stop = StopSignal()
     devices.start()
@@ -44,6 +44,7 @@ def run(
             header = live_header(configuration_path, configuration, devices.session, clock.origin_s)
             recorder = RecorderClient.start(record, header)
         _grant_realtime(allow_non_realtime)
+        warm_up(model, configuration.controller, model_name)
         loop = _Loop(configuration, controller, devices, recorder, clock, cycle_s)
         last = None if duration_s is None else int(duration_s / cycle_s)
         loop.run(lambda cycle: bool(stop) or (last is not None and cycle >= last))

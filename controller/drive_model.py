@@ -4,6 +4,7 @@ theta'' is taken from here, never by differencing an encoder: one count of noise
 millisecond, is metres per second squared at the tip.
 """
 
+from collections import deque
 from math import atan, exp, pi
 
 from common.model import Drive
@@ -20,30 +21,35 @@ class DriveModel:
         self._stay = exp(-self._rate * cycle_s)
         whole = int(drive.dead_time_s / cycle_s)
         self._fraction = drive.dead_time_s / cycle_s - whole
-        self._waiting = [0.0] * (whole + 2)  # commands under way, newest first
+        self._waiting = deque([0.0] * (whole + 2), maxlen=whole + 2)  # commands under way, newest first
         self.position_rad = position_rad
         self.velocity_rad_s = 0.0
         self.acceleration_rad_s2 = 0.0
 
     def advance(self, command_rad_s: float) -> None:
         """Move on by one cycle during which `command_rad_s` is sent."""
-        drive, waiting = self._drive, self._waiting
-        waiting.insert(0, min(max(command_rad_s, -drive.max_velocity_rad_s), drive.max_velocity_rad_s))
-        waiting.pop()
+        drive, waiting, cycle_s = self._drive, self._waiting, self._cycle_s
+        top = drive.max_velocity_rad_s
+        waiting.appendleft(-top if command_rad_s < -top else top if command_rad_s > top else command_rad_s)
         arriving = waiting[-2] + self._fraction * (waiting[-1] - waiting[-2])
-        limit = drive.max_acceleration_rad_s2
-        before = self.velocity_rad_s
-        change = min(
-            max((arriving - before) * (1.0 - self._stay), -limit * self._cycle_s), limit * self._cycle_s
-        )
+        before, most = self.velocity_rad_s, drive.max_acceleration_rad_s2 * cycle_s
+        change = (arriving - before) * (1.0 - self._stay)
+        if not -most <= change <= most:
+            change = most if change > 0.0 else -most
         self.velocity_rad_s = before + change
-        self.position_rad += self._cycle_s * (before + 0.5 * change)
+        self.position_rad += cycle_s * (before + 0.5 * change)
+        if not drive.min_position_rad <= self.position_rad <= drive.max_position_rad:
+            self._stop_at_the_end()
+        limit = drive.max_acceleration_rad_s2
+        acceleration = self._rate * (arriving - self.velocity_rad_s)
+        self.acceleration_rad_s2 = limit if acceleration > limit else max(acceleration, -limit)
+
+    def _stop_at_the_end(self) -> None:
+        drive = self._drive
         stop = min(max(self.position_rad, drive.min_position_rad), drive.max_position_rad)
-        if stop != self.position_rad:
-            if (self.position_rad - stop) * self.velocity_rad_s > 0.0:
-                self.velocity_rad_s = 0.0
-            self.position_rad = stop
-        self.acceleration_rad_s2 = min(max(self._rate * (arriving - self.velocity_rad_s), -limit), limit)
+        if (self.position_rad - stop) * self.velocity_rad_s > 0.0:
+            self.velocity_rad_s = 0.0
+        self.position_rad = stop
 
 
 def drive_lead_s(drive: Drive, angular_frequency: float) -> float:

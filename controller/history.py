@@ -20,6 +20,11 @@ class CycleHistory:
 
     def write(self, cycle: int, value: float) -> None:
         """Store the value of a cycle, which lies after the one written last."""
+        if self._cycle == cycle - 1:  # nearly always
+            place = cycle % self._length
+            self._twice[place] = self._twice[place + self._length] = value
+            self._cycle = cycle
+            return
         first = cycle if self._cycle is None else max(self._cycle + 1, cycle - self._length + 1)
         for n in range(first, cycle + 1):
             place = n % self._length

@@ -9,9 +9,9 @@ import tomli_w
 from common.configuration import Configuration, default_configuration_path, load_configuration
 from common.model import load_model
 from common.recording.header import RecordingHeader, program_version
-from common.recording.writer import RecordingWriter
 from common.scenario import load_scenario
 from common.user_error import UserError
+from simulation.recording_process import RecordingProcess
 from simulation.virtual_time import PartCosts, VirtualRun, simulate
 
 
@@ -59,13 +59,12 @@ def write_simulated_recording(
     header = _header(configuration, path, assumed_model_path.read_text(), seed, notes)
     true_header = _header(configuration, path, true_model_path.read_text(), seed, notes)
     recording_path.parent.mkdir(parents=True, exist_ok=True)
-    recording = RecordingWriter(recording_path, header)
-    truth = RecordingWriter(truth_path, true_header)
+    files = RecordingProcess([(recording_path, header), (truth_path, true_header)])
     try:
+        recording, truth = files.sinks
         costs = simulate(run, recording, truth, progress)
     finally:
-        recording.close()
-        truth.close()
+        files.close()
     return costs, run.scenario.duration_s
 
 

@@ -5,12 +5,13 @@ the cycle's start, the controller answers, the arm moves on under the answer. Th
 controller are real ones; the drive's are left out, its commands are taken over directly.
 """
 
-import secrets
 import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf, nan
+from typing import Protocol
 
 import msgspec
 import numpy as np
@@ -18,15 +19,12 @@ import numpy as np
 from common.configuration import Configuration
 from common.datagram import DEMO_KEY
 from common.model import Model
-from common.recording.writer import RecordingWriter
 from common.scenario import Scenario
 from common.visual_sample import TrackingStatus, VisualSample
 from controller.exchange import ControllerExchange
 from controller.recorded import estimate_sample, fast_sample, frame_sample
 from controller.step import Controller, CycleInput
-from drivers.accelerometer import Accelerometer
-from drivers.accelerometer_factory import open_accelerometer
-from drivers.emulation.lis3lv02dq_registers import Lis3lv02dqRegisters, sensed_axes
+from simulation.accelerometer_reading import accelerometer_reading
 from simulation.accelerometer_signal import AccelerometerSignal
 from simulation.camera_timing import AFTER_DELIVERY_S
 from simulation.disturbance import Disturbance
@@ -40,27 +38,38 @@ from supervisor.step import Supervisor
 _ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
 _CONTROLLER_SESSION, _SUPERVISOR_SESSION = 1, 2
 _REPORT_EVERY = 1000  # cycles
+_COUNTED_EVERY = 10  # cycles
 _PROCESSING_S = (
     AFTER_DELIVERY_S - 0.0005
 )  # tracking and network; the wait for the next cycle adds half a cycle
 
 
+class MessageSink(Protocol):
+    """Takes the messages of a recording."""
+
+    def write(self, topic_name: str, message: msgspec.Struct) -> None:
+        """Append a message of a topic of the table."""
+
+
 @dataclass
 class PartCosts:
-    """Seconds of real time that each part of a simulation took."""
+    """Seconds of real time that each part of a simulation took, from every tenth cycle."""
 
     seconds: dict[str, float] = field(default_factory=dict)
     _since: float = 0.0
+    _counting: bool = False
 
-    def start(self) -> None:
-        """Begin to count."""
-        self._since = time.perf_counter()
+    def begin_cycle(self, cycle: int) -> None:
+        """Count this cycle, or not: the counting itself costs."""
+        self._counting = cycle % _COUNTED_EVERY == 0
+        self._since = time.perf_counter() if self._counting else 0.0
 
     def spent_on(self, part: str) -> None:
         """What has passed since the last call went into `part`."""
-        now = time.perf_counter()
-        self.seconds[part] = self.seconds.get(part, 0.0) + now - self._since
-        self._since = now
+        if self._counting:
+            now = time.perf_counter()
+            self.seconds[part] = self.seconds.get(part, 0.0) + _COUNTED_EVERY * (now - self._since)
+            self._since = now
 
 
 class _VirtualSupervisor:
@@ -79,8 +88,8 @@ class _VirtualSupervisor:
         self._free_at_s = -inf
         self._sent: deque[tuple[float, bytes]] = deque()
 
-    def advance(self, now_s: float, timestamp: bytes) -> tuple[list[bytes], list[Delivery]]:
-        """Do what falls due up to `now_s`, `timestamp` being the latest before it.
+    def advance(self, now_s: float, timestamp: Callable[[], bytes]) -> tuple[list[bytes], list[Delivery]]:
+        """Do what falls due up to `now_s`; `timestamp` gives the latest before it, the only one that is looked at.
 
         Returns the datagrams that arrive at the controller by then, and the frames that the camera handed over.
         """
@@ -96,8 +105,8 @@ class _VirtualSupervisor:
             self._begin_cycles(timestamp)  # the next image is asked for as soon as this one is done
         return arrived, delivered
 
-    def _begin_cycles(self, timestamp: bytes) -> None:
-        self._exchange.take([timestamp])
+    def _begin_cycles(self, timestamp: Callable[[], bytes]) -> None:
+        self._exchange.take([timestamp()])
         self._exchange.begin_cycles()
 
     def _sample(self, delivery: Delivery, started_cycle: int) -> VisualSample:
@@ -139,8 +148,8 @@ class VirtualRun:
 
 def simulate(
     run: VirtualRun,
-    recording: RecordingWriter,
-    truth: RecordingWriter,
+    recording: MessageSink,
+    truth: MessageSink,
     progress: Callable[[float], None] = lambda done: None,
 ) -> PartCosts:
     """Run the loop and write both files; returns what each part cost. Raises UserError for what cannot be simulated."""
@@ -160,23 +169,19 @@ def simulate(
     supervisor = _VirtualSupervisor(run.configuration, camera, run.true_model.camera.noise_std_px, run.images)
     controller = Controller(run.assumed_model, run.configuration.controller, run.name)
     exchange = ControllerExchange(DEMO_KEY, _CONTROLLER_SESSION)
-    registers, accelerometer = _emulated_accelerometer(run.configuration)
-    axis = run.configuration.accelerometer.axis
+    read_accelerometer = accelerometer_reading(run.configuration.accelerometer)
     costs = PartCosts()
     strikes = sorted(run.scenario.strikes, key=lambda strike: strike.time_s)
-    timestamp = exchange.timestamp(0)
     cycles = round(run.scenario.duration_s / cycle_s)
-    costs.start()
     try:
         for cycle in range(cycles):
+            costs.begin_cycle(cycle)
             now = cycle * cycle_s
-            registers.publish(sensed_axes(signal.sample(plant.tip_acceleration_m_s2), axis))
-            acceleration = accelerometer.read() if accelerometer is not None else nan
+            acceleration = read_accelerometer(signal.sample(plant.tip_acceleration_m_s2))
             costs.spent_on("accelerometer")
             poses.append(now, plant.tip_position_m, plant.tip_angle_rad)
-            datagrams, delivered = supervisor.advance(now, timestamp)
+            datagrams, delivered = supervisor.advance(now, partial(exchange.timestamp, max(0, cycle - 1)))
             costs.spent_on("camera and supervisor")
-            timestamp = exchange.timestamp(cycle)
             read = CycleInput(
                 cycle,
                 acceleration,
@@ -206,19 +211,5 @@ def simulate(
             if cycle % _REPORT_EVERY == 0:
                 progress(cycle / cycles)
     finally:
-        if accelerometer is not None:
-            accelerometer.close()
-        registers.close()
         poses.close()
     return costs
-
-
-def _emulated_accelerometer(configuration: Configuration) -> tuple[Lis3lv02dqRegisters, Accelerometer | None]:
-    """The configured accelerometer on emulated registers of its own, whatever bus the configuration names."""
-    name = f"simulate-{secrets.token_hex(6)}"
-    registers = Lis3lv02dqRegisters(name)
-    device = msgspec.structs.replace(configuration.accelerometer, bus=f"memory:{name}")
-    accelerometer = open_accelerometer(device, wait_s=0.0)
-    if accelerometer is not None:
-        accelerometer.start()
-    return registers, accelerometer

@@ -1,6 +1,7 @@
 """`stillarm controller`: the 1 ms cycle."""
 
 import argparse
+import os
 from pathlib import Path
 
 
@@ -18,6 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
+    os.environ.setdefault(
+        "OPENBLAS_NUM_THREADS", "1"
+    )  # before numpy: a second thread has no place in the loop
     from controller.daemon import run as run_controller
 
     run_controller(
