@@ -74,6 +74,18 @@ class Kalman(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     strain_noise_m: Annotated[float, Meta(gt=0.0, le=0.1)] = 0.0001
 
 
+class Fused(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Our own method. Relative spread of the modes' frequencies before they are seen, and their walk in a square root
+    second; disturbance_share: how much of its amplitude the vibration changes unseen in a square root second.
+    """
+
+    frequency_spread: Positive = 0.02
+    frequency_walk: Positive = 0.0003
+    disturbance_share: Positive = 0.003
+    min_amplitude_m: NonNegative = 0.0003
+    known_within_s: Positive = 0.005
+
+
 class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """Damping by the joint. `without_schedule`: whether it may act where no schedule says when.
 
@@ -99,6 +111,7 @@ class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     correlation: Correlation = Correlation()
     regression: Regression = Regression()
     kalman: Kalman = Kalman()
+    fused: Fused = Fused()
     damping: Damping = Damping()
 
 

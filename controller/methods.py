@@ -9,6 +9,7 @@ from common.user_error import UserError
 from controller.delay.correlation import CorrelationDelay
 from controller.delay.timestamps import TimestampDelay
 from controller.estimate import Method
+from controller.fused.method import FusedMethod
 from controller.sine_method import SineMethod
 
 
@@ -20,9 +21,14 @@ def _correlation(model: Model, settings: Controller, model_name: str) -> Method:
     return SineMethod(model, settings.regression, CorrelationDelay(model, settings.correlation), model_name)
 
 
+def _fused(model: Model, settings: Controller, model_name: str) -> Method:
+    return FusedMethod(model, settings.fused, model_name)
+
+
 METHODS: dict[str, Callable[[Model, Controller, str], Method]] = {
     "timestamps": _timestamps,
     "correlation": _correlation,
+    "fused": _fused,
 }
 
 

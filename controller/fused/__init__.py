@@ -1,0 +1,1 @@
+"""`fused`: accelerometer, image, frame counter, stamps, arrivals and joint motion in one estimator, one part a file."""

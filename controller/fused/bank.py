@@ -1,0 +1,204 @@
+"""Extended Kalman filters side by side, one for each law by which a frame may be dated (docs/fused.md, section 3).
+
+All live at one instant `edge_s`, the end of the last accelerometer block they have taken in, which lies about a
+capture delay back: an image is taken in at its own instant, and what the accelerometer has said since is added
+afterwards (present.py).
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller.fused.blocks import Block
+from controller.fused.layout import Layout
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+class Law(IntEnum):
+    """How the instant of a frame is said to follow."""
+
+    CLOCK = 0  # t0 + k T, k from the frame counter
+    STAMPS = 1  # the camera's own stamps
+    STEADY = 2  # arrival minus a constant delay
+    DRIFT = 3  # arrival minus a wandering delay
+    JITTER = 4  # arrival minus a delay of its own for each frame
+
+
+LAWS = len(Law)
+
+
+@dataclass(slots=True)
+class Seen:
+    """One image as each filter sees it before taking it in; arrays of shape (laws,)."""
+
+    residual: Array
+    variance: Array
+    rate: Array
+    slope: Array  # (laws, n)
+
+    @property
+    def surprise(self) -> Array:
+        """Normalised innovation squared."""
+        result: Array = self.residual**2 / self.variance
+        return result
+
+
+class FilterBank:
+    """States x (laws, n), covariances p (laws, n, n)."""
+
+    def __init__(self, layout: Layout, state: Array, variance: Array, jitter_s: Array) -> None:
+        """state, variance: (laws, n) at the start; jitter_s: white spread of each law's instants, s."""
+        self._at = layout
+        self.x = state
+        self.p = np.zeros((LAWS, layout.size, layout.size))
+        diagonal = np.arange(layout.size)
+        self.p[:, diagonal, diagonal] = variance
+        self._diagonal = diagonal
+        self._unit = np.eye(layout.size)[None].repeat(LAWS, axis=0)
+        self.jitter = jitter_s**2
+        self.edge_s = 0.0
+        m = layout.modes
+        self._i_cos, self._i_sin = np.arange(0, 2 * m, 2), np.arange(1, 2 * m, 2)
+        self._i_w, self._i_d = np.arange(2 * m, 3 * m), np.arange(3 * m, 4 * m)
+
+    def phasors(self) -> ComplexArray:
+        """Z = a - i b of each mode, (laws, m): mode i deflects Re(Z exp(i w t))."""
+        at = self._at
+        return self.x[:, at.cosine] - 1j * self.x[:, at.sine]
+
+    def _rates(self) -> ComplexArray:
+        """Slow complex rate of each phasor, (laws, m)."""
+        at = self._at
+        return -at.sigma - self.x[:, at.decay] + 1j * self.x[:, at.frequency]
+
+    def take_block(self, block: Block, variance: float) -> None:
+        """The accelerometer's block that begins at edge_s: z = - sum Re(lambda^2 Z exp(i w t)) / w_1^2 + bias."""
+        at = self._at
+        z, slow = self.phasors(), self._rates()
+        fast = slow + 1j * at.w
+        lag = block.time_s - self.edge_s
+        gain = fast * fast * np.exp(slow * lag) * (np.array(block.turn) * (-1.0 / at.w_first**2))
+        value = z * gain
+        twice = value * (lag + 2.0 / fast)
+        slope = np.zeros_like(self.x)
+        slope[:, at.cosine], slope[:, at.sine] = gain.real, gain.imag
+        slope[:, at.frequency], slope[:, at.decay] = -twice.imag, -twice.real
+        slope[:, at.bias] = 1.0
+        residual = block.value - block.forced - value.real.sum(axis=1) - self.x[:, at.bias]
+        self._update(slope, residual, variance)
+
+    def move_on(self, block: Block, noise: Array) -> None:
+        """From the block's start to its end, adding `noise` (n,) to the covariance's diagonal."""
+        at = self._at
+        dt = block.end_s - self.edge_s
+        turn = np.exp(self._rates() * dt)
+        z = self.phasors() * turn
+        f = self._unit.copy()
+        c, s = self._i_cos, self._i_sin
+        f[:, c, c] = f[:, s, s] = turn.real
+        f[:, c, s], f[:, s, c] = turn.imag, -turn.imag
+        f[:, c, self._i_w], f[:, s, self._i_w] = -dt * z.imag, -dt * z.real
+        f[:, c, self._i_d], f[:, s, self._i_d] = -dt * z.real, dt * z.imag
+        z += np.array(block.step) * (0.5 + 0.5 * turn)
+        self.x[:, at.cosine], self.x[:, at.sine] = z.real, -z.imag
+        p = f @ self.p @ f.transpose(0, 2, 1)
+        self.p = 0.5 * (p + p.transpose(0, 2, 1))
+        self.p[:, self._diagonal, self._diagonal] += noise
+        self.edge_s = block.end_s
+
+    def advance_dating(self, elapsed_s: Array, shift_noise: Array, skew_noise: float) -> None:
+        """Frames go on by `elapsed_s` of each law's clock (laws,): its skew moves its shift."""
+        t, k = self._at.shift, self._at.skew
+        self.x[:, t] += elapsed_s * self.x[:, k]
+        self.p[:, t, :] += elapsed_s[:, None] * self.p[:, k, :]
+        self.p[:, :, t] += elapsed_s[:, None] * self.p[:, :, k]
+        self.p[:, t, t] += shift_noise
+        self.p[:, k, k] += skew_noise * np.abs(elapsed_s)
+
+    def look(
+        self,
+        value_m: float,
+        times_s: Array,
+        joint_m: Array,
+        joint_rate: Array,
+        step: ComplexArray,
+        noise: float,
+    ) -> Seen:
+        """An image that shows value_m, exposed at times_s (laws,) when the joint alone moved the tip by joint_m.
+
+        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (laws, m). noise: variance, m^2.
+        """
+        at = self._at
+        z, slow = self.phasors(), self._rates()
+        lag = (times_s - self.edge_s)[:, None]
+        turn = np.exp(slow * lag) * np.exp(1j * at.w * times_s[:, None]) * at.image_gain
+        own = z * turn
+        total = own + step * turn
+        blur = np.exp(-0.5 * self.jitter * at.w_first**2)
+        scale = 1.0 + self.x[:, at.scale]
+        deflection = total.real.sum(axis=1) * blur
+        tip = joint_m + deflection
+        rate = scale * (joint_rate + ((slow + 1j * at.w) * total).real.sum(axis=1))
+        slope = np.zeros_like(self.x)
+        seen = turn * (scale * blur)[:, None]
+        slope[:, at.cosine], slope[:, at.sine] = seen.real, seen.imag
+        slope[:, at.frequency] = -lag * own.imag * scale[:, None]
+        slope[:, at.decay] = -lag * own.real * scale[:, None]
+        slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
+        residual = value_m - scale * tip - self.x[:, at.offset]
+        # second order: the rate is itself uncertain, and a large shift bends the sinusoid
+        p = self.p
+        unknown = self.jitter + p[:, at.shift, at.shift]
+        rates = 0.5 * at.w_first**2 * (p[:, 0, 0] + p[:, 1, 1])
+        bend = 0.5 * (at.w_first**2 * deflection * unknown) ** 2
+        extra = noise + rate**2 * self.jitter + rates * unknown + bend
+        ph = (p @ slope[:, :, None])[:, :, 0]
+        return Seen(residual, (ph * slope).sum(axis=1) + extra, rate, slope)
+
+    def take_image(self, seen: Seen, extra: Array) -> tuple[Array, Array]:
+        """Take in what `look` saw, with variance enlarged by the factors `extra` (laws,).
+
+        Returns what each filter then holds of this frame's own instant beyond its shift: mean, s, and the variance
+        of the instant as a whole, s^2; each (laws,).
+        """
+        t = self._at.shift
+        ph = (self.p @ seen.slope[:, :, None])[:, :, 0]
+        variance = seen.variance * extra
+        gain = ph / variance[:, None]
+        self.x += gain * seen.residual[:, None]
+        self.p -= gain[:, :, None] * ph[:, None, :]
+        own = seen.rate * self.jitter / variance
+        spread = self.p[:, t, t] + self.jitter - own * own * variance - 2.0 * own * ph[:, t]
+        return own * seen.residual, np.maximum(spread, 1e-14)
+
+    def _update(self, slope: Array, residual: Array, noise: float) -> None:
+        ph = (self.p @ slope[:, :, None])[:, :, 0]
+        gain = ph / ((ph * slope).sum(axis=1) + noise)[:, None]
+        self.x += gain * residual[:, None]
+        self.p -= gain[:, :, None] * ph[:, None, :]
+
+    def inflate(self, jump_m: float, time_s: float) -> None:
+        """A blow of about jump_m at time_s: the rate is unknown by it, the deflection by a part of it."""
+        at = self._at
+        along = np.exp(-1j * at.w * time_s)  # of Z: -i conj(turn) for a change of rate
+        direction = np.zeros(at.size)
+        direction[at.cosine], direction[at.sine] = (-1j * along).real, -(-1j * along).imag
+        self.p += (1.5 * jump_m) ** 2 * np.outer(direction, direction)
+        for i in range(2 * at.modes):
+            self.p[:, i, i] += (0.3 * jump_m) ** 2
+
+    def copy_law(
+        self, source: int, target: int, shift: float, shift_variance: float, skew_variance: float
+    ) -> None:
+        """Start law `target` anew from what `source` knows of everything but the dating."""
+        t, k = self._at.shift, self._at.skew
+        self.x[target], self.p[target] = self.x[source], self.p[source]
+        for i, variance in ((t, shift_variance), (k, skew_variance)):
+            self.p[target, i, :] = self.p[target, :, i] = 0.0
+            self.p[target, i, i] = variance
+        self.x[target, t], self.x[target, k] = shift, 0.0
+

@@ -1,0 +1,201 @@
+"""The fused method: one call a cycle; docs/fused.md derives it."""
+
+from cmath import exp
+from collections import deque
+from math import isfinite, pi, sqrt
+
+from common.configuration import Fused
+from common.model import Model, length_of
+from common.visual_sample import VisualSample
+from controller.estimate import DelayEstimate, Estimate, Observation, Status
+from controller.fused.blocks import Block, BlockSums
+from controller.fused.blow import Blow, BlowDetector
+from controller.fused.frames import FrameFusion, Merged
+from controller.fused.joint_input import JointInput
+from controller.fused.layout import Layout
+from controller.fused.present import Present
+from controller.fused.sensor_health import AccelerometerHealth
+from controller.joint_motion import JointMotion
+
+_BLOCK_PERIODS = 1.0 / 24.0  # of the highest mode
+_SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
+_BACKLOG_S = 0.15  # of blocks, beyond the model's delay
+
+
+class FusedMethod:
+    """Accelerometer, images, frame counter, stamps, arrivals and joint motion in a bank of filters.
+
+    reason: why the last estimate has the status that it has.
+    """
+
+    def __init__(self, model: Model, settings: Fused, model_name: str) -> None:
+        """Raises UserError for a model without length."""
+        self._model, self._settings = model, settings
+        self._length = length_of(model, model_name)
+        self._cycle_s = model.timing.cycle_s
+        self._at = Layout(model, self._length)
+        self._w: list[float] = self._at.w.tolist()
+        self._sigma: list[float] = self._at.sigma.tolist()
+        sensor = model.accelerometer
+        self._per_acceleration = -1.0 / self._at.w_first**2
+        self._rigid = (1.0 - sum(mode.participation for mode in model.arm.modes)) * self._length
+        self._nominal_gain = [
+            self._per_acceleration * (-s + 1j * w) ** 2 for s, w in zip(self._sigma, self._w, strict=True)
+        ]
+        self._filter_cycles = round(sensor.delay_s / self._cycle_s)
+        self._filter_turn = [exp(-1j * w * self._filter_cycles * self._cycle_s) for w in self._w]
+        self._block_cycles = min(
+            max(round(_BLOCK_PERIODS * 2.0 * pi / max(self._w) / self._cycle_s), _SHORTEST_BLOCK), _LONGEST_BLOCK
+        )
+        self._most_blocks = int((model.timing.capture_delay_s + _BACKLOG_S) / (self._block_cycles * self._cycle_s))
+        self.reason = ""
+        self._begin()
+
+    def _begin(self) -> None:
+        """Everything unknown."""
+        model, at = self._model, self._at
+        per_sample = abs(self._per_acceleration) / abs(model.accelerometer.scale)
+        self.frames = FrameFusion(model, self._settings, at, self._length)
+        self.health = AccelerometerHealth(
+            per_sample * model.accelerometer.noise_std_m_s2, model.accelerometer.range_m_s2, per_sample * 0.005
+        )
+        self._joint_input = JointInput(self._w, at.input_gain, self._cycle_s)
+        self._present = Present(self._w, self._sigma, at.w_first)
+        self._blows = BlowDetector(at.w_first, self._block_cycles * self._cycle_s)
+        self._sums = BlockSums(at.modes)
+        self._blocks: deque[Block] = deque()
+        self._block_start: int | None = None
+        self._start_sum = [0j] * at.modes
+        self._snapshot: Merged | None = None
+        self._last_frame_s = float("-inf")
+
+    def update(self, observation: Observation) -> Estimate:
+        """One cycle."""
+        cycle, time_s, joint = observation.cycle, observation.time_s, observation.joint
+        turn = [exp(1j * w * time_s) for w in self._w]
+        self._joint_input.advance(cycle, turn, joint.acceleration_rad_s2)
+        if self._block_start is None:
+            self._block_start = cycle
+            self.frames.bank.edge_s = time_s
+            self._restart_present(time_s)
+        present = self._present
+        present.advance(self._joint_input.increment)
+        self._see_acceleration(observation, turn)
+        if cycle - self._block_start >= self._block_cycles:
+            self._close_block(cycle)
+        for sample in observation.samples:
+            self._see_sample(sample, cycle, time_s, joint)
+        return self._estimate(turn, time_s)
+
+    def _see_acceleration(self, observation: Observation, turn: list[complex]) -> None:
+        raw = observation.acceleration_m_s2
+        if not self.health.usable(raw):
+            return
+        sensor = self._model.accelerometer
+        at_tip = (raw - sensor.bias_m_s2) / sensor.scale - self._rigid * observation.joint.acceleration_rad_s2
+        value = at_tip * self._per_acceleration
+        if self._filter_cycles:
+            turn = [one * back for one, back in zip(turn, self._filter_turn, strict=True)]
+        expected = self._present.expected(turn)
+        value = expected + self.health.bounded(value - expected)
+        forced = 0.0
+        for i, one in enumerate(turn):
+            forced += ((self._joint_input.sum[i] - self._start_sum[i]) * one * self._nominal_gain[i]).real
+        self._sums.add(value, turn, observation.time_s - sensor.delay_s, forced)
+
+    def _close_block(self, cycle: int) -> None:
+        assert self._block_start is not None
+        start_s, end_s = self._block_start * self._cycle_s, cycle * self._cycle_s
+        sums = self._joint_input.sum
+        step = tuple(now - then for now, then in zip(sums, self._start_sum, strict=True))
+        block = self._sums.close(start_s, end_s, self.health.variance, step)
+        self._block_start, self._start_sum = cycle, sums.copy()
+        self._sums.clear()
+        self._blocks.append(block)
+        if block.count:
+            self._compare(block)
+        if len(self._blocks) > self._most_blocks:
+            self.frames.take_block(self._blocks.popleft())
+            self._snapshot = None
+        self._present.widen(self.frames.phasor_noise() * (end_s - start_s))
+
+    def _compare(self, block: Block) -> None:
+        present = self._present
+        residual = present.residual(block)
+        self.health.compare(
+            block.value - block.forced - present.bias, block.value - block.forced - present.bias - residual, block.variance
+        )
+        if self.health.mute:
+            block.count = 0
+            return
+        blow = self._blows.see(block, residual, block.variance + present.bias_variance)
+        if blow is None:
+            present.take_block(block, block.variance, at_end=True)
+        else:
+            self._mark(blow)
+
+    def _mark(self, blow: Blow) -> None:
+        """Let the blocks' history have the blow where it began, and see the present afresh."""
+        self._blows.forget()
+        place = max(0, len(self._blocks) - blow.blocks_ago)
+        block = self._blocks[place]
+        block.jump_m = max(block.jump_m, abs(blow.size_m))
+        self._restart_present(self._blocks[-1].end_s)
+
+    def _see_sample(self, sample: VisualSample, cycle: int, time_s: float, joint: JointMotion) -> None:
+        frames = self.frames
+        if not frames.accept(sample, time_s):
+            return
+        if not (sample.measured and isfinite(sample.displacement_x_px)):
+            return
+        instant = frames.expected_instant_s()
+        while self._blocks and self._blocks[0].end_s <= instant:
+            frames.take_block(self._blocks.popleft())
+        frames.take(sample, time_s, joint, self._joint_input, self._blows.suspicion)
+        self._last_frame_s = time_s
+        self._snapshot = None
+        if frames.blow:
+            self._blows.forget()
+        self._restart_present(cycle * self._cycle_s)
+
+    def _restart_present(self, now_s: float) -> None:
+        """From the bank's instant to now."""
+        if self._snapshot is None:
+            self._snapshot = self.frames.merged(now_s)
+        merged, present = self._snapshot, self._present
+        present.restart(
+            list(merged.phasors), [row.copy() for row in merged.covariance], merged.slow,
+            merged.bias, merged.bias_variance, self._cycle_s,
+        )  # fmt: skip
+        for block in self._blocks:
+            if block.jump_m:
+                present.inflate(block.jump_m, block.start_s)
+            if block.count:
+                present.take_block(block, block.variance, at_end=False)
+            present.move_on(block)
+        assert self._block_start is not None
+        rest = now_s - self._block_start * self._cycle_s
+        for i, start in enumerate(self._start_sum):
+            turned = present.z[i] * exp(present.slow[i] * rest)
+            present.z[i] = turned + self._joint_input.sum[i] - start
+
+    def _estimate(self, turn: list[complex], time_s: float) -> Estimate:
+        deflection, rate, std = self._present.deflection(turn)
+        if not isfinite(deflection + rate + std):
+            self._begin()
+            self.reason = "numbers out of range: started again"
+            delay = DelayEstimate(self.frames.delay_s, self.frames.delay_std_s, Status.INVALID)
+            return Estimate(delay, status=Status.INVALID)
+        frames = self.frames
+        amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))
+        status = Status.ESTIMATED
+        self.reason = self.health.reason
+        if frames.delay_std_s > self._settings.known_within_s:
+            status, self.reason = Status.UNESTIMATED, "too little vibration seen yet"
+        elif amplitude < max(self._settings.min_amplitude_m, 3.0 * std):
+            status, self.reason = Status.HELD, "vibration too small to show the delay"
+        elif time_s - self._last_frame_s > 0.25:
+            status, self.reason = Status.HELD, "no images"
+        delay = DelayEstimate(frames.delay_s, frames.delay_std_s, status)
+        known = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
+        return Estimate(delay, deflection, rate, std, known)

@@ -1,0 +1,122 @@
+"""The phasors as they are now: from the bank's instant through the accelerometer's blocks since then.
+
+Plain floats: it runs once a block and once a frame for each block since the frame's exposure.
+"""
+
+from cmath import exp
+from math import sqrt
+
+from controller.fused.blocks import Block
+
+
+class Present:
+    """Phasors Z of the modes at the end of the last block, their covariance (2m x 2m), and the value they give."""
+
+    def __init__(self, w: list[float], sigma: list[float], w_first: float) -> None:
+        """w, sigma: nominal damped frequency, rad/s, and decay rate, 1/s, of each mode."""
+        self._w = w
+        self._sigma = sigma
+        self._per_acceleration = -1.0 / (w_first * w_first)
+        self.z = [0j] * len(w)
+        self.bias = 0.0
+        self.bias_variance = 0.0
+        self.p = [[0.0] * (2 * len(w)) for _ in range(2 * len(w))]
+        self.slow = [complex(-one) for one in sigma]
+        self.gain = [0j] * len(w)
+        self.turn_cycle = [1.0 + 0j] * len(w)
+
+    def restart(
+        self, z: list[complex], p: list[list[float]], slow: list[complex], bias: float, bias_variance: float, cycle_s: float
+    ) -> None:
+        """From the bank's merged phasors z with covariance p, slow rates, 1/s, and accelerometer bias, m."""
+        self.z, self.p, self.slow = z, p, slow
+        self.bias, self.bias_variance = bias, bias_variance
+        self.gain = [
+            self._per_acceleration * (one + 1j * w) ** 2 for one, w in zip(slow, self._w, strict=True)
+        ]
+        self.turn_cycle = [exp(one * cycle_s) for one in slow]
+
+    def expected(self, turn: list[complex]) -> float:
+        """What the accelerometer should show, as deflection of the first mode, m, where exp(i w t) is `turn`."""
+        total = self.bias
+        for i, z in enumerate(self.z):
+            total += (z * self.gain[i] * turn[i]).real
+        return total
+
+    def advance(self, increment: list[complex]) -> None:
+        """One cycle on, in which the joint adds `increment` to the phasors."""
+        for i, more in enumerate(increment):
+            self.z[i] = self.z[i] * self.turn_cycle[i] + more
+
+    def take_block(self, block: Block, variance: float, *, at_end: bool) -> None:
+        """Take in a block; the phasors stand at its start, or (at_end) at its end."""
+        base = block.end_s if at_end else block.start_s
+        rows: list[float] = []
+        value = self.bias
+        for i, turn in enumerate(block.turn):
+            seen = self.gain[i] * turn * exp(self.slow[i] * (block.time_s - base))
+            z = self.z[i] - block.step[i] if at_end else self.z[i]
+            value += (z * seen).real
+            rows += (seen.real, seen.imag)
+        self._update(rows, block.value - block.forced - value, variance + self.bias_variance)
+
+    def residual(self, block: Block) -> float:
+        """How far a block, at whose end the phasors stand, lies from what they say, m."""
+        value = self.bias
+        for i, turn in enumerate(block.turn):
+            seen = self.gain[i] * turn * exp(self.slow[i] * (block.time_s - block.end_s))
+            value += ((self.z[i] - block.step[i]) * seen).real
+        return block.value - block.forced - value
+
+    def _update(self, rows: list[float], residual: float, noise: float) -> None:
+        p = self.p
+        ph = [sum([a * b for a, b in zip(line, rows, strict=True)]) for line in p]
+        total = noise + sum([a * b for a, b in zip(ph, rows, strict=True)])
+        weight = residual / total
+        for i, one in enumerate(ph):
+            line, share = p[i], one / total
+            for j, other in enumerate(ph):
+                line[j] -= share * other
+        for i in range(len(self.z)):
+            self.z[i] += complex(ph[2 * i] * weight, -ph[2 * i + 1] * weight)
+
+    def move_on(self, block: Block) -> None:
+        """From a block's start to its end."""
+        dt = block.end_s - block.start_s
+        for i, step in enumerate(block.step):
+            turn = exp(self.slow[i] * dt)
+            self.z[i] = self.z[i] * turn + step * (0.5 + 0.5 * turn)
+
+    def inflate(self, jump_m: float, time_s: float) -> None:
+        """A blow of about jump_m at time_s (FilterBank.inflate)."""
+        direction: list[float] = []
+        for w in self._w:
+            along = -1j * exp(-1j * w * time_s)
+            direction += (along.real, -along.imag)
+        power, rest = (1.5 * jump_m) ** 2, (0.3 * jump_m) ** 2
+        for i, a in enumerate(direction):
+            line = self.p[i]
+            for j, b in enumerate(direction):
+                line[j] += power * a * b
+            line[i] += rest
+
+    def widen(self, variance: float) -> None:
+        """Add a variance, m^2, to every component."""
+        for i, line in enumerate(self.p):
+            line[i] += variance
+
+    def deflection(self, turn: list[complex]) -> tuple[float, float, float]:
+        """Deflection, m, its rate, m/s, and its standard deviation, m, where exp(i w t) is `turn`."""
+        q = v = variance = 0.0
+        for i, z in enumerate(self.z):
+            one = z * turn[i]
+            q += one.real
+            v += (one * (self.slow[i] + 1j * self._w[i])).real
+        if len(turn) == 1:
+            c, s = turn[0].real, turn[0].imag
+            p = self.p
+            variance = c * c * p[0][0] + 2.0 * c * s * p[0][1] + s * s * p[1][1]
+        else:
+            row = [part for one in turn for part in (one.real, one.imag)]
+            variance = sum(a * b * entry for a, line in zip(row, self.p, strict=True) for b, entry in zip(row, line, strict=True))
+        return q, v, sqrt(max(variance, 0.0))

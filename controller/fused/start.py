@@ -1,0 +1,78 @@
+"""What the filters believe before the first measurement, and how fast what they know ages."""
+
+from math import hypot
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.configuration import Fused
+from common.model import Model
+from controller.fused.bank import LAWS, Law
+from controller.fused.layout import Layout
+
+Array = NDArray[np.float64]
+
+_FIRST_AMPLITUDE = 0.02  # of the arm's length
+_IMAGE_ZERO = 0.05  # of the arm's length, about the first image
+_SCALE = 0.07
+_BIAS_M_S2 = 1.0
+_SKEW = 120e-6
+_STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
+_LEAST_DELAY_SPREAD_S = 0.002
+
+
+def frame_s(model: Model) -> float:
+    """Nominal period of the frames, s."""
+    return 1.0 / model.camera.frame_rate_hz
+
+
+def spread_s(model: Model) -> float:
+    """Spread of the capture delay from frame to frame and over time, s."""
+    return max(model.timing.capture_delay_std_s, _LEAST_DELAY_SPREAD_S)
+
+
+def first_shift_s(model: Model) -> float:
+    """How far the first frame's instant may lie from arrival minus the model's delay: a stale frame is in it."""
+    return hypot(spread_s(model), 0.5 * frame_s(model))
+
+
+def variances(model: Model, settings: Fused, at: Layout, length_m: float) -> Array:
+    """Variances of the state at the start, (laws, n)."""
+    v = np.zeros((LAWS, at.size))
+    v[:, at.phasor] = (_FIRST_AMPLITUDE * length_m) ** 2
+    v[:, at.frequency] = (settings.frequency_spread * at.w) ** 2
+    v[:, at.decay] = (0.5 * at.sigma + 0.002 * at.w) ** 2
+    v[:, at.offset] = (_IMAGE_ZERO * length_m) ** 2
+    v[:, at.scale] = _SCALE**2
+    v[:, at.bias] = (_BIAS_M_S2 / at.w_first**2) ** 2
+    v[:, at.shift] = first_shift_s(model) ** 2
+    v[Law.CLOCK, at.skew] = v[Law.STAMPS, at.skew] = _SKEW**2
+    return v
+
+
+def jitters_s(model: Model) -> Array:
+    """White spread of each law's instants, s, (laws,)."""
+    result = np.zeros(LAWS)
+    result[Law.CLOCK], result[Law.STAMPS] = _CLOCK_S, _STAMP_S
+    result[Law.STEADY], result[Law.DRIFT], result[Law.JITTER] = _STEADY_S, _DRIFT_S, spread_s(model)
+    return result
+
+
+def shift_noise(model: Model) -> Array:
+    """Growth of the variance of each law's shift, s^2 per s, (laws,)."""
+    result = np.zeros(LAWS)
+    result[Law.CLOCK] = result[Law.STAMPS] = 1e-6**2
+    result[Law.STEADY], result[Law.JITTER] = 5e-5**2, 2e-4**2
+    result[Law.DRIFT] = 0.7 * spread_s(model) ** 2
+    return result
+
+
+def state_noise(settings: Fused, at: Layout) -> Array:
+    """Growth of the variances of what does not vibrate, per s, (n,). The phasors' own is added to it."""
+    result = np.zeros(at.size)
+    result[at.frequency] = (settings.frequency_walk * at.w) ** 2
+    result[at.decay] = (0.002 * at.w) ** 2
+    result[at.offset] = 2e-5**2
+    result[at.scale] = 5e-4**2
+    result[at.bias] = (0.01 / at.w_first**2) ** 2
+    return result
