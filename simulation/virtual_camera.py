@@ -60,6 +60,7 @@ class VirtualCamera:
             model.camera, model.timing, rig, seed, origin_s=origin_s, after_delivery_s=after_delivery_s
         )
         self._freerun = model.camera.mode == "freerun"
+        self.triggered = not self._freerun
         self._noise = np.random.default_rng((seed, _STREAM))
         self._pending: deque[Exposure] = deque()
         self._tracked: dict[int, float] = {}

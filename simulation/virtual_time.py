@@ -86,6 +86,8 @@ class _VirtualSupervisor:
         self._variance = noise_std_px**2
         self._zero_px: float | None = None
         self._free_at_s = -inf
+        self._started = False
+        self._triggered = camera.triggered
         self._sent: deque[tuple[float, bytes]] = deque()
 
     def advance(self, now_s: float, timestamp: Callable[[], bytes]) -> tuple[list[bytes], list[Delivery]]:
@@ -93,21 +95,27 @@ class _VirtualSupervisor:
 
         Returns the datagrams that arrive at the controller by then, and the frames that the camera handed over.
         """
+        if not self._started:
+            self._started = True
+            self._begin_cycles(now_s, timestamp)
         delivered = self._camera.due(now_s)
         for delivery in delivered:
-            self._begin_cycles(timestamp)
+            self._begin_cycles(now_s, timestamp)
             sample = self._sample(delivery, self._exchange.oldest().cycle)
             self._free_at_s = max(self._free_at_s, delivery.truth.delivered_s) + _PROCESSING_S
             self._sent.append((self._free_at_s, self._exchange.end_cycle(sample)))
         arrived = []
         while self._sent and self._sent[0][0] <= now_s:
             arrived.append(self._sent.popleft()[1])
-            self._begin_cycles(timestamp)  # the next image is asked for as soon as this one is done
+            self._begin_cycles(now_s, timestamp)  # the next image is asked for as soon as this one is done
         return arrived, delivered
 
-    def _begin_cycles(self, timestamp: Callable[[], bytes]) -> None:
+    def _begin_cycles(self, now_s: float, timestamp: Callable[[], bytes]) -> None:
         self._exchange.take([timestamp()])
-        self._exchange.begin_cycles()
+        begun = self._exchange.begin_cycles()
+        if self._triggered:
+            for _ in range(begun):
+                self._camera.request(now_s)
 
     def _sample(self, delivery: Delivery, started_cycle: int) -> VisualSample:
         if self._tracker is not None:

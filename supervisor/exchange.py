@@ -50,10 +50,11 @@ class SupervisorExchange:
             else:
                 self._peer.counts.malformed += 1
 
-    def begin_cycles(self) -> None:
-        """Begin as many cycles as may be in flight, with the latest timestamp as their n_i."""
-        while len(self._begun) < self._in_flight:
-            self._begun.append(self.latest)
+    def begin_cycles(self) -> int:
+        """Begin as many cycles as may be in flight, with the latest timestamp as their n_i; returns how many."""
+        new = self._in_flight - len(self._begun)
+        self._begun.extend([self.latest] * new)
+        return new
 
     def oldest(self) -> Timestamp:
         """The timestamp with which the oldest cycle in flight began: its image comes next."""

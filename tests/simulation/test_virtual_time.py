@@ -21,12 +21,14 @@ moves = [{start_s = 8.8, end_s = 9.3, velocity_rad_s = 0.05}]
 """
 
 
-def simulated(folder: Path, seed: int = 3, images: bool = False, scenario: str = SCENARIO) -> Path:
+def simulated(
+    folder: Path, seed: int = 3, images: bool = False, scenario: str = SCENARIO, model: Path = MODEL
+) -> Path:
     folder.mkdir(exist_ok=True)
     (folder / "scenario.toml").write_text(scenario)
     write_simulated_recording(
-        true_model_path=MODEL,
-        assumed_model_path=MODEL,
+        true_model_path=model,
+        assumed_model_path=model,
         scenario_name=str(folder / "scenario.toml"),
         seed=seed,
         recording_path=folder / "rec.mcap",
@@ -110,3 +112,18 @@ def test_with_images_the_tracker_takes_the_error_models_place(tmp_path: Path) ->
     smear = mids < 0.29  # a frame exposed across the blow is no sample of a smooth motion
     error = error[smear | (mids > 0.32)]
     assert np.std(error) < 0.05
+
+
+def test_a_triggered_camera_is_asked_for_each_frame(tmp_path: Path) -> None:
+    """Four requests under way: the timestamp of a frame is that of its request, before its exposure."""
+    (tmp_path / "triggered.toml").write_text("[arm]\nlength_m = 2.0\n[camera]\nmode = 'triggered'\n")
+    folder = simulated(
+        tmp_path / "run", scenario="duration_s = 4.0\nstrikes = []", model=tmp_path / "triggered.toml"
+    )
+    recorded = read_run(open_recording(folder / "rec.mcap"))
+    truth = read_truth(folder / "truth.mcap", 0.0)
+    assert len(recorded.frames) > 100
+    assert [f.frame for f in recorded.frames] == list(range(len(recorded.frames)))
+    for frame in recorded.frames:
+        exposed_from = truth.mid_exposure_s[frame.frame] - 0.5 * 0.015
+        assert frame.started_s <= exposed_from + 0.001
