@@ -1,4 +1,4 @@
-"""A better place in the ordinary scheduler's queue, where the privileges reach."""
+"""A process's place in the scheduler's queue, as far as its privileges reach."""
 
 import contextlib
 import os
@@ -10,3 +10,15 @@ def raise_priority(niceness: int) -> None:
     """
     with contextlib.suppress(OSError, AttributeError):
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
+
+
+def run_fifo(priority: int) -> bool:
+    """Run this thread before all ordinary ones, under SCHED_FIFO (1 to 99); those it starts are ordinary again.
+
+    Returns whether that was allowed.
+    """
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority))
+    except (OSError, AttributeError):
+        return False
+    return True

@@ -4,6 +4,8 @@ import ctypes
 import gc
 import os
 
+from common.priority import run_fifo
+
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _PRIORITY = 60
 
@@ -20,10 +22,7 @@ def enter_realtime() -> list[str]:
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) != 0:
         problems.append("memory is not locked (grant CAP_IPC_LOCK, or LimitMEMLOCK=infinity)")
-    try:
-        flag = os.SCHED_RESET_ON_FORK
-        os.sched_setscheduler(0, os.SCHED_FIFO | flag, os.sched_param(_PRIORITY))
-    except (OSError, AttributeError):
+    if not run_fifo(_PRIORITY):
         problems.append("no SCHED_FIFO (grant CAP_SYS_NICE, or LimitRTPRIO=99)")
     try:
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})

@@ -17,7 +17,7 @@ import numpy as np
 from common.configuration import Configuration, Rig, load_configuration, load_true_model
 from common.link_key import load_key
 from common.model import Model
-from common.priority import raise_priority
+from common.priority import raise_priority, run_fifo
 from common.recording.header import live_header
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, TrueFrame
@@ -38,7 +38,7 @@ from simulation.truth import strike_line, true_state
 
 _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
 _ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
-_NICENESS = -10  # hardware is never late; the program under test must not be either, on its account
+_NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test must not be on its account
 _BUS_PREFIX = "memory:"
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
 
@@ -62,6 +62,7 @@ def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, 
     try:
         plant = _PlantProcess(configuration, model, load_scenario(rig.scenario), rig)
         camera, frames = _start_camera(configuration, model, rig.seed)
+        run_fifo(_PRIORITY)
         try:
             plant.run(stop, recorder, frames, camera.is_alive)
         finally:
