@@ -29,16 +29,18 @@ class Law(IntEnum):
 
 
 LAWS = len(Law)
+LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
+FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 
 
 @dataclass(slots=True)
 class Seen:
-    """One image as each filter sees it before taking it in; arrays of shape (laws,)."""
+    """One image as each filter sees it before taking it in; arrays of shape (filters,)."""
 
     residual: Array
     variance: Array
     rate: Array
-    slope: Array  # (laws, n)
+    slope: Array  # (filters, n)
 
     @property
     def surprise(self) -> Array:
@@ -48,17 +50,17 @@ class Seen:
 
 
 class FilterBank:
-    """States x (laws, n), covariances p (laws, n, n)."""
+    """States x (filters, n), covariances p (filters, n, n)."""
 
     def __init__(self, layout: Layout, state: Array, variance: Array, jitter_s: Array) -> None:
-        """state, variance: (laws, n) at the start; jitter_s: white spread of each law's instants, s."""
+        """state, variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s."""
         self._at = layout
         self.x = state
-        self.p = np.zeros((LAWS, layout.size, layout.size))
+        self.p = np.zeros((FILTERS, layout.size, layout.size))
         diagonal = np.arange(layout.size)
         self.p[:, diagonal, diagonal] = variance
         self._diagonal = diagonal
-        self._unit = np.eye(layout.size)[None].repeat(LAWS, axis=0)
+        self._unit = np.eye(layout.size)[None].repeat(FILTERS, axis=0)
         self.jitter = jitter_s**2
         self.edge_s = 0.0
         m = layout.modes
@@ -66,12 +68,12 @@ class FilterBank:
         self._i_w, self._i_d = np.arange(2 * m, 3 * m), np.arange(3 * m, 4 * m)
 
     def phasors(self) -> ComplexArray:
-        """Z = a - i b of each mode, (laws, m): mode i deflects Re(Z exp(i w t))."""
+        """Z = a - i b of each mode, (filters, m): mode i deflects Re(Z exp(i w t))."""
         at = self._at
         return self.x[:, at.cosine] - 1j * self.x[:, at.sine]
 
     def _rates(self) -> ComplexArray:
-        """Slow complex rate of each phasor, (laws, m)."""
+        """Slow complex rate of each phasor, (filters, m)."""
         at = self._at
         return -at.sigma - self.x[:, at.decay] + 1j * self.x[:, at.frequency]
 
@@ -92,7 +94,7 @@ class FilterBank:
         self._update(slope, residual, variance)
 
     def move_on(self, block: Block, noise: Array) -> None:
-        """From the block's start to its end, adding `noise` (n,) to the covariance's diagonal."""
+        """From the block's start to its end, adding `noise` (filters, n) to the covariances' diagonals."""
         at = self._at
         dt = block.end_s - self.edge_s
         turn = np.exp(self._rates() * dt)
@@ -111,13 +113,25 @@ class FilterBank:
         self.edge_s = block.end_s
 
     def advance_dating(self, elapsed_s: Array, shift_noise: Array, skew_noise: float) -> None:
-        """Frames go on by `elapsed_s` of each law's clock (laws,): its skew moves its shift."""
+        """Frames go on by `elapsed_s` of each filter's clock (filters,): its skew moves its shift."""
         t, k = self._at.shift, self._at.skew
         self.x[:, t] += elapsed_s * self.x[:, k]
         self.p[:, t, :] += elapsed_s[:, None] * self.p[:, k, :]
         self.p[:, :, t] += elapsed_s[:, None] * self.p[:, :, k]
         self.p[:, t, t] += shift_noise
         self.p[:, k, k] += skew_noise * np.abs(elapsed_s)
+
+    def take_arrival(self, difference_s: Array, noise: Array, walk: Array) -> None:
+        """Arrival minus nominal instant minus the model's delay (filters,) = shift + late + noise, variance in s^2.
+
+        walk: growth of the variance of late since the last frame, s^2.
+        """
+        t, late = self._at.shift, self._at.late
+        self.p[:, late, late] += walk
+        ph = self.p[:, :, t] + self.p[:, :, late]
+        gain = ph / (ph[:, t] + ph[:, late] + noise)[:, None]
+        self.x += gain * (difference_s - self.x[:, t] - self.x[:, late])[:, None]
+        self.p -= gain[:, :, None] * ph[:, None, :]
 
     def look(
         self,
@@ -128,9 +142,9 @@ class FilterBank:
         step: ComplexArray,
         noise: float,
     ) -> Seen:
-        """An image that shows value_m, exposed at times_s (laws,) when the joint alone moved the tip by joint_m.
+        """An image that shows value_m, exposed at times_s (filters,) when the joint alone moved the tip by joint_m.
 
-        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (laws, m). noise: variance, m^2.
+        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (filters, m). noise: variance, m^2.
         """
         at = self._at
         z, slow = self.phasors(), self._rates()
@@ -160,10 +174,10 @@ class FilterBank:
         return Seen(residual, (ph * slope).sum(axis=1) + extra, rate, slope)
 
     def take_image(self, seen: Seen, extra: Array) -> tuple[Array, Array]:
-        """Take in what `look` saw, with variance enlarged by the factors `extra` (laws,).
+        """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).
 
         Returns what each filter then holds of this frame's own instant beyond its shift: mean, s, and the variance
-        of the instant as a whole, s^2; each (laws,).
+        of the instant as a whole, s^2; each (filters,).
         """
         t = self._at.shift
         ph = (self.p @ seen.slope[:, :, None])[:, :, 0]
@@ -191,14 +205,18 @@ class FilterBank:
         for i in range(2 * at.modes):
             self.p[:, i, i] += (0.3 * jump_m) ** 2
 
-    def copy_law(
-        self, source: int, target: int, shift: float, shift_variance: float, skew_variance: float
+    def start_anew(
+        self, target: int, source: int, shift_s: float, variances: tuple[float, float, float]
     ) -> None:
-        """Start law `target` anew from what `source` knows of everything but the dating."""
-        t, k = self._at.shift, self._at.skew
+        """Give filter `target` what `source` knows of all but the dating; variances: of shift, skew and late."""
+        at = self._at
         self.x[target], self.p[target] = self.x[source], self.p[source]
-        for i, variance in ((t, shift_variance), (k, skew_variance)):
+        for i, variance in zip((at.shift, at.skew, at.late), variances, strict=True):
             self.p[target, i, :] = self.p[target, :, i] = 0.0
             self.p[target, i, i] = variance
-        self.x[target, t], self.x[target, k] = shift, 0.0
+            self.x[target, i] = 0.0
+        self.x[target, at.shift] = shift_s
 
+    def copy(self, target: int, source: int) -> None:
+        """Give filter `target` all that `source` of the same law knows."""
+        self.x[target], self.p[target] = self.x[source], self.p[source]

@@ -1,6 +1,6 @@
 """Nominal instants of the frames: from the counter, from stamps, from arrivals (docs/fused.md, section 2)."""
 
-from math import isfinite
+from math import isfinite, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,58 +9,60 @@ from common.visual_sample import VisualSample
 from controller.fused.bank import LAWS, Law
 
 _RESET_BACK = 8  # a counter that falls by more than this was reset; by less, the frame is an old one
-_LONGEST_PAUSE_FRAMES = 20.0
 _MISMATCH_FRAMES = 2.5
+_STAMP_MISMATCH_FRAMES = 4.0
 
 
 class Dating:
-    """Carries each law's nominal instant from frame to frame."""
+    """Carries each law's nominal instant from frame to frame.
+
+    nominal, elapsed: instant of the frame accepted last, and the time since the one before, by each law's clock, s;
+    doubt_s, stamp_doubt_s: how uncertain this step of the clock's and of the stamps' law is, s.
+    """
 
     def __init__(self, frame_s: float, delay_s: float) -> None:
         """frame_s: nominal period of the frames; delay_s: prior mean of the capture delay."""
-        self.frame_s = frame_s
+        self._frame_s = frame_s
         self._delay_s = delay_s
         self.nominal: NDArray[np.float64] = np.zeros(LAWS)
         self.elapsed: NDArray[np.float64] = np.zeros(LAWS)
-        self.doubt_s = 0.0  # how uncertain the count of frames is beyond what the filters know, s
-        self.stamped = False
-        self.started = False
+        self.doubt_s = self.stamp_doubt_s = 0.0
+        self.stamped = self.started = False
         self._frame = 0
         self._received_s = 0.0
-        self._captured_s = float("nan")
-        self.stamp_broken = False
+        self._captured_s = nan
 
     def accept(self, sample: VisualSample, received_s: float) -> bool:
-        """Move on to a frame; False for one that is a duplicate or came out of order. Fills nominal and elapsed."""
-        self.doubt_s = 0.0
-        self.stamp_broken = False
+        """Move on to a frame; False for one that is a duplicate or came out of order."""
+        self.doubt_s = self.stamp_doubt_s = 0.0
         arrivals = received_s - self._delay_s
         if not self.started:
             self.started = True
             self.nominal[:] = arrivals
-            self.elapsed[:] = self.frame_s
+            self.elapsed[:] = self._frame_s
         else:
             frames = sample.frame - self._frame
             if -_RESET_BACK < frames <= 0:
                 return False
-            passed = (received_s - self._received_s) / self.frame_s
-            if frames < 0 or abs(frames - passed) > _MISMATCH_FRAMES + 0.02 * passed:
-                frames = max(1, round(passed))  # reset, jumped, or a counter of arrivals: the clock on the wall decides
-                self.doubt_s = 0.7 * self.frame_s
-            count = float(frames)
-            self.elapsed[:] = count * self.frame_s
+            passed = max(received_s - self._received_s, 0.0)
+            in_frames = passed / self._frame_s
+            if frames < 0 or abs(frames - in_frames) > _MISMATCH_FRAMES + 0.02 * in_frames:
+                frames = max(1, round(in_frames))  # reset, jumped, or a count of arrivals with some lost
+                self.doubt_s = 0.7 * self._frame_s
+            self.elapsed[Law.CLOCK] = frames * self._frame_s
             self.nominal[Law.CLOCK] += self.elapsed[Law.CLOCK]
-            self._follow_stamp(sample.captured_s, count * self.frame_s)
-            self.elapsed[Law.STEADY :] = max(received_s - self._received_s, 0.0)
+            self._follow_stamp(sample.captured_s, frames * self._frame_s)
+            self.elapsed[Law.STEADY :] = passed
             self.nominal[Law.STEADY :] = arrivals
         self._frame, self._received_s, self._captured_s = sample.frame, received_s, sample.captured_s
         return True
 
     def _follow_stamp(self, captured_s: float, by_counter_s: float) -> None:
         step = captured_s - self._captured_s
-        good = isfinite(step) and 0.0 < step and abs(step - by_counter_s) < 3.0 * self.frame_s + 0.5 * by_counter_s
-        self.stamp_broken = self.stamped and not good
+        slack = _STAMP_MISMATCH_FRAMES * self._frame_s + 0.5 * by_counter_s
+        good = isfinite(step) and step > 0.0 and abs(step - by_counter_s) < slack
+        if self.stamped and not good:
+            self.stamp_doubt_s = 2.0 * self._frame_s
         self.stamped = self.stamped or good
-        if good:
-            self.elapsed[Law.STAMPS] = step
+        self.elapsed[Law.STAMPS] = step if good else by_counter_s
         self.nominal[Law.STAMPS] += self.elapsed[Law.STAMPS]

@@ -45,9 +45,12 @@ class FusedMethod:
         self._filter_cycles = round(sensor.delay_s / self._cycle_s)
         self._filter_turn = [exp(-1j * w * self._filter_cycles * self._cycle_s) for w in self._w]
         self._block_cycles = min(
-            max(round(_BLOCK_PERIODS * 2.0 * pi / max(self._w) / self._cycle_s), _SHORTEST_BLOCK), _LONGEST_BLOCK
+            max(round(_BLOCK_PERIODS * 2.0 * pi / max(self._w) / self._cycle_s), _SHORTEST_BLOCK),
+            _LONGEST_BLOCK,
         )
-        self._most_blocks = int((model.timing.capture_delay_s + _BACKLOG_S) / (self._block_cycles * self._cycle_s))
+        self._most_blocks = int(
+            (model.timing.capture_delay_s + _BACKLOG_S) / (self._block_cycles * self._cycle_s)
+        )
         self.reason = ""
         self._begin()
 
@@ -57,7 +60,9 @@ class FusedMethod:
         per_sample = abs(self._per_acceleration) / abs(model.accelerometer.scale)
         self.frames = FrameFusion(model, self._settings, at, self._length)
         self.health = AccelerometerHealth(
-            per_sample * model.accelerometer.noise_std_m_s2, model.accelerometer.range_m_s2, per_sample * 0.005
+            per_sample * model.accelerometer.noise_std_m_s2,
+            model.accelerometer.range_m_s2,
+            per_sample * 0.005,
         )
         self._joint_input = JointInput(self._w, at.input_gain, self._cycle_s)
         self._present = Present(self._w, self._sigma, at.w_first)
@@ -123,7 +128,9 @@ class FusedMethod:
         present = self._present
         residual = present.residual(block)
         self.health.compare(
-            block.value - block.forced - present.bias, block.value - block.forced - present.bias - residual, block.variance
+            block.value - block.forced - present.bias,
+            block.value - block.forced - present.bias - residual,
+            block.variance,
         )
         if self.health.mute:
             block.count = 0

@@ -26,7 +26,13 @@ class Present:
         self.turn_cycle = [1.0 + 0j] * len(w)
 
     def restart(
-        self, z: list[complex], p: list[list[float]], slow: list[complex], bias: float, bias_variance: float, cycle_s: float
+        self,
+        z: list[complex],
+        p: list[list[float]],
+        slow: list[complex],
+        bias: float,
+        bias_variance: float,
+        cycle_s: float,
     ) -> None:
         """From the bank's merged phasors z with covariance p, slow rates, 1/s, and accelerometer bias, m."""
         self.z, self.p, self.slow = z, p, slow
@@ -118,5 +124,9 @@ class Present:
             variance = c * c * p[0][0] + 2.0 * c * s * p[0][1] + s * s * p[1][1]
         else:
             row = [part for one in turn for part in (one.real, one.imag)]
-            variance = sum(a * b * entry for a, line in zip(row, self.p, strict=True) for b, entry in zip(row, line, strict=True))
+            variance = sum(
+                a * b * entry
+                for a, line in zip(row, self.p, strict=True)
+                for b, entry in zip(row, line, strict=True)
+            )
         return q, v, sqrt(max(variance, 0.0))

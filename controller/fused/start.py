@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from common.configuration import Fused
 from common.model import Model
-from controller.fused.bank import LAWS, Law
+from controller.fused.bank import FILTERS, LAWS, LEVELS, Law
 from controller.fused.layout import Layout
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ def first_shift_s(model: Model) -> float:
 
 
 def variances(model: Model, settings: Fused, at: Layout, length_m: float) -> Array:
-    """Variances of the state at the start, (laws, n)."""
+    """Variances of the state at the start, (filters, n)."""
     v = np.zeros((LAWS, at.size))
     v[:, at.phasor] = (_FIRST_AMPLITUDE * length_m) ** 2
     v[:, at.frequency] = (settings.frequency_spread * at.w) ** 2
@@ -46,33 +46,54 @@ def variances(model: Model, settings: Fused, at: Layout, length_m: float) -> Arr
     v[:, at.scale] = _SCALE**2
     v[:, at.bias] = (_BIAS_M_S2 / at.w_first**2) ** 2
     v[:, at.shift] = first_shift_s(model) ** 2
-    v[Law.CLOCK, at.skew] = v[Law.STAMPS, at.skew] = _SKEW**2
-    return v
+    for law in (Law.CLOCK, Law.STAMPS):
+        v[law, at.skew] = _SKEW**2
+        v[law, at.late] = first_shift_s(model) ** 2
+    return np.tile(v, (LEVELS, 1))
 
 
 def jitters_s(model: Model) -> Array:
-    """White spread of each law's instants, s, (laws,)."""
+    """White spread of each filter's instants, s, (filters,)."""
     result = np.zeros(LAWS)
     result[Law.CLOCK], result[Law.STAMPS] = _CLOCK_S, _STAMP_S
     result[Law.STEADY], result[Law.DRIFT], result[Law.JITTER] = _STEADY_S, _DRIFT_S, spread_s(model)
-    return result
+    return np.tile(result, LEVELS)
 
 
 def shift_noise(model: Model) -> Array:
-    """Growth of the variance of each law's shift, s^2 per s, (laws,)."""
+    """Growth of the variance of each filter's shift, s^2 per s, (filters,)."""
     result = np.zeros(LAWS)
     result[Law.CLOCK] = result[Law.STAMPS] = 1e-6**2
     result[Law.STEADY], result[Law.JITTER] = 5e-5**2, 2e-4**2
     result[Law.DRIFT] = 0.7 * spread_s(model) ** 2
-    return result
+    return np.tile(result, LEVELS)
 
 
 def state_noise(settings: Fused, at: Layout) -> Array:
-    """Growth of the variances of what does not vibrate, per s, (n,). The phasors' own is added to it."""
-    result = np.zeros(at.size)
-    result[at.frequency] = (settings.frequency_walk * at.w) ** 2
-    result[at.decay] = (0.002 * at.w) ** 2
-    result[at.offset] = 2e-5**2
-    result[at.scale] = 5e-4**2
-    result[at.bias] = (0.01 / at.w_first**2) ** 2
+    """Growth of the variances of all but the phasors, per s, (filters, n)."""
+    result = np.zeros((FILTERS, at.size))
+    result[:, at.offset] = 2e-5**2
+    result[:, at.scale] = 5e-4**2
+    result[:, at.bias] = (0.01 / at.w_first**2) ** 2
+    result[:LAWS, at.frequency] = (settings.frequency_walk * at.w) ** 2
+    result[LAWS:, at.frequency] = (5.0 * settings.frequency_walk * at.w) ** 2
+    result[:LAWS, at.decay] = (0.002 * at.w) ** 2
+    result[LAWS:, at.decay] = (0.006 * at.w) ** 2
+    return result
+
+
+def phasor_share(settings: Fused) -> Array:
+    """Growth of the phasors' deviation as a share of the amplitude, squared, per s, (filters,)."""
+    result = np.full(FILTERS, settings.disturbance_share**2)
+    result[LAWS:] *= 6.0**2
+    return result
+
+
+def beliefs(model: Model) -> Array:
+    """Logarithm of the probability of each filter before anything is seen, (filters,)."""
+    clock = 0.75 if model.camera.mode == "freerun" else 0.1
+    rest = (1.0 - clock) / 3.0
+    laws = np.log(np.array((clock, 1e-300, rest, rest, rest)))
+    levels = np.log(np.array((0.8, 0.2)))
+    result: Array = (levels[:, None] + laws[None, :]).ravel()
     return result

@@ -1,0 +1,88 @@
+"""Which filter the images bear out: probabilities with a fading memory, and refuted filters started again."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.configuration import Fused
+from common.model import Model
+from controller.fused import start
+from controller.fused.bank import FILTERS, LAWS, FilterBank, Law
+from controller.fused.dating import Dating
+from controller.fused.layout import Layout
+
+Array = NDArray[np.float64]
+
+_MEMORY_FRAMES = 60.0
+_REFUTED = 1e-4
+_LARGEST_SURPRISE = 25.0  # one image may not decide alone
+_LOWEST = -60.0
+
+
+class Evidence:
+    """Probabilities of the filters, (filters,)."""
+
+    def __init__(self, model: Model, settings: Fused, at: Layout, length_m: float) -> None:
+        """As the model's camera mode suggests."""
+        self._at = at
+        self._delay_s = model.timing.capture_delay_s
+        self._first = start.variances(model, settings, at, length_m)
+        self._prior = start.beliefs(model)
+        self._log = np.zeros(FILTERS)
+        self._refuted_for = np.zeros(FILTERS)
+        self.stamps_admitted = False
+        self._normalise()
+
+    def _normalise(self) -> None:
+        total = self._prior + self._log
+        weights = np.exp(total - total.max())
+        self.weights: Array = weights / weights.sum()
+
+    @property
+    def best(self) -> int:
+        """The most probable filter."""
+        return int(np.argmax(self.weights))
+
+    def law(self, law: Law) -> float:
+        """Probability of a law, whatever the level of disturbance."""
+        return float(self.weights[law::LAWS].sum())
+
+    def weigh(self, surprise: Array, variance: Array) -> None:
+        """Take in an image's normalised innovations squared and their variances, m^2."""
+        keep = 1.0 - 1.0 / _MEMORY_FRAMES
+        self._log = keep * self._log - 0.5 * (np.minimum(surprise, _LARGEST_SURPRISE) + np.log(variance))
+        self._log -= self._log.max()
+        np.maximum(self._log, _LOWEST, out=self._log)
+        self._normalise()
+
+    def admit_stamps(self, bank: FilterBank, dating: Dating) -> None:
+        """The camera stamps its frames: from now on that law counts, starting from what the best one knows."""
+        self.stamps_admitted = True
+        best = self.best
+        dating.nominal[Law.STAMPS] = dating.nominal[best % LAWS] + bank.x[best, self._at.shift]
+        spread = float(self._first[best, self._at.shift])
+        for target in range(int(Law.STAMPS), FILTERS, LAWS):
+            self._start(bank, target, best, 0.0, spread)
+            self._prior[target] = self._prior[target - 1] + 0.7
+        self._normalise()
+
+    def respawn(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
+        """A filter refuted for a while starts again from the best one; instant_s: of the last frame, with std_s."""
+        best = self.best
+        low = self.weights < _REFUTED
+        if not self.stamps_admitted:
+            low[Law.STAMPS :: LAWS] = False
+        self._refuted_for = np.where(low, self._refuted_for + 1.0, 0.0)
+        for target in np.flatnonzero(self._refuted_for > _MEMORY_FRAMES).tolist():
+            self._refuted_for[target] = 0.0
+            law = target % LAWS
+            of_law = law + LAWS * int(np.argmax(self.weights[law::LAWS]))
+            if self.weights[of_law] > 0.05:
+                bank.copy(target, of_law)
+            else:
+                shift = instant_s - float(dating.nominal[law])
+                self._start(bank, target, best, shift, max(std_s, 0.001) ** 2)
+            self._log[target] = -7.0
+
+    def _start(self, bank: FilterBank, target: int, source: int, shift_s: float, variance: float) -> None:
+        at, first = self._at, self._first[target]
+        bank.start_anew(target, source, shift_s, (variance, float(first[at.skew]), float(first[at.late])))
