@@ -8,15 +8,19 @@ the score is the correlation times the square root of the share in common. The b
 Lucas-Kanade has to confirm it.
 """
 
+from dataclasses import dataclass
+from functools import lru_cache
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supervisor.tracking.photometry import overlapping
-from supervisor.tracking.prepared_image import SmallImage
+from supervisor.tracking.prepared_image import SmallImage, inner_product
 
 MIN_COMMON = 0.12  # share of the image
+_ENOUGH = 4000  # px, above which every second one in a row and a column will do
 
 
 class CoarseShift(NamedTuple):
@@ -29,28 +33,75 @@ class CoarseShift(NamedTuple):
     score: float
 
 
-def coarse_shift(before: SmallImage, image: SmallImage) -> CoarseShift:
-    """By how much the scene of `before` has moved in `image`; both float32 of one shape."""
+@dataclass(frozen=True, slots=True)
+class CoarseView:
+    """A small image with what the search takes of it: worked out once an image, not once a pair.
+
+    spectrum: of the image about its mean, padded to twice its size; sums, variations: of the values, and of
+    their squares about the mean, over the part that is still in view after each shift (negative shifts in the
+    upper half, as in a Fourier transform), shape (2 height, 2 width), float32; energy: the sum of all squares.
+    """
+
+    shape: tuple[int, int]
+    spectrum: NDArray[np.complex64]
+    sums: SmallImage
+    variations: SmallImage
+    energy: float
+
+
+def coarse_view(image: SmallImage) -> CoarseView:
+    """What coarse_shift() needs of an image."""
+    values = image.astype(np.float64) - float(image.mean())
     height, width = image.shape
-    padded = 2 * height, 2 * width
-    a, b = before - before.mean(), image - image.mean()
-    ones = np.ones_like(a)
-    fa, fa2, fb, fb2, f1 = (np.fft.rfft2(v, padded) for v in (a, a * a, b, b * b, ones))
+    sums, squares = _sums_seen(values), _sums_seen(values * values)
+    return CoarseView(
+        (height, width),
+        np.asarray(np.fft.rfft2(values.astype(np.float32), (2 * height, 2 * width)), dtype=np.complex64),
+        sums,
+        squares - sums * sums / _area_seen(height, width),
+        float(squares[0, 0]),
+    )
 
-    def sums(left: NDArray[np.complex128], right: NDArray[np.complex128]) -> NDArray[np.float64]:
-        return np.asarray(np.fft.irfft2(left.conj() * right, padded), dtype=np.float64)
 
-    count = np.maximum(np.rint(sums(f1, f1)), 1.0)
-    sum_a, sum_b = sums(fa, f1), sums(f1, fb)
-    covariance = sums(fa, fb) - sum_a * sum_b / count
-    variance = (sums(fa2, f1) - sum_a**2 / count) * (sums(f1, fb2) - sum_b**2 / count)
-    common = count / image.size
-    smallest = 1e-6 * (float(np.vdot(a, a)) * float(np.vdot(b, b)) + 1e-9)  # below it, rounding
-    sound = (common >= MIN_COMMON) & (variance > smallest)
-    score = np.where(sound, covariance / np.sqrt(np.maximum(variance, smallest)) * np.sqrt(common), -1.0)
-    y, x = np.unravel_index(int(np.argmax(score)), score.shape)
-    best = float(score[y, x])
-    return CoarseShift(int(x) - padded[1] * (x >= width), int(y) - padded[0] * (y >= height), best)
+def coarse_shift(before: CoarseView, image: CoarseView) -> CoarseShift:
+    """By how much the scene of `before` has moved in `image`; both of one shape."""
+    height, width = image.shape
+    area = _area_seen(height, width)
+    common = area * np.float32(1.0 / (height * width))
+    variation = _reversed(before.variations) * image.variations
+    smallest = np.float32(1e-6 * (before.energy * image.energy + 1e-9))  # below it, rounding
+    score = np.fft.irfft2(before.spectrum.conj() * image.spectrum, area.shape)
+    score -= _reversed(before.sums) * image.sums / area
+    score *= np.sqrt(common / np.maximum(variation, smallest))
+    score[(common < MIN_COMMON) | (variation <= smallest)] = -1.0
+    y, x = divmod(int(np.argmax(score)), 2 * width)
+    return CoarseShift(x - 2 * width * (x >= width), y - 2 * height * (y >= height), float(score[y, x]))
+
+
+@lru_cache(maxsize=4)
+def _area_seen(height: int, width: int) -> SmallImage:
+    """How many px both images see after each shift, at least 1."""
+    y, x = (np.maximum(np.abs(np.arange(2 * n) - n), 1).astype(np.float32) for n in (height, width))
+    return y[:, None] * x[None, :]
+
+
+def _sums_seen(values: NDArray[np.float64]) -> SmallImage:
+    """Sums over the part of an image that a scene shifted by (x, y) still fills: from x on, or up to width + x."""
+    height, width = values.shape
+    total = np.zeros((height + 1, width + 1))
+    np.cumsum(np.cumsum(values, axis=0), axis=1, out=total[1:, 1:])
+    small = total.astype(np.float32)
+    seen = np.empty((2 * height, 2 * width), np.float32)
+    seen[:height, width:] = small[-1, :-1] - small[:-1, :-1]
+    seen[height:, width:] = small[:-1, :-1]
+    seen[:height, :width] = (small[-1, -1] - small[:-1, -1:]) - seen[:height, width:]
+    seen[height:, :width] = small[:-1, -1:] - small[:-1, :-1]
+    return seen
+
+
+def _reversed(sums: SmallImage) -> SmallImage:
+    """The same for the opposite shifts."""
+    return np.roll(sums[::-1, ::-1], (1, 1), axis=(0, 1))
 
 
 def overlap_score(before: SmallImage, image: SmallImage, shift_x: int, shift_y: int) -> float:
@@ -58,6 +109,9 @@ def overlap_score(before: SmallImage, image: SmallImage, shift_x: int, shift_y: 
     a, b = overlapping(before, image, shift_x, shift_y)
     if a.size < MIN_COMMON * image.size:
         return -1.0
+    share = a.size / image.size
+    if a.size > _ENOUGH:
+        a, b = a[::2, ::2], b[::2, ::2]
     a, b = a - a.mean(), b - b.mean()
-    norm = float(np.sqrt(np.vdot(a, a) * np.vdot(b, b)))
-    return float(np.vdot(a, b)) / norm * float(np.sqrt(a.size / image.size)) if norm > 0.0 else -1.0
+    norm = sqrt(inner_product(a, a) * inner_product(b, b))
+    return inner_product(a, b) / norm * sqrt(share) if norm > 0.0 else -1.0

@@ -21,6 +21,8 @@ MAX_SCALE_PX = 1.0  # features that scatter more do not tell of one rigid motion
 MAX_STD_PX = 0.5
 MIN_AGREEING = 0.5  # of the matched ones
 MIN_AGREEING_IN_VIEW = 0.25  # of those that should be in view
+UNSTEADY_LEVELS = 1  # of the pyramid: bridges 10 px
+FEW = 40  # features: with fewer, a quarter of those in view would be no evidence
 MIN_HALF_PX = 120  # side of the image of half the size, from which it pays to look back in it
 ASK_AGAIN = 0.2  # share of the points found that did not come back in it, above which the full one is asked
 _HALF = np.float32(0.5)  # a pixel's middle
@@ -46,13 +48,19 @@ def nothing_found(key: KeyFrame, predicted: Pose) -> Measurement:
 
 
 def measure(
-    key: KeyFrame, image: PreparedImage, predicted: Pose, config: Tracker, levels: int, shrink: int = 1
+    key: KeyFrame,
+    image: PreparedImage,
+    predicted: Pose,
+    config: Tracker,
+    levels: int,
+    shrink: int = 1,
+    few: bool = False,
 ) -> Measurement:
     """Track the key frame's features into the image, starting from the predicted pose since the first frame.
 
     shrink: by how much both images are reduced before. Motion blur of 20 px and more leaves nothing in a
     window that looks like the sharp key frame; in an image of a quarter the size it is 5 px. The scatter
-    allowed grows with it.
+    allowed grows with it. few: with a part of the features only, to see whether the scene is there at all.
     """
 
     def without(status: TrackingStatus, inliers: int = 0) -> Measurement:
@@ -60,8 +68,10 @@ def measure(
 
     start = key.predicted_points(predicted)
     margin = config.window_px // 2 - RETRY_VIEW_PX
-    chosen = inside(start, image.grey.shape, margin)
-    visible = int(np.count_nonzero(inside(start, image.grey.shape, config.window_px // 2)))
+    part = slice(None, None, max(1, len(start) // max(FEW, 3 * config.min_inliers)) if few else 1)
+    chosen = np.zeros(len(start), np.bool_)
+    chosen[part] = inside(start[part], image.grey.shape, margin)
+    visible = int(np.count_nonzero(inside(start[part], image.grey.shape, config.window_px // 2)))
     if np.count_nonzero(chosen) < config.min_inliers:
         return without(TrackingStatus.FEW_FEATURES)
     since = pose_since(key.pose, predicted)
@@ -83,7 +93,7 @@ def measure(
     covariance = fit.covariance * shrink**2  # windows that overlap so much more do not err independently
     std = hypot(*np.sqrt(np.diag(covariance)[:2]))
     pose = total_pose(key.pose, Pose(fit.dx, fit.dy, fit.rotation))
-    in_view = int(np.count_nonzero(key.in_view(pose, config.window_px // 2)))
+    in_view = int(np.count_nonzero(key.in_view(pose, config.window_px // 2)[part]))
     if (
         fit.inliers < max(config.min_inliers, MIN_AGREEING * matched, MIN_AGREEING_IN_VIEW * in_view)
         or fit.scale > MAX_SCALE_PX * shrink
@@ -98,6 +108,14 @@ def measure(
         max(in_view, fit.inliers),
         fit.inliers,
     )
+
+
+def measure_warily(
+    key: KeyFrame, image: PreparedImage, predicted: Pose, config: Tracker, levels: int
+) -> Measurement:
+    """The same where success is doubtful: with a few features first, and with all of them only if those agree."""
+    few = measure(key, image, predicted, config, levels, few=True)
+    return measure(key, image, few.pose, config, 0) if few.status == TrackingStatus.MEASURED else few
 
 
 class _Pair:
