@@ -67,7 +67,7 @@ class Kalman(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     strain_noise_m: of a deflection measured by a strain gauge, in one cycle
     """
 
-    disturbance_m_s2: Annotated[float, Meta(gt=0.0, le=100.0)] = 0.05
+    disturbance_m_s2: Annotated[float, Meta(gt=0.0, le=100.0)] = 0.2
     imposed_motion_m_s2: Annotated[float, Meta(ge=0.0, le=100.0)] = 0.001
     fusion_sensor: Literal["accelerometer", "strain_gauge"] = "accelerometer"
     fusion_delay: Literal["timestamps", "model"] = "timestamps"

@@ -2,7 +2,8 @@
 
 With theta'' = k q', q'' + 2 zeta w q' + w^2 q = -p L theta'' becomes q'' + (2 zeta w + p L k) q' + w^2 q = 0: a joint
 velocity k q adds the damping ratio p L k / (2 w), for either sign of the participation p. docs/damping.md derives
-it, with the slow return to the commanded position that keeps an offset from making the joint creep.
+it, with the slow return to the commanded position that keeps an offset from making the joint creep. The law
+"composite" (composite.py) takes the rate into the fast part, and the image into the slow one.
 """
 
 from enum import StrEnum
@@ -10,8 +11,11 @@ from math import isfinite
 
 from common.configuration import Damping
 from common.model import Model, length_of
+from common.visual_sample import VisualSample
+from controller.composite import CompositeControl
 from controller.drive_model import DriveModel, drive_lead_s
 from controller.estimate import Estimate, Status
+from controller.joint_motion import JointMotion
 
 _ENTRY_S = 0.2  # from no damping to full damping
 _JOINT_STALE_S = 0.1
@@ -37,15 +41,17 @@ class JointDamping:
         self._settings = settings
         self._cycle_s = model.timing.cycle_s
         self._w = w
-        self._gain = (
-            2.0 * settings.added_damping_ratio * w / (mode.participation * length_of(model, model_name))
-        )
+        length = length_of(model, model_name)
+        self._gain = 2.0 * settings.added_damping_ratio * w / (mode.participation * length)
         self._decay = 2.0 * mode.damping_ratio * w
         self.lead_s = drive_lead_s(model.drive, w)
         self._weight = 0.0
         self._last_measured_s = float("-inf")
         self._commanded = DriveModel(model.drive, model.timing.cycle_s)
         self._anchored = False
+        self._composite: CompositeControl | None = None
+        if settings.law == "composite":
+            self._composite = CompositeControl(model, length, self._gain, settings.return_time_s)
 
     def see_sample(self, time_s: float) -> None:
         """A visual sample with a measurement was read."""
@@ -59,6 +65,13 @@ class JointDamping:
             return
         for _ in range(min(cycles, 100_000)):
             self._commanded.advance(reference_rad_s)
+
+    def see_cycle(
+        self, cycle: int, estimate: Estimate, samples: list[VisualSample], joint: JointMotion
+    ) -> None:
+        """What the composite law needs of a cycle, after follow_reference."""
+        if self._composite is not None:
+            self._composite.see_cycle(cycle, self._commanded.position_rad, estimate, samples, joint)
 
     def predicted_m(self, estimate: Estimate) -> float:
         """The deflection at which the joint will answer: the present one, moved on by the drive's lead."""
@@ -96,6 +109,10 @@ class JointDamping:
         self._weight = min(1.0, self._weight + change) if allowed else max(0.0, self._weight - change)
         if self._weight == 0.0:
             return 0.0, status
-        back = (self._commanded.position_rad - joint_position_rad) / settings.return_time_s
-        wanted = (self._gain * predicted + back) * self._weight * fresh
+        away = self._commanded.position_rad - joint_position_rad
+        if self._composite is not None:
+            both = self._composite.velocity_rad_s(estimate, away)
+        else:
+            both = self._gain * predicted + away / settings.return_time_s
+        wanted = both * self._weight * fresh
         return min(max(wanted, -settings.max_velocity_rad_s), settings.max_velocity_rad_s), status

@@ -31,6 +31,7 @@ class Observation(msgspec.Struct, gc=False):
     """One cycle as every method sees it: raw measurements, and the joint's motion with its history.
 
     acceleration_m_s2 is NaN where there was no sample; samples are the visual samples read in this cycle, in order.
+    deflection_m: measured directly, as by a strain gauge; NaN where it is not.
     """
 
     cycle: int
@@ -38,6 +39,7 @@ class Observation(msgspec.Struct, gc=False):
     acceleration_m_s2: float
     samples: list[VisualSample]
     joint: JointMotion
+    deflection_m: float = nan
 
 
 class Estimate(msgspec.Struct, frozen=True, gc=False):

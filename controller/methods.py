@@ -6,10 +6,13 @@ from collections.abc import Callable
 from common.configuration import Controller
 from common.model import Model
 from common.user_error import UserError
+from controller.delay.constant import ConstantDelay
 from controller.delay.correlation import CorrelationDelay
 from controller.delay.timestamps import TimestampDelay
 from controller.estimate import Method
 from controller.fused.method import FusedMethod
+from controller.kalman.fast_sensor import AccelerometerReading, StrainGaugeReading
+from controller.kalman.kalman_method import KalmanMethod
 from controller.sine_method import SineMethod
 
 
@@ -25,9 +28,28 @@ def _fused(model: Model, settings: Controller, model_name: str) -> Method:
     return FusedMethod(model, settings.fused, model_name)
 
 
+def _kalman_constant_delay(model: Model, settings: Controller, model_name: str) -> Method:
+    return KalmanMethod(model, settings.kalman, ConstantDelay(model), model_name)
+
+
+def _kalman_variable_delay(model: Model, settings: Controller, model_name: str) -> Method:
+    return KalmanMethod(model, settings.kalman, TimestampDelay(model), model_name)
+
+
+def _kalman_fusion(model: Model, settings: Controller, model_name: str) -> Method:
+    kalman = settings.kalman
+    delay = TimestampDelay(model) if kalman.fusion_delay == "timestamps" else ConstantDelay(model)
+    gauge = kalman.fusion_sensor == "strain_gauge"
+    reading = StrainGaugeReading(kalman.strain_noise_m) if gauge else AccelerometerReading(model)
+    return KalmanMethod(model, kalman, delay, model_name, reading)
+
+
 METHODS: dict[str, Callable[[Model, Controller, str], Method]] = {
     "timestamps": _timestamps,
     "correlation": _correlation,
+    "kalman_constant_delay": _kalman_constant_delay,
+    "kalman_variable_delay": _kalman_variable_delay,
+    "kalman_fusion": _kalman_fusion,
     "fused": _fused,
 }
 

@@ -19,6 +19,7 @@ def fast_sample(read: CycleInput, answered: CycleOutput, cycle_s: float) -> Fast
         joint_position_rad=read.joint_position_rad,
         joint_velocity_rad_s=read.joint_velocity_rad_s,
         joint_age_s=read.joint_age_s,
+        deflection_m=read.deflection_m,
         damping_allowed=read.damping_allowed,
     )
 
@@ -115,5 +116,6 @@ def cycle_inputs(
             reference if isfinite(reference) else 0.0,
             row.damping_allowed,
             samples,
+            row.deflection_m,
         )
         yield read, row.joint_velocity_command_rad_s

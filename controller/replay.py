@@ -89,7 +89,7 @@ def replay_method(
         time_s = read.cycle * run.cycle_s
         joint.begin_cycle(read.cycle, read.joint_position_rad)
         estimate = estimator.update(
-            Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint)
+            Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
         )
         joint.send(command)
         result.times_s.append(time_s)

@@ -14,6 +14,7 @@ from controller.estimate import Estimate, Observation
 from controller.joint_motion import JointMotion
 from controller.limits import CommandLimits
 from controller.methods import make_method
+from controller.shaping import ReferenceShaper
 
 
 @dataclass(slots=True)
@@ -21,8 +22,10 @@ class CycleInput:
     """What a cycle has read. Missing numbers are NaN.
 
     joint_age_s: age of the drive's report; NaN for a drive that reports nothing
-    reference_rad_s: the external joint velocity reference; damping_allowed: the operator's or schedule's permission
+    reference_rad_s: the external joint velocity reference, as given
+    damping_allowed: the operator's or schedule's permission
     samples: the visual samples read in this cycle, in order of arrival
+    deflection_m: measured directly, as by a strain gauge
     """
 
     cycle: int
@@ -33,6 +36,7 @@ class CycleInput:
     reference_rad_s: float = 0.0
     damping_allowed: bool = False
     samples: list[VisualSample] = field(default_factory=list)
+    deflection_m: float = nan
 
 
 @dataclass(slots=True)
@@ -58,6 +62,7 @@ class Controller:
         self.joint = JointMotion(model, length_of(model, model_name))
         self.method = make_method(settings.method, model, settings, model_name)
         self._damping = JointDamping(model, settings.damping, model_name)
+        self._shaper = ReferenceShaper(settings.reference_shaping, model.arm.modes[0], self._cycle_s)
         self._limits = CommandLimits(model.drive, self._cycle_s)
         self._cycle: int | None = None
 
@@ -69,13 +74,15 @@ class Controller:
         joint, damping = self.joint, self._damping
         joint.begin_cycle(read.cycle, read.joint_position_rad)
         estimate = self.method.update(
-            Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint)
+            Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
         )
         for sample in read.samples:
             if sample.measured:
                 damping.see_sample(time_s)
         reference = read.reference_rad_s if isfinite(read.reference_rad_s) else 0.0
+        reference = self._shaper.shape(read.cycle, reference)
         damping.follow_reference(reference, joint.position_rad, elapsed)
+        damping.see_cycle(read.cycle, estimate, read.samples, joint)
         velocity, status = damping.velocity_rad_s(
             estimate, time_s, read.damping_allowed, joint.position_rad, read.joint_age_s
         )

@@ -59,12 +59,12 @@ def test_it_predicts_better_than_the_simplified_form_when_the_model_is_off() -> 
     for _ in range(60):
         phase = random.uniform(0, 2 * pi)
         noise = 6e-5 * random.standard_normal(20)
-        for exact in errors:
+        for exact, found in errors.items():
             fitted = regression(6e-5, exact=exact)
             for k in range(20):
                 fitted.add(k / 65, vibration(k / 65, 2.6 * 1.04, phase) + noise[k], 0.0, 0.25)
             ahead = 19 / 65 + 0.074
-            errors[exact].append(fitted.predict(ahead).deflection_m - vibration(ahead, 2.6 * 1.04, phase))
+            found.append(fitted.predict(ahead).deflection_m - vibration(ahead, 2.6 * 1.04, phase))
     assert np.std(errors[True]) < 0.6 * np.std(errors[False])
     assert np.std(errors[False]) > 0.03 * A
 

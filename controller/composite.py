@@ -1,0 +1,100 @@
+"""Composite control [7]: fast feedback of the oscillation, slow feedback of the image. Derived in docs/damping.md.
+
+Fast, on the estimated deflection and its rate: k (q + q' / b) with the drive's bandwidth b, which puts the closed
+loop's poles where an ideal drive would have them. Slow, on what the image shows besides the oscillation: the joint is
+brought to where the reference would have led it, as the camera sees it and not as the encoder does.
+"""
+
+from math import exp, isfinite, pi
+
+from common.beam import tip_slopes_per_m
+from common.model import Model
+from common.visual_sample import VisualSample
+from controller.estimate import Estimate, Status
+from controller.history import CycleHistory
+from controller.joint_motion import HISTORY_S, JointMotion
+
+_ZERO_PERIODS = 3.0  # the image's zero is the mean over the first periods
+_JUMP_RAD = 0.02  # from one image to the next: the image has another zero
+_LONGEST_STEP_S = 0.1
+
+
+class CompositeControl:
+    """Both parts of the joint velocity, from values that the step hands in."""
+
+    def __init__(self, model: Model, length_m: float, gain: float, return_time_s: float) -> None:
+        """gain: joint velocity for a deflection, rad/s per metre. return_time_s: time constant of the slow part."""
+        mode, camera, cycle_s = model.arm.modes[0], model.camera, model.timing.cycle_s
+        self._gain = gain
+        self._return_time_s = return_time_s
+        self._lag_s = 1.0 / (2.0 * pi * model.drive.bandwidth_hz)
+        self._dead_time_s = model.drive.dead_time_s
+        self._stiffness = mode.angular_frequency**2
+        self._decay = 2.0 * mode.damping_ratio * mode.angular_frequency
+        self._cycle_s = cycle_s
+        self._period_s = 1.0 / mode.frequency_hz
+        slope = tip_slopes_per_m(length_m, 1)[0]
+        px_per_rad = camera.scale_px_per_m * length_m + camera.rotation_px_per_rad
+        self._rad_per_px = -1.0 / px_per_rad
+        self._rad_per_m = (camera.scale_px_per_m + camera.rotation_px_per_rad * slope) / px_per_rad
+        held = int(HISTORY_S / cycle_s) + 2
+        self._oscillation = CycleHistory(held)
+        self._commanded = CycleHistory(held)
+        self._frame = -1
+        self._captured_s = 0.0
+        self._begin_zero()
+
+    def _begin_zero(self) -> None:
+        """The image's zero is to be found (again)."""
+        self._zero_rad = self._zero_time_s = self._error_rad = 0.0
+        self._zeroed = False
+        self._seen = 0
+
+    def see_cycle(
+        self,
+        cycle: int,
+        commanded_position_rad: float,
+        estimate: Estimate,
+        samples: list[VisualSample],
+        joint: JointMotion,
+    ) -> None:
+        """Take in a cycle: where the reference alone would have the joint, the estimate, the samples read in it."""
+        known = estimate.status in {Status.ESTIMATED, Status.HELD} and isfinite(estimate.deflection_m)
+        self._oscillation.write(cycle, estimate.deflection_m if known else 0.0)
+        self._commanded.write(cycle, commanded_position_rad)
+        if known:
+            for sample in samples:
+                if sample.measured and isfinite(sample.displacement_x_px):
+                    self._see(sample, cycle * self._cycle_s - estimate.delay.delay_s, joint)
+
+    def _see(self, sample: VisualSample, captured_s: float, joint: JointMotion) -> None:
+        """The slow part of one image: what is left without the oscillation, at its capture instant."""
+        at = captured_s / self._cycle_s
+        oscillation = self._rad_per_m * self._oscillation.at(at)
+        slow = sample.displacement_x_px * self._rad_per_px - oscillation - self._commanded.at(at)
+        elapsed = min(max(captured_s - self._captured_s, 0.0), _LONGEST_STEP_S)
+        restarted = sample.frame < self._frame
+        self._frame, self._captured_s = sample.frame, captured_s
+        if restarted:
+            self._begin_zero()
+        if not self._zeroed:
+            off = joint.position_at(captured_s) - self._commanded.at(at)
+            self._seen += 1
+            self._zero_rad += (slow - off - self._zero_rad) / self._seen
+            self._zero_time_s += elapsed if self._seen > 1 else 0.0
+            self._zeroed = self._zero_time_s >= _ZERO_PERIODS * self._period_s
+            self._error_rad = -off
+        elif abs(slow - self._zero_rad + self._error_rad) > _JUMP_RAD:
+            self._begin_zero()
+        else:
+            gain = 1.0 - exp(-elapsed / self._period_s)
+            self._error_rad += gain * (self._zero_rad - slow - self._error_rad)
+
+    def velocity_rad_s(self, estimate: Estimate, joint_error_rad: float) -> float:
+        """Fast and slow part together; joint_error_rad, by the encoder, stands in until the image's zero is known."""
+        q, v = estimate.deflection_m, estimate.deflection_rate_m_s
+        bend = -self._stiffness * q - self._decay * v
+        ahead = self._dead_time_s
+        q, v = q + ahead * v + 0.5 * ahead * ahead * bend, v + ahead * bend
+        slow = self._error_rad if self._zeroed else joint_error_rad
+        return self._gain * (q + self._lag_s * v) + slow / self._return_time_s

@@ -1,0 +1,20 @@
+"""The capture delay taken as a known constant [9]."""
+
+from common.model import Model
+from common.visual_sample import VisualSample
+from controller.estimate import DelayEstimate, Status
+
+
+class ConstantDelay:
+    """model.timing.capture_delay_s for every sample, never measured: its status stays unestimated."""
+
+    def __init__(self, model: Model) -> None:
+        """With the model's spread as standard deviation."""
+        timing = model.timing
+        self.estimate = DelayEstimate(timing.capture_delay_s, timing.capture_delay_std_s, Status.UNESTIMATED)
+
+    def see_cycle(self, cycle: int, vibration: float) -> None:
+        """A constant needs no accelerometer."""
+
+    def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
+        """Nor an image."""

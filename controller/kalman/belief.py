@@ -1,0 +1,101 @@
+"""The Kalman filter itself: pure functions from a belief about one instant to a belief about another.
+
+A belief belongs to the instant of the last measurement, not to the present. A delayed measurement is thereby applied to
+the state of its own time, and nothing has to be taken back: the present is reached by carrying the belief forward,
+which for white noises is exact (Anderson and Moore, Optimal Filtering, 1979, section 3.3). Only where two samples
+change places, which dating by a time stamp may do to neighbours, is the older one seen through the state after it.
+
+A measurement that is far outside what the belief expects may be wrong by itself, and is left out; a second one in
+succession is a blow. The modes' disturbance since the last good one is then taken to have been as strong as makes the
+measurement likely (Jazwinski, Adaptive Filtering, Automatica 5, 1969).
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from controller.kalman.two_time_scales import Matrix, TwoTimeScales, Vector
+
+_GATE_STDS = 4.0  # at the rate of frames, a false alarm in some minutes
+_BATCH_GATE_STDS = 6.0  # the sum of squares has a longer tail than its normal law
+
+
+class Belief(NamedTuple):
+    """State and covariance at an instant; `surprised`: the last measurement was far outside what was expected."""
+
+    time_s: float
+    state: Vector
+    covariance: Matrix
+    surprised: bool = False
+
+
+def first_belief(model: TwoTimeScales, time_s: float, offset_m: float) -> Belief:
+    """What is known at the first sample: an arm at rest, as far as known, before an image whose zero it shows."""
+    state = np.zeros(model.size)
+    state[model.slow] = offset_m
+    return Belief(time_s, state, model.prior_covariance())
+
+
+def carried(model: TwoTimeScales, belief: Belief, time_s: float) -> Belief:
+    """The belief at a later instant; at an earlier one it is returned as it is."""
+    elapsed = time_s - belief.time_s
+    if elapsed <= 0.0:
+        return belief
+    phi = model.transition(elapsed)
+    covariance = phi @ belief.covariance @ phi.T + model.scatter(elapsed)
+    return Belief(time_s, phi @ belief.state, covariance)
+
+
+def seen_from(model: TwoTimeScales, belief: Belief, row: Vector, time_s: float) -> Vector:
+    """What a sensor's row (size,) of an instant before the belief's is, by the belief's state."""
+    elapsed = time_s - belief.time_s
+    return row if elapsed >= 0.0 else row @ model.transition(elapsed)
+
+
+def corrected(
+    model: TwoTimeScales,
+    belief: Belief,
+    row: Vector,
+    value: float,
+    variance: float,
+    blow_within_s: float | None,
+) -> Belief:
+    """The belief after a scalar measurement row @ state + noise.
+
+    blow_within_s: if the measurement is a surprise, there was a blow within this time (> 0); None: it is left out.
+    """
+    time_s, state, covariance, _ = belief
+    seen = covariance @ row
+    innovation = value - float(row @ state)
+    spread = float(row @ seen) + variance
+    surprised = innovation * innovation > _GATE_STDS**2 * spread
+    if surprised:
+        if blow_within_s is None:
+            return belief._replace(surprised=True)
+        unit = model.scatter_of_modes(blow_within_s)
+        covariance = covariance + unit * ((innovation * innovation - spread) / float(row @ unit @ row))
+        seen = covariance @ row
+        spread = float(row @ seen) + variance
+    gain = seen / spread
+    left = covariance - np.multiply.outer(gain, seen)
+    return Belief(time_s, state + gain * innovation, 0.5 * (left + left.T), surprised)
+
+
+def corrected_by_batch(
+    model: TwoTimeScales, belief: Belief, rows: Matrix, values: Vector, variance: float, since_s: float
+) -> Belief:
+    """The belief after n measurements at once: rows (n, size), values (n,), independent noise of one variance."""
+    time_s, state, covariance, _ = belief
+    residual = values - rows @ state
+    information = rows.T @ rows / variance
+    count = len(values)
+    foreseen = float(np.vdot(information, covariance))
+    excess = float(residual @ residual) / variance - count - foreseen
+    surprised = excess > _BATCH_GATE_STDS * sqrt(2.0 * (count + foreseen * (2.0 + foreseen)))
+    if surprised:
+        unit = model.scatter_of_modes(since_s)
+        covariance = covariance + unit * (excess / float(np.vdot(information, unit)))
+    left = np.linalg.solve(np.eye(len(state)) + covariance @ information, covariance)
+    left = 0.5 * (left + left.T)
+    return Belief(time_s, state + left @ (rows.T @ residual) / variance, left, surprised)

@@ -1,0 +1,144 @@
+"""A sensor without delay, in every cycle, for the fusion of [8]: an accelerometer or a strain gauge."""
+
+from math import floor, isfinite, nan
+from typing import Protocol
+
+import numpy as np
+
+from common.model import Model
+from controller.estimate import Observation
+from controller.history import CycleHistory
+from controller.kalman.belief import Belief, carried, corrected_by_batch
+from controller.kalman.forced_motion import ForcedMotion
+from controller.kalman.two_time_scales import TwoTimeScales, Vector
+
+HELD_S = 0.6  # how far back its samples are kept
+_BATCH = 100  # samples at once; disturbances are then taken to act at the batch's start
+
+
+class Reading(Protocol):
+    """How a sensor sees the free vibration: row(modes) @ (q_1, q_1', ...) + offset + noise."""
+
+    noise_std: float
+    offset_prior_std: float
+    delay_s: float
+
+    def row(self, model: TwoTimeScales) -> Vector:
+        """Shape (size,)."""
+
+    def value(self, observation: Observation, forced: ForcedMotion) -> float:
+        """What it says of the free vibration in a cycle; NaN for nothing."""
+
+
+class AccelerometerReading:
+    """sum of - w^2 q - 2 zeta w q', m/s^2: s'' without what the joint's own motion makes of it."""
+
+    offset_prior_std = 2.0  # m/s^2: a bias, and gravity in a tilted sensor
+
+    def __init__(self, model: Model) -> None:
+        """For the model's accelerometer."""
+        self._sensor = model.accelerometer
+        self._modes = model.arm.modes
+        self.noise_std = max(self._sensor.noise_std_m_s2 / abs(self._sensor.scale), 1e-3)
+        self.delay_s = self._sensor.delay_s
+
+    def row(self, model: TwoTimeScales) -> Vector:
+        """Accelerations of the modes, and the offset."""
+        row = np.zeros(model.size)
+        for i, mode in enumerate(self._modes):
+            w = mode.angular_frequency
+            row[2 * i], row[2 * i + 1] = -w * w, -2.0 * mode.damping_ratio * w
+        row[-1] = 1.0
+        return row
+
+    def value(self, observation: Observation, forced: ForcedMotion) -> float:
+        """A sample at the end of the sensor's range says nothing."""
+        sensor, measured = self._sensor, observation.acceleration_m_s2
+        if not abs(measured) < sensor.range_m_s2:
+            return nan
+        of_tip = (measured - sensor.bias_m_s2) / sensor.scale
+        return of_tip - forced.tip_acceleration_m_s2(observation.joint)
+
+
+class StrainGaugeReading:
+    """sum of q, m, as a strain gauge at the root gives it."""
+
+    offset_prior_std = 0.1  # m
+    delay_s = 0.0
+
+    def __init__(self, noise_std_m: float) -> None:
+        """With the noise of one cycle."""
+        self.noise_std = noise_std_m
+
+    def row(self, model: TwoTimeScales) -> Vector:
+        """Deflections of the modes, and the offset."""
+        row = np.zeros(model.size)
+        row[0 : model.slow : 2] = 1.0
+        row[-1] = 1.0
+        return row
+
+    def value(self, observation: Observation, forced: ForcedMotion) -> float:
+        """NaN where no deflection is measured."""
+        measured = observation.deflection_m
+        return measured - forced.deflection_m(observation.joint) if isfinite(measured) else nan
+
+
+class FastSensor:
+    """The last samples of a sensor, and what they make of a belief."""
+
+    def __init__(self, model: TwoTimeScales, reading: Reading, cycle_s: float) -> None:
+        """In cycles of `cycle_s`."""
+        self._model = model
+        self._reading = reading
+        self._cycle_s = cycle_s
+        self._variance = reading.noise_std**2
+        row = reading.row(model)
+        back = [row @ model.transition(-k * cycle_s) for k in range(_BATCH)]
+        self._rows = np.array(back[::-1])  # the last one is of the newest sample
+        self._length = int(HELD_S / cycle_s) + 2
+        self._history = CycleHistory(self._length, nan)
+        self._cycle: int | None = None
+        self.last_seen_s = float("-inf")
+
+    def see_cycle(self, observation: Observation, forced: ForcedMotion) -> None:
+        """Take in a cycle; those that never came are without a sample."""
+        cycle = observation.cycle
+        if self._cycle is not None:
+            for missed in range(max(self._cycle + 1, cycle - self._length), cycle):
+                self._history.write(missed, nan)
+        self._cycle = cycle
+        value = self._reading.value(observation, forced)
+        self._history.write(cycle, value)
+        if isfinite(value):
+            self.last_seen_s = observation.time_s
+
+    def cycle_of(self, time_s: float) -> int:
+        """The last cycle whose sample belongs to an instant not after `time_s`."""
+        return floor((time_s + self._reading.delay_s) / self._cycle_s + 1e-9)
+
+    def applied(self, belief: Belief, first: int, last: int) -> Belief:
+        """The belief at the time of cycle `last`'s sample, after the samples of cycles first .. last."""
+        if self._cycle is None:
+            return belief
+        last = min(last, self._cycle)
+        first = max(first, self._cycle - self._length + 1)
+        while first <= last:
+            end = min(last, first + _BATCH - 1)
+            belief = self._batch(belief, first, end, self._cycle)
+            first = end + 1
+        return belief
+
+    def _batch(self, belief: Belief, first: int, last: int, newest: int) -> Belief:
+        start, end = belief.time_s, last * self._cycle_s - self._reading.delay_s
+        belief = carried(self._model, belief, end)
+        values = self._history.lags(newest - last, newest - first)
+        rows = self._rows[_BATCH - len(values) :]
+        if end < belief.time_s:  # a filter that is later than the camera
+            rows = rows @ self._model.transition(end - belief.time_s)
+        present = np.isfinite(values)
+        if not present.all():
+            values, rows = values[present], rows[present]
+            if len(values) == 0:
+                return belief
+        since = max(belief.time_s - start, self._cycle_s)
+        return corrected_by_batch(self._model, belief, rows, values, self._variance, since)

@@ -1,0 +1,194 @@
+"""The Kalman filters as methods: from the image alone [4, 9], or fused with a fast sensor [8].
+
+The filter stands at the instant of the last image; each cycle its belief is carried to the present in closed form. A
+fast sensor's samples up to that instant are in the belief itself; those after it, which the image does not reach yet,
+are put to a copy of it.
+"""
+
+from math import isfinite, nan, sqrt
+
+import numpy as np
+
+from common.configuration import Kalman
+from common.model import Model, length_of
+from common.visual_sample import VisualSample
+from controller.estimate import Estimate, Observation, Status
+from controller.kalman.belief import Belief, carried, corrected, first_belief, seen_from
+from controller.kalman.fast_sensor import FastSensor, Reading
+from controller.kalman.forced_motion import ForcedMotion, image_shares
+from controller.kalman.two_time_scales import Densities, TwoTimeScales
+from controller.sensor_deflection import SensorDeflection
+from controller.sine_method import DelayEstimator
+
+_LOST_S = 10.0  # without data nothing of the vibration's phase is left
+_STALE_S = 0.25  # without data: held
+_LATEST_S = 0.5  # an image older than the filter by more than this is not used
+_SURPRISES_IN_A_ROW = 5  # no arm is struck in four frames running: the image has jumped
+_FAST_LAG_S = (
+    0.4,
+    0.25,
+)  # without images the filter follows the fast sensor: from the first lag to the second
+_RATE_SPAN_S = 0.002
+_OFFSET_DRIFT = 0.05  # of a fast sensor's offset in a second, as a share of its noise
+_LEAST_NOISE_M = 1e-6
+
+
+class KalmanMethod:
+    """Two-time-scale Kalman filter of all of the model's modes."""
+
+    def __init__(
+        self,
+        model: Model,
+        settings: Kalman,
+        delay: DelayEstimator,
+        model_name: str,
+        reading: Reading | None = None,
+    ) -> None:
+        """Samples are dated by `delay`; `reading`: the fast sensor to be fused with the image, if any."""
+        length, cycle_s = length_of(model, model_name), model.timing.cycle_s
+        modes = model.arm.modes
+        self._delay = delay
+        self._sensors = SensorDeflection(model, length)
+        self._forced = ForcedMotion(model, length)
+        noise = 0.0 if reading is None else reading.noise_std
+        densities = Densities(
+            settings.disturbance_m_s2**2 * 1e-3,
+            settings.imposed_motion_m_s2**2 * 1e-3,
+            (_OFFSET_DRIFT * noise) ** 2,
+        )
+        self._model = TwoTimeScales(modes, densities, None if reading is None else reading.offset_prior_std)
+        self._density = densities.modes
+        self._fast = None if reading is None else FastSensor(self._model, reading, cycle_s)
+        self._row = np.zeros(self._model.size)
+        self._row[0 : self._model.slow : 2] = image_shares(model, length)
+        self._row[self._model.slow] = 1.0
+        self._noise_m_per_px = abs(self._sensors.of_image(1.0, 0.0))
+        self._noise_px = model.camera.noise_std_px
+        self._frame_s = 1.0 / model.camera.frame_rate_hz
+        self._w = modes[0].angular_frequency
+        self._settled_s = 0.5 / modes[0].frequency_hz  # until then vibration and offset look alike
+        self._belief: Belief | None = None
+        self._present: Belief | None = None  # the belief with the fast sensor's newest samples
+        self._refreshed_s = self._started_s = self._image_s = self._good_s = float("-inf")
+        self._read_s = float("-inf")
+        self._next_cycle = 0
+        self._frame = -1
+        self._surprises = 0
+
+    def update(self, observation: Observation) -> Estimate:
+        """One cycle: new samples at their own time, then the present."""
+        self._forced.see_cycle(observation)
+        if self._fast is not None:
+            self._fast.see_cycle(observation, self._forced)
+        for sample in observation.samples:
+            if sample.measured and isfinite(sample.displacement_x_px):
+                self._take(sample, observation)
+        if self._fast is not None and self._belief is not None:
+            self._catch_up(self._fast, self._belief, observation)
+        return self._predict(observation)
+
+    def _take(self, sample: VisualSample, observation: Observation) -> None:
+        """A measured image, at its capture instant."""
+        joint, time_s = observation.joint, observation.time_s
+        self._delay.see_sample(sample, observation.cycle, nan)
+        captured = time_s - self._delay.estimate.delay_s
+        seen = self._sensors.of_image(sample.displacement_x_px, joint.position_at(captured))
+        value = seen - self._forced.image_deflection_at(joint, captured)
+        restarted, self._frame = sample.frame < self._frame, sample.frame
+        last_seen = max(self._read_s, float("-inf") if self._fast is None else self._fast.last_seen_s)
+        belief = self._belief
+        if belief is None or restarted or time_s - last_seen > _LOST_S:
+            self._begin(captured, value)
+        elif captured > belief.time_s - _LATEST_S:
+            self._correct(belief, sample, observation, captured, value)
+        self._read_s = time_s
+        self._refreshed_s = float("-inf")
+
+    def _begin(self, captured: float, value: float) -> None:
+        self._belief = first_belief(self._model, captured, value)
+        self._started_s = self._image_s = self._good_s = captured
+        self._surprises = 0
+        if self._fast is not None:
+            self._next_cycle = self._fast.cycle_of(captured) + 1
+
+    def _correct(
+        self, belief: Belief, sample: VisualSample, observation: Observation, captured: float, value: float
+    ) -> None:
+        model = self._model
+        if self._fast is not None:
+            last = self._fast.cycle_of(captured)
+            belief = self._fast.applied(belief, self._next_cycle, last)
+            self._next_cycle = max(self._next_cycle, last + 1)
+        belief = carried(model, belief, captured)
+        row = seen_from(model, belief, self._row, captured)
+        blow_within = max(captured - self._good_s, self._frame_s) if self._surprises else None
+        variance = self._variance(belief, sample, observation, captured)
+        self._belief = belief = corrected(model, belief, row, value, variance, blow_within)
+        self._surprises = self._surprises + 1 if belief.surprised else 0
+        self._image_s = max(self._image_s, captured)
+        if not self._surprises:
+            self._good_s = self._image_s
+        elif self._surprises >= _SURPRISES_IN_A_ROW:
+            self._begin(captured, value)
+
+    def _variance(
+        self, belief: Belief, sample: VisualSample, observation: Observation, captured: float
+    ) -> float:
+        """Of a sample: its own noise, and what misdating makes of the tip's motion in the image, m^2."""
+        joint = observation.joint
+        own = (
+            sqrt(sample.variance_x_px2) if sample.variance_x_px2 > 0.0 else self._noise_px
+        ) * self._noise_m_per_px
+        rates = slice(1, self._model.slow, 2)
+        before, after = joint.position_at(captured - _RATE_SPAN_S), joint.position_at(captured + _RATE_SPAN_S)
+        of_joint = (self._sensors.of_image(0.0, after) - self._sensors.of_image(0.0, before)) / (
+            2.0 * _RATE_SPAN_S
+        )
+        rate = float(belief.state[rates].sum()) - of_joint
+        unknown = float(belief.covariance[rates, rates].sum())
+        bend = self._w * self._w * float(belief.state[0 : self._model.slow : 2].sum())
+        dating = self._delay.estimate.std_s
+        of_dating = dating * dating * (rate * rate + unknown) + 0.75 * (bend * dating * dating) ** 2
+        return max(own, _LEAST_NOISE_M) ** 2 + of_dating
+
+    def _catch_up(self, fast: FastSensor, belief: Belief, observation: Observation) -> None:
+        """Put the fast sensor's samples of the time that no image has reached yet to a copy of the belief."""
+        time_s = observation.time_s
+        if time_s - belief.time_s > _FAST_LAG_S[0]:
+            last = fast.cycle_of(time_s - _FAST_LAG_S[1])
+            self._belief = belief = fast.applied(belief, self._next_cycle, last)
+            self._next_cycle = last + 1
+        if time_s - self._refreshed_s >= self._frame_s:
+            self._present = fast.applied(belief, self._next_cycle, observation.cycle)
+            self._refreshed_s = time_s
+
+    def _predict(self, observation: Observation) -> Estimate:
+        """The present, from the newest belief."""
+        delay, time_s, joint = self._delay.estimate, observation.time_s, observation.joint
+        belief = self._belief if self._fast is None else self._present
+        if belief is None or self._image_s - self._started_s < self._settled_s:
+            return Estimate(delay)
+        elapsed = max(0.0, time_s - belief.time_s)
+        deflection = rate = bend = added = 0.0
+        row = np.zeros(self._model.size)
+        state = belief.state.tolist()
+        for i, mode in enumerate(self._model.modes):
+            qq, qv, vq, vv = mode.transition(elapsed)
+            q, v = qq * state[2 * i] + qv * state[2 * i + 1], vq * state[2 * i] + vv * state[2 * i + 1]
+            deflection, rate, bend = deflection + q, rate + v, bend + mode.angular_frequency**2 * q
+            row[2 * i], row[2 * i + 1] = qq, qv
+            added += mode.scatter(elapsed).qq
+        variance = max(0.0, float(row @ belief.covariance @ row)) + added * self._density
+        misdated = delay.std_s * delay.std_s * (rate * rate + 0.75 * (bend * delay.std_s) ** 2)
+        return Estimate(
+            delay,
+            deflection + self._forced.deflection_m(joint),
+            rate + self._forced.rate_m_s(joint),
+            sqrt(variance + misdated),
+            self._status(time_s),
+        )
+
+    def _status(self, time_s: float) -> Status:
+        """Held while neither the camera nor the fast sensor gives anything."""
+        fast_s = float("-inf") if self._fast is None else self._fast.last_seen_s
+        return Status.HELD if time_s - max(self._read_s, fast_s) > _STALE_S else Status.ESTIMATED
