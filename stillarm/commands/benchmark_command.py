@@ -2,32 +2,127 @@
 
 import argparse
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-BENCHMARKS = ("vision",)
+from common.user_error import UserError
+from stillarm.progress import progress_bar
+
+DEFAULT_TRIALS = {"estimators": 20, "vision": 3}
+BENCHMARKS = tuple(DEFAULT_TRIALS)
+_ESTIMATOR_ONLY = ("out", "methods", "quick")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
+    defaults = ", ".join(f"{name} {trials}" for name, trials in DEFAULT_TRIALS.items())
     parser.add_argument("name", choices=BENCHMARKS, metavar="NAME", help=f"one of: {', '.join(BENCHMARKS)}")
-    parser.add_argument("--trials", type=int, default=3, metavar="N", help="trials of each row (3)")
+    parser.add_argument("--trials", type=int, metavar="N", help=f"trials of each row ({defaults})")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the first trial (0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result to this file")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="estimators: draw the pictures into this folder"
+    )
+    parser.add_argument("--methods", metavar="A,B", help="estimators: only these methods (all)")
+    parser.add_argument(
+        "--quick", action="store_true", help="estimators: a look at one noise in three regimes, 12 s a trial"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the benchmark and print its table."""
-    from benchmarks.vision import run as run_vision
-    from stillarm.progress import progress_bar
-
-    with progress_bar(f"benchmark {arguments.name}"):
-        result = run_vision(arguments.trials, arguments.seed)
-    print_rows(result["rows"])
-    print(f"seed {arguments.seed}, {arguments.trials} trials")
+    """Run the benchmark and print its tables."""
+    trials = DEFAULT_TRIALS[arguments.name] if arguments.trials is None else arguments.trials
+    if trials < 1:
+        raise UserError(f"--trials {trials}: at least 1")
+    if arguments.name != "estimators":
+        for option in _ESTIMATOR_ONLY:
+            if getattr(arguments, option):
+                raise UserError(f"--{option}: only for `benchmark estimators`; leave it out")
+    result = _RUN[arguments.name](arguments, trials)
+    print(f"seed {arguments.seed}, {trials} trials")
     if arguments.json is not None:
-        arguments.json.write_text(json.dumps(result, indent=2) + "\n")
+        try:
+            arguments.json.write_text(json.dumps(result, indent=2, allow_nan=False) + "\n")
+        except OSError as error:
+            raise UserError(
+                f"--json {arguments.json}: {error.strerror}; name a file that can be written"
+            ) from error
     return 0
+
+
+def _vision(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.vision import run as run_vision
+
+    with progress_bar("benchmark vision"):
+        result = run_vision(trials, arguments.seed)
+    print_rows(result["rows"])
+    return result
+
+
+def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.estimators.run import campaign, draw
+    from benchmarks.estimators.run import run as run_estimators
+
+    methods = arguments.methods.split(",") if arguments.methods else None
+    what = campaign(trials, arguments.seed, methods, arguments.quick)
+    with progress_bar("benchmark estimators") as progress:
+        result = run_estimators(what, progress)
+    for table in ("rows", "damping", "conditions"):
+        if result[table]:
+            print_rows([_brief(row) for row in result[table]])
+            print()
+    worse = [row for row in result["comparisons"] if row["worse"]]
+    if worse:
+        print("where fused is worse than another method by more than two paired standard errors:")
+        print_rows(worse)
+        print()
+    empty = result["empty_cycle_us"]
+    print(
+        f"a cycle that only exchanges the datagrams: mean {empty['mean']:.1f} us, median {empty['median']:.1f} us"
+    )
+    if arguments.out is not None:
+        for path in draw(result, what, arguments.out):
+            print(path)
+    return result
+
+
+def _brief(row: dict[str, Any]) -> dict[str, Any]:
+    """The columns that fit a terminal, under short names; the file of --json holds them all."""
+    brief = {short: row[name] for name, short in _SHORT.items() if name in row}
+    return brief if row["failure"] is None else brief | {"trials": f"{brief['trials']}: {row['failure']}"}
+
+
+_SHORT = {
+    "condition": "condition",
+    "regime": "regime",
+    "noise": "noise",
+    "method": "method",
+    "error_mean": "err_mean",
+    "error_max": "err_max",
+    "bound_deflection": "err_bound",
+    "error_last": "err_last",
+    "error_max_all": "max_all",
+    "pmcc": "pmcc",
+    "delay_bias_s": "bias_s",
+    "delay_rms_s": "rms_s",
+    "bound_s": "bound_s",
+    "ratio": "ratio",
+    "delay_normalised_error_squared": "nes_delay",
+    "deflection_normalised_error_squared": "nes_defl",
+    "us_per_cycle": "us",
+    "us_per_cycle_median": "us_median",
+    "settling_time_s": "settling_s",
+    "settling_over_oracle": "/ oracle",
+    "residual": "residual",
+    "residual_over_oracle": "/ oracle's",
+    "trials": "trials",
+}
+
+_RUN: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
+    "estimators": _estimators,
+    "vision": _vision,
+}
 
 
 def print_rows(rows: list[dict[str, Any]]) -> None:
@@ -41,4 +136,6 @@ def print_rows(rows: list[dict[str, Any]]) -> None:
 
 
 def _text(value: object) -> str:
+    if value is None:
+        return "-"
     return f"{value:.4g}" if isinstance(value, float) else str(value)

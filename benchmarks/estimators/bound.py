@@ -1,0 +1,182 @@
+"""How well anybody could know the delay and the deflection: the Bayesian Cramer-Rao bound along a trial.
+
+The unknowns are those that the generator draws; each measurement is linearised at the truth, so that the posterior
+covariance of a Gaussian problem follows from a Riccati recursion over the frames, in the order in which they are read
+(van Trees, Detection, Estimation, and Modulation Theory, part I, 2.4; Tichavsky, Muravchik and Nehorai, Posterior
+Cramer-Rao bounds for discrete-time nonlinear filtering, 1998). docs/benchmark-estimators.md derives it.
+"""
+
+from dataclasses import dataclass
+from math import exp, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.estimators.generator import Data, cycle_times
+from benchmarks.estimators.regimes import CYCLE_S, DRIFT_TIME_S, FRAME_S, Regime
+
+Values = NDArray[np.float64]
+
+# The unknowns, as departures from the truth. The mode's state is that of free motion carried back to time zero, so
+# that it is constant between blows; the second one is that from before the last blow, for frames exposed then.
+_NOW, _BEFORE = slice(0, 2), slice(2, 4)
+_ZERO = 4  # the image's zero, m
+_EXPOSED = 5  # mid-exposure of the frame at hand, s
+_BASE, _SKEW, _WALK_OF_EXPOSURE = 6, 7, 8  # frame clock; slow part of the exposure's irregularity
+_MEAN, _WALK_OF_DELAY = 9, 10  # of the delay
+_AHEAD = 11  # by how much n_i precedes mid-exposure
+_STAMP_ZERO, _STAMP_RATE = 12, 13
+_STATES = 14
+_WIDE_S = 0.1  # against milliseconds: nothing is known beforehand
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Posterior standard deviations when each frame has just been read: its delay, the deflection. Shape (frames,)."""
+
+    delay_std_s: Values
+    deflection_std_m: Values
+
+
+def bound(data: Data) -> Bound:
+    """The bound for each frame of a trial, from all that was measured up to its reading."""
+    regime, frames, blows = data.regime, data.frames, data.motion.blows_s
+    covariance = _prior(data)
+    sums = _acceleration_information(data)
+    transition, growth = _frame_step(regime)
+    deviation = np.empty((2, len(frames.number)))
+    truth = data.motion.at(frames.exposed_s)
+    cycle, struck, number = 0, 0, int(frames.number[0])
+    first = True
+    for k, read in enumerate(frames.read_cycle):
+        while struck < len(blows) and blows[struck] < read * CYCLE_S:
+            at = int(blows[struck] / CYCLE_S)
+            covariance = _informed(covariance, sums[at] - sums[cycle])
+            covariance = _struck(covariance, data, float(blows[struck]))
+            cycle, struck = at, struck + 1
+        covariance = _informed(covariance, sums[read] - sums[cycle])
+        cycle = int(read)
+        for _ in range(int(frames.number[k]) - number):
+            covariance = transition @ covariance @ transition.T + growth
+        number = int(frames.number[k])
+        if first:
+            covariance[_EXPOSED, :] = covariance[_BASE, :] + covariance[_WALK_OF_EXPOSURE, :]
+            covariance[:, _EXPOSED] = covariance[:, _BASE] + covariance[:, _WALK_OF_EXPOSURE]
+            white = regime.jitter_s**2 if regime.triggered else 0.0
+            covariance[_EXPOSED, _EXPOSED] = (
+                covariance[_EXPOSED, _BASE] + covariance[_EXPOSED, _WALK_OF_EXPOSURE] + white
+            )
+            first = False
+        exposed = float(frames.exposed_s[k])
+        for row, variance in _time_measurements(regime, exposed):
+            covariance = _measured(covariance, row, variance)
+        row = np.zeros(_STATES)
+        segment = _BEFORE if struck and exposed < blows[struck - 1] else _NOW
+        row[segment] = _free_motion(data, np.array([exposed]))[0, 0]
+        row[_EXPOSED], row[_ZERO] = truth[1][k], 1.0
+        covariance = _measured(covariance, row, (data.arm.vision_noise * data.arm.amplitude_m) ** 2)
+        deviation[0, k] = sqrt(covariance[_EXPOSED, _EXPOSED])
+        present = _free_motion(data, np.array([read * CYCLE_S]))[0, 0]
+        deviation[1, k] = sqrt(present @ covariance[_NOW, _NOW] @ present)
+    return Bound(*deviation)
+
+
+def _prior(data: Data) -> Values:
+    arm, regime = data.arm, data.regime
+    rate = (1e-6 * regime.skew_ppm) ** 2 / 3.0
+    variance = np.zeros(_STATES)
+    variance[0] = variance[2] = arm.amplitude_m**2
+    variance[1] = variance[3] = (arm.angular_frequency * arm.amplitude_m) ** 2
+    variance[_ZERO] = (2.0 * arm.amplitude_m) ** 2
+    variance[_BASE] = _WIDE_S**2
+    variance[_SKEW] = rate
+    variance[_WALK_OF_EXPOSURE] = regime.drift_s**2 if regime.triggered else 0.0
+    variance[_MEAN] = regime.delay_prior_s**2
+    variance[_WALK_OF_DELAY] = regime.drift_s**2
+    variance[_AHEAD] = regime.started_offset_s**2 / 3.0
+    variance[_STAMP_ZERO] = _WIDE_S**2
+    variance[_STAMP_RATE] = rate
+    covariance = np.diag(variance)
+    covariance[_BEFORE, _NOW] = covariance[_NOW, _BEFORE] = covariance[_NOW, _NOW]
+    return covariance
+
+
+def _frame_step(regime: Regime) -> tuple[Values, Values]:
+    """Transition and added covariance from one exposure to the next."""
+    keep = exp(-FRAME_S / DRIFT_TIME_S)
+    step = np.eye(_STATES)
+    step[_BASE, _SKEW] = FRAME_S
+    step[_WALK_OF_EXPOSURE, _WALK_OF_EXPOSURE] = step[_WALK_OF_DELAY, _WALK_OF_DELAY] = keep
+    step[_EXPOSED, :] = step[_BASE, :] + step[_WALK_OF_EXPOSURE, :]
+    noise = np.zeros((_STATES, _STATES))
+    slow = regime.drift_s**2 * (1.0 - keep * keep)
+    noise[_WALK_OF_DELAY, _WALK_OF_DELAY] = slow
+    if regime.triggered:
+        walk = regime.trigger_walk_s**2
+        noise[_BASE, _BASE] = noise[_BASE, _EXPOSED] = noise[_EXPOSED, _BASE] = walk
+        noise[_WALK_OF_EXPOSURE, _WALK_OF_EXPOSURE] = slow
+        noise[_WALK_OF_EXPOSURE, _EXPOSED] = noise[_EXPOSED, _WALK_OF_EXPOSURE] = slow
+        noise[_EXPOSED, _EXPOSED] = walk + slow + regime.jitter_s**2
+    return step, noise
+
+
+def _time_measurements(regime: Regime, exposed_s: float) -> list[tuple[Values, float]]:
+    """Rows and variances of the arrival, of n_i and of the camera's stamp."""
+    rounding = CYCLE_S**2 / 12.0
+    arrival, started, stamp = np.zeros((3, _STATES))
+    arrival[[_EXPOSED, _MEAN, _WALK_OF_DELAY]] = 1.0
+    started[[_EXPOSED, _AHEAD]] = 1.0, -1.0
+    stamp[[_EXPOSED, _STAMP_ZERO, _STAMP_RATE]] = 1.0, 1.0, exposed_s
+    rows = [(arrival, regime.jitter_s**2 + rounding), (started, regime.started_white_s**2 + rounding)]
+    return [*rows, (stamp, regime.stamp_s**2)] if regime.stamped else rows
+
+
+def _free_motion(data: Data, time_s: Values) -> Values:
+    """Deflection and rate at those times per deflection and rate at time zero: shape (times, 2, 2)."""
+    w, zeta = data.arm.angular_frequency, data.arm.damping_ratio
+    damped = w * sqrt(1.0 - zeta * zeta)
+    decay, c, s = np.exp(-zeta * w * time_s), np.cos(damped * time_s), np.sin(damped * time_s)
+    lean = zeta * w / damped
+    rows = np.array([[c + lean * s, s / damped], [-w * w * s / damped, c - lean * s]])
+    return np.asarray((decay * rows).transpose(2, 0, 1))
+
+
+def _acceleration_information(data: Data) -> Values:
+    """Fisher information on the mode's state in the cycles before each one, summed: shape (cycles + 1, 2, 2).
+
+    What the sensor shows during a blow tells of the blow, whose force is unknown, and is left out.
+    """
+    arm = data.arm
+    w = arm.angular_frequency
+    time_s = cycle_times(len(data.acceleration_m_s2))
+    row = np.array([-w * w, -2.0 * arm.damping_ratio * w]) @ _free_motion(data, time_s)
+    quiet = np.ones(len(time_s))
+    for blow in data.motion.blows_s:
+        quiet[np.abs(time_s - blow) <= 0.5 * arm.blow_s] = 0.0
+    noise = data.noise * w * w * arm.amplitude_m
+    each = quiet[:, None, None] * row[:, :, None] * row[:, None, :] / noise**2
+    return np.concatenate([np.zeros((1, 2, 2)), np.cumsum(each, axis=0)])
+
+
+def _informed(covariance: Values, information: Values) -> Values:
+    """The covariance after `information`, shape (2, 2), about the present state."""
+    across = covariance[:, _NOW]
+    inner = np.linalg.inv(np.eye(2) + information @ covariance[_NOW, _NOW])
+    reduced = covariance - across @ inner @ information @ across.T
+    return 0.5 * (reduced + reduced.T)
+
+
+def _struck(covariance: Values, data: Data, blow_s: float) -> Values:
+    """The covariance behind a blow of known instant and unknown size."""
+    copy = np.eye(_STATES)
+    copy[_BEFORE, _BEFORE], copy[_BEFORE, _NOW] = 0.0, np.eye(2)
+    covariance = copy @ covariance @ copy.T
+    kick = np.linalg.inv(_free_motion(data, np.array([blow_s]))[0])[:, 1] * data.arm.blow_std_m_s
+    covariance[_NOW, _NOW] += np.outer(kick, kick)
+    return covariance
+
+
+def _measured(covariance: Values, row: Values, variance: float) -> Values:
+    seen = covariance @ row
+    reduced = covariance - np.outer(seen, seen) / (row @ seen + variance)
+    return 0.5 * (reduced + reduced.T)

@@ -1,0 +1,138 @@
+"""A run with the loop closed: the benchmark's plant and camera around the controller's own step."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import floor, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.estimators.generator import expose, vision_errors
+from benchmarks.estimators.plant import Plant
+from benchmarks.estimators.regimes import CYCLE_S, Arm, Regime
+from benchmarks.estimators.trial import LENGTH_M, assumed_model, visual_sample
+from common.configuration import Controller as Settings
+from common.model import Model
+from controller.estimate import DelayEstimate, Estimate, Observation, Status
+from controller.step import Controller, CycleInput
+
+Values = NDArray[np.float64]
+ORACLE = "oracle"  # knows deflection and rate of the moment, exactly
+NO_DAMPING = "no damping"
+
+
+@dataclass(frozen=True)
+class Course:
+    """What happens in a run. Functions of time: joint reference rad/s, damping allowed.
+
+    strikes: by time, the amplitude in m that the arm has behind each one. force_std_m_s2: of a random force, drawn
+    anew at each cycle.
+    """
+
+    duration_s: float
+    strikes: dict[float, float]
+    reference: Callable[[float], float] = lambda time_s: 0.0
+    damping: Callable[[float], bool] = lambda time_s: False
+    force_std_m_s2: float = 0.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """What happened, shape (cycles,), and by frame, shape (frames,)."""
+
+    deflection_m: Values
+    amplitude_m: Values
+    predicted_m: Values
+    predicted_std_m: Values
+    delay_error_s: Values
+    delay_std_s: Values
+    frame_cycle: NDArray[np.int64]
+
+
+class _Oracle:
+    """The method that sees the plant."""
+
+    def __init__(self, plant: Plant, delay_s: float) -> None:
+        self._plant = plant
+        self._delay = DelayEstimate(delay_s, 0.0, Status.ESTIMATED)
+
+    def update(self, observation: Observation) -> Estimate:
+        return Estimate(self._delay, self._plant.deflection, self._plant.rate, 0.0, Status.ESTIMATED)
+
+
+def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], course: Course) -> Run:
+    """One run under method `name`, ORACLE, or NO_DAMPING; the same disturbances and errors for each, from `seed`."""
+    arm, model = Arm(), assumed_model(regime, noise)
+    random = np.random.default_rng(seed)
+    mode, drive = model.arm.modes[0], model.drive
+    plant = Plant(arm, LENGTH_M, mode.participation, drive.bandwidth_hz, round(drive.dead_time_s / CYCLE_S))
+    controller = _controller(name, model, plant)
+    frames = expose(regime, course.duration_s, random)
+    count = round(course.duration_s / CYCLE_S)
+    unit = arm.angular_frequency**2 * arm.amplitude_m
+    felt = (noise * unit * random.standard_normal(count)).tolist()
+    pushed = (course.force_std_m_s2 * random.standard_normal(count)).tolist()
+    seen = vision_errors(arm, len(frames.number), random)
+    phases = random.uniform(0.2, 0.8, len(course.strikes)).tolist()
+    pending = sorted(course.strikes.items())
+    tip, tip_rate = np.empty(count), np.empty(count)
+    said = np.full((4, count), nan)
+    of_frame = np.full((2, len(frames.number)), nan)
+    next_frame, first_seen = 0, 0.0
+    read_cycle: list[int] = frames.read_cycle.tolist()
+    for cycle in range(count):
+        time_s = cycle * CYCLE_S
+        while pending and pending[0][0] <= time_s:
+            _strike(plant, arm, pending.pop(0)[1], phases.pop())
+        tip[cycle], tip_rate[cycle] = plant.tip_m, plant.tip_rate_m_s
+        plant.force_m_s2 = pushed[cycle]
+        samples = []
+        while next_frame < len(read_cycle) and read_cycle[next_frame] <= cycle:
+            shown = _between(tip, tip_rate, float(frames.exposed_s[next_frame]), cycle) + float(
+                seen[next_frame]
+            )
+            first_seen = shown if next_frame == 0 else first_seen
+            samples.append(visual_sample(frames, next_frame, shown - first_seen, arm))
+            next_frame += 1
+        output = controller.step(
+            CycleInput(
+                cycle, plant.tip_acceleration_m_s2 + felt[cycle], plant.theta, plant.theta_rate, 0.0,
+                course.reference(time_s), course.damping(time_s) and name != NO_DAMPING, samples,
+            )
+        )  # fmt: skip
+        estimate = output.estimate
+        said[:, cycle] = (
+            plant.deflection, plant.amplitude_m, estimate.deflection_m, estimate.deflection_std_m
+        )  # fmt: skip
+        if samples:
+            true_delay = time_s - float(frames.exposed_s[next_frame - 1])
+            of_frame[:, next_frame - 1] = estimate.delay.delay_s - true_delay, estimate.delay.std_s
+        plant.advance(output.command_rad_s)
+    told = np.isfinite(of_frame[0])
+    return Run(
+        said[0], said[1], said[2], said[3], of_frame[0, told], of_frame[1, told], frames.read_cycle[told]
+    )
+
+
+def _controller(name: str, model: Model, plant: Plant) -> Controller:
+    if name not in {ORACLE, NO_DAMPING}:
+        return Controller(model, Settings(method=name), "the benchmark's model")
+    controller = Controller(model, Settings(method="timestamps"), "the benchmark's model")
+    controller.method = _Oracle(plant, model.timing.capture_delay_s)
+    return controller
+
+
+def _strike(plant: Plant, arm: Arm, amplitude_m: float, share: float) -> None:
+    """Bring the arm to an amplitude; where the arm stands, `share` (0 to 1) says how the blow adds to what is there."""
+    sign = 1.0 if share > 0.5 else -1.0
+    turn = arm.angular_frequency * max(0.0, amplitude_m**2 - plant.deflection**2) ** 0.5
+    plant.strike(sign * turn - plant.rate)
+
+
+def _between(position: Values, rate: Values, time_s: float, newest: int) -> float:
+    """The tip between two cycles, by the cubic through both positions and rates (Hermite)."""
+    low = min(max(floor(time_s / CYCLE_S), 0), newest - 1)
+    x = time_s / CYCLE_S - low
+    a, b = float(position[low]), float(position[low + 1])
+    c, d = CYCLE_S * float(rate[low]), CYCLE_S * float(rate[low + 1])
+    return a + x * (c + x * (3.0 * (b - a) - 2.0 * c - d + x * (2.0 * (a - b) + c + d)))

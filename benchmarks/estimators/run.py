@@ -1,0 +1,146 @@
+"""`stillarm benchmark estimators`: the three tables, trial by trial on all cores, and the pictures."""
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from benchmarks.estimators.conditions_table import (
+    CONDITIONS,
+    REGIMES_CHANGED,
+    ConditionJob,
+    Withstood,
+    condition_rows,
+    withstand,
+)
+from benchmarks.estimators.damping_table import REGIMES_DAMPED, Damped, DampingJob, damp, damping_rows
+from benchmarks.estimators.empty_cycle import empty_cycle_us
+from benchmarks.estimators.regimes import DURATION_S, NOISES, REGIMES, regimes_named
+from benchmarks.estimators.tables import Job, Judged, comparison_rows, estimator_rows, judge
+from common.user_error import UserError
+from controller.methods import METHODS
+
+MOST_TRIALS_OF_LATER_TABLES = 10
+QUICK_REGIMES = ("freerun constant", "freerun drift", "triggered jitter")
+TABLES = ("estimators", "damping", "conditions")
+
+AnyJob = Job | DampingJob | ConditionJob
+AnyResult = Judged | Damped | Withstood
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What is to be run. tables: some of TABLES; conditions: of the third table."""
+
+    trials: int
+    seed: int
+    methods: tuple[str, ...]
+    regimes: tuple[str, ...] = tuple(REGIMES)
+    noises: tuple[float, ...] = NOISES
+    duration_s: float = DURATION_S
+    tables: tuple[str, ...] = TABLES
+    conditions: tuple[str, ...] = CONDITIONS
+
+    def jobs(self) -> list[AnyJob]:
+        """Every trial of every table, in a fixed order."""
+        jobs: list[AnyJob] = []
+        if "estimators" in self.tables:
+            jobs += [
+                Job(regime, noise, trial, self.seed, self.methods, self.duration_s)
+                for regime in self.regimes
+                for noise in self.noises
+                for trial in range(self.trials)
+            ]
+        later = range(min(self.trials, MOST_TRIALS_OF_LATER_TABLES))
+        if "damping" in self.tables:
+            jobs += [
+                DampingJob(regime, trial, self.seed, self.methods)
+                for regime in REGIMES_DAMPED
+                for trial in later
+            ]
+        if "conditions" in self.tables:
+            jobs += [
+                ConditionJob(condition, regime, trial, self.seed, self.methods)
+                for condition in self.conditions
+                for regime in REGIMES_CHANGED
+                for trial in later
+            ]
+        return jobs
+
+
+def campaign(trials: int, seed: int, methods: Sequence[str] | None = None, quick: bool = False) -> Campaign:
+    """The whole campaign, or with `quick` a look: the first table's middle noise in three regimes, 12 s a trial.
+
+    Raises UserError for an unknown method or for no trials.
+    """
+    if trials < 1:
+        raise UserError(f"--trials {trials}: at least 1")
+    for name in methods or ():
+        if name not in METHODS:
+            raise UserError(f"--methods {name}: unknown; use some of {','.join(METHODS)}")
+    chosen = tuple(methods or METHODS)
+    if not quick:
+        return Campaign(trials, seed, chosen)
+    return Campaign(trials, seed, chosen, QUICK_REGIMES, (0.3,), 12.0, ("estimators",))
+
+
+def run(what: Campaign, progress: Progress = lambda done: None, workers: int | None = None) -> dict[str, Any]:
+    """Run it; the result of the contract, with the tables `damping` and `conditions`, and `comparisons`, beside `rows`.
+
+    Its numbers do not depend on `workers` (default: one a core), but for the microseconds.
+    """
+    regimes_named(list(what.regimes))
+    results = _run_all(what.jobs(), progress, workers or os.cpu_count() or 1)
+    judged = [one for one in results if isinstance(one, Judged)]
+    return {
+        "rows": estimator_rows(judged),
+        "damping": damping_rows(one for one in results if isinstance(one, Damped)),
+        "conditions": condition_rows(one for one in results if isinstance(one, Withstood)),
+        "comparisons": comparison_rows(judged),
+        "empty_cycle_us": empty_cycle_us(),
+        "seed": what.seed,
+        "trials": what.trials,
+    }
+
+
+def _run_all(jobs: list[AnyJob], progress: Progress, workers: int) -> list[AnyResult]:
+    """The results in the order of the jobs. Processes are spawned: a fork would copy threads' locks."""
+    results: dict[int, AnyResult] = {}
+    if workers == 1:
+        for index, job in enumerate(jobs):
+            results[index] = run_job(job)
+            progress((index + 1) / len(jobs))
+    else:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            futures = {pool.submit(run_job, job): index for index, job in enumerate(jobs)}
+            for done, future in enumerate(as_completed(futures), start=1):
+                results[futures[future]] = future.result()
+                progress(done / len(jobs))
+    return [results[index] for index in range(len(jobs))]
+
+
+def run_job(job: AnyJob) -> AnyResult:
+    """One trial of whichever table."""
+    if isinstance(job, Job):
+        return judge(job)
+    return damp(job) if isinstance(job, DampingJob) else withstand(job)
+
+
+def draw(result: dict[str, Any], what: Campaign, folder: Path) -> list[Path]:
+    """Write the pictures into `folder`; returns their paths."""
+    from benchmarks.estimators.figures import draw_errors_against_noise, draw_predictions
+
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / "predictions.png"]
+    draw_predictions(what.methods, what.seed, paths[0])
+    for figure, limit, label in (
+        ("error_mean", "bound_deflection", "mean prediction error / amplitude"),
+        ("delay_rms_s", "bound_rms_s", "rms delay error, s"),
+    ):
+        paths.append(folder / f"{figure}_against_noise.png")
+        draw_errors_against_noise(result["rows"], figure, limit, label, paths[-1])
+    return paths

@@ -1,0 +1,157 @@
+"""The first table: every method in every regime at every noise, beside the bound and beside each other."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from math import nan, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from benchmarks.estimators.bound import bound
+from benchmarks.estimators.generator import generate
+from benchmarks.estimators.regimes import DURATION_S, REGIMES, Arm
+from benchmarks.estimators.trial import Score, assumed_model, run_method, score, scored_frames
+
+Row = dict[str, Any]
+_MEAN_OF_MODULUS = sqrt(2.0 / pi)  # of a Gaussian error, over its standard deviation
+
+
+@dataclass(frozen=True)
+class Job:
+    """One trial of the first table, for all methods: the same data for each."""
+
+    regime: str
+    noise: float
+    trial: int
+    seed: int
+    methods: tuple[str, ...]
+    duration_s: float = DURATION_S
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What came of a job. scores: by method; failures: by method, what it raised.
+
+    bound_s: mean over the scored frames of the posterior standard deviation of the delay; bound_rms_s: its rms;
+    bound_deflection: mean absolute error at the bound, as a fraction of the momentary amplitude.
+    """
+
+    job: Job
+    scores: dict[str, Score]
+    failures: dict[str, str]
+    bound_s: float
+    bound_rms_s: float
+    bound_deflection: float
+
+
+def judge(job: Job) -> Judged:
+    """Draw a trial, run every method over it, and find its bound. A method that raises fails alone."""
+    regime, arm = REGIMES[job.regime], Arm()
+    data = generate(
+        regime, job.noise, (job.seed, job.trial, list(REGIMES).index(job.regime)), job.duration_s, arm
+    )
+    scores, failures = {}, {}
+    for name in job.methods:
+        try:
+            scores[name] = score(data, run_method(name, data, assumed_model(regime, job.noise)))
+        except Exception as failure:  # whatever it raises is this method's result and no other's
+            failures[name] = f"{type(failure).__name__}: {failure}"
+    limit, frames = bound(data), scored_frames(data)
+    std = limit.delay_std_s[frames]
+    relative = limit.deflection_std_m[frames] / data.amplitude_m[data.frames.read_cycle[frames]]
+    return Judged(
+        job, scores, failures,
+        float(std.mean()), float(np.sqrt(np.mean(std**2))), _MEAN_OF_MODULUS * float(relative.mean()),
+    )  # fmt: skip
+
+
+def estimator_rows(judged: Iterable[Judged]) -> list[Row]:
+    """A row for each method, regime and noise: means over the trials; delay_rms_s and bound_rms_s are rms over them."""
+    rows = []
+    for (regime, noise), cell in _cells(judged).items():
+        bound_s = _mean(one.bound_s for one in cell)
+        bound_rms_s = _rms(one.bound_rms_s for one in cell)
+        for name in cell[0].job.methods:
+            scores = [one.scores[name] for one in cell if name in one.scores]
+            row = {"method": name, "regime": regime, "noise": noise, **mean_score(scores)}
+            rms = row["delay_rms_s"]
+            row |= {
+                "bound_s": bound_s,
+                "ratio": None if rms is None else rms / bound_s,
+                "bound_rms_s": bound_rms_s,
+                "ratio_rms": None if rms is None else rms / bound_rms_s,
+                "bound_deflection": _mean(one.bound_deflection for one in cell),
+                "trials": len(scores),
+                "failure": failure_of(one.failures.get(name) for one in cell),
+            }
+            rows.append(row)
+    return rows
+
+
+def mean_score(scores: list[Score]) -> Row:
+    """Means of the figures over trials by their names in the table; None where no trial gave one."""
+    row: Row = {}
+    for field in fields(Score):
+        values = np.array([getattr(one, field.name) for one in scores])
+        values = values[np.isfinite(values)]
+        rms = field.name == "delay_rms_s"
+        mean = nan if not len(values) else _rms(values) if rms else float(np.mean(values))
+        row[_COLUMNS.get(field.name, field.name)] = mean if len(values) else None
+    return row
+
+
+_COLUMNS = {"us_mean": "us_per_cycle", "us_median": "us_per_cycle_median"}
+
+
+def failure_of(failures: Iterable[str | None]) -> str | None:
+    """The first failure with the number of trials that failed, or None."""
+    failed = [text for text in failures if text is not None]
+    return f"{failed[0]} ({len(failed)} trials)" if failed else None
+
+
+def comparison_rows(judged: Iterable[Judged], ours: str = "fused") -> list[Row]:
+    """`ours` against each other method on the same trials.
+
+    A row for each cell and figure: difference: mean of ours less the other's; standard_error: of that mean over the
+    paired trials; worse: whether it exceeds two of them. Empty where `ours` is not among the methods.
+    """
+    rows = []
+    for (regime, noise), cell in _cells(judged).items():
+        for other in cell[0].job.methods:
+            pairs = [
+                (one.scores[ours], one.scores[other]) for one in cell if {ours, other} <= set(one.scores)
+            ]
+            if other == ours or not pairs:
+                continue
+            for figure in ("error_mean", "error_max", "delay_rms_s"):
+                differences = np.array([getattr(a, figure) - getattr(b, figure) for a, b in pairs])
+                error = float(differences.std(ddof=1) / sqrt(len(pairs))) if len(pairs) > 1 else nan
+                mean = float(differences.mean())
+                rows.append(
+                    {
+                        "method": ours,
+                        "other": other,
+                        "regime": regime,
+                        "noise": noise,
+                        "figure": figure,
+                        "difference": mean,
+                        "standard_error": error if len(pairs) > 1 else None,
+                        "worse": bool(mean > 2.0 * error),
+                    }
+                )
+    return rows
+
+
+def _cells(judged: Iterable[Judged]) -> dict[tuple[str, float], list[Judged]]:
+    cells: dict[tuple[str, float], list[Judged]] = {}
+    for one in judged:
+        cells.setdefault((one.job.regime, one.job.noise), []).append(one)
+    return cells
+
+
+def _mean(values: Iterable[float]) -> float:
+    return float(np.mean(list(values)))
+
+
+def _rms(values: Iterable[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(list(values)))))

@@ -1,0 +1,209 @@
+"""One trial of one method: the controller's own step on the generator's data, scored against the truth."""
+
+from dataclasses import dataclass
+from math import nan
+from time import perf_counter_ns
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.estimators.generator import Data, Frames, cycle_times
+from benchmarks.estimators.regimes import AFTER_BLOW_S, CYCLE_S, SETTLING_S, Arm, Regime
+from common.configuration import Controller as Settings
+from common.model import Accelerometer, Camera, Mode, Model
+from common.model import Arm as ArmModel
+from common.visual_sample import TrackingStatus, VisualSample
+from controller.step import Controller, CycleInput
+
+Values = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+LAST_S = 10.0
+LENGTH_M = 2.0
+SCALE_PX_PER_M = 800.0
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a method said. Shapes (cycles,), and (frames,) for delays: as said in the cycle that read the frame."""
+
+    deflection_m: Values
+    deflection_std_m: Values
+    delay_s: Values
+    delay_std_s: Values
+    step_us: Values
+
+
+@dataclass(frozen=True)
+class Score:
+    """Figures of one trial; errors of the deflection are fractions of the momentary amplitude unless said otherwise.
+
+    The first seven are from SETTLING_S on and leave out AFTER_BLOW_S behind each blow; *_all leave out nothing after
+    SETTLING_S; error_last: mean over the last LAST_S; unanswered: share of cycles without a finite prediction, each
+    of which counts as a prediction of zero.
+    """
+
+    error_mean: float
+    error_max: float
+    pmcc: float
+    delay_bias_s: float
+    delay_rms_s: float
+    delay_normalised_error_squared: float
+    deflection_normalised_error_squared: float
+    error_mean_all: float
+    error_max_all: float
+    error_last: float
+    unanswered: float
+    us_mean: float
+    us_median: float
+
+
+def assumed_model(regime: Regime, noise: float, arm: Arm | None = None) -> Model:
+    """What a calibrated rig would tell the method: the true parameters, but for the delay only its mean and spread."""
+    arm = Arm() if arm is None else arm
+    w = arm.angular_frequency
+    return Model(
+        arm=ArmModel(
+            length_m=LENGTH_M, modes=[Mode(frequency_hz=arm.frequency_hz, damping_ratio=arm.damping_ratio)]
+        ),
+        accelerometer=Accelerometer(
+            noise_std_m_s2=noise * w * w * arm.amplitude_m, range_m_s2=arm.range_m_s2
+        ),
+        camera=Camera(
+            mode="triggered" if regime.triggered else "freerun",
+            scale_px_per_m=SCALE_PX_PER_M,
+            noise_std_px=arm.vision_noise * arm.amplitude_m * SCALE_PX_PER_M,
+        ),
+    )
+
+
+def visual_sample(frames: Frames, frame: int, seen_m: float, arm: Arm) -> VisualSample:
+    """A frame as the supervisor would report it, showing the tip at `seen_m`."""
+    variance = (arm.vision_noise * arm.amplitude_m * SCALE_PX_PER_M) ** 2
+    return VisualSample(
+        frame=int(frames.number[frame]),
+        started_cycle=int(frames.started_cycle[frame]),
+        status=TrackingStatus.MEASURED,
+        displacement_x_px=-SCALE_PX_PER_M * seen_m,
+        displacement_y_px=0.0,
+        rotation_rad=0.0,
+        variance_x_px2=variance,
+        variance_y_px2=variance,
+        covariance_xy_px2=0.0,
+        variance_rotation_rad2=1e-8,
+        captured_s=float(frames.stamp_s[frame]),
+        exposure_s=0.015,
+        features=100,
+        inliers=100,
+    )
+
+
+def samples_by_cycle(data: Data, scale_factor: float = 1.0) -> dict[int, list[VisualSample]]:
+    """The trial's frames by the cycle that reads them. scale_factor: of the true image scale over the assumed one."""
+    samples: dict[int, list[VisualSample]] = {}
+    for frame, cycle in enumerate(data.frames.read_cycle.tolist()):
+        seen = scale_factor * float(data.seen_m[frame])
+        samples.setdefault(cycle, []).append(visual_sample(data.frames, frame, seen, data.arm))
+    return samples
+
+
+def run_method(name: str, data: Data, model: Model, scale_factor: float = 1.0) -> Answers:
+    """Run a method over a trial with the joint at rest. Raises what the method raises."""
+    controller = Controller(model, Settings(method=name), "the benchmark's model")
+    samples = samples_by_cycle(data, scale_factor)
+    acceleration: list[float] = data.acceleration_m_s2.tolist()
+    count = len(acceleration)
+    said = np.full((5, count), nan)
+    nothing: list[VisualSample] = []
+    for cycle in range(count):
+        read = CycleInput(cycle, acceleration[cycle], 0.0, 0.0, 0.0, 0.0, False, samples.get(cycle, nothing))
+        began = perf_counter_ns()
+        estimate = controller.step(read).estimate
+        ended = perf_counter_ns()
+        delay = estimate.delay
+        said[:, cycle] = (
+            estimate.deflection_m, estimate.deflection_std_m, delay.delay_s, delay.std_s, 1e-3 * (ended - began)
+        )  # fmt: skip
+    at = data.frames.read_cycle
+    return Answers(said[0], said[1], said[2, at], said[3, at], said[4])
+
+
+def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
+    """The cycles that count: settled, and no blow within the last AFTER_BLOW_S. Shape (cycles,)."""
+    time_s = cycle_times(len(data.deflection_m))
+    scored: Mask = time_s >= from_s
+    for blow in data.motion.blows_s:
+        begun = blow - 0.5 * data.arm.blow_s
+        scored &= (time_s < begun) | (time_s > begun + AFTER_BLOW_S)
+    return scored
+
+
+def scored_frames(data: Data, from_s: float = SETTLING_S) -> Mask:
+    """The frames that count: read in a scored cycle, the last one where a cycle reads several. Shape (frames,)."""
+    read = data.frames.read_cycle
+    newest: Mask = np.append(read[1:] != read[:-1], True)
+    return scored_cycles(data, from_s)[read] & newest
+
+
+def score(data: Data, answers: Answers, from_s: float = SETTLING_S) -> Score:
+    """Judge one trial from `from_s` on."""
+    said = Said(
+        data.deflection_m, answers.deflection_m, answers.deflection_std_m, data.amplitude_m,
+        answers.delay_s - data.frames.delay_s, answers.delay_std_s,
+    )  # fmt: skip
+    late = np.arange(len(data.deflection_m)) * CYCLE_S >= from_s
+    times = float(answers.step_us.mean()), float(np.median(answers.step_us))
+    return score_of(said, scored_cycles(data, from_s), late, scored_frames(data, from_s), times)
+
+
+@dataclass(frozen=True)
+class Said:
+    """Truth and claim: shape (cycles,), the last two (frames,). unit_m: what errors are fractions of."""
+
+    deflection_m: Values
+    predicted_m: Values
+    predicted_std_m: Values
+    unit_m: Values
+    delay_error_s: Values
+    delay_std_s: Values
+
+
+def score_of(
+    said: Said, cycles: Mask, late: Mask, frames: Mask, times_us: tuple[float, float] = (nan, nan)
+) -> Score:
+    """Judge what was said in the scored `cycles` and `frames`; `late`: all cycles after settling."""
+    known = np.isfinite(said.predicted_m)
+    predicted = np.where(known, said.predicted_m, 0.0)
+    error = predicted - said.deflection_m
+    relative = np.abs(error) / said.unit_m
+    last = cycles.copy()
+    last[: -round(LAST_S / CYCLE_S)] = False
+    # A delay that is not finite counts as wrong by its whole length.
+    delay_error = np.nan_to_num(said.delay_error_s, nan=Regime.delay_s)[frames]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        normalised = error / np.where(known, said.predicted_std_m, nan)
+        delay_normalised = delay_error / said.delay_std_s[frames]
+    return Score(
+        float(relative[cycles].mean()),
+        float(relative[cycles].max()),
+        _correlation(predicted[cycles], said.deflection_m[cycles]),
+        float(delay_error.mean()),
+        float(np.sqrt(np.mean(delay_error**2))),
+        _mean_square(delay_normalised),
+        _mean_square(normalised[cycles]),
+        float(relative[late].mean()),
+        float(relative[late].max()),
+        float(relative[last].mean()) if last.any() else nan,
+        float(1.0 - known[late].mean()),
+        *times_us,
+    )
+
+
+def _mean_square(values: Values) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.mean(finite**2)) if len(finite) else nan
+
+
+def _correlation(a: Values, b: Values) -> float:
+    a, b = a - a.mean(), b - b.mean()
+    power = float(a @ a) * float(b @ b)
+    return float(a @ b) / power**0.5 if power > 0.0 else 0.0

@@ -1,0 +1,201 @@
+"""The whole benchmark on a small scale: its columns, its determinism, a method that fails, its command."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.estimators import trial as trial_module
+from benchmarks.estimators.conditions_table import (
+    CONDITIONS,
+    OPEN_LOOP,
+    ConditionJob,
+    condition_rows,
+    withstand,
+)
+from benchmarks.estimators.damping_table import DampingJob, damp, damping_rows
+from benchmarks.estimators.empty_cycle import empty_cycle_us
+from benchmarks.estimators.figures import draw_errors_against_noise
+from benchmarks.estimators.generator import generate
+from benchmarks.estimators.regimes import REGIMES, Arm
+from benchmarks.estimators.run import Campaign, campaign, run
+from benchmarks.estimators.tables import Job, Judged, comparison_rows, estimator_rows, judge
+from benchmarks.estimators.trial import Score
+from common.user_error import UserError
+from controller.methods import METHODS
+from stillarm.main import main
+
+CONTRACT = {
+    "method", "regime", "noise", "error_mean", "error_max", "pmcc", "delay_bias_s", "delay_rms_s", "bound_s", "ratio",
+    "delay_normalised_error_squared", "deflection_normalised_error_squared", "us_per_cycle", "trials",
+}  # fmt: skip
+SMALL = Campaign(
+    2,
+    1,
+    ("timestamps", "correlation"),
+    ("freerun constant", "triggered jitter"),
+    (0.3,),
+    4.0,
+    ("estimators",),
+)
+
+
+def without_times(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows less their microseconds."""
+    return [{key: value for key, value in row.items() if not key.startswith("us_")} for row in rows]
+
+
+def test_the_numbers_do_not_depend_on_the_number_of_workers() -> None:
+    """One process or two, twice over: the same rows, with the contract's columns."""
+    done: list[float] = []
+    alone = run(SMALL, done.append, workers=1)
+    together = run(SMALL, workers=2)
+    assert without_times(alone["rows"]) == without_times(together["rows"])
+    assert done == [0.25, 0.5, 0.75, 1.0]
+    assert len(alone["rows"]) == 4
+    for row in alone["rows"]:
+        assert set(row) >= CONTRACT
+        assert row["failure"] is None
+        assert row["trials"] == 2
+        assert row["ratio"] == pytest.approx(row["delay_rms_s"] / row["bound_s"])
+        assert row["ratio_rms"] > 0.9  # nobody beats the bound but by chance
+        assert row["us_per_cycle"] > 0.0
+    json.dumps(alone, allow_nan=False)
+
+
+def test_a_method_that_raises_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its row says so; the others' rows are complete."""
+    usual = trial_module.run_method
+
+    def run_method(name: str, *arguments: Any) -> Any:
+        if name == "correlation":
+            raise FloatingPointError("covariance lost")
+        return usual(name, *arguments)
+
+    monkeypatch.setattr("benchmarks.estimators.tables.run_method", run_method)
+    rows = {row["method"]: row for row in run(replace(SMALL, trials=1), workers=1)["rows"]}
+    assert rows["correlation"]["failure"] == "FloatingPointError: covariance lost (1 trials)"
+    assert rows["correlation"]["error_mean"] is None
+    assert rows["correlation"]["trials"] == 0
+    assert rows["timestamps"]["error_mean"] > 0.0
+
+
+def made_up(ours: list[float], other: list[float]) -> list[Judged]:
+    """Trials in which two methods had these mean errors."""
+
+    def said(error: float) -> Score:
+        return Score(error, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0)
+
+    job = Job("freerun drift", 0.3, 0, 0, ("fused", "timestamps"))
+    return [
+        Judged(job, {"fused": said(a), "timestamps": said(b)}, {}, 1e-4, 1e-4, 1e-3)
+        for a, b in zip(ours, other, strict=True)
+    ]
+
+
+def test_comparisons_are_paired() -> None:
+    """What every trial shows counts, however much the trials differ; what they disagree on does not."""
+    level = [0.01, 0.05, 0.2, 0.4]
+    rows = comparison_rows(made_up([x + 0.001 * (1 + 0.1 * k) for k, x in enumerate(level)], level))
+    worse = {row["figure"]: row["worse"] for row in rows}
+    assert worse == {"error_mean": True, "error_max": False, "delay_rms_s": False}
+    undecided = comparison_rows(made_up([0.02, 0.01, 0.03, 0.01], [0.01, 0.02, 0.01, 0.02]))
+    assert not any(row["worse"] for row in undecided)
+    assert comparison_rows(made_up([0.02], [0.01]))[0]["standard_error"] is None
+    assert estimator_rows(made_up([0.02, 0.04], [0.01, 0.01]))[0]["error_mean"] == pytest.approx(0.03)
+
+
+def test_the_campaign_holds_what_the_issue_asks_for() -> None:
+    """Every method, nine regimes, three noises, at least twenty trials of 40 s by default; all conditions."""
+    jobs = campaign(20, 0).jobs()
+    cells = {(job.regime, job.noise) for job in jobs if isinstance(job, Job)}
+    assert len(cells) == 27
+    assert all(job.duration_s == 40.0 for job in jobs if isinstance(job, Job))
+    assert sum(isinstance(job, Job) for job in jobs) == 27 * 20
+    assert set(jobs[0].methods) == set(METHODS)
+    assert {job.condition for job in jobs if hasattr(job, "condition")} == set(CONDITIONS)
+    for trials, methods, said in ((0, None, "--trials 0"), (1, ["sorcery"], "--methods sorcery")):
+        with pytest.raises(UserError, match=said):
+            campaign(trials, 0, methods)
+
+
+def test_conditions_do_to_the_data_what_they_say() -> None:
+    """Frames go, the accelerometer dies or sticks, the payload lowers the frequency."""
+    data = generate(
+        REGIMES["freerun drift"], 0.3, (1,), 24.0, Arm(), OPEN_LOOP["payload at 20 s: frequency -10 %"].change
+    )
+    random = np.random.default_rng(1)
+    lost = OPEN_LOOP["10 % of the frames lost"].change_data(data, random)
+    assert len(lost.seen_m) / len(data.seen_m) == pytest.approx(0.9, abs=0.03)
+    dead = OPEN_LOOP["accelerometer dead at 20 s"].change_data(data, random).acceleration_m_s2
+    stuck = OPEN_LOOP["accelerometer stuck at 20 s"].change_data(data, random).acceleration_m_s2
+    assert np.isnan(dead[20000:]).all()
+    assert len(set(stuck[20000:].tolist())) == 1
+    for changed in (dead, stuck):
+        assert np.array_equal(changed[:20000], data.acceleration_m_s2[:20000])
+    w = np.abs(data.motion.pole[data.motion.piece_at(np.array([19.9, 20.1]))])
+    assert w[1] / w[0] == pytest.approx(0.9)
+
+
+def test_the_later_tables_have_a_row_for_each_method() -> None:
+    """One trial in closed loop, one condition in each kind of loop; a method nobody knows fails alone."""
+    methods = ("timestamps", "nobody's")
+    rows = {row["method"]: row for row in damping_rows([damp(DampingJob("freerun drift", 0, 0, methods))])}
+    assert rows["oracle"]["settling_over_oracle"] == rows["oracle"]["residual_over_oracle"] == 1.0
+    assert rows["no damping"]["settling_time_s"] is None
+    assert rows["no damping"]["residual_over_oracle"] > 2.0
+    assert 0.9 < rows["timestamps"]["settling_over_oracle"] < 1.6
+    assert rows["nobody's"]["failure"].startswith("UserError")
+    done = [
+        withstand(ConditionJob(name, "freerun drift", 0, 0, methods)) for name in ("as told", "damping on")
+    ]
+    by_row = {(row["condition"], row["method"]): row for row in condition_rows(done)}
+    assert by_row["as told", "timestamps"]["error_mean"] > 0.02
+    assert by_row["damping on", "timestamps"]["delay_rms_s"] > 0.001
+    assert by_row["as told", "nobody's"]["trials"] == 0
+    json.dumps(list(by_row.values()), allow_nan=False)
+
+
+def test_an_empty_cycle_exchanges_its_datagrams() -> None:
+    """Every one of them is taken; the cost is a positive number of microseconds."""
+    cost = empty_cycle_us(200)
+    assert 0.0 < cost["median"] <= 1e6
+    assert cost["mean"] > 0.0
+
+
+def test_the_error_picture_holds_every_method_and_the_bound(tmp_path: Path) -> None:
+    """A point for each row that has a number; a method without numbers is left out."""
+    rows = [judge(Job("freerun constant", noise, 0, 0, ("timestamps",), 3.0)) for noise in (0.1, 1.0)]
+    table = estimator_rows(rows)
+    draw_errors_against_noise(table, "delay_rms_s", "bound_rms_s", "rms delay error, s", tmp_path / "a.png")
+    draw_errors_against_noise(
+        [*table, *({**row, "method": "mute", "delay_rms_s": None} for row in table)],
+        "delay_rms_s", "bound_rms_s", "rms delay error, s", tmp_path / "b.png",
+    )  # fmt: skip
+    assert (tmp_path / "a.png").stat().st_size > 5000
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_the_command_writes_table_file_and_pictures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`stillarm benchmark estimators` from end to end, cut down; mistakes in one line."""
+    short = replace(SMALL, trials=1, regimes=("freerun constant",), methods=("timestamps",))
+    monkeypatch.setattr("benchmarks.estimators.run.campaign", lambda *arguments: short)
+    file, folder = tmp_path / "rows.json", tmp_path / "pictures"
+    assert main(["benchmark", "estimators", "--trials", "1", "--json", str(file), "--out", str(folder)]) == 0
+    printed = capsys.readouterr().out
+    assert "timestamps" in printed
+    assert "only exchanges the datagrams" in printed
+    result = json.loads(file.read_text())
+    assert set(result["rows"][0]) >= CONTRACT
+    assert {path.name for path in folder.iterdir()} == {
+        "predictions.png", "error_mean_against_noise.png", "delay_rms_s_against_noise.png",
+    }  # fmt: skip
+    assert main(["benchmark", "vision", "--quick"]) == 1
+    assert "--quick: only for `benchmark estimators`" in capsys.readouterr().err
+    assert main(["benchmark", "estimators", "--trials", "0"]) == 1
+    assert "--trials 0: at least 1" in capsys.readouterr().err
