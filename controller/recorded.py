@@ -1,7 +1,9 @@
 """Between the controller's step and the recording's topics, both ways, exactly."""
 
+from collections import deque
 from collections.abc import Iterable, Iterator
 from math import isfinite, nan
+from typing import NamedTuple
 
 from common.recording.topics import EstimateSample, FastSample, FrameSample
 from common.visual_sample import VisualSample
@@ -85,37 +87,46 @@ def visual_sample(frame: FrameSample) -> VisualSample:
     )
 
 
-def cycle_inputs(
-    fast: Iterable[FastSample], frames: Iterable[FrameSample]
-) -> Iterator[tuple[CycleInput, float]]:
-    """The recorded cycles as the step saw them, each with the command that was given (NaN if none was recorded).
+class RecordedCycle(NamedTuple):
+    """One recorded cycle: what the step read, the command that was given, and the rows that it came from.
+
+    command_rad_s: NaN where none was recorded. time_s: as recorded, which an import may not have on the cycle's grid.
+    """
+
+    read: CycleInput
+    command_rad_s: float
+    time_s: float
+    frames: list[FrameSample]
+
+
+def recorded_cycles(fast: Iterable[FastSample], frames: Iterable[FrameSample]) -> Iterator[RecordedCycle]:
+    """The recorded cycles as the step saw them.
 
     A frame that a recording holds at a cycle without a row of its own (rows may be missing in an import) is read in
-    the next cycle that has one.
+    the next cycle that has one. Of two rows in one cycle, or after a clock that stepped back, the first counts.
     """
-    waiting = iter(sorted(frames, key=lambda frame: frame.cycle))
-    frame = next(waiting, None)
+    waiting = deque(sorted(frames, key=lambda frame: frame.cycle))
     last = None
     for row in fast:
-        if (
-            last is not None and row.cycle <= last
-        ):  # two rows in one cycle, or a clock stepped back: the first counts
+        if last is not None and row.cycle <= last:
             continue
         last = row.cycle
-        samples = []
-        while frame is not None and frame.cycle <= row.cycle:
-            samples.append(visual_sample(frame))
-            frame = next(waiting, None)
-        reference = row.joint_velocity_reference_rad_s
-        read = CycleInput(
-            row.cycle,
-            row.acceleration_m_s2,
-            row.joint_position_rad,
-            row.joint_velocity_rad_s,
-            row.joint_age_s,
-            reference if isfinite(reference) else 0.0,
-            row.damping_allowed,
-            samples,
-            row.deflection_m,
-        )
-        yield read, row.joint_velocity_command_rad_s
+        seen = []
+        while waiting and waiting[0].cycle <= row.cycle:
+            seen.append(waiting.popleft())
+        yield RecordedCycle(_cycle_input(row, seen), row.joint_velocity_command_rad_s, row.time_s, seen)
+
+
+def _cycle_input(row: FastSample, frames: list[FrameSample]) -> CycleInput:
+    reference = row.joint_velocity_reference_rad_s
+    return CycleInput(
+        row.cycle,
+        row.acceleration_m_s2,
+        row.joint_position_rad,
+        row.joint_velocity_rad_s,
+        row.joint_age_s,
+        reference if isfinite(reference) else 0.0,
+        row.damping_allowed,
+        [visual_sample(frame) for frame in frames],
+        row.deflection_m,
+    )

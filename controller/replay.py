@@ -13,8 +13,8 @@ from common.typed_toml import parse_toml
 from controller.estimate import Estimate, Observation
 from controller.joint_motion import JointMotion
 from controller.methods import make_method
-from controller.recorded import cycle_inputs, estimate_sample, fast_sample
-from controller.step import Controller, CycleInput
+from controller.recorded import RecordedCycle, estimate_sample, fast_sample, recorded_cycles
+from controller.step import Controller
 
 _REPORT_EVERY = 1000  # cycles
 
@@ -35,14 +35,14 @@ class RecordedRun:
         """The controller's cycle, s."""
         return self.model.timing.cycle_s
 
-    def inputs(self) -> Iterator[tuple[CycleInput, float]]:
-        """What each cycle read, with the command that was given."""
-        return cycle_inputs(self.fast, self.frames)
+    def cycles(self) -> Iterator[RecordedCycle]:
+        """The cycles as the step saw them."""
+        return recorded_cycles(self.fast, self.frames)
 
 
 @dataclass
 class MethodRun:
-    """What one method said: in each cycle, and for each frame at the cycle that read it."""
+    """What one method said: in each cycle, and for each frame at the cycle that read it; times as recorded."""
 
     method: str
     times_s: list[float] = field(default_factory=list)
@@ -85,16 +85,16 @@ def replay_method(
     estimator = make_method(method, run.model, run.configuration.controller, name)
     joint = JointMotion(run.model, length_of(run.model, name))
     result = MethodRun(method)
-    for count, (read, command) in enumerate(run.inputs()):
-        time_s = read.cycle * run.cycle_s
+    for count, cycle in enumerate(run.cycles()):
+        read, time_s = cycle.read, cycle.read.cycle * run.cycle_s
         joint.begin_cycle(read.cycle, read.joint_position_rad)
         estimate = estimator.update(
             Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
         )
-        joint.send(command)
-        result.times_s.append(time_s)
+        joint.send(cycle.command_rad_s)
+        result.times_s.append(cycle.time_s)
         result.estimates.append(estimate)
-        result.frames.extend((sample.frame, time_s, estimate) for sample in read.samples)
+        result.frames.extend((frame.frame, frame.received_s, estimate) for frame in cycle.frames)
         if count % _REPORT_EVERY == 0:
             progress(count / max(1, len(run.fast)))
     return result
@@ -106,7 +106,7 @@ def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = No
     comparison = LiveComparison()
     recorded = {estimate.cycle: estimate for estimate in run.estimates}
     commands = {row.cycle: row for row in run.fast}
-    for read, _ in run.inputs():
+    for read, *_ in run.cycles():
         answered = controller.step(read)
         comparison.cycles += 1
         wanted = recorded.get(read.cycle)

@@ -132,7 +132,7 @@ def _correlation(run: RecordedRun, truth: Truth) -> Figure:
     method = make_method("correlation", run.model, run.configuration.controller, run.name)
     assert isinstance(method, SineMethod) and isinstance(method.delay, CorrelationDelay)
     joint = JointMotion(run.model, run.model.arm.length_m or 1.0)
-    for read, command in run.inputs():
+    for read, command, *_ in run.cycles():
         time_s = read.cycle * run.cycle_s
         if time_s > at_s:
             break
