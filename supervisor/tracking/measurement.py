@@ -17,8 +17,11 @@ from supervisor.tracking.pose import Pose, pose_since, total_pose
 from supervisor.tracking.prepared_image import GreyImage, PreparedImage, reduced
 from supervisor.tracking.rigid_displacement import fit_rigid
 
-MAX_SCALE_PX = 1.0  # features that scatter more do not tell of one rigid motion
-MAX_STD_PX = 0.5
+MAX_SCALE = (
+    1.0 / 640.0
+)  # of the image's longer side: features that scatter more do not tell of one rigid motion
+MAX_SCALE_SMALL_PX = 1.0  # but no less than this
+MAX_STD = 0.5  # of the scatter allowed
 MIN_AGREEING = 0.5  # of the matched ones
 MIN_AGREEING_IN_VIEW = 0.25  # of those that should be in view
 UNSTEADY_LEVELS = 1  # of the pyramid: bridges 10 px
@@ -40,6 +43,7 @@ class Measurement:
     covariance: Matrix
     features: int
     inliers: int
+    stretch: float = 0.0  # scatter of the features about the rigid motion, as a share of what is allowed
 
 
 def nothing_found(key: KeyFrame, predicted: Pose) -> Measurement:
@@ -91,13 +95,14 @@ def measure(
     if fit is None:
         return without(TrackingStatus.INCONSISTENT)
     covariance = fit.covariance * shrink**2  # windows that overlap so much more do not err independently
+    allowed = max(MAX_SCALE * max(image.grey.shape), MAX_SCALE_SMALL_PX) * shrink
     std = hypot(*np.sqrt(np.diag(covariance)[:2]))
     pose = total_pose(key.pose, Pose(fit.dx, fit.dy, fit.rotation))
     in_view = int(np.count_nonzero(key.in_view(pose, config.window_px // 2)[part]))
     if (
         fit.inliers < max(config.min_inliers, MIN_AGREEING * matched, MIN_AGREEING_IN_VIEW * in_view)
-        or fit.scale > MAX_SCALE_PX * shrink
-        or std > MAX_STD_PX * shrink
+        or fit.scale > allowed
+        or std > MAX_STD * allowed
     ):
         return without(TrackingStatus.INCONSISTENT, fit.inliers)
     return Measurement(
@@ -107,6 +112,7 @@ def measure(
         key.covariance + covariance,
         max(in_view, fit.inliers),
         fit.inliers,
+        fit.scale / allowed,
     )
 
 

@@ -26,6 +26,7 @@ from supervisor.tracking.prepared_image import GreyImage, PreparedImage, is_imag
 UNCONFIRMED_FRAMES = 5
 POOR_AGREEMENT = 0.35  # of the features in view: below this for POOR_FRAMES, fresh features are wanted
 POOR_FRAMES = 5
+STRETCHED = 0.3  # of the scatter allowed: beyond it perspective or scale have changed, and will go on
 UNSURE_PX2 = 2 * 0.03**2  # variance of a key frame's pose that is worth mending
 RETRY_FRAMES = 10  # before a key frame that could not be taken up is tried again
 _ORIGIN = Pose(0.0, 0.0, 0.0)
@@ -117,6 +118,8 @@ class FeatureTracker:
                 return again
             self._poor = 0
             self._take_up(self._new_key(current, found.pose, found.covariance))
+        elif found.stretch > STRETCHED and not (self._locator.shrunk or self._locator.is_smeared(current)):
+            self._take_up(self._new_key(current, found.pose, found.covariance))
         elif self._locator.is_smeared(found.key.image) and not self._locator.is_smeared(current):
             self._take_up(self._new_key(current, found.pose, found.covariance))
             self._locator.shrunk, self._wait = False, 0
@@ -146,7 +149,8 @@ class FeatureTracker:
         if key is None:
             return None
         again = measure_warily(key, current, found.pose, self._config, UNSTEADY_LEVELS)
-        if again.status != TrackingStatus.MEASURED or again.inliers < POOR_AGREEMENT * again.features:
+        agree = again.inliers >= POOR_AGREEMENT * again.features and again.stretch <= STRETCHED
+        if again.status != TrackingStatus.MEASURED or not agree:
             self._wait = RETRY_FRAMES
             return None
         self._key, self._poor = key, 0
