@@ -12,6 +12,7 @@ UNCONFIRMED_FRAMES.
 """
 
 import numpy as np
+from msgspec.structs import replace
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
@@ -24,6 +25,10 @@ from supervisor.tracking.pose import Pose
 from supervisor.tracking.prepared_image import GreyImage, PreparedImage, is_image, prepared
 
 UNCONFIRMED_FRAMES = 5
+WINDOWS = (1.0, 0.7, 0.5, 0.33)  # of the configured one, tried in turn on the first image
+SMALLEST_WINDOW_PX = 5
+SMALL_IMAGE = 6.0  # windows high or wide: in a larger one hardly a feature is lost to the margin
+AMPLE = 1.5  # times the fewest inliers: so many features are wanted to begin with
 POOR_AGREEMENT = 0.35  # of the features in view: below this for POOR_FRAMES, fresh features are wanted
 POOR_FRAMES = 5
 STRETCHED = 0.3  # of the scatter allowed: beyond it perspective or scale have changed, and will go on
@@ -37,8 +42,7 @@ class FeatureTracker:
 
     def __init__(self, config: Tracker) -> None:
         """config: section [supervisor.tracker] of the configuration."""
-        self._config = config
-        self._margin = config.window_px // 2
+        self._configured = config
         self.restart()
 
     def restart(self) -> None:
@@ -48,13 +52,18 @@ class FeatureTracker:
         self._forget_scene()
 
     def _forget_scene(self) -> None:
-        self._keys = KeyFrames(self._margin)
-        self._locator = SceneLocator(self._config, self._keys)
+        self._use_windows(self._configured.window_px)
         self._key: KeyFrame | None = None
         self._serial = 0
         self._measured = 0
         self._poor = 0
         self._wait = 0
+
+    def _use_windows(self, window_px: int) -> None:
+        self._config = replace(self._configured, window_px=window_px)
+        self._margin = window_px // 2
+        self._keys = KeyFrames(self._margin)
+        self._locator = SceneLocator(self._config, self._keys)
 
     @property
     def key_frames(self) -> int:
@@ -90,7 +99,7 @@ class FeatureTracker:
         return Displacement(status, features=features, inliers=inliers)
 
     def _begin(self, current: PreparedImage) -> Displacement:
-        key = self._new_key(current, _ORIGIN, np.zeros((3, 3)))
+        key = self._first_key(current)
         count = len(key.points)
         if count < self._config.min_inliers:
             return self._none(TrackingStatus.FEW_FEATURES, features=count)
@@ -99,6 +108,20 @@ class FeatureTracker:
         self._take_up(key)
         self._remember(current, _ORIGIN)
         return Displacement(TrackingStatus.MEASURED, 0.0, 0.0, 0.0, np.zeros((3, 3)), count, count)
+
+    def _first_key(self, current: PreparedImage) -> KeyFrame:
+        """Features of the first image; in a small one with smaller windows, which leave more of it to find them in."""
+        keys = []
+        small = min(current.grey.shape) < SMALL_IMAGE * self._configured.window_px
+        for share in WINDOWS if small else WINDOWS[:1]:
+            self._use_windows(max(SMALLEST_WINDOW_PX, int(share * self._configured.window_px)) | 1)
+            keys.append((self._config.window_px, self._new_key(current, _ORIGIN, np.zeros((3, 3)))))
+            if len(keys[-1][1].points) >= AMPLE * self._config.min_inliers:
+                return keys[-1][1]
+        enough = (k for k in keys if len(k[1].points) >= self._config.min_inliers)
+        window, key = next(enough, keys[0])  # the largest
+        self._use_windows(window)
+        return key
 
     def _remember(self, current: PreparedImage, pose: Pose) -> None:
         self._locator.remember(current, pose)

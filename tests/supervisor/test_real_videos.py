@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -58,3 +59,22 @@ def test_tuning_fork_rings_at_its_drive():
     frequency = np.arange(20.0, 45.0, 0.02)
     spectrum = np.abs(np.exp(-2j * np.pi * np.outer(frequency, time)) @ x)
     assert abs(frequency[spectrum.argmax()] - 32.0) < 0.15
+
+
+def test_a_video_40_px_high_against_the_whole_image_s_motion():
+    path = DATA / "beam_video" / "data_showcase.cih"
+    rows = played(path)
+    assert (rows[:, 0] == 0).all() and len(rows) == 75
+    camera, first, whole = FileCamera(path), None, []
+    warp = np.eye(2, 3, dtype=np.float32)
+    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-5)
+    camera.start()
+    for _ in rows:
+        image = camera.read(0.0).image
+        first = image if first is None else first
+        _, warp = cv2.findTransformECC(first, image, warp, cv2.MOTION_TRANSLATION, criteria)
+        whole.append(warp[:, 2].copy())
+    camera.close()
+    assert (
+        np.sqrt(np.mean((rows[:, 1:] - np.array(whole)) ** 2)) < 0.06
+    )  # the beams bend: no one displacement
