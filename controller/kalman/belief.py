@@ -83,19 +83,19 @@ def corrected(
 
 
 def corrected_by_batch(
-    model: TwoTimeScales, belief: Belief, rows: Matrix, values: Vector, variance: float, since_s: float
+    model: TwoTimeScales, belief: Belief, rows: Matrix, values: Vector, blow_within_s: float
 ) -> Belief:
-    """The belief after n measurements at once: rows (n, size), values (n,), independent noise of one variance."""
+    """The belief after n measurements at once: rows (n, size), values (n,), independent noise of variance 1."""
     time_s, state, covariance, _ = belief
     residual = values - rows @ state
-    information = rows.T @ rows / variance
+    information = rows.T @ rows
     count = len(values)
     foreseen = float(np.vdot(information, covariance))
-    excess = float(residual @ residual) / variance - count - foreseen
+    excess = float(residual @ residual) - count - foreseen
     surprised = excess > _BATCH_GATE_STDS * sqrt(2.0 * (count + foreseen * (2.0 + foreseen)))
     if surprised:
-        unit = model.scatter_of_modes(since_s)
+        unit = model.scatter_of_modes(blow_within_s)
         covariance = covariance + unit * (excess / float(np.vdot(information, unit)))
-    left = np.linalg.solve(np.eye(len(state)) + covariance @ information, covariance)
+    left = np.linalg.solve(model.identity + covariance @ information, covariance)
     left = 0.5 * (left + left.T)
-    return Belief(time_s, state + left @ (rows.T @ residual) / variance, left, surprised)
+    return Belief(time_s, state + left @ (residual @ rows), left, surprised)

@@ -91,8 +91,7 @@ class FastSensor:
         self._model = model
         self._reading = reading
         self._cycle_s = cycle_s
-        self._variance = reading.noise_std**2
-        row = reading.row(model)
+        row = reading.row(model) / reading.noise_std
         back = [row @ model.transition(-k * cycle_s) for k in range(_BATCH)]
         self._rows = np.array(back[::-1])  # the last one is of the newest sample
         self._length = int(HELD_S / cycle_s) + 2
@@ -108,7 +107,7 @@ class FastSensor:
                 self._history.write(missed, nan)
         self._cycle = cycle
         value = self._reading.value(observation, forced)
-        self._history.write(cycle, value)
+        self._history.write(cycle, value / self._reading.noise_std)
         if isfinite(value):
             self.last_seen_s = observation.time_s
 
@@ -116,29 +115,28 @@ class FastSensor:
         """The last cycle whose sample belongs to an instant not after `time_s`."""
         return floor((time_s + self._reading.delay_s) / self._cycle_s + 1e-9)
 
-    def applied(self, belief: Belief, first: int, last: int) -> Belief:
-        """The belief at the time of cycle `last`'s sample, after the samples of cycles first .. last."""
-        if self._cycle is None:
-            return belief
-        last = min(last, self._cycle)
-        first = max(first, self._cycle - self._length + 1)
-        while first <= last:
-            end = min(last, first + _BATCH - 1)
-            belief = self._batch(belief, first, end, self._cycle)
-            first = end + 1
-        return belief
+    def applied(self, belief: Belief, first: int, last: int, until_s: float) -> Belief:
+        """The belief at `until_s`, or at the last sample's time if that is later, after cycles first .. last."""
+        if self._cycle is not None:
+            last = min(last, self._cycle)
+            first = max(first, self._cycle - self._length + 1)
+            while first <= last:
+                end = min(last, first + _BATCH - 1)
+                belief = self._batch(belief, first, end, self._cycle, until_s if end == last else 0.0)
+                first = end + 1
+        return carried(self._model, belief, until_s)
 
-    def _batch(self, belief: Belief, first: int, last: int, newest: int) -> Belief:
+    def _batch(self, belief: Belief, first: int, last: int, newest: int, until_s: float) -> Belief:
         start, end = belief.time_s, last * self._cycle_s - self._reading.delay_s
-        belief = carried(self._model, belief, end)
+        belief = carried(self._model, belief, max(end, until_s))
         values = self._history.lags(newest - last, newest - first)
         rows = self._rows[_BATCH - len(values) :]
-        if end < belief.time_s:  # a filter that is later than the camera
-            rows = rows @ self._model.transition(end - belief.time_s)
         present = np.isfinite(values)
         if not present.all():
             values, rows = values[present], rows[present]
             if len(values) == 0:
                 return belief
+        if end < belief.time_s:
+            rows = rows @ self._model.transition(end - belief.time_s)
         since = max(belief.time_s - start, self._cycle_s)
-        return corrected_by_batch(self._model, belief, rows, values, self._variance, since)
+        return corrected_by_batch(self._model, belief, rows, values, since)

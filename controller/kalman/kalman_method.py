@@ -24,6 +24,7 @@ _LOST_S = 10.0  # without data nothing of the vibration's phase is left
 _STALE_S = 0.25  # without data: held
 _LATEST_S = 0.5  # an image older than the filter by more than this is not used
 _SURPRISES_IN_A_ROW = 5  # no arm is struck in four frames running: the image has jumped
+_LARGEST_BLOW_M = 0.1  # a blow that would make the first mode ring wider is none, either
 _FAST_LAG_S = (
     0.4,
     0.25,
@@ -66,6 +67,7 @@ class KalmanMethod:
         self._noise_px = model.camera.noise_std_px
         self._frame_s = 1.0 / model.camera.frame_rate_hz
         self._w = modes[0].angular_frequency
+        self._largest_blow = (self._w * _LARGEST_BLOW_M) ** 2  # as a variance of the rate
         self._settled_s = 0.5 / modes[0].frequency_hz  # until then vibration and offset look alike
         self._belief: Belief | None = None
         self._present: Belief | None = None  # the belief with the fast sensor's newest samples
@@ -102,7 +104,7 @@ class KalmanMethod:
         elif captured > belief.time_s - _LATEST_S:
             self._correct(belief, sample, observation, captured, value)
         self._read_s = time_s
-        self._refreshed_s = float("-inf")
+        self._refreshed_s = min(self._refreshed_s, time_s - self._frame_s)
 
     def _begin(self, captured: float, value: float) -> None:
         self._belief = first_belief(self._model, captured, value)
@@ -115,11 +117,12 @@ class KalmanMethod:
         self, belief: Belief, sample: VisualSample, observation: Observation, captured: float, value: float
     ) -> None:
         model = self._model
-        if self._fast is not None:
+        if self._fast is None:
+            belief = carried(model, belief, captured)
+        else:
             last = self._fast.cycle_of(captured)
-            belief = self._fast.applied(belief, self._next_cycle, last)
+            belief = self._fast.applied(belief, self._next_cycle, last, captured)
             self._next_cycle = max(self._next_cycle, last + 1)
-        belief = carried(model, belief, captured)
         row = seen_from(model, belief, self._row, captured)
         blow_within = max(captured - self._good_s, self._frame_s) if self._surprises else None
         variance = self._variance(belief, sample, observation, captured)
@@ -128,7 +131,7 @@ class KalmanMethod:
         self._image_s = max(self._image_s, captured)
         if not self._surprises:
             self._good_s = self._image_s
-        elif self._surprises >= _SURPRISES_IN_A_ROW:
+        elif self._surprises >= _SURPRISES_IN_A_ROW or belief.covariance[1, 1] > self._largest_blow:
             self._begin(captured, value)
 
     def _variance(
@@ -152,14 +155,19 @@ class KalmanMethod:
         return max(own, _LEAST_NOISE_M) ** 2 + of_dating
 
     def _catch_up(self, fast: FastSensor, belief: Belief, observation: Observation) -> None:
-        """Put the fast sensor's samples of the time that no image has reached yet to a copy of the belief."""
+        """Put the fast sensor's samples of the time that no image has reached yet to a copy of the belief.
+
+        This is done in the cycle after an image, so that no cycle has to do both.
+        """
         time_s = observation.time_s
         if time_s - belief.time_s > _FAST_LAG_S[0]:
-            last = fast.cycle_of(time_s - _FAST_LAG_S[1])
-            self._belief = belief = fast.applied(belief, self._next_cycle, last)
-            self._next_cycle = last + 1
-        if time_s - self._refreshed_s >= self._frame_s:
-            self._present = fast.applied(belief, self._next_cycle, observation.cycle)
+            until = time_s - _FAST_LAG_S[1]
+            last = fast.cycle_of(until)
+            self._belief = belief = fast.applied(belief, self._next_cycle, last, until)
+            self._next_cycle = max(self._next_cycle, last + 1)
+        since = time_s - self._refreshed_s
+        if since >= self._frame_s and (not observation.samples or since >= 2.0 * self._frame_s):
+            self._present = fast.applied(belief, self._next_cycle, observation.cycle, time_s)
             self._refreshed_s = time_s
 
     def _predict(self, observation: Observation) -> Estimate:

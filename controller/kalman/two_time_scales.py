@@ -39,10 +39,11 @@ class TwoTimeScales:
         self._sensor_offset_std = sensor_offset_std
         self.slow = 2 * len(modes)
         self.size = self.slow + (2 if sensor_offset_std is None else 3)
+        self.identity = np.eye(self.size)
 
     def transition(self, elapsed_s: float) -> Matrix:
         """Over a time of either sign."""
-        phi = np.eye(self.size)
+        phi = self.identity.copy()
         for i, mode in enumerate(self.modes):
             k = 2 * i
             phi[k, k], phi[k, k + 1], phi[k + 1, k], phi[k + 1, k + 1] = mode.transition(elapsed_s)

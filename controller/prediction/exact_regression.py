@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from common.model import Mode
 
-_EVALUATIONS = 3  # two steps: the third changes the frequency by less than a thousandth of its prior spread
+_EVALUATIONS = 3  # two steps at most; the third would change nothing that matters
+_SETTLED = 0.02  # of the prior's spread
 _REACH = 3.0  # standard deviations of the prior
 _FEW = 6
 
@@ -69,7 +70,10 @@ class ExactRegression:
         least = self._cost(best, variance)
         trial = best
         for _ in range(_EVALUATIONS - 1):
-            trial = self._at(self._stepped(trial, variance), t, values)
+            w = self._stepped(trial, variance)
+            if abs(w - trial.w) < _SETTLED * self._spread:
+                break
+            trial = self._at(w, t, values)
             cost = self._cost(trial, variance)
             if cost < least:
                 best, least = trial, cost
