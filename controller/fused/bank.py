@@ -30,6 +30,7 @@ class Law(IntEnum):
 
 LAWS = len(Law)
 LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
+_FLOOR = 0.002  # of the deflection: no image scale or model is better
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 
 
@@ -93,6 +94,18 @@ class FilterBank:
         residual = block.value - block.forced - value.real.sum(axis=1) - self.x[:, at.bias]
         self._update(slope, residual, variance)
 
+    def look_at_block(self, block: Block, one: int) -> tuple[float, float, float]:
+        """By filter `one`: the block's value without bias and joint, what it should be, and the latter's variance."""
+        at = self._at
+        x = self.x[one]
+        z, slow = x[at.cosine] - 1j * x[at.sine], -at.sigma - x[at.decay] + 1j * x[at.frequency]
+        gain = (slow + 1j * at.w) ** 2 * np.array(block.turn) * (-1.0 / at.w_first**2)
+        seen = float((z * gain * np.exp(slow * (block.time_s - self.edge_s))).real.sum())
+        row = np.empty(2 * at.modes)
+        row[at.cosine], row[at.sine] = gain.real, gain.imag
+        variance = float(row @ self.p[one, at.phasor, at.phasor] @ row)
+        return block.value - block.forced - float(x[at.bias]), seen, variance
+
     def move_on(self, block: Block, noise: Array) -> None:
         """From the block's start to its end, adding `noise` (filters, n) to the covariances' diagonals."""
         at = self._at
@@ -144,7 +157,8 @@ class FilterBank:
     ) -> Seen:
         """An image that shows value_m, exposed at times_s (filters,) when the joint alone moved the tip by joint_m.
 
-        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (filters, m). noise: variance, m^2.
+        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (filters, m). noise: variance,
+        m^2.
         """
         at = self._at
         z, slow = self.phasors(), self._rates()
@@ -164,12 +178,15 @@ class FilterBank:
         slope[:, at.decay] = -lag * own.real * scale[:, None]
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
         residual = value_m - scale * tip - self.x[:, at.offset]
-        # second order: the rate is itself uncertain, and a large shift bends the sinusoid
+        # second order: products of two uncertain quantities, and a large shift bends the sinusoid
         p = self.p
         unknown = self.jitter + p[:, at.shift, at.shift]
         rates = 0.5 * at.w_first**2 * (p[:, 0, 0] + p[:, 1, 1])
+        scales = p[:, at.scale, at.scale]
+        products = scales * (0.5 * (p[:, 0, 0] + p[:, 1, 1]) + rate**2 * unknown)
+        products += (_FLOOR * deflection) ** 2
         bend = 0.5 * (at.w_first**2 * deflection * unknown) ** 2
-        extra = noise + rate**2 * self.jitter + rates * unknown + bend
+        extra = noise + rate**2 * self.jitter + rates * unknown + bend + products
         ph = (p @ slope[:, :, None])[:, :, 0]
         return Seen(residual, (ph * slope).sum(axis=1) + extra, rate, slope)
 
@@ -195,15 +212,24 @@ class FilterBank:
         self.x += gain * residual[:, None]
         self.p -= gain[:, :, None] * ph[:, None, :]
 
-    def inflate(self, jump_m: float, time_s: float) -> None:
-        """A blow of about jump_m at time_s: the rate is unknown by it, the deflection by a part of it."""
+    def inflate(self, jump_m: tuple[float, ...], time_s: float) -> None:
+        """A blow of about jump_m in each mode at time_s: the rate is unknown by it, the deflection by part of it."""
+        for i, jump in enumerate(jump_m):
+            along = -1j * np.exp(-1j * self._at.w[i] * time_s)  # of Z: -i conj(turn) for a change of rate
+            direction = np.array((along.real, -along.imag))
+            here = slice(2 * i, 2 * i + 2)
+            self.p[:, here, here] += (1.5 * jump) ** 2 * np.outer(direction, direction) + (
+                0.3 * jump
+            ) ** 2 * np.eye(2)
+
+    def loosen(self) -> None:
+        """Frequencies, decay and image scale may have changed, as with a payload or another scene."""
         at = self._at
-        along = np.exp(-1j * at.w * time_s)  # of Z: -i conj(turn) for a change of rate
-        direction = np.zeros(at.size)
-        direction[at.cosine], direction[at.sine] = (-1j * along).real, -(-1j * along).imag
-        self.p += (1.5 * jump_m) ** 2 * np.outer(direction, direction)
-        for i in range(2 * at.modes):
-            self.p[:, i, i] += (0.3 * jump_m) ** 2
+        i = np.arange(2 * at.modes, 3 * at.modes)
+        self.p[:, i, i] += (0.04 * at.w) ** 2
+        i = np.arange(3 * at.modes, 4 * at.modes)
+        self.p[:, i, i] += (0.01 * at.w) ** 2
+        self.p[:, at.scale, at.scale] += 0.1**2
 
     def start_anew(
         self, target: int, source: int, shift_s: float, variances: tuple[float, float, float]

@@ -5,14 +5,16 @@ Over a block of a twenty-fourth of a period the mean holds all but half a percen
 
 from dataclasses import dataclass
 
+_GROWN = 2.5
+
 
 @dataclass(slots=True)
 class Block:
     """One block. start_s to end_s; count samples used; value: their mean as deflection of the first mode, m.
 
     turn: mean of exp(i w t) of each mode; time_s: mean time; forced: mean of what the joint's motion since start_s
-    adds to the value; variance: of the value; step: the joint's phasor increments from start to end. jump_m: size of
-    a blow at its start (0: none).
+    adds to the value; variance: of the value; step: the joint's phasor increments from start to end. jump_m: what a
+    blow at its start may have added to each mode (empty: none).
     """
 
     start_s: float
@@ -24,7 +26,7 @@ class Block:
     forced: float = 0.0
     variance: float = 0.0
     step: tuple[complex, ...] = ()
-    jump_m: float = 0.0
+    jump_m: tuple[float, ...] = ()
 
 
 class BlockSums:
@@ -38,12 +40,13 @@ class BlockSums:
     def clear(self) -> None:
         """Begin anew."""
         self._count = 0
-        self._value = self._time = self._forced = 0.0
+        self._value = self._time = self._forced = self._squares = 0.0
         self._turn = self._none.copy()
 
-    def add(self, value: float, turn: list[complex], time_s: float, forced: float) -> None:
-        """Take in one good sample."""
+    def add(self, value: float, turn: list[complex], time_s: float, forced: float, residual: float) -> None:
+        """Take in one good sample, and how far it lay from what was expected."""
         self._count += 1
+        self._squares += residual * residual
         self._value += value
         self._time += time_s
         self._forced += forced
@@ -52,10 +55,13 @@ class BlockSums:
             sums[i] += one
 
     def close(self, start_s: float, end_s: float, variance: float, step: tuple[complex, ...]) -> Block:
-        """The block's means; `variance` is that of one sample."""
+        """The block's means. variance: of one sample, unless the block scatters far more: noise that has grown."""
         n = self._count
         if n == 0:
             return Block(start_s, end_s, step=step)
+        own = self._squares / n
+        if own > _GROWN * variance:
+            variance = own
         return Block(
             start_s, end_s, n, self._value / n, tuple(one / n for one in self._turn),
             self._time / n, self._forced / n, variance / n, step,

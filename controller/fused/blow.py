@@ -1,8 +1,8 @@
 """A blow at the tip, found from the accelerometer before the image can show it.
 
-Generalised likelihood ratio (Willsky and Jones, IEEE Trans. Autom. Control 21, 1976): a blow jumps the modal rate, so
-the blocks' residuals after an onset follow D sin(w (t - onset)). For each onset among the last blocks, D and its
-significance by least squares.
+Generalised likelihood ratio (Willsky and Jones, IEEE Trans. Autom. Control 21, 1976): a blow jumps the modal rates, so
+the blocks' residuals after an onset follow sum_i D_i k_i sin(w_i (t - onset)), k_i = (w_i / w_1)^2. For each onset at
+the start of one of the last blocks: D by least squares, and its significance.
 """
 
 from typing import NamedTuple
@@ -15,48 +15,58 @@ _BLOCKS = 12
 _SIGNIFICANT = (
     21.0  # (4.6 standard deviations)^2: by chance once in some ten minutes at a hundred blocks a second
 )
+_MORE_PER_MODE = 3.0
 
 
 class Blow(NamedTuple):
-    """A blow that began `blocks_ago` blocks before the newest one's end, of deflection size_m."""
+    """A blow at the start of the block `blocks_ago` blocks back (1: the newest), and each mode's rms deflection, m."""
 
     blocks_ago: int
-    size_m: float
+    sizes_m: tuple[float, ...]
 
 
 class BlowDetector:
     """Watches the residuals of the accelerometer's blocks."""
 
-    def __init__(self, w: float, block_s: float) -> None:
-        """w: angular frequency of the first mode, rad/s."""
+    def __init__(self, w: list[float], block_s: float) -> None:
+        """w: angular frequency of each mode, rad/s."""
         ages = np.arange(_BLOCKS)
         after = (ages[None, :] - ages[:, None] + 0.5) * block_s  # row: onset at the start of that block
-        self._shape = np.where(after > 0.0, np.sin(w * after), 0.0)
-        self._squared = self._shape**2
-        self._residuals = [0.0] * _BLOCKS
-        self._weights = [0.0] * _BLOCKS
+        self._shape = np.stack(
+            [np.where(after > 0.0, (one / w[0]) ** 2 * np.sin(one * after), 0.0) for one in w], axis=1
+        )  # (onsets, modes, blocks)
+        self._prior = np.diag([(one / w[0]) ** 4 for one in w])  # modes are struck alike in acceleration
+        self._significant = _SIGNIFICANT + _MORE_PER_MODE * (len(w) - 1)
+        self.suspicion = 0.0
+        self.forget()
 
     def forget(self) -> None:
         """Watch only what comes from now on."""
         self._residuals = [0.0] * _BLOCKS
         self._weights = [0.0] * _BLOCKS
+        self.suspicion = 0.0
 
-    def see(self, block: Block, residual_m: float, variance: float) -> Blow | None:
-        """Take in a block's residual with its variance, m^2; returns a blow when there is one."""
+    def see(self, block: Block, residual_m: float, variance: float, usual_m: float) -> Blow | None:
+        """Take in a block's residual with its variance, m^2; returns a blow when there is one.
+
+        usual_m: deflection that a blow may well cause in the first mode.
+
+        suspicion is then the largest significance, standard deviations squared.
+        """
         del self._residuals[0], self._weights[0]
         weight = 1.0 / variance if block.count else 0.0
         self._residuals.append(residual_m * weight)
         self._weights.append(weight)
-        power = self._squared @ np.array(self._weights) + 1e-300
-        match = self._shape @ np.array(self._residuals)
-        evidence = match * match / power
+        shape = self._shape
+        power = (shape * np.array(self._weights)) @ shape.transpose(0, 2, 1)
+        power += self._prior / max(usual_m, 1e-9) ** 2
+        match = shape @ np.array(self._residuals)
+        covariance = np.linalg.inv(power)
+        sizes = (covariance @ match[:, :, None])[:, :, 0]
+        evidence = (match * sizes).sum(axis=1)
         best = int(np.argmax(evidence))
-        if evidence[best] < _SIGNIFICANT:
+        self.suspicion = float(evidence[best])
+        if self.suspicion < self._significant:
             return None
-        return Blow(_BLOCKS - best, float(match[best] / power[best]))
-
-    @property
-    def suspicion(self) -> float:
-        """The largest significance of a blow within the last blocks, standard deviations squared."""
-        power = self._squared @ np.array(self._weights) + 1e-300
-        return float(((self._shape @ np.array(self._residuals)) ** 2 / power).max())
+        sizes_m = np.sqrt(sizes[best] ** 2 + covariance[best].diagonal())
+        return Blow(_BLOCKS - best, tuple(sizes_m.tolist()))

@@ -17,13 +17,16 @@ from controller.fused.dating import Dating
 from controller.fused.evidence import Evidence
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
+from controller.fused.sensor_health import AccelerometerHealth
 from controller.joint_motion import JointMotion
 
 Array = NDArray[np.float64]
 
 _OUTLIER = 16.0  # normalised innovation squared
 _SUSPICIOUS = 7.0  # of a blow, by the accelerometer, standard deviations squared
-_VOTES = 2
+_VOTES = 3
+_HUBER = 7.0
+_BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
 _SLOPE_S = 0.002  # the joint's rate is taken over twice this
 _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
@@ -56,8 +59,11 @@ class FrameFusion:
     blow: whether the image taken in last was the second one running to break with everything, as after a blow.
     """
 
-    def __init__(self, model: Model, settings: Fused, at: Layout, length_m: float) -> None:
-        """Nothing seen yet."""
+    def __init__(
+        self, model: Model, settings: Fused, at: Layout, length_m: float, health: AccelerometerHealth
+    ) -> None:
+        """Nothing seen yet. health: told what the images make of each block of the accelerometer."""
+        self._health = health
         self._at = at
         self._frame_s = start.frame_s(model)
         self._model_delay_s = model.timing.capture_delay_s
@@ -78,6 +84,7 @@ class FrameFusion:
         self.amplitude_m = 0.0
         self._outliers = self._votes = self._voted = 0
         self._images = 0
+        self._late = self._breaks = 0.0
         self.blow = False
 
     def take_block(self, block: Block) -> None:
@@ -86,7 +93,12 @@ class FrameFusion:
         if block.jump_m:
             bank.inflate(block.jump_m, block.start_s)
         if block.count:
-            bank.take_block(block, block.variance)
+            best = self.evidence.best
+            value, expected, variance = bank.look_at_block(block, best)
+            total = variance + block.variance
+            self._health.compare(value, expected, total)
+            if not self._health.mute:  # what contradicts the images counts less (Huber)
+                bank.take_block(block, block.variance * max(1.0, (value - expected) ** 2 / total / _HUBER))
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
@@ -141,10 +153,11 @@ class FrameFusion:
         joint: JointMotion,
         joint_input: JointInput,
         suspicion: float,
+        sees: bool,
     ) -> None:
         """A measured frame, accepted before, with all blocks before its exposure taken in.
 
-        suspicion: of a blow, by the accelerometer, standard deviations squared.
+        suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
         """
         at, bank, weights = self._at, self.bank, self.evidence.weights
         value = sample.displacement_x_px * at.per_px
@@ -154,13 +167,14 @@ class FrameFusion:
         if self._images == 0:
             bank.x[:, at.offset] = value - at.lever * joint.position_at(received_s - self.delay_s)
         self._images += 1
+        self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
         image = Look(value, noise, joint, joint_input)
         times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
         seen = self._look(image, times)
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
-            if not self._explain(image, times, received_s, seen, suspicion):
+            if not self._explain(image, times, received_s, seen, suspicion, sees):
                 return
             times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
             seen = self._look(image, times)
@@ -173,22 +187,31 @@ class FrameFusion:
         self._tell_delay(received_s - instants, spread)
         self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
 
-    def _explain(self, image: Look, times: Array, received_s: float, seen: Seen, suspicion: float) -> bool:
+    def _explain(
+        self, image: Look, times: Array, received_s: float, seen: Seen, suspicion: float, sees: bool
+    ) -> bool:
         """An image that breaks with everything: wrong by itself, a miscounted frame, or a blow. Whether to use it."""
         self._outliers += 1
         if suspicion < _SUSPICIOUS:
             extra = self._other_count(image, times, received_s)
-            self._votes = self._votes + 1 if extra and extra == self._voted else int(extra != 0)
+            if extra != self._voted:
+                self._votes, self._late = 0, 0.0
+            self._votes += int(extra != 0)
             self._voted = extra
+            self._late += received_s - float(times[Law.CLOCK]) - self._arrival_mean
             if self._votes < _VOTES and self._outliers <= _VOTES:
                 return False
-        if self._votes >= _VOTES:
+        if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * self._frame_s:
             self.dating.nominal[Law.CLOCK] += self._voted * self._frame_s
             self._spread[Law.CLOCK].restart()
             return True
         self.blow = True
         best = self.evidence.best
-        self.bank.inflate(1.5 * abs(float(seen.residual[best])), float(times[best]))
+        self._breaks += 1.0
+        if sees and (self._breaks > 1.5 or suspicion < _SUSPICIOUS):
+            self.bank.loosen()  # no blow explains it: the arm or the scene has changed
+        size = 1.5 * abs(float(seen.residual[best]))
+        self.bank.inflate((size,) + (0.3 * size,) * (self._at.modes - 1), float(times[best]))
         return True
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:

@@ -1,7 +1,9 @@
 """What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it."""
 
 from cmath import exp
-from math import floor
+from math import expm1, floor, pi
+
+from common.model import Drive
 
 _HELD = 1024  # cycles
 
@@ -12,22 +14,24 @@ class JointInput:
     Between two instants an undamped, correctly tuned phasor moves by the difference of G; docs/fused.md, section 1.
     """
 
-    def __init__(self, w: list[float], gain: list[float], cycle_s: float) -> None:
+    def __init__(self, w: list[float], gain: list[float], drive: Drive, cycle_s: float) -> None:
         """w: damped angular frequency of each mode, rad/s; gain: - participation length / w."""
+        # The command is held over a cycle, in which theta'' decays with the drive's lag: its mean is above its end.
+        rate = 2.0 * pi * drive.bandwidth_hz * cycle_s
+        self._mean_of_end = expm1(rate) / rate
+        self._limit = drive.max_acceleration_rad_s2
         self._cycle_s = cycle_s
         self._w = w
         self._gain = [-1j * g * cycle_s for g in gain]
         self._half_back = [exp(0.5j * one * cycle_s) for one in w]
         self._held = [[0j] * _HELD for _ in w]
         self._cycle: int | None = None
-        self._acceleration = 0.0
         self.sum = [0j] * len(w)
         self.increment = [0j] * len(w)
 
     def advance(self, cycle: int, turn: list[complex], acceleration_rad_s2: float) -> None:
-        """Move on to `cycle`, where exp(i w t) is `turn`; the load is its mean since the cycle before."""
-        mean = 0.5 * (self._acceleration + acceleration_rad_s2)
-        self._acceleration = acceleration_rad_s2
+        """Move on to `cycle`, where exp(i w t) is `turn`; theta'' as it is at the end of the cycle before."""
+        mean = min(max(acceleration_rad_s2 * self._mean_of_end, -self._limit), self._limit)
         skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, _HELD)
         self._cycle = cycle
         for i, one in enumerate(turn):

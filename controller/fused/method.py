@@ -17,8 +17,13 @@ from controller.fused.present import Present
 from controller.fused.sensor_health import AccelerometerHealth
 from controller.joint_motion import JointMotion
 
-_BLOCK_PERIODS = 1.0 / 24.0  # of the highest mode
+_FIRST_PERIODS, _HIGHEST_PERIODS = (
+    1.0 / 24.0,
+    1.0 / 8.0,
+)  # a block lasts, of the first and of the highest mode
 _SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
+_ALARM_S = 0.6
+_USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
 
 
@@ -42,12 +47,15 @@ class FusedMethod:
         self._nominal_gain = [
             self._per_acceleration * (-s + 1j * w) ** 2 for s, w in zip(self._sigma, self._w, strict=True)
         ]
+        # a blow to a high mode shows little deflection and much acceleration
+        highest = max(self._w) / self._w[0]
+        self._allowance = 0.2 * highest**2 if len(self._w) > 1 else 0.0
         self._filter_cycles = round(sensor.delay_s / self._cycle_s)
         self._filter_turn = [exp(-1j * w * self._filter_cycles * self._cycle_s) for w in self._w]
-        self._block_cycles = min(
-            max(round(_BLOCK_PERIODS * 2.0 * pi / max(self._w) / self._cycle_s), _SHORTEST_BLOCK),
-            _LONGEST_BLOCK,
+        shortest = (
+            2.0 * pi / self._cycle_s * min(_FIRST_PERIODS / self._w[0], _HIGHEST_PERIODS / max(self._w))
         )
+        self._block_cycles = min(max(round(shortest), _SHORTEST_BLOCK), _LONGEST_BLOCK)
         self._most_blocks = int(
             (model.timing.capture_delay_s + _BACKLOG_S) / (self._block_cycles * self._cycle_s)
         )
@@ -58,21 +66,21 @@ class FusedMethod:
         """Everything unknown."""
         model, at = self._model, self._at
         per_sample = abs(self._per_acceleration) / abs(model.accelerometer.scale)
-        self.frames = FrameFusion(model, self._settings, at, self._length)
         self.health = AccelerometerHealth(
             per_sample * model.accelerometer.noise_std_m_s2,
             model.accelerometer.range_m_s2,
             per_sample * 0.005,
         )
-        self._joint_input = JointInput(self._w, at.input_gain, self._cycle_s)
+        self.frames = FrameFusion(model, self._settings, at, self._length, self.health)
+        self._joint_input = JointInput(self._w, at.input_gain, model.drive, self._cycle_s)
         self._present = Present(self._w, self._sigma, at.w_first)
-        self._blows = BlowDetector(at.w_first, self._block_cycles * self._cycle_s)
+        self._blows = BlowDetector(self._w, self._block_cycles * self._cycle_s)
         self._sums = BlockSums(at.modes)
         self._blocks: deque[Block] = deque()
         self._block_start: int | None = None
         self._start_sum = [0j] * at.modes
         self._snapshot: Merged | None = None
-        self._last_frame_s = float("-inf")
+        self._last_frame_s = self._alarm_s = float("-inf")
 
     def update(self, observation: Observation) -> Estimate:
         """One cycle."""
@@ -102,11 +110,12 @@ class FusedMethod:
         if self._filter_cycles:
             turn = [one * back for one, back in zip(turn, self._filter_turn, strict=True)]
         expected = self._present.expected(turn)
-        value = expected + self.health.bounded(value - expected)
+        residual = self.health.bounded(value - expected, self._allowance * abs(self._present.z[0]))
+        value = expected + residual
         forced = 0.0
         for i, one in enumerate(turn):
             forced += ((self._joint_input.sum[i] - self._start_sum[i]) * one * self._nominal_gain[i]).real
-        self._sums.add(value, turn, observation.time_s - sensor.delay_s, forced)
+        self._sums.add(value, turn, observation.time_s - sensor.delay_s, forced, residual)
 
     def _close_block(self, cycle: int) -> None:
         assert self._block_start is not None
@@ -127,15 +136,11 @@ class FusedMethod:
     def _compare(self, block: Block) -> None:
         present = self._present
         residual = present.residual(block)
-        self.health.compare(
-            block.value - block.forced - present.bias,
-            block.value - block.forced - present.bias - residual,
-            block.variance,
-        )
         if self.health.mute:
-            block.count = 0
             return
-        blow = self._blows.see(block, residual, block.variance + present.bias_variance)
+        variance = block.variance + present.bias_variance
+        usual = max(abs(present.z[0]), _USUAL_BLOW_STDS * sqrt(variance))
+        blow = self._blows.see(block, residual, variance, usual)
         if blow is None:
             present.take_block(block, block.variance, at_end=True)
         else:
@@ -144,9 +149,10 @@ class FusedMethod:
     def _mark(self, blow: Blow) -> None:
         """Let the blocks' history have the blow where it began, and see the present afresh."""
         self._blows.forget()
+        self._alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - blow.blocks_ago)
         block = self._blocks[place]
-        block.jump_m = max(block.jump_m, abs(blow.size_m))
+        block.jump_m = blow.sizes_m
         self._restart_present(self._blocks[-1].end_s)
 
     def _see_sample(self, sample: VisualSample, cycle: int, time_s: float, joint: JointMotion) -> None:
@@ -158,12 +164,19 @@ class FusedMethod:
         instant = frames.expected_instant_s()
         while self._blocks and self._blocks[0].end_s <= instant:
             frames.take_block(self._blocks.popleft())
-        frames.take(sample, time_s, joint, self._joint_input, self._blows.suspicion)
+        frames.take(
+            sample, time_s, joint, self._joint_input, self._blows.suspicion, self._accelerometer_sees(time_s)
+        )
         self._last_frame_s = time_s
         self._snapshot = None
         if frames.blow:
             self._blows.forget()
         self._restart_present(cycle * self._cycle_s)
+
+    def _accelerometer_sees(self, time_s: float) -> bool:
+        """Whether it is alive, and has raised no alarm of its own just now."""
+        recent = bool(self._blocks) and self._blocks[-1].count > 0
+        return recent and not self.health.mute and time_s - self._alarm_s > _ALARM_S
 
     def _restart_present(self, now_s: float) -> None:
         """From the bank's instant to now."""
@@ -177,7 +190,7 @@ class FusedMethod:
         for block in self._blocks:
             if block.jump_m:
                 present.inflate(block.jump_m, block.start_s)
-            if block.count:
+            if block.count and not self.health.mute:
                 present.take_block(block, block.variance, at_end=False)
             present.move_on(block)
         assert self._block_start is not None

@@ -93,18 +93,17 @@ class Present:
             turn = exp(self.slow[i] * dt)
             self.z[i] = self.z[i] * turn + step * (0.5 + 0.5 * turn)
 
-    def inflate(self, jump_m: float, time_s: float) -> None:
+    def inflate(self, jump_m: tuple[float, ...], time_s: float) -> None:
         """A blow of about jump_m at time_s (FilterBank.inflate)."""
-        direction: list[float] = []
-        for w in self._w:
+        for i, w in enumerate(self._w):
             along = -1j * exp(-1j * w * time_s)
-            direction += (along.real, -along.imag)
-        power, rest = (1.5 * jump_m) ** 2, (0.3 * jump_m) ** 2
-        for i, a in enumerate(direction):
-            line = self.p[i]
-            for j, b in enumerate(direction):
-                line[j] += power * a * b
-            line[i] += rest
+            power, rest = (1.5 * jump_m[i]) ** 2, (0.3 * jump_m[i]) ** 2
+            direction = (along.real, -along.imag)
+            for k in (0, 1):
+                line = self.p[2 * i + k]
+                line[2 * i] += power * direction[k] * direction[0]
+                line[2 * i + 1] += power * direction[k] * direction[1]
+                line[2 * i + k] += rest
 
     def widen(self, variance: float) -> None:
         """Add a variance, m^2, to every component."""

@@ -6,7 +6,9 @@ _STUCK_CYCLES = 30
 _CLIPPED = 0.98  # of the range
 _HUBER = 4.0
 _MEMORY_CYCLES = 700.0
-_GAIN_MEMORY_BLOCKS = 80.0
+_GAIN_MEMORY_BLOCKS = 25.0
+_ENOUGH_POWER = 150.0  # a gain known to 0.08
+_ALIVE, _ALIVE_AGAIN = (0.5, 2.0), (0.7, 1.4)
 
 
 class AccelerometerHealth:
@@ -21,7 +23,6 @@ class AccelerometerHealth:
         self._same = 0
         self._missing = 0
         self._seen_power = self._seen_product = 0.0
-        self._noise_power = 0.0
         self.mute = False
         self.reason = ""
 
@@ -37,7 +38,7 @@ class AccelerometerHealth:
             self._same += 1
             if self._same > _STUCK_CYCLES:
                 self.reason = "accelerometer stuck"
-                return False
+            return False  # a value held over is no new sample
         else:
             self._same = 0
             self._last = acceleration_m_s2
@@ -50,24 +51,25 @@ class AccelerometerHealth:
         self.reason = ""
         return True
 
-    def bounded(self, residual_m: float) -> float:
-        """A residual bounded as Huber has it; learns the variance from it."""
+    def bounded(self, residual_m: float, allowed_m: float) -> float:
+        """A residual bounded as Huber has it, allowing for allowed_m of vibration; learns the variance from it."""
         limit = _HUBER * sqrt(self.variance)
-        kept = min(max(residual_m, -limit), limit)
-        self.variance += (kept * kept - self.variance) / _MEMORY_CYCLES
+        short = min(max(residual_m, -limit), limit)
+        self.variance += (short * short - self.variance) / _MEMORY_CYCLES
+        kept = min(max(residual_m, -limit - allowed_m), limit + allowed_m)
         self.variance = max(self.variance, self._least)
         return kept
 
     def compare(self, value_m: float, expected_m: float, variance: float) -> None:
-        """A block's mean (without bias) against what the fused vibration says: a gain near zero is a dead sensor."""
+        """A block's mean, without bias, against what images say of its time: a gain far from one is a dead sensor.
+
+        variance: of the difference, m^2.
+        """
         keep = 1.0 - 1.0 / _GAIN_MEMORY_BLOCKS
-        self._seen_power = keep * self._seen_power + expected_m * expected_m
-        self._seen_product = keep * self._seen_product + value_m * expected_m
-        self._noise_power = keep * self._noise_power + variance * expected_m * expected_m
-        if self._seen_power <= 0.0:
+        self._seen_power = keep * self._seen_power + expected_m * expected_m / variance
+        self._seen_product = keep * self._seen_product + value_m * expected_m / variance
+        if self._seen_power < _ENOUGH_POWER:
             return
         gain = self._seen_product / self._seen_power
-        std = sqrt(self._noise_power) / self._seen_power
-        if std > 0.08:
-            return
-        self.mute = not (0.5 < gain < 2.0) if not self.mute else not (0.7 < gain < 1.4)
+        low, high = _ALIVE_AGAIN if self.mute else _ALIVE
+        self.mute = not low < gain < high

@@ -74,7 +74,7 @@ def state_noise(settings: Fused, at: Layout) -> Array:
     result = np.zeros((FILTERS, at.size))
     result[:, at.offset] = 2e-5**2
     result[:, at.scale] = 5e-4**2
-    result[:, at.bias] = (0.01 / at.w_first**2) ** 2
+    result[:, at.bias] = (0.03 / at.w_first**2) ** 2
     result[:LAWS, at.frequency] = (settings.frequency_walk * at.w) ** 2
     result[LAWS:, at.frequency] = (5.0 * settings.frequency_walk * at.w) ** 2
     result[:LAWS, at.decay] = (0.002 * at.w) ** 2

@@ -50,7 +50,11 @@ def model_for(amplitude_m: float, noise: float, vision: float = 0.01, **changes:
     return Model(
         arm=Arm(length_m=2.0, modes=modes),  # type: ignore[arg-type]
         accelerometer=Accelerometer(noise_std_m_s2=noise * amplitude_m * w * w),
-        camera=Camera(noise_std_px=vision * amplitude_m * abs(scale), scale_px_per_m=scale, mode=changes.pop("mode", "freerun")),  # type: ignore[arg-type]
+        camera=Camera(
+            noise_std_px=vision * amplitude_m * abs(scale),
+            scale_px_per_m=scale,
+            mode=changes.pop("mode", "freerun"),
+        ),  # type: ignore[arg-type]
         timing=Timing(**changes),  # type: ignore[arg-type]
     )
 
@@ -117,10 +121,13 @@ def ring(
                 force = kick * (np.pi / 0.3) * np.sin(np.pi * (t - phase) / 0.15)
             if excitation == "steady" and amplitude > 0:
                 force = 2.0 * zeta * w * v * (1.0 + 1.5 * np.cos(2 * np.pi * t / 6.0))
-            load = -mode.participation * length * joint.acceleration[k] + force
+            load = -mode.participation * length * joint.mean_acceleration[k] + force
             tip_q[k] += q
             envelope[k] += amplitude
-            tip_a[k] += -w * w * q - 2 * zeta * w * v + load
+            instant = load - mode.participation * length * (
+                joint.acceleration[k] - joint.mean_acceleration[k]
+            )
+            tip_a[k] += -w * w * q - 2 * zeta * w * v + instant
             wd = w * np.sqrt(1 - zeta * zeta)
             static = load / w**2
 
@@ -149,7 +156,9 @@ def ring(
         tip = scale_factor(mid[k]) * (length * theta[k] + seen[k])
         pixels = -camera.scale_px_per_m * tip + offset_px + camera.noise_std_px * random.standard_normal()
         stamp = 1234.5 + skew * mid[k] if stamped else float("nan")
-        samples.setdefault(cycle, []).append(VisualSample(k, max(0, cycle - 80), 0, float(pixels), captured_s=stamp))
+        samples.setdefault(cycle, []).append(
+            VisualSample(k, max(0, cycle - 80), 0, float(pixels), captured_s=stamp)
+        )
         truth[cycle] = cycle * CYCLE_S - mid[k]
     return Ringing(tip_q, envelope, acceleration, samples, truth, commands)
 
@@ -161,16 +170,20 @@ class JointMotionReference:
         late = round(model.drive.dead_time_s / CYCLE_S)
         rate = 2 * np.pi * model.drive.bandwidth_hz
         velocity = position = 0.0
-        self.position, self.acceleration = np.zeros(len(commands)), np.zeros(len(commands))
+        n = len(commands)
+        self.position, self.acceleration, self.mean_acceleration = np.zeros(n), np.zeros(n), np.zeros(n)
         for k in range(len(commands)):
             wanted = commands[k - late] if k >= late else 0.0
             self.position[k], self.acceleration[k] = position, rate * (wanted - velocity)
             after = wanted + (velocity - wanted) * np.exp(-rate * CYCLE_S)
+            self.mean_acceleration[k] = (after - velocity) / CYCLE_S
             position += 0.5 * CYCLE_S * (velocity + after)
             velocity = after
 
 
-def judge(method: Method, model: Model, ringing: Ringing, change: Callable[[int, float], float] = lambda k, a: a) -> Trial:
+def judge(
+    method: Method, model: Model, ringing: Ringing, change: Callable[[int, float], float] = lambda k, a: a
+) -> Trial:
     """Run a method over a trial. change(cycle, acceleration): what becomes of an accelerometer's sample."""
     length = model.arm.length_m
     assert length is not None
@@ -182,7 +195,9 @@ def judge(method: Method, model: Model, ringing: Ringing, change: Callable[[int,
         joint.begin_cycle(cycle, float("nan"))
         samples = ringing.samples.get(cycle, [])
         said = method.update(
-            Observation(cycle, cycle * CYCLE_S, change(cycle, float(ringing.acceleration[cycle])), samples, joint)
+            Observation(
+                cycle, cycle * CYCLE_S, change(cycle, float(ringing.acceleration[cycle])), samples, joint
+            )
         )
         joint.send(float(ringing.command[cycle]))
         off = said.deflection_m - ringing.deflection[cycle]
