@@ -18,7 +18,6 @@ from controller.fused.evidence import Evidence
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.sensor_health import AccelerometerHealth
-from controller.joint_motion import JointMotion
 
 Array = NDArray[np.float64]
 
@@ -49,7 +48,6 @@ class Look(NamedTuple):
 
     value_m: float
     noise: float
-    joint: JointMotion
     joint_input: JointInput
 
 
@@ -150,7 +148,6 @@ class FrameFusion:
         self,
         sample: VisualSample,
         received_s: float,
-        joint: JointMotion,
         joint_input: JointInput,
         suspicion: float,
         sees: bool,
@@ -165,10 +162,10 @@ class FrameFusion:
         if isfinite(sample.variance_x_px2) and sample.variance_x_px2 > 0.0:
             noise = max(noise, at.per_px**2 * sample.variance_x_px2)
         if self._images == 0:
-            bank.x[:, at.offset] = value - at.lever * joint.position_at(received_s - self.delay_s)
+            bank.x[:, at.offset] = value - at.lever * joint_input.position_at(received_s - self.delay_s)
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
-        image = Look(value, noise, joint, joint_input)
+        image = Look(value, noise, joint_input)
         times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
         seen = self._look(image, times)
         surprise = seen.surprise
@@ -235,7 +232,7 @@ class FrameFusion:
 
     def _look(self, image: Look, times: Array) -> Seen:
         at, edge = self._at, self.bank.edge_s
-        instants, position = times.tolist(), image.joint.position_at
+        instants, position = times.tolist(), image.joint_input.position_at
         joint_m = np.array([position(t) for t in instants]) * at.lever
         rate = np.array([position(t + _SLOPE_S) - position(t - _SLOPE_S) for t in instants])
         step = np.empty((FILTERS, at.modes), dtype=np.complex128)

@@ -2,6 +2,7 @@
 
 from cmath import exp
 from collections import deque
+from enum import Enum
 from math import isfinite, pi, sqrt
 
 from common.configuration import Fused
@@ -15,7 +16,6 @@ from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.present import Present
 from controller.fused.sensor_health import AccelerometerHealth
-from controller.joint_motion import JointMotion
 
 _FIRST_PERIODS, _HIGHEST_PERIODS = (
     1.0 / 24.0,
@@ -25,6 +25,15 @@ _SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
 _ALARM_S = 0.6
 _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
+
+
+class _Work(Enum):
+    """What the last frame has left to do."""
+
+    NONE = 0
+    MERGE = 1
+    PRESENT = 2
+    BLOCKS = 3
 
 
 class FusedMethod:
@@ -59,6 +68,7 @@ class FusedMethod:
         self._most_blocks = int(
             (model.timing.capture_delay_s + _BACKLOG_S) / (self._block_cycles * self._cycle_s)
         )
+        self._frame_s = 1.0 / model.camera.frame_rate_hz
         self.reason = ""
         self._begin()
 
@@ -79,14 +89,17 @@ class FusedMethod:
         self._blocks: deque[Block] = deque()
         self._block_start: int | None = None
         self._start_sum = [0j] * at.modes
+        self._taken: list[Block] = []  # by the bank, since the snapshot
         self._snapshot: Merged | None = None
+        self._work = _Work.NONE
+        self._last_instant_s = float("-inf")
         self._last_frame_s = self._alarm_s = float("-inf")
 
     def update(self, observation: Observation) -> Estimate:
         """One cycle."""
         cycle, time_s, joint = observation.cycle, observation.time_s, observation.joint
         turn = [exp(1j * w * time_s) for w in self._w]
-        self._joint_input.advance(cycle, turn, joint.acceleration_rad_s2)
+        self._joint_input.advance(cycle, turn, joint.acceleration_rad_s2, joint.position_rad)
         if self._block_start is None:
             self._block_start = cycle
             self.frames.bank.edge_s = time_s
@@ -97,7 +110,9 @@ class FusedMethod:
         if cycle - self._block_start >= self._block_cycles:
             self._close_block(cycle)
         for sample in observation.samples:
-            self._see_sample(sample, cycle, time_s, joint)
+            self._see_sample(sample, time_s)
+        if not observation.samples:
+            self._work_off(time_s)
         return self._estimate(turn, time_s)
 
     def _see_acceleration(self, observation: Observation, turn: list[complex]) -> None:
@@ -129,8 +144,9 @@ class FusedMethod:
         if block.count:
             self._compare(block)
         if len(self._blocks) > self._most_blocks:
-            self.frames.take_block(self._blocks.popleft())
+            self._take_oldest_block()
             self._snapshot = None
+            self._taken.clear()
         self._present.widen(self.frames.phasor_noise() * (end_s - start_s))
 
     def _compare(self, block: Block) -> None:
@@ -155,7 +171,7 @@ class FusedMethod:
         block.jump_m = blow.sizes_m
         self._restart_present(self._blocks[-1].end_s)
 
-    def _see_sample(self, sample: VisualSample, cycle: int, time_s: float, joint: JointMotion) -> None:
+    def _see_sample(self, sample: VisualSample, time_s: float) -> None:
         frames = self.frames
         if not frames.accept(sample, time_s):
             return
@@ -163,15 +179,37 @@ class FusedMethod:
             return
         instant = frames.expected_instant_s()
         while self._blocks and self._blocks[0].end_s <= instant:
-            frames.take_block(self._blocks.popleft())
+            self._take_oldest_block()
         frames.take(
-            sample, time_s, joint, self._joint_input, self._blows.suspicion, self._accelerometer_sees(time_s)
+            sample, time_s, self._joint_input, self._blows.suspicion, self._accelerometer_sees(time_s)
         )
-        self._last_frame_s = time_s
-        self._snapshot = None
+        self._last_frame_s, self._last_instant_s = time_s, instant
         if frames.blow:
             self._blows.forget()
-        self._restart_present(cycle * self._cycle_s)
+        self._work = _Work.MERGE
+
+    def _take_oldest_block(self) -> None:
+        block = self._blocks.popleft()
+        self.frames.take_block(block)
+        self._taken.append(block)
+
+    def _work_off(self, time_s: float) -> None:
+        """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
+        if self._work is _Work.MERGE:
+            self._merge(time_s)
+            self._work = _Work.PRESENT
+        elif self._work is _Work.PRESENT:
+            self._restart_present(time_s)
+            self._work = _Work.BLOCKS
+        elif self._work is _Work.BLOCKS:
+            if self._blocks and self._blocks[0].end_s <= self._last_instant_s + 0.5 * self._frame_s:
+                self._take_oldest_block()
+            else:
+                self._work = _Work.NONE
+
+    def _merge(self, now_s: float) -> None:
+        self._snapshot = self.frames.merged(now_s)
+        self._taken.clear()
 
     def _accelerometer_sees(self, time_s: float) -> bool:
         """Whether it is alive, and has raised no alarm of its own just now."""
@@ -181,13 +219,14 @@ class FusedMethod:
     def _restart_present(self, now_s: float) -> None:
         """From the bank's instant to now."""
         if self._snapshot is None:
-            self._snapshot = self.frames.merged(now_s)
+            self._merge(now_s)
+        assert self._snapshot is not None
         merged, present = self._snapshot, self._present
         present.restart(
             list(merged.phasors), [row.copy() for row in merged.covariance], merged.slow,
             merged.bias, merged.bias_variance, self._cycle_s,
         )  # fmt: skip
-        for block in self._blocks:
+        for block in (*self._taken, *self._blocks):
             if block.jump_m:
                 present.inflate(block.jump_m, block.start_s)
             if block.count and not self.health.mute:
