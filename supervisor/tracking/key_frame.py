@@ -25,8 +25,8 @@ RETURN_VIEW = (
     0.7  # share in view at which an older one is taken up again; the gap keeps them from alternating
 )
 ANCHOR_VIEW = 0.15  # share in view that is enough to measure against once
-LEAVE_ROTATION_RAD = 0.12  # beyond this, square windows no longer match well
-RETURN_ROTATION_RAD = 0.06
+LEAVE_ROTATION_RAD = 0.045  # beyond this, square windows match worse, and in fine texture no longer
+RETURN_ROTATION_RAD = 0.025
 
 
 @dataclass(frozen=True, slots=True)
