@@ -115,11 +115,14 @@ def _run_all(jobs: list[AnyJob], progress: Progress, workers: int) -> list[AnyRe
             results[index] = run_job(job)
             progress((index + 1) / len(jobs))
     else:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+        try:
             futures = {pool.submit(run_job, job): index for index, job in enumerate(jobs)}
             for done, future in enumerate(as_completed(futures), start=1):
                 results[futures[future]] = future.result()
                 progress(done / len(jobs))
+        finally:
+            pool.shutdown(cancel_futures=True)  # an interrupted campaign ends with the trials under way
     return [results[index] for index in range(len(jobs))]
 
 
