@@ -185,7 +185,7 @@ class Rig(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
     model: str = ""
     scenario: str = "demo"
-    seed: Annotated[int, Meta(ge=0)] = 0
+    seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] = 0
     delay_wander_fraction: Fraction = 0.9
     delay_wander_time_s: Positive = 2.0
     scene: SimulatedScene = SimulatedScene()
@@ -210,8 +210,11 @@ def default_configuration_path() -> Path:
 
 
 def load_configuration(path: str | Path) -> Configuration:
-    """Read a configuration. Raises UserError in one line naming file, key, value and what is allowed."""
-    configuration = load_toml(path, Configuration)
+    """Read a configuration; the files that it names lie relative to it, wherever the program was started.
+
+    Raises UserError in one line naming file, key, value and what is allowed.
+    """
+    configuration = _with_files_beside(load_toml(path, Configuration), Path(path).parent)
     link = configuration.link
     if (link.controller_host, link.controller_port) == (link.supervisor_host, link.supervisor_port):
         raise UserError(
@@ -219,6 +222,26 @@ def load_configuration(path: str | Path) -> Configuration:
             "the controller's; choose another"
         )
     return configuration
+
+
+def _with_files_beside(configuration: Configuration, folder: Path) -> Configuration:
+    """The configuration with its scenario files, key file and camera file found from `folder`."""
+    replace = msgspec.structs.replace
+    link, controller, rig, camera = (
+        configuration.link,
+        configuration.controller,
+        configuration.rig,
+        configuration.camera,
+    )
+    if link.key_file:
+        link = replace(link, key_file=str(folder / Path(link.key_file).expanduser()))
+    if controller.schedule.endswith(".toml"):
+        controller = replace(controller, schedule=str(folder / controller.schedule))
+    if rig.scenario.endswith(".toml"):
+        rig = replace(rig, scenario=str(folder / rig.scenario))
+    if camera.driver == "file":
+        camera = replace(camera, device=str(folder / Path(camera.device).expanduser()))
+    return replace(configuration, link=link, controller=controller, rig=rig, camera=camera)
 
 
 def model_path(configuration: Configuration, path: str | Path) -> Path:

@@ -19,16 +19,19 @@ from msgspec import Meta
 from common.typed_toml import load_toml
 from common.user_error import UserError
 
-Positive = Annotated[float, Meta(gt=0.0)]
-NonNegative = Annotated[float, Meta(ge=0.0)]
+_SMALLEST_SCALE = 1e-6
+_LARGEST = 1e9  # beyond any rig; squares and products of such numbers are still far from an overflow
+Positive = Annotated[float, Meta(gt=0.0, le=_LARGEST)]
+NonNegative = Annotated[float, Meta(ge=0.0, le=_LARGEST)]
+Signed = Annotated[float, Meta(ge=-_LARGEST, le=_LARGEST)]
 
 
 class Mode(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """One bending mode. Default: first mode of a uniform beam that rotates at its root."""
 
-    frequency_hz: Annotated[float, Meta(gt=0.0, le=400.0)] = 2.6
+    frequency_hz: Annotated[float, Meta(ge=0.01, le=400.0)] = 2.6
     damping_ratio: Annotated[float, Meta(ge=0.0, lt=1.0)] = 0.01
-    participation: float = 1.14
+    participation: Signed = 1.14
 
     @property
     def angular_frequency(self) -> float:
@@ -52,17 +55,17 @@ class Drive(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     dead_time_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.002
     max_velocity_rad_s: Positive = 0.6
     max_acceleration_rad_s2: Positive = 20.0
-    min_position_rad: float = -1.0
-    max_position_rad: float = 1.0
+    min_position_rad: Signed = -1.0
+    max_position_rad: Signed = 1.0
 
 
 class Accelerometer(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The accelerometer at the tip; `scale` is signed, `delay_s` the group delay of its filter."""
 
-    scale: float = 1.0
+    scale: Signed = 1.0
     delay_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
     noise_std_m_s2: NonNegative = 0.5
-    bias_m_s2: float = 0.0
+    bias_m_s2: Signed = 0.0
     range_m_s2: Positive = 19.6
 
 
@@ -74,15 +77,15 @@ class Camera(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     readout_s: NonNegative = 0.0
     frame_rate_hz: Annotated[float, Meta(gt=0.0, le=1000.0)] = 65.0
     exposure_s: NonNegative = 0.015
-    scale_px_per_m: float = 800.0
-    rotation_px_per_rad: float = 0.0
+    scale_px_per_m: Signed = 800.0
+    rotation_px_per_rad: Signed = 0.0
     noise_std_px: NonNegative = 0.05
 
 
 class Timing(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The controller's cycle and the capture delay: reading of a visual sample minus mid-exposure."""
 
-    cycle_s: Annotated[float, Meta(gt=0.0, le=0.1)] = 0.001
+    cycle_s: Annotated[float, Meta(ge=0.0001, le=0.1)] = 0.001
     capture_delay_s: Annotated[float, Meta(ge=0.0, le=2.0)] = 0.074
     capture_delay_std_s: NonNegative = 0.0064
 
@@ -118,10 +121,16 @@ def check_model(model: Model, name: str) -> Model:
         ("accelerometer.scale", model.accelerometer.scale),
         ("camera.scale_px_per_m", model.camera.scale_px_per_m),
     ):
-        if value == 0.0:
+        if abs(value) < _SMALLEST_SCALE:
             raise UserError(
-                f"{name}: {key} = 0: a signed number other than zero is needed; `stillarm calibrate` finds it"
+                f"{name}: {key} = {value + 0.0:g}: a signed number of at least {_SMALLEST_SCALE:g} in size is needed; "
+                "`stillarm calibrate` finds it"
             )
+    if model.arm.modes[0].participation == 0.0:
+        raise UserError(
+            f"{name}: arm.modes[0].participation = 0: the joint could neither move nor damp the first mode; a "
+            "signed number other than zero is needed, 1.14 for a uniform beam"
+        )
     if model.camera.exposure_s * model.camera.frame_rate_hz > 1.0 + 1e-9:
         raise UserError(
             f"{name}: camera.exposure_s = {model.camera.exposure_s}: longer than a frame at "

@@ -24,7 +24,7 @@ class Strike(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """
 
     time_s: Time
-    deflection_m: float
+    deflection_m: Annotated[float, Meta(ge=-1e3, le=1e3)]
     mode: Annotated[int, Meta(ge=1)] = 1
 
 
@@ -35,7 +35,7 @@ class Move(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
     start_s: Time
     end_s: Time
-    velocity_rad_s: float
+    velocity_rad_s: Annotated[float, Meta(ge=-1e3, le=1e3)]
     ramp_s: Annotated[float, Meta(ge=0.0)] = 0.05
 
 
@@ -55,7 +55,7 @@ class Scenario(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     strikes: list[Strike] = []
     moves: list[Move] = []
     damping: list[Window] = []
-    random_disturbance_m_s2: Annotated[float, Meta(ge=0.0)] = 0.0
+    random_disturbance_m_s2: Annotated[float, Meta(ge=0.0, le=1e3)] = 0.0
 
     def reference_rad_s(self, time_s: float) -> float:
         """External joint velocity reference at a time, rad/s: the sum of the moves under way."""

@@ -17,6 +17,7 @@ from common.user_error import UserError
 Structure = TypeVar("Structure")
 
 _PATH = re.compile(r" - at `\$?(?P<path>[^`]*)`$")
+_BYTE_ORDER_MARK = "\ufeff"  # some editors begin a file with it
 _SOME_KEY = "[...]"  # how msgspec names the key of a table whose keys are free
 _UNKNOWN = re.compile(r"unknown field `(?P<field>[^`]*)`")
 
@@ -40,7 +41,7 @@ def load_toml(path: str | Path, structure: type[Structure]) -> Structure:
 def parse_toml(text: str, structure: type[Structure], name: str) -> Structure:
     """Read TOML text as `structure`; `name` stands for the file in error messages."""
     try:
-        tree = tomllib.loads(text)
+        tree = tomllib.loads(text.removeprefix(_BYTE_ORDER_MARK))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise UserError(f"{name}: not valid TOML: {_one_line(str(error))}") from None
     return convert_tree(tree, structure, name)

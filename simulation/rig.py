@@ -4,7 +4,9 @@ Accelerometer: registers in shared memory behind an I2C bus "memory:NAME". Joint
 in shared memory. The scenario's clock starts with the first drive command.
 """
 
+import contextlib
 import multiprocessing
+import os
 import signal
 import time
 from collections.abc import Callable
@@ -187,7 +189,13 @@ def _camera_main(configuration: Configuration, model: Model, seed: int, frames: 
         signal.SIGINT, signal.SIG_IGN
     )  # Ctrl-C reaches the whole group; the plant's process tells this one
 
-    def report(frame: TrueFrame) -> None:
-        frames.send((frame.time_s, frame.frame, frame.mid_exposure_s, frame.delivered_s))
+    plant = os.getppid()
 
-    run_camera(configuration, model, seed, stop.is_set, report)
+    def report(frame: TrueFrame) -> None:
+        with contextlib.suppress(BrokenPipeError):  # the plant's process is gone; finished() sees it
+            frames.send((frame.time_s, frame.frame, frame.mid_exposure_s, frame.delivered_s))
+
+    def finished() -> bool:
+        return stop.is_set() or os.getppid() != plant
+
+    run_camera(configuration, model, seed, finished, report)

@@ -8,6 +8,7 @@ import tomli_w
 
 from common.configuration import Configuration, default_configuration_path, load_configuration
 from common.model import load_model
+from common.output_folder import make_folder
 from common.recording.header import RecordingHeader, program_version
 from common.scenario import load_scenario
 from common.user_error import UserError
@@ -58,7 +59,7 @@ def write_simulated_recording(
     notes = {"scenario": tomli_w.dumps(msgspec.to_builtins(run.scenario))}
     header = _header(configuration, path, assumed_model_path.read_text(), seed, notes)
     true_header = _header(configuration, path, true_model_path.read_text(), seed, notes)
-    recording_path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(recording_path.parent)
     files = RecordingProcess([(recording_path, header), (truth_path, true_header)])
     try:
         recording, truth = files.sinks

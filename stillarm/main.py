@@ -2,7 +2,9 @@
 
 import argparse
 import importlib
+import signal
 import sys
+from types import FrameType
 from typing import NoReturn
 
 from common.user_error import UserError
@@ -43,8 +45,13 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     return top
 
 
+def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
+    raise KeyboardInterrupt
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
+    signal.signal(signal.SIGTERM, _interrupt)
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if word in COMMANDS), None)
     try:
@@ -55,8 +62,16 @@ def main(arguments: list[str] | None = None) -> int:
     except UserError as error:
         print(f"stillarm: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
+    except KeyboardInterrupt:  # Ctrl-C, or SIGTERM: what was started is stopped on the way here
         print("stillarm: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
+        return 1
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename is not None else ""
+        reason = (error.strerror or str(error)).lower()
+        print(f"stillarm: {where}{reason}; mend that, and start again", file=sys.stderr)
+        return 1
+    except MemoryError:
+        print("stillarm: not enough memory; free some, or take a shorter recording", file=sys.stderr)
         return 1

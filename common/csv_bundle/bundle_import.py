@@ -29,6 +29,8 @@ from common.visual_sample import TrackingStatus
 
 UNCOUNTED = -1  # a frame number that is not there; a cycle that is not known
 _MAX_TIME_S = 9e9  # what fits a log time in nanoseconds
+_LARGEST = 1e15  # beyond any measurement; estimators square what they are given
+_TIMES = ("time_s", "received_s", "started_s")  # have a bound of their own
 _PURPOSE = {"time_s": "the time of a row", "received_s": "when the controller read the frame"}
 
 
@@ -151,6 +153,9 @@ def _values(table: CsvTable, kind: type[msgspec.Struct]) -> dict[str, list[Any]]
             continue
         if kinds[name] is float:
             found[name] = floats(table, name)
+            for row, value in enumerate(found[name]):
+                if abs(value) > _LARGEST and name not in _TIMES:
+                    raise table.error(row, name, f"a number of at most {_LARGEST:g} in size is needed")
         elif kinds[name] is bool:
             found[name] = booleans(table, name)
         else:
@@ -176,7 +181,8 @@ def _times(table: CsvTable, values: dict[str, list[Any]], column: str, notes: li
         notes.append(
             f"{Path(table.name).name}: {column} repeats or steps back in {len(back)} of {len(times)} "
             f"rows, first in line {table.lines[first]}: {times[first]!r} after {times[first - 1]!r}; "
-            "kept in the file's order"
+            "kept in the file's order, and of rows of one cycle or before it replay takes the first; if they are "
+            "only out of order, sort them by time and import again"
         )
     return times
 

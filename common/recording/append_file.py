@@ -4,7 +4,22 @@ import contextlib
 from pathlib import Path
 from typing import IO, cast
 
+from mcap.writer import MCAP0_MAGIC
+
 from common.user_error import UserError
+
+
+def _spare_other_files(path: Path) -> None:
+    """A slip in an argument must not cost a model file or a table."""
+    with contextlib.suppress(OSError):  # not there, or not to be read: opening it tells
+        if not path.is_file():
+            return
+        with path.open("rb") as file:
+            start = file.read(len(MCAP0_MAGIC))
+        if not MCAP0_MAGIC.startswith(start):
+            raise UserError(
+                f"{path}: exists and is no recording, so it is not replaced; name another file, or remove it"
+            )
 
 
 class AppendFile:
@@ -13,12 +28,13 @@ class AppendFile:
     """
 
     def __init__(self, path_or_file: str | Path | IO[bytes]) -> None:
-        """Make the file (an existing one is replaced), or write to one that is open. Raises UserError if it
-        cannot.
+        """Make the file, or write to one that is open. An earlier recording of that name is replaced, any other
+        file is not. Raises UserError.
         """
         self._own = isinstance(path_or_file, str | Path)
         if isinstance(path_or_file, str | Path):
             self.name = str(path_or_file)
+            _spare_other_files(Path(path_or_file))
             try:
                 self._file = cast(IO[bytes], Path(path_or_file).open("wb", buffering=0))  # noqa: SIM115 - closed by close()
             except OSError as error:

@@ -7,14 +7,18 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
+from common.configuration import Configuration
 from common.recording.reader import Recording, open_recording
 from common.scenario import Scenario
 from common.shared_memory import block_path
 from common.user_error import UserError
 from controller.replay import LiveComparison, RecordedRun, compare_with_live, read_run, replay_method
+from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
+from simulation.camera_process import pose_history_name
+from simulation.demo.own_folder import own_folder
 from simulation.demo.processes import DemoProcesses
 from simulation.demo.scoring import damping_scores, method_scores
-from simulation.demo.set_up import SHORTEST_S, write_demo_configuration
+from simulation.demo.set_up import LONGEST_S, SHORTEST_S, write_demo_configuration
 from simulation.demo.truth_file import read_truth
 
 METHODS = ("timestamps", "correlation")
@@ -26,11 +30,16 @@ Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
 
 def run_demo(directory: Path, duration_s: float, seed: int, progress: Progress) -> dict[str, Any]:
     """Run it all into `directory`; returns what summary.json holds. Raises UserError when a process fails."""
-    if duration_s < SHORTEST_S:
-        raise UserError(f"--duration-s {duration_s:g}: at least {SHORTEST_S:g} s are needed for two strikes")
-    directory.mkdir(parents=True, exist_ok=True)
-    for stale in ("recording.mcap", "truth.mcap", "summary.json"):
-        (directory / stale).unlink(missing_ok=True)
+    if not SHORTEST_S <= duration_s <= LONGEST_S:
+        raise UserError(
+            f"--duration-s {duration_s:g}: at least {SHORTEST_S:g} s are needed for two strikes, "
+            f"and at most {LONGEST_S:g} s fit the replay's memory"
+        )
+    with own_folder(directory):
+        return _run_and_score(directory, duration_s, seed, progress)
+
+
+def _run_and_score(directory: Path, duration_s: float, seed: int, progress: Progress) -> dict[str, Any]:
     scenario = _run_processes(directory, duration_s, seed, progress)
     recording = open_recording(directory / "recording.mcap")
     run = read_run(recording)
@@ -75,7 +84,19 @@ def _run_processes(directory: Path, duration_s: float, seed: int, progress: Prog
             )
     finally:
         processes.stop_all()
+        _remove_shared_memory(configuration)
     return scenario
+
+
+def _remove_shared_memory(configuration: Configuration) -> None:
+    """What a rig that had to be killed could not remove; the names are this demo's own."""
+    camera = configuration.camera.device
+    for name in (
+        configuration.accelerometer.bus.removeprefix(BUS_PREFIX),
+        camera,
+        pose_history_name(configuration),
+    ):
+        block_path(name).unlink(missing_ok=True)
 
 
 def _wait_for_camera(name: str, processes: DemoProcesses) -> None:

@@ -1,5 +1,6 @@
 """The demo's processes: started, watched, stopped. Each writes what it says to a log of its own."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from common.user_error import UserError
+from simulation.demo.parent_death import ended_with_parent
 
 _STOP_WITHIN_S = 15.0
 _POLL_S = 0.1
@@ -22,10 +24,17 @@ class DemoProcesses:
         self._running: dict[str, subprocess.Popen[bytes]] = {}
 
     def start(self, name: str, *arguments: str) -> None:
-        """Start `stillarm NAME ARGUMENTS`."""
+        """Start `stillarm NAME ARGUMENTS`; it ends when this process does, killed or not."""
+        root = str(Path(__file__).resolve().parents[2])
+        search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
         with self._log(name).open("wb") as log:
             self._running[name] = subprocess.Popen(
-                [sys.executable, "-m", "stillarm", name, *arguments], stdout=log, stderr=subprocess.STDOUT
+                # -P: a folder named 'common' where the user happens to stand must not take this package's place
+                [sys.executable, "-P", "-m", "stillarm", name, *arguments],
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env={**os.environ, "PYTHONPATH": search},
+                preexec_fn=ended_with_parent(),  # noqa: PLW1509 - no thread runs yet, and it calls the kernel only
             )
 
     def wait_for(self, name: str, timeout_s: float, progress: Callable[[float], None]) -> None:

@@ -8,12 +8,12 @@ import msgspec
 import tomli_w
 
 from common.configuration import Configuration, load_configuration, model_path
-from common.model import load_model
 from common.scenario import Scenario, Strike, Window
 from simulation.simulated_recording import default_simulation_configuration
 
 STRUCK_M = 0.00625  # the accelerometer's noise of 0.5 m/s^2 is 0.3 of this vibration's acceleration
 SHORTEST_S = 12.0
+LONGEST_S = 600.0
 DAMPING_BEFORE_STRIKE_S = 0.25  # so that it has faded in when the blow falls
 
 
@@ -35,9 +35,7 @@ def write_demo_configuration(
     configuration = load_configuration(source)
     scenario = demo_scenario(duration_s)
     scenario_path = (directory / "scenario.toml").resolve()
-    scenario_path.write_text(tomli_w.dumps(msgspec.to_builtins(scenario)))
-    (directory / "model.toml").write_text(model_path(configuration, source).read_text())
-    load_model(directory / "model.toml")
+    model_text = model_path(configuration, source).read_text()
     name = secrets.token_hex(4)
     ports = _free_ports(5)
     replace = msgspec.structs.replace
@@ -54,7 +52,11 @@ def write_demo_configuration(
         rig=replace(configuration.rig, scenario=str(scenario_path), seed=seed),
     )
     path = directory / "config.toml"
-    path.write_text(tomli_w.dumps(msgspec.to_builtins(configuration)))
+    path.write_text(
+        tomli_w.dumps(msgspec.to_builtins(configuration))
+    )  # first: it marks the folder as a demo's
+    scenario_path.write_text(tomli_w.dumps(msgspec.to_builtins(scenario)))
+    (directory / "model.toml").write_text(model_text)
     return path, configuration, scenario
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from common.user_error import UserError
+from stillarm.arguments import seed
 from stillarm.progress import progress_bar
 
 DEFAULT_TRIALS = {"estimators": 20, "vision": 3}
@@ -19,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     defaults = ", ".join(f"{name} {trials}" for name, trials in DEFAULT_TRIALS.items())
     parser.add_argument("name", choices=BENCHMARKS, metavar="NAME", help=f"one of: {', '.join(BENCHMARKS)}")
     parser.add_argument("--trials", type=int, metavar="N", help=f"trials of each row ({defaults})")
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the first trial (0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="S", help="seed of the first trial (0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result to this file")
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="estimators: draw the pictures into this folder"

@@ -4,12 +4,14 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from stillarm.arguments import seed
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument("--duration-s", type=float, default=30.0, metavar="S", help="length of the run (30)")
     parser.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="output folder (demo)")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of everything random (0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of everything random (0)")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from common.output_folder import make_folder
 from common.user_error import UserError
 
 if TYPE_CHECKING:
@@ -41,6 +42,15 @@ def _replay_images(recording: "Recording") -> int:
     return 0
 
 
+def _spare_bundle(folder: Path) -> None:
+    """Both a bundle and a replay have a file frames.csv: the one that was measured must not be overwritten."""
+    if (folder / "fast.csv").exists():
+        raise UserError(
+            f"{folder}: holds a CSV bundle (fast.csv), whose frames.csv would be overwritten; "
+            "name another folder with --out"
+        )
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Replay and write the tables."""
     from common.recording.reader import open_recording
@@ -50,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     from stillarm.progress import progress_bar
 
     recording = open_recording(arguments.recording)
+    _spare_bundle(arguments.out)
     if recording.counts.get("/images") and not recording.counts.get("/fast"):
         return _replay_images(recording)
     recorded = read_run(recording)
@@ -66,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         with progress_bar(f"replay, {name}") as progress:
             runs.append(replay_method(recorded, name, progress))
     comparison = compare_with_live(recorded) if recorded.estimates else None
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    make_folder(arguments.out)
     write_tables(runs, arguments.out)
     summary = replay_summary(str(arguments.recording), runs, comparison)
     (arguments.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")

@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from stillarm.arguments import seed
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -15,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--scenario", metavar="NAME", help="scenario by name or file, in place of the configuration's"
     )
-    parser.add_argument("--seed", type=int, metavar="N", help="seed, in place of the configuration's")
+    parser.add_argument("--seed", type=seed, metavar="N", help="seed, in place of the configuration's")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -4,6 +4,8 @@ import argparse
 import time
 from pathlib import Path
 
+from stillarm.arguments import seed
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -17,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what the controller assumes (default: the true model)",
     )
     parser.add_argument("--scenario", default="demo", metavar="NAME", help="scenario by name or file (demo)")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of everything random (0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of everything random (0)")
     parser.add_argument(
         "-o", "--out", type=Path, required=True, metavar="REC", help="recording to write (MCAP)"
     )

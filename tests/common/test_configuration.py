@@ -54,3 +54,24 @@ def test_a_model_that_is_not_there_is_named(tmp_path: Path) -> None:
     path.write_text('model = "none.toml"')
     with pytest.raises(UserError, match=r"none\.toml: cannot be read"):
         load_assumed_model(load_configuration(path), path)
+
+
+def test_files_are_found_beside_the_configuration_wherever_the_program_was_started(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Names of scenarios that come with the program, and cameras that are no files, stay as they are."""
+    folder = tmp_path / "rig"
+    folder.mkdir()
+    path = folder / "c.toml"
+    path.write_text(
+        '[controller]\nschedule = "s.toml"\n[rig]\nscenario = "demo"\n[link]\nkey_file = "key"\n'
+        '[camera]\ndriver = "file"\ndevice = "v.avi"\n'
+    )
+    monkeypatch.chdir(tmp_path)
+    read = load_configuration(Path("rig/c.toml"))
+    assert read.controller.schedule == "rig/s.toml" and read.rig.scenario == "demo"
+    assert (read.link.key_file, read.camera.device) == ("rig/key", "rig/v.avi")
+    path.write_text(f'[rig]\nscenario = "{tmp_path}/s.toml"\n[camera]\ndevice = "0"\n')
+    read = load_configuration(Path("rig/c.toml"))
+    assert (read.rig.scenario, read.camera.device) == (f"{tmp_path}/s.toml", "0")
+    assert (read.controller.schedule, read.link.key_file) == ("", "")

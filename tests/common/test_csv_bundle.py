@@ -93,6 +93,7 @@ def test_an_empty_field_is_no_measurement(tmp_path: Path, text: str) -> None:
 
 
 WRONG: dict[str, tuple[str | bytes, str | None, list[str]]] = {
+    "wild": ("time_s,deflection_m\n0,-1e200\n", None, ["fast.csv: line 2", "deflection_m", "1e+15"]),
     "word": ("# c\ntime_s,deflection_m\n0,1\n1,abc\n", None, ["fast.csv: line 4", "deflection_m", "'abc'"]),
     "decimal comma": ('time_s,deflection_m\n0,"1,5"\n', None, ["line 2", "'1,5'", "decimal point"]),
     "infinite": ("time_s,deflection_m\n0,inf\n", None, ["line 2", "'inf'", "finite"]),

@@ -34,6 +34,11 @@ def test_angular_frequency() -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
+        ("[camera]\nscale_px_per_m = 1e-300", "camera.scale_px_per_m = 1e-300: .* at least 1e-06"),
+        ("[[arm.modes]]\nparticipation = 0.0", r"arm.modes\[0\].participation = 0"),
+        ("[[arm.modes]]\nfrequency_hz = 1e-300", r"arm.modes\[0\].frequency_hz = 1e-300: .*0.01"),
+        ("[accelerometer]\nbias_m_s2 = 1e300", "accelerometer.bias_m_s2 = 1e\\+300: .*1000000000"),
+        ("[timing]\ncycle_s = 1e-9", "timing.cycle_s = 1e-09: .*0.0001"),
         ("[drive]\nmin_position_rad = 1.0", "drive.min_position_rad = 1.0: must lie below"),
         ("[accelerometer]\nscale = 0.0", "accelerometer.scale = 0"),
         ("[camera]\nscale_px_per_m = -0.0", "camera.scale_px_per_m = 0"),

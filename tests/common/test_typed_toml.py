@@ -26,7 +26,7 @@ REFUSED = [
     (
         Model,
         "[[arm.modes]]\n[[arm.modes]]\nfrequency_hz = -1.0",
-        ["arm.modes[1].frequency_hz = -1.0", "> 0.0"],
+        ["arm.modes[1].frequency_hz = -1.0", ">= 0.01"],
     ),
     (Model, "[[arm.modes]]\nfrequenzy_hz = 1", ["arm.modes[0].frequenzy_hz", "arm.modes[0].frequency_hz"]),
     (Model, "[arm]\nmodes = []", ["arm.modes = []", "length >= 1"]),
@@ -62,6 +62,14 @@ def test_a_long_value_is_shortened() -> None:
     with pytest.raises(UserError) as refused:
         parse_toml(f'[camera]\nmode = "{"x" * 500}"', Model, "rig.toml")
     assert len(str(refused.value)) < 200 and "..." in str(refused.value)
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_key(tmp_path: Path) -> None:
+    """Some editors write one; a recording holds the file's text as it was, so the text may begin with it, too."""
+    text = "\ufeff[arm]\nlength_m = 3.0\n"
+    (tmp_path / "m.toml").write_text(text, encoding="utf-8")
+    assert load_toml(tmp_path / "m.toml", Model).arm.length_m == 3.0
+    assert parse_toml(text, Model, "m.toml").arm.length_m == 3.0
 
 
 @pytest.mark.parametrize(

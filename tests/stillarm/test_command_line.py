@@ -1,7 +1,10 @@
 """The command line: help for every command, one line for what a user can mend."""
 
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -35,6 +38,11 @@ def one_line(capsys: pytest.CaptureFixture[str]) -> str:
         (["import", "absent", "-o", "rec.mcap"], "absent"),
         (["import", "absent.csv", "--map", "in=2", "--rate-hz", "1", "-o", "rec.mcap"], "input=COLUMN"),
         (["demo", "--duration-s", "3"], "12"),
+        (["demo", "--duration-s", "nan"], "600"),
+        (["demo", "--duration-s", "1e9"], "600"),
+        (["demo", "--out", "MODEL"], "folder"),
+        (["simulate", "--model", "MODEL", "-o", "MODEL/x.mcap"], "folder"),
+        (["simulate", "--model", "COPY", "-o", "COPY"], "is no recording"),
         (["recover", "absent.mcap"], "absent.mcap"),
     ],
 )
@@ -48,7 +56,10 @@ def test_a_mistake_is_one_line(
     """Names what is wrong and what is allowed; exit status 1; no traceback."""
     model = Path(__file__).parent.parent.parent / "configs" / "model.toml"
     monkeypatch.chdir(tmp_path)
-    assert main([str(model) if word == "MODEL" else word for word in words]) == 1
+    copy = tmp_path / "copy.toml"
+    copy.write_text(model.read_text())
+    assert main([word.replace("MODEL", str(model)).replace("COPY", str(copy)) for word in words]) == 1
+    assert copy.read_text() == model.read_text()
     assert says in one_line(capsys)
 
 
@@ -59,6 +70,67 @@ def test_an_unknown_command_or_argument_is_one_line(capsys: pytest.CaptureFixtur
             main(words)
         assert stop.value.code == 2
         assert "--help" in one_line(capsys)
+
+
+@pytest.mark.parametrize("seed", ["-1", "1.5", "99999999999999999999999"])
+@pytest.mark.parametrize("command", ["simulate", "demo", "rig", "benchmark"])
+def test_a_seed_that_no_generator_takes_is_one_line(
+    command: str, seed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([command, "--seed", seed])
+    assert stop.value.code == 2
+    assert f"{seed}: a whole number from 0 to 9223372036854775807" in one_line(capsys)
+
+
+def test_a_replay_spares_the_measured_frames(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its own table has the same name as the bundle's."""
+    (tmp_path / "fast.csv").write_text("time_s,acceleration_m_s2\n0.0,1.0\n0.001,1.0\n")
+    (tmp_path / "frames.csv").write_text("frame,received_s\n1,0.0\n")
+    assert main(["import", str(tmp_path), "-o", str(tmp_path / "rec.mcap")]) == 0
+    capsys.readouterr()
+    assert main(["replay", str(tmp_path / "rec.mcap"), "--out", str(tmp_path)]) == 1
+    assert "CSV bundle" in one_line(capsys)
+    assert (tmp_path / "frames.csv").read_text() == "frame,received_s\n1,0.0\n"
+
+
+def test_what_the_operating_system_refuses_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where nobody foresaw it: a full disk in the middle of a table."""
+
+    def full(arguments: object) -> int:
+        raise OSError(28, "No space left on device", "replay/frames.csv")
+
+    monkeypatch.setattr("stillarm.commands.replay_command.run", full)
+    assert main(["replay", "rec.mcap"]) == 1
+    assert "replay/frames.csv: no space left on device" in one_line(capsys)
+
+
+def test_sigterm_unwinds_as_ctrl_c_does(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that a demo that is told to end ends its processes on the way."""
+    unwound = []
+
+    def told_to_end(arguments: object) -> int:
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(5.0)
+        finally:
+            unwound.append(True)
+        return 0
+
+    before = signal.getsignal(signal.SIGTERM)
+    monkeypatch.setattr("stillarm.commands.replay_command.run", told_to_end)
+    try:
+        assert main(["replay", "rec.mcap"]) == 130
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert unwound == [True]
+    assert "interrupted" in one_line(capsys)
 
 
 def test_a_wrong_key_in_the_configuration_is_one_line(

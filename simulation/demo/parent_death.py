@@ -1,0 +1,23 @@
+"""Ends a process with the one that started it, however that came to its end (Linux: prctl(2), PR_SET_PDEATHSIG)."""
+
+import ctypes
+import os
+import signal
+from collections.abc import Callable
+
+_PR_SET_PDEATHSIG = 1
+
+
+def ended_with_parent() -> Callable[[], None]:
+    """What a new process is to call before it becomes another program: SIGTERM when its parent is gone."""
+    prctl = ctypes.CDLL(
+        None
+    ).prctl  # looked up here: between fork and exec as little as possible is to happen
+    parent = os.getpid()
+
+    def ask() -> None:
+        prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+        if os.getppid() != parent:  # gone already, before it was asked for
+            os._exit(1)
+
+    return ask

@@ -1,0 +1,16 @@
+"""Kinds of arguments that several commands take; each refuses in one line."""
+
+import argparse
+
+LARGEST_SEED = 2**63 - 1
+
+
+def seed(text: str) -> int:
+    """A seed: a whole number from 0 to 2^63 - 1, which every generator and every recording's header takes."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = -1
+    if not 0 <= value <= LARGEST_SEED:
+        raise argparse.ArgumentTypeError(f"{text}: a whole number from 0 to {LARGEST_SEED} is needed")
+    return value
