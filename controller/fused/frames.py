@@ -231,16 +231,12 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
-        at, edge = self._at, self.bank.edge_s
-        instants, position = times.tolist(), image.joint_input.position_at
-        joint_m = np.array([position(t) for t in instants]) * at.lever
-        rate = np.array([position(t + _SLOPE_S) - position(t - _SLOPE_S) for t in instants])
-        step = np.empty((FILTERS, at.modes), dtype=np.complex128)
-        for i in range(at.modes):
-            base = image.joint_input.at(i, edge)
-            step[:, i] = [image.joint_input.at(i, t) - base for t in instants]
+        at, n = self._at, FILTERS
+        position = image.joint_input.positions_at(np.concatenate((times, times + _SLOPE_S, times - _SLOPE_S)))
+        sums = image.joint_input.sums_at(np.concatenate((times, (self.bank.edge_s,))))
+        rate = (position[n : 2 * n] - position[2 * n :]) * (at.lever / (2.0 * _SLOPE_S))
         return self.bank.look(
-            image.value_m, times, joint_m, rate * (at.lever / (2.0 * _SLOPE_S)), step, image.noise
+            image.value_m, times, position[:n] * at.lever, rate, sums[:n] - sums[n], image.noise
         )
 
     def _learn_jitter(self, own: Array, seen: Seen) -> None:

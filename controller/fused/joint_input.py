@@ -1,9 +1,15 @@
 """What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it."""
 
 from cmath import exp
-from math import expm1, floor, pi
+from math import expm1, pi
+
+import numpy as np
+from numpy.typing import NDArray
 
 from common.model import Drive
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 _HELD = 1024  # cycles
 
@@ -24,8 +30,8 @@ class JointInput:
         self._w = w
         self._gain = [-1j * g * cycle_s for g in gain]
         self._half_back = [exp(0.5j * one * cycle_s) for one in w]
-        self._held = [[0j] * _HELD for _ in w]
-        self._position = [0.0] * _HELD
+        self._held = np.zeros((_HELD, len(w)), dtype=np.complex128)
+        self._position = np.zeros(_HELD)
         self._cycle: int | None = None
         self.sum = [0j] * len(w)
         self.increment = [0j] * len(w)
@@ -41,31 +47,33 @@ class JointInput:
             self._position[(cycle - back) % _HELD] = position_rad
         for i, one in enumerate(turn):
             step = self._gain[i] * mean * one.conjugate() * self._half_back[i]
-            held = self._held[i]
             for back in range(skipped, 0, -1):  # cycles that never came: the same load at their own phase
                 self.sum[i] += step * exp(1j * self._w[i] * back * self._cycle_s)
-                held[(cycle - back) % _HELD] = self.sum[i]
+                self._held[(cycle - back) % _HELD, i] = self.sum[i]
             self.sum[i] += step
             self.increment[i] = step
-            held[cycle % _HELD] = self.sum[i]
+            self._held[cycle % _HELD, i] = self.sum[i]
 
     def position_at(self, time_s: float) -> float:
         """theta at an instant of the last second, rad."""
-        if self._cycle is None:
-            return 0.0
-        place = min(max(time_s / self._cycle_s, self._cycle - _HELD + 2.0), float(self._cycle))
-        low = floor(place)
-        before = self._position[low % _HELD]
-        fraction = place - low
-        return before + fraction * (self._position[(low + 1) % _HELD] - before) if fraction > 0.0 else before
+        return float(self.positions_at(np.array((time_s,)))[0])
 
-    def at(self, mode: int, time_s: float) -> complex:
-        """G of a mode at an instant of the last second."""
-        if self._cycle is None:
-            return 0j
-        place = min(max(time_s / self._cycle_s, self._cycle - _HELD + 2.0), float(self._cycle))
-        low = floor(place)
-        held = self._held[mode]
-        before = held[low % _HELD]
-        fraction = place - low
-        return before + fraction * (held[(low + 1) % _HELD] - before) if fraction > 0.0 else before
+    def positions_at(self, times_s: Array) -> Array:
+        """theta at instants of the last second, rad; shape as times_s."""
+        low, fraction = self._places(times_s)
+        before = self._position[low % _HELD]
+        result: Array = before + fraction * (self._position[(low + 1) % _HELD] - before)
+        return result
+
+    def sums_at(self, times_s: Array) -> ComplexArray:
+        """G of all modes at k instants of the last second, (k, m)."""
+        low, fraction = self._places(times_s)
+        before = self._held[low % _HELD]
+        result: ComplexArray = before + fraction[:, None] * (self._held[(low + 1) % _HELD] - before)
+        return result
+
+    def _places(self, times_s: Array) -> tuple[NDArray[np.int64], Array]:
+        newest = 0 if self._cycle is None else self._cycle
+        places = np.minimum(np.maximum(times_s / self._cycle_s, newest - _HELD + 2.0), newest - 1e-9)
+        low = np.floor(places).astype(np.int64)
+        return low, places - low
