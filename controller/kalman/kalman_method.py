@@ -71,6 +71,9 @@ class KalmanMethod:
         self._settled_s = 0.5 / modes[0].frequency_hz  # until then vibration and offset look alike
         self._belief: Belief | None = None
         self._present: Belief | None = None  # the belief with the fast sensor's newest samples
+        self._unpacked: Belief | None = None  # whose numbers the next two lists hold
+        self._state: list[float] = []
+        self._covariance: list[list[float]] = []
         self._refreshed_s = self._started_s = self._image_s = self._good_s = float("-inf")
         self._read_s = float("-inf")
         self._next_cycle = 0
@@ -176,17 +179,24 @@ class KalmanMethod:
         belief = self._belief if self._fast is None else self._present
         if belief is None or self._image_s - self._started_s < self._settled_s:
             return Estimate(delay)
+        if belief is not self._unpacked:  # plain floats, for the cycles until the next one
+            self._unpacked = belief
+            fast = slice(0, self._model.slow)
+            self._state, self._covariance = (
+                belief.state[fast].tolist(),
+                belief.covariance[fast, fast].tolist(),
+            )
         elapsed = max(0.0, time_s - belief.time_s)
+        state = self._state
         deflection = rate = bend = added = 0.0
-        row = np.zeros(self._model.size)
-        state = belief.state.tolist()
+        row: list[float] = []
         for i, mode in enumerate(self._model.modes):
             qq, qv, vq, vv = mode.transition(elapsed)
             q, v = qq * state[2 * i] + qv * state[2 * i + 1], vq * state[2 * i] + vv * state[2 * i + 1]
             deflection, rate, bend = deflection + q, rate + v, bend + mode.angular_frequency**2 * q
-            row[2 * i], row[2 * i + 1] = qq, qv
+            row += (qq, qv)
             added += mode.scatter(elapsed).qq
-        variance = max(0.0, float(row @ belief.covariance @ row)) + added * self._density
+        variance = added * self._density + max(0.0, quadratic_form(self._covariance, row))
         misdated = delay.std_s * delay.std_s * (rate * rate + 0.75 * (bend * delay.std_s) ** 2)
         return Estimate(
             delay,
@@ -200,3 +210,14 @@ class KalmanMethod:
         """Held while neither the camera nor the fast sensor gives anything."""
         fast_s = float("-inf") if self._fast is None else self._fast.last_seen_s
         return Status.HELD if time_s - max(self._read_s, fast_s) > _STALE_S else Status.ESTIMATED
+
+
+def quadratic_form(matrix: list[list[float]], row: list[float]) -> float:
+    """row @ matrix @ row for a symmetric matrix, faster in plain floats than in numpy for a few numbers."""
+    total = 0.0
+    for i, (line, a) in enumerate(zip(matrix, row, strict=True)):
+        cross = 0.0
+        for j in range(i):
+            cross += line[j] * row[j]
+        total += a * (line[i] * a + 2.0 * cross)
+    return total

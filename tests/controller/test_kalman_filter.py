@@ -10,6 +10,7 @@ from scipy.linalg import expm
 
 from common.model import Mode
 from controller.kalman.belief import Belief, carried, corrected, corrected_by_batch, first_belief, seen_from
+from controller.kalman.kalman_method import quadratic_form
 from controller.kalman.mode_dynamics import ModeDynamics
 from controller.kalman.two_time_scales import Densities, TwoTimeScales
 
@@ -155,3 +156,13 @@ def test_a_surprise_is_left_out_once_and_then_a_blow() -> None:
     assert abs(struck.state[model.slow]) < 0.03 * 0.01
     assert struck.covariance[1, 1] > 100.0 * belief.covariance[1, 1]
     assert struck.covariance[4, 4] <= 1.001 * belief.covariance[4, 4]
+
+
+@given(seed=st.integers(0, 1000), size=st.integers(1, 8))
+@settings(max_examples=30, derandomize=True)
+def test_the_quadratic_form_is_numpys(seed: int, size: int) -> None:
+    """row @ matrix @ row."""
+    random = np.random.default_rng(seed)
+    half, row = random.standard_normal((size, size)), random.standard_normal(size)
+    matrix = half @ half.T
+    assert quadratic_form(matrix.tolist(), row.tolist()) == pytest.approx(float(row @ matrix @ row))
