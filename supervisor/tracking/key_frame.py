@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from supervisor.tracking.displacement import Matrix
 from supervisor.tracking.features import Points, spread_corners
 from supervisor.tracking.flow import inside
+from supervisor.tracking.interpolation_bias import interpolation_bias
 from supervisor.tracking.pose import Pose, pose_since, turned
 from supervisor.tracking.prepared_image import GreyImage, PreparedImage
 
@@ -32,7 +33,8 @@ RETURN_ROTATION_RAD = 0.025
 @dataclass(frozen=True, slots=True)
 class KeyFrame:
     """image: as prepared; points: its features, (n, 2) px; arms: the same about the image's centre; pose: since
-    the first frame; covariance: of the pose, (3, 3); serial: how many were taken before it.
+    the first frame; covariance: of the pose, (3, 3); serial: how many were taken before it; bias:
+    of interpolation_bias().
     """
 
     image: PreparedImage
@@ -41,6 +43,7 @@ class KeyFrame:
     pose: Pose
     covariance: Matrix
     serial: int
+    bias: tuple[float, float] = (0.0, 0.0)
 
     @property
     def variance(self) -> float:
@@ -75,11 +78,22 @@ class KeyFrame:
 
 
 def take_key_frame(
-    image: PreparedImage, pose: Pose, covariance: Matrix, serial: int, count: int, margin_px: int
+    image: PreparedImage,
+    pose: Pose,
+    covariance: Matrix,
+    serial: int,
+    count: int,
+    window_px: int,
+    smeared: bool,
 ) -> KeyFrame:
-    """A key frame of an image whose pose has been measured, with up to `count` fresh features."""
-    points = spread_corners(image.grey, count, margin_px)
-    return KeyFrame(image, points, points - np.array(centre(image.grey)), pose, covariance, serial)
+    """A key frame of an image whose pose has been measured, with up to `count` fresh features.
+
+    smeared: the image holds no texture fine enough for an interpolation bias, which is then not looked for.
+    """
+    points = spread_corners(image.grey, count, window_px // 2 + 1)
+    arms = points - np.array(centre(image.grey))
+    bias = (0.0, 0.0) if smeared else interpolation_bias(image.grey, points, window_px)
+    return KeyFrame(image, points, arms, pose, covariance, serial, bias)
 
 
 def centre(image: GreyImage) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from common.visual_sample import TrackingStatus
 from supervisor.tracking.displacement import Matrix
 from supervisor.tracking.features import Points
 from supervisor.tracking.flow import inside, median_motion, possible_levels, returned_points, tracked_points
+from supervisor.tracking.interpolation_bias import bias_variance
 from supervisor.tracking.key_frame import KeyFrame
 from supervisor.tracking.photometry import equalised, gain_and_offset
 from supervisor.tracking.pose import Pose, pose_since, total_pose
@@ -95,6 +96,9 @@ def measure(
     if fit is None:
         return without(TrackingStatus.INCONSISTENT)
     covariance = fit.covariance * shrink**2  # windows that overlap so much more do not err independently
+    if shrink == 1:
+        covariance[0, 0] += bias_variance(key.bias[0], fit.dx)
+        covariance[1, 1] += bias_variance(key.bias[1], fit.dy)
     allowed = max(MAX_SCALE * max(image.grey.shape), MAX_SCALE_SMALL_PX) * shrink
     std = hypot(*np.sqrt(np.diag(covariance)[:2]))
     pose = total_pose(key.pose, Pose(fit.dx, fit.dy, fit.rotation))

@@ -180,8 +180,9 @@ class FeatureTracker:
         return again
 
     def _new_key(self, current: PreparedImage, pose: Pose, covariance: Matrix) -> KeyFrame:
+        config, smeared = self._config, self._locator.is_smeared(current)
         return take_key_frame(
-            current, pose, covariance, self._serial, self._config.features, self._margin + 1
+            current, pose, covariance, self._serial, config.features, config.window_px, smeared
         )
 
     def _take_up(self, key: KeyFrame) -> None:

@@ -66,7 +66,7 @@ def best_lag(image, angles, t):
     """Correlation of the image's rate with that of the best combination of the axes, and the lag in s."""
     frames, best = np.arange(len(image) + 1) / RATE_HZ, (0.0, 0.0)
     good = np.isfinite(image)
-    for lag in np.arange(-0.8, 0.8, 0.005):
+    for lag in np.arange(-0.8, 0.8, 0.01):
         sensor = [np.diff(np.interp(frames + lag, t, angles[:, axis]))[good] for axis in range(3)]
         design = np.stack([*sensor, np.ones(good.sum())], axis=1)
         model = design @ np.linalg.lstsq(design, image[good], rcond=None)[0]
