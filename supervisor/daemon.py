@@ -19,6 +19,7 @@ from drivers.camera_factory import open_camera
 from supervisor.exchange import SupervisorExchange
 from supervisor.recorded_images import image_sample
 from supervisor.step import Supervisor
+from supervisor.tracking.tracker import warm_up
 
 _NICENESS = -5  # before whatever else this computer does
 _FRAME_TIMEOUT_S = 0.1  # then the controller is told that there is no image
@@ -32,6 +33,8 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     configuration = load_configuration(configuration_path)
     raise_priority(_NICENESS)
     cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
+    width, height = configuration.camera.width_px or 640, configuration.camera.height_px or 480
+    warm_up(configuration.supervisor.tracker, width, height)  # before the camera: no frame waits for it
     camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)
     recorder = None
     if record_images is not None:
