@@ -6,6 +6,7 @@ metres; a trial's noise is stated as a fraction of `amplitude_m`.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import ceil, cos, exp, hypot, inf, nan, pi, sin, sqrt
 
 import numpy as np
 
@@ -46,22 +47,77 @@ def model_for(amplitude_m: float, noise: float, vision: float = 0.01, **changes:
     """A model whose noise levels are those fractions of the amplitude (as deflection, of its first mode)."""
     modes = changes.pop("modes", None) or [Mode()]
     w = modes[0].angular_frequency  # type: ignore[index]
-    scale = float(changes.pop("scale_px_per_m", 800.0))  # type: ignore[arg-type]
     return Model(
         arm=Arm(length_m=2.0, modes=modes),  # type: ignore[arg-type]
         accelerometer=Accelerometer(noise_std_m_s2=noise * amplitude_m * w * w),
         camera=Camera(
-            noise_std_px=vision * amplitude_m * abs(scale),
-            scale_px_per_m=scale,
+            noise_std_px=vision * amplitude_m * 800.0,
             mode=changes.pop("mode", "freerun"),
         ),  # type: ignore[arg-type]
         timing=Timing(**changes),  # type: ignore[arg-type]
     )
 
 
+class RingingMode:
+    """One mode under a load held over each cycle, and what excites it."""
+
+    def __init__(
+        self, mode: Mode, share_m: float, excitation: str, rest_s: float, random: np.random.Generator
+    ) -> None:
+        self.mode, self.share, self.excitation, self.random = mode, share_m, excitation, random
+        self.q = self.v = self.static = 0.0
+        self.w = mode.angular_frequency
+        self.next_s, self.struck = rest_s, False
+        self.push_s, self.push = -1.0, 0.0
+
+    def force(self, t: float) -> float:
+        """Modal acceleration by what excites the mode, m/s^2; strikes jump the rate."""
+        w, q, v = self.w, self.q, self.v
+        if t >= self.next_s:
+            toward = -1.0 if v < 0.0 else 1.0
+            if not self.struck:
+                self.v += toward * w * 1.3 * self.share
+            elif self.excitation == "strikes":
+                self.v += toward * w * self.share * (0.5 + 0.2 * self.random.random())
+            else:
+                self.push_s, self.push = t, toward * w * self.share * 0.6
+            again = self.excitation in ("strikes", "pushes")
+            self.next_s = t + 3.0 + 1.5 * self.random.random() if again else inf
+            self.struck = True
+        force = 0.0
+        if self.excitation == "pushes" and self.push_s <= t < self.push_s + 0.15:
+            force = self.push * (pi / 0.3) * sin(pi * (t - self.push_s) / 0.15)
+        if self.excitation == "steady" and hypot(q, v) > 0.0:
+            force = 2.0 * self.mode.damping_ratio * w * v * (1.0 + 1.5 * cos(2 * pi * t / 6.0))
+        return force
+
+    def after(self, dt: float) -> tuple[float, float]:
+        """Deflection and rate dt later under the load of this cycle."""
+        w, zeta = self.w, self.mode.damping_ratio
+        wd = w * sqrt(1.0 - zeta * zeta)
+        e, c, s = exp(-zeta * w * dt), cos(wd * dt), sin(wd * dt)
+        r, v = self.q - self.static, self.v
+        return (
+            self.static + e * (r * (c + zeta * w / wd * s) + v * s / wd),
+            e * (v * (c - zeta * w / wd * s) - r * w * w / wd * s),
+        )
+
+
+def late_by(delay: str, count: int, period_s: float, random: np.random.Generator) -> Array:
+    """Capture delays, s: constant | drift (8 s, 6.4 ms) | white (6.4 ms), all 74 ms in the mean."""
+    if delay == "constant":
+        return np.full(count, 0.074)
+    steps = random.standard_normal(count)
+    if delay == "drift":
+        keep = exp(-period_s / 8.0)
+        for k in range(1, count):
+            steps[k] = keep * steps[k - 1] + sqrt(1.0 - keep * keep) * steps[k]
+    return 0.074 + 0.0064 * steps
+
+
 def ring(
     model: Model, seed: int, duration_s: float, *, amplitude_m: float = 0.006, excitation: str = "strikes",
-    delay: str = "constant", triggered: bool = False, stamped: bool = False, noise_factor: float = 1.0,
+    delay: str = "constant", triggered: bool = False, stamped: bool = False,
     frequency: Callable[[float], float] = lambda t: 1.0, scale_factor: Callable[[float], float] = lambda t: 1.0,
     lost: float = 0.0, command: Callable[[float], float] = lambda t: 0.0, offset_px: float = 20.0, rest_s: float = 0.0,
     bias_m_s2: float = 0.1,
@@ -69,98 +125,51 @@ def ring(
     """Draw one trial. excitation: strikes | pushes (smooth, 0.15 s) | steady (amplitude swings smoothly) | once."""
     random = np.random.default_rng(seed)
     n = int(duration_s / CYCLE_S)
-    length, camera = model.arm.length_m, model.camera
+    length, period = model.arm.length_m, 1.0 / model.camera.frame_rate_hz
     assert length is not None
-    times = np.arange(n) * CYCLE_S
-    commands = np.array([command(t) for t in times])
+    commands = np.array([command(k * CYCLE_S) for k in range(n)])
     joint = JointMotionReference(model, commands)
-    period = 1.0 / camera.frame_rate_hz
     count = int(duration_s / period) - 1
-    base = 0.003 + period * random.random() + np.arange(count) * period * (1.0 + 1e-4 * random.uniform(-1, 1))
-    mid = base + (0.005 * random.uniform(-1.0, 1.0, count) if triggered else 0.0)
-    mean, spread = 0.074, 0.0064
-    if delay == "constant":
-        delays = np.full(count, mean)
-    elif delay == "drift":
-        keep = np.exp(-period / 8.0)
-        walk, state = np.empty(count), random.standard_normal()
-        for k in range(count):
-            walk[k] = state
-            state = keep * state + np.sqrt(1 - keep**2) * random.standard_normal()
-        delays = mean + spread * walk
-    else:
-        delays = mean + spread * random.standard_normal(count)
-    arrival = np.maximum.accumulate(mid + delays)
-    modes = model.arm.modes
-    tip_q = np.zeros(n)
-    tip_a = np.zeros(n)
+    mid = 0.003 + period * random.random() + np.arange(count) * period * (1.0 + 1e-4 * random.uniform(-1, 1))
+    if triggered:
+        mid += 0.005 * random.uniform(-1.0, 1.0, count)
+    arrival = np.maximum.accumulate(mid + late_by(delay, count, period, random))
+    deflection, envelope, acceleration = np.zeros(n), np.zeros(n), length * joint.acceleration + bias_m_s2
     seen = np.zeros(count)
-    envelope = np.zeros(n)
-    for index, mode in enumerate(modes):
-        share = amplitude_m * (1.0 if index == 0 else 0.15)
-        q, v = 0.0, 0.0
-        next_strike = rest_s
-        frame = 0
-        kick_until, kick, phase = -1.0, 0.0, 0.0
+    for index, mode in enumerate(model.arm.modes):
+        ringing = RingingMode(mode, amplitude_m * (0.15 if index else 1.0), excitation, rest_s, random)
+        lever, frame = mode.participation * length, 0
         for k in range(n):
-            t = times[k]
-            w = mode.angular_frequency * (frequency(t) if index == 0 else 1.0)
-            zeta = mode.damping_ratio
-            amplitude = np.hypot(q, v / w)
-            force = 0.0
-            if t >= next_strike:
-                first = next_strike == rest_s
-                if excitation == "strikes" or first:
-                    size = 1.3 * share if first else share * (0.5 + 0.2 * random.random())
-                    v += np.sign(v if v else 1.0) * w * size
-                elif excitation == "pushes":
-                    kick_until, kick = t + 0.15, np.sign(v) * w * share * 0.6
-                    phase = t
-                next_strike = t + (1e9 if excitation in ("once", "steady") else 3.0 + 1.5 * random.random())
-            if t < kick_until:
-                force = kick * (np.pi / 0.3) * np.sin(np.pi * (t - phase) / 0.15)
-            if excitation == "steady" and amplitude > 0:
-                force = 2.0 * zeta * w * v * (1.0 + 1.5 * np.cos(2 * np.pi * t / 6.0))
-            load = -mode.participation * length * joint.mean_acceleration[k] + force
-            tip_q[k] += q
-            envelope[k] += amplitude
-            instant = load - mode.participation * length * (
-                joint.acceleration[k] - joint.mean_acceleration[k]
+            t = k * CYCLE_S
+            ringing.w = mode.angular_frequency * (1.0 if index else frequency(t))
+            force = ringing.force(t)
+            w, q, v = ringing.w, ringing.q, ringing.v
+            ringing.static = (force - lever * joint.mean_acceleration[k]) / (w * w)
+            deflection[k] += q
+            envelope[k] += hypot(q, v / w)
+            acceleration[k] += (
+                force - lever * joint.acceleration[k] - w * w * q - 2 * mode.damping_ratio * w * v
             )
-            tip_a[k] += -w * w * q - 2 * zeta * w * v + instant
-            wd = w * np.sqrt(1 - zeta * zeta)
-            static = load / w**2
-
-            def moved(dt: float, q=q, v=v, w=w, wd=wd, zeta=zeta, static=static) -> tuple[float, float]:  # type: ignore[no-untyped-def]
-                e, c, s = np.exp(-zeta * w * dt), np.cos(wd * dt), np.sin(wd * dt)
-                r = q - static
-                return (
-                    static + e * (r * (c + zeta * w / wd * s) + v * s / wd),
-                    e * (v * (c - zeta * w / wd * s) - r * w * w / wd * s),
-                )
-
             while frame < count and mid[frame] < t + CYCLE_S:
-                seen[frame] += moved(mid[frame] - t)[0] if mid[frame] >= t else q
+                seen[frame] += ringing.after(mid[frame] - t)[0]
                 frame += 1
-            q, v = moved(CYCLE_S)
-    acceleration = model.accelerometer.scale * (length * joint.acceleration + tip_a) + bias_m_s2
-    acceleration += noise_factor * model.accelerometer.noise_std_m_s2 * random.standard_normal(n)
-    theta = np.interp(mid, times, joint.position)
+            ringing.q, ringing.v = ringing.after(CYCLE_S)
+    noise = model.accelerometer.noise_std_m_s2 * random.standard_normal(n)
+    tip = length * np.interp(mid, np.arange(n) * CYCLE_S, joint.position) + seen
+    tip *= [scale_factor(t) for t in mid]
+    camera = model.camera
+    pixels = offset_px - camera.scale_px_per_m * tip + camera.noise_std_px * random.standard_normal(count)
+    stamps = 1234.5 + mid * (1.0 + 2e-4 * random.uniform(-1, 1))
     samples: dict[int, list[VisualSample]] = {}
     truth: dict[int, float] = {}
-    skew = 1.0 + 2e-4 * random.uniform(-1, 1)
-    for k in range(count):
-        if random.random() < lost:
-            continue
-        cycle = int(np.ceil(arrival[k] / CYCLE_S))
-        tip = scale_factor(mid[k]) * (length * theta[k] + seen[k])
-        pixels = -camera.scale_px_per_m * tip + offset_px + camera.noise_std_px * random.standard_normal()
-        stamp = 1234.5 + skew * mid[k] if stamped else float("nan")
-        samples.setdefault(cycle, []).append(
-            VisualSample(k, max(0, cycle - 80), 0, float(pixels), captured_s=stamp)
-        )
+    for k in np.flatnonzero(random.random(count) >= lost).tolist():
+        cycle = ceil(arrival[k] / CYCLE_S)
+        stamp = float(stamps[k]) if stamped else nan
+        samples.setdefault(cycle, []).append(VisualSample(k, 0, 0, float(pixels[k]), captured_s=stamp))
         truth[cycle] = cycle * CYCLE_S - mid[k]
-    return Ringing(tip_q, envelope, acceleration, samples, truth, commands)
+    return Ringing(
+        deflection, envelope, model.accelerometer.scale * acceleration + noise, samples, truth, commands
+    )
 
 
 class JointMotionReference:
