@@ -239,7 +239,7 @@ def _with_files_beside(configuration: Configuration, folder: Path) -> Configurat
         controller = replace(controller, schedule=str(folder / controller.schedule))
     if rig.scenario.endswith(".toml"):
         rig = replace(rig, scenario=str(folder / rig.scenario))
-    if camera.driver == "file":
+    if camera.driver == "file" and camera.device:
         camera = replace(camera, device=str(folder / Path(camera.device).expanduser()))
     return replace(configuration, link=link, controller=controller, rig=rig, camera=camera)
 
@@ -256,5 +256,9 @@ def load_assumed_model(configuration: Configuration, path: str | Path) -> Model:
 
 def load_true_model(configuration: Configuration, path: str | Path) -> Model:
     """The model that the simulated rig obeys."""
-    name = configuration.rig.model or configuration.model
-    return load_model(Path(path).parent / name)
+    return load_model(true_model_path(configuration, path))
+
+
+def true_model_path(configuration: Configuration, path: str | Path) -> Path:
+    """That model's file, relative to the configuration file at `path`."""
+    return Path(path).parent / (configuration.rig.model or configuration.model)

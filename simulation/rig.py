@@ -8,6 +8,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection
@@ -16,9 +17,9 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from common.configuration import Configuration, Rig, load_configuration, load_true_model
+from common.configuration import Configuration, Rig, load_configuration, load_true_model, true_model_path
 from common.link_key import load_key
-from common.model import Model
+from common.model import Model, length_of
 from common.priority import raise_priority, run_fifo
 from common.recording.header import live_header
 from common.recording.recorder_client import RecorderClient
@@ -33,6 +34,7 @@ from drivers.emulation.lis3lv02dq_registers import Lis3lv02dqRegisters, sensed_a
 from simulation.accelerometer_signal import AccelerometerSignal
 from simulation.camera_process import pose_history_name
 from simulation.camera_process import run as run_camera
+from simulation.camera_timing import AFTER_DELIVERY_S, CameraTiming
 from simulation.disturbance import Disturbance
 from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
@@ -55,6 +57,9 @@ def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, 
         )
         configuration = msgspec.structs.replace(configuration, rig=rig)
     model = load_true_model(configuration, configuration_path)
+    length_of(model, str(true_model_path(configuration, configuration_path)))
+    # What the camera's process would refuse, while there is one to say so.
+    CameraTiming(model.camera, model.timing, rig, rig.seed, origin_s=0.0, after_delivery_s=AFTER_DELIVERY_S)
     raise_priority(_NICENESS)
     stop = StopSignal()
     recorder = None
@@ -104,12 +109,16 @@ class _PlantProcess:
         )
         self._strikes = sorted(scenario.strikes, key=lambda strike: strike.time_s)
         self._axis = configuration.accelerometer.axis
-        self._registers = Lis3lv02dqRegisters(bus.removeprefix(_BUS_PREFIX))
-        self._poses = PoseHistory(pose_history_name(configuration), create=True)
         drive = configuration.drive
-        gateway = DriveGateway(load_key(configuration.link))
-        self._gateway = gateway
-        self._socket = DriveGatewaySocket(gateway, (drive.gateway_host, drive.gateway_port))
+        self._gateway = DriveGateway(load_key(configuration.link))
+        with contextlib.ExitStack() as undo:
+            # The port first: where it is another rig's, so is the shared memory, which is not to be replaced.
+            self._socket = DriveGatewaySocket(self._gateway, (drive.gateway_host, drive.gateway_port))
+            undo.callback(self._socket.close)
+            self._registers = Lis3lv02dqRegisters(bus.removeprefix(_BUS_PREFIX))
+            undo.callback(self._registers.close)
+            self._poses = PoseHistory(pose_history_name(configuration), create=True)
+            undo.pop_all()
         self._first_command_s: float | None = None
 
     def run(
@@ -198,4 +207,8 @@ def _camera_main(configuration: Configuration, model: Model, seed: int, frames: 
     def finished() -> bool:
         return stop.is_set() or os.getppid() != plant
 
-    run_camera(configuration, model, seed, finished, report)
+    try:
+        run_camera(configuration, model, seed, finished, report)
+    except UserError as error:
+        print(f"stillarm rig: {error}", file=sys.stderr, flush=True)
+        sys.exit(1)

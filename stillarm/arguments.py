@@ -1,6 +1,7 @@
 """Kinds of arguments that several commands take; each refuses in one line."""
 
 import argparse
+from math import isfinite, nan
 
 LARGEST_SEED = 2**63 - 1
 
@@ -13,4 +14,15 @@ def seed(text: str) -> int:
         value = -1
     if not 0 <= value <= LARGEST_SEED:
         raise argparse.ArgumentTypeError(f"{text}: a whole number from 0 to {LARGEST_SEED} is needed")
+    return value
+
+
+def seconds(text: str) -> float:
+    """A length of time above zero."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = nan
+    if not (isfinite(value) and value > 0.0):
+        raise argparse.ArgumentTypeError(f"{text}: a number of seconds above 0 is needed")
     return value

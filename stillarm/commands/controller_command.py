@@ -4,6 +4,8 @@ import argparse
 import os
 from pathlib import Path
 
+from stillarm.arguments import seconds
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -11,7 +13,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, required=True, metavar="FILE", help="configuration file (TOML)"
     )
     parser.add_argument("--record", type=Path, metavar="REC", help="write a recording (MCAP) to this file")
-    parser.add_argument("--duration-s", type=float, metavar="S", help="stop by itself after so many seconds")
+    parser.add_argument(
+        "--duration-s", type=seconds, metavar="S", help="stop by itself after so many seconds"
+    )
     parser.add_argument(
         "--allow-non-realtime", action="store_true", help="run without the privileges that keep the deadlines"
     )

@@ -11,6 +11,15 @@ import pytest
 
 from stillarm.main import COMMANDS, main
 
+RIG = """
+model = "model.toml"
+[accelerometer]
+bus = "memory:test-command-i2c"
+[camera]
+driver = "shared_memory"
+device = "test-command-camera"
+"""
+
 
 @pytest.mark.parametrize("command", sorted(COMMANDS))
 def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -81,6 +90,44 @@ def test_a_seed_that_no_generator_takes_is_one_line(
         main([command, "--seed", seed])
     assert stop.value.code == 2
     assert f"{seed}: a whole number from 0 to 9223372036854775807" in one_line(capsys)
+
+
+@pytest.mark.parametrize("duration", ["nan", "inf", "-1", "0", "x"])
+def test_a_duration_that_is_none_is_one_line(duration: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["controller", "--config", "rig.toml", "--duration-s", duration])
+    assert stop.value.code == 2
+    assert f"{duration}: a number of seconds above 0" in one_line(capsys)
+
+
+@pytest.mark.parametrize(
+    ("command", "content", "says"),
+    [
+        ("supervisor", '[camera]\ndevice = "7654"\n', "camera.device = '7654'"),
+        ("supervisor", '[camera]\ndriver = "file"\ndevice = "noise.avi"\n', "noise.avi"),
+        ("rig", RIG, "model.toml: arm.length_m"),
+        ("rig", RIG.replace("model.toml", "quick.toml"), "timing.capture_delay_s = 0.0"),
+        (
+            "rig",
+            'model = "slow.toml"\n[accelerometer]\nbus = "memory:test-command-i2c"\n',
+            "camera.driver = 'opencv'",
+        ),
+    ],
+)
+def test_a_daemon_that_cannot_start_says_why_in_one_line(
+    command: str, content: str, says: str, tmp_path: Path
+) -> None:
+    """Nothing of what libraries warn of beside it, and no second line of a second process."""
+    (tmp_path / "noise.avi").write_bytes(bytes(range(256)) * 40)
+    (tmp_path / "model.toml").touch()
+    (tmp_path / "quick.toml").write_text("[arm]\nlength_m = 2.0\n[timing]\ncapture_delay_s = 0.0\n")
+    (tmp_path / "slow.toml").write_text("[arm]\nlength_m = 2.0\n")
+    path = tmp_path / "rig.toml"
+    path.write_text(content)
+    words = [sys.executable, "-m", "stillarm", command, "--config", str(path)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1 and says in done.stderr, done.stderr
 
 
 def test_a_replay_spares_the_measured_frames(

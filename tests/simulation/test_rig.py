@@ -1,0 +1,62 @@
+"""The rig's process where it cannot start: nothing of another rig's is touched, nothing is left behind."""
+
+import socket
+from pathlib import Path
+
+import pytest
+
+from common.shared_memory import SharedBlock, block_path
+from common.user_error import UserError
+from simulation import rig
+
+_NAMES = ("test-rig-i2c", "test-rig-camera-pose")
+
+
+@pytest.fixture
+def configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A rig of its own; the test's process keeps its place in the scheduler's queue and its signals."""
+    monkeypatch.setattr(rig, "raise_priority", lambda niceness: None)
+    monkeypatch.setattr(rig, "StopSignal", lambda: None)
+    (tmp_path / "model.toml").write_text("[arm]\nlength_m = 2.0\n")
+    path = tmp_path / "rig.toml"
+    path.write_text(
+        '[accelerometer]\nbus = "memory:test-rig-i2c"\n'
+        '[camera]\ndriver = "shared_memory"\ndevice = "test-rig-camera"\n[drive]\ngateway_port = PORT\n'
+    )
+    return path
+
+
+def test_a_second_rig_leaves_the_first_one_s_memory_alone(configuration: Path) -> None:
+    """The port tells that another rig runs; the arm that the controller feels must not vanish."""
+    first = [SharedBlock(name, 64, create=True) for name in _NAMES]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as held:
+        held.bind(("127.0.0.1", 0))
+        port = held.getsockname()[1]
+        configuration.write_text(configuration.read_text().replace("PORT", str(port)))
+        try:
+            with pytest.raises(UserError, match=f"drive.gateway_port: cannot listen on 127.0.0.1:{port}"):
+                rig.run(configuration, None, seed=None, scenario=None)
+            assert [block.replaced() for block in first] == [False, False]
+        finally:
+            for block in first:
+                block.close()
+
+
+def test_what_a_rig_made_before_it_failed_is_removed(
+    configuration: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No memory for the second block: the first is given back, and the port."""
+
+    def none_left(name: str, *, create: bool) -> None:
+        raise UserError("no memory")
+
+    monkeypatch.setattr(rig, "PoseHistory", none_left)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    configuration.write_text(configuration.read_text().replace("PORT", str(port)))
+    with pytest.raises(UserError, match="no memory"):
+        rig.run(configuration, None, seed=None, scenario=None)
+    assert not any(block_path(name).exists() for name in _NAMES)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", port))
