@@ -6,8 +6,8 @@ second is 2 v + q n T (the idea of the Allan variance: D. W. Allan, Proc. IEEE 5
 
 from collections import deque
 
-_LONG = 256  # frames
-_MEMORY = 300.0  # frames
+_MIDDLE, _LONG = 64, 256  # frames
+_MEMORY, _LONG_MEMORY = 300.0, 2500.0  # frames
 _SAFETY = 1.5  # the few independent differences of a drift make its walk uncertain
 
 
@@ -19,9 +19,9 @@ class ArrivalSpread:
         self._frame_s = frame_s
         self._least = cycle_s * cycle_s / 12.0  # arrivals are read once a cycle
         self._first = spread_s * spread_s
-        self._past: deque[float] = deque(maxlen=_LONG + 1)
-        self._short = self._long = 0.0
-        self._shorts = self._longs = 0
+        self._past: deque[float] = deque(maxlen=_LONG)
+        self._short = self._middle = self._long = 0.0
+        self._shorts = self._middles = self._longs = 0
 
     def restart(self) -> None:
         """The count of frames has changed: differences across it mean nothing."""
@@ -34,10 +34,14 @@ class ArrivalSpread:
             self._shorts += 1
             square = (difference_s - past[-1]) ** 2
             self._short += (square - self._short) / min(float(self._shorts), _MEMORY)
-        if len(past) == _LONG + 1:
+        if len(past) >= _MIDDLE:
+            self._middles += 1
+            square = (difference_s - past[-_MIDDLE]) ** 2
+            self._middle += (square - self._middle) / min(float(self._middles), _LONG_MEMORY)
+        if len(past) >= _LONG:
             self._longs += 1
-            square = (difference_s - past[1]) ** 2
-            self._long += (square - self._long) / min(float(self._longs), _MEMORY)
+            square = (difference_s - past[-_LONG]) ** 2
+            self._long += (square - self._long) / min(float(self._longs), _LONG_MEMORY)
         past.append(difference_s)
 
     @property
@@ -50,4 +54,6 @@ class ArrivalSpread:
         """Growth of the variance of what lasts, s^2/s."""
         if self._longs < 64:
             return self._first
-        return max(_SAFETY * (self._long - self._short) / (_LONG * self._frame_s), 1e-10)
+        middle = (self._middle - self._short) / (_MIDDLE * self._frame_s)
+        long = (self._long - self._short) / (_LONG * self._frame_s)
+        return max(_SAFETY * middle, _SAFETY * long, 1e-10)

@@ -68,5 +68,7 @@ class BlowDetector:
         self.suspicion = float(evidence[best])
         if self.suspicion < self._significant:
             return None
-        sizes_m = np.sqrt(sizes[best] ** 2 + covariance[best].diagonal())
+        odds = np.exp(0.5 * (evidence - self.suspicion))  # the onset is uncertain, and with it the size
+        power = sizes**2 + np.diagonal(covariance, axis1=1, axis2=2)
+        sizes_m = np.sqrt(odds @ power / odds.sum())
         return Blow(_BLOCKS - best, tuple(sizes_m.tolist()))
