@@ -33,6 +33,8 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     configuration = load_configuration(configuration_path)
     raise_priority(_NICENESS)
     cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
+    # What OpenCV warns of, the camera's driver says in one line, with the remedy.
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
     width, height = configuration.camera.width_px or 640, configuration.camera.height_px or 480
     warm_up(configuration.supervisor.tracker, width, height)  # before the camera: no frame waits for it
     camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)

@@ -63,6 +63,9 @@ def run(arguments: argparse.Namespace) -> int:
     _spare_bundle(arguments.out)
     if recording.counts.get("/images") and not recording.counts.get("/fast"):
         return _replay_images(recording)
+    if recording.cut or recording.damaged:
+        end = "its end is missing" if recording.cut else "it is complete"
+        print(f"{arguments.recording}: {end}; {recording.damaged} damaged stretches are left out")
     recorded = read_run(recording)
     if not recorded.fast:
         raise UserError(

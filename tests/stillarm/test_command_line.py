@@ -143,6 +143,23 @@ def test_a_replay_spares_the_measured_frames(
     assert (tmp_path / "frames.csv").read_text() == "frame,received_s\n1,0.0\n"
 
 
+def test_a_replay_tells_that_its_recording_was_cut(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Else whatever is missing would look like a fault of the replay."""
+    (tmp_path / "model.toml").write_text("[arm]\nlength_m = 2.0\n")
+    (tmp_path / "fast.csv").write_text("time_s\n" + "".join(f"{n / 1000}\n" for n in range(2000)))
+    whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
+    assert main(["import", str(tmp_path), "-o", str(whole)]) == 0
+    content = whole.read_bytes()
+    cut.write_bytes(content[: len(content) // 2])
+    capsys.readouterr()
+    assert main(["replay", str(whole), "--out", str(tmp_path / "a")]) == 0
+    assert "missing" not in capsys.readouterr().out
+    assert main(["replay", str(cut), "--out", str(tmp_path / "b")]) == 0
+    assert "its end is missing" in capsys.readouterr().out
+
+
 def test_what_the_operating_system_refuses_is_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
