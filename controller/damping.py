@@ -114,5 +114,8 @@ class JointDamping:
             both = self._composite.velocity_rad_s(estimate, away)
         else:
             both = self._gain * predicted + away / settings.return_time_s
+        if not isfinite(both):
+            self._weight = 0.0
+            return 0.0, DampingStatus.NO_PREDICTION
         wanted = both * self._weight * fresh
         return min(max(wanted, -settings.max_velocity_rad_s), settings.max_velocity_rad_s), status

@@ -109,6 +109,9 @@ class SineRegression:
         decay = np.exp(-self._zeta_w * t)
         c, s = decay * np.cos(self._wd * t), decay * np.sin(self._wd * t)
         cc, ss, cs = float(c @ c), float(s @ s), float(c @ s)
+        if len(t) < _FEW:
+            ridge = self._ridge(float(np.max(np.abs(values))))
+            cc, ss = cc + ridge, ss + ridge
         determinant = max(cc * ss - cs * cs, 1e-9 * cc * cc)
         cy, sy = float(c @ values), float(s @ values)
         self._a = (ss * cy - cs * sy) / determinant
@@ -121,6 +124,14 @@ class SineRegression:
         self._covariance = (ss * variance, cc * variance, -cs * variance)
         self.ready = True
         return None
+
+    def _ridge(self, largest_m: float) -> float:
+        """A prior on a and b, for windows so short that samples dated almost alike would leave their slope open.
+
+        Noise of a sample over the variance of an amplitude some 1.5 times the largest value seen.
+        """
+        noise = self._noise**2 + 0.5 * (self._w * self._dating * largest_m) ** 2
+        return noise / max((1.5 * largest_m) ** 2, self._noise**2, 1e-30)
 
     def _take(self, fit: ExactFit) -> None:
         self._a, self._b, self._covariance = fit.a, fit.b, fit.covariance

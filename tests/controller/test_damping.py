@@ -4,7 +4,7 @@ from math import exp, nan, pi
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from common.configuration import Controller as Settings
@@ -106,6 +106,7 @@ def test_a_silent_drive_and_a_lost_permission_stop_the_damping() -> None:
     deflection=st.one_of(st.floats(), st.just(nan)), rate=st.floats(), joint=st.floats(), age=st.floats(),
     time_s=st.floats(0.0, 1e6),
 )  # fmt: skip
+@example(deflection=0.0, rate=0.0, joint=nan, age=0.0, time_s=0.0)
 @settings(max_examples=200)
 def test_the_damping_part_is_always_finite_and_bounded(
     deflection: float, rate: float, joint: float, age: float, time_s: float
@@ -116,6 +117,7 @@ def test_the_damping_part_is_always_finite_and_bounded(
         DelayEstimate(0.07, 0.001, Status.ESTIMATED), deflection, rate, 1e-4, Status.ESTIMATED
     )
     damping.see_sample(time_s)
+    damping.follow_reference(0.0, 0.0, 1)
     for _ in range(3):
         velocity, _ = damping.velocity_rad_s(estimate, time_s, True, joint, age)
         assert abs(velocity) <= Damping().max_velocity_rad_s

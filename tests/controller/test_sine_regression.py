@@ -104,3 +104,15 @@ def test_the_offset_survives_a_long_silence() -> None:
     for k in range(100):
         found.add(1e5 + k / 65, 0.3)
     assert found.offset_m == pytest.approx(0.3, abs=1e-3)
+
+
+@given(
+    times=st.lists(st.floats(0.0, 0.004), min_size=3, max_size=5),
+    errors=st.lists(st.floats(-0.05, 0.05), min_size=5, max_size=5),
+)
+def test_samples_dated_almost_alike_do_not_make_it_explode(times: list[float], errors: list[float]) -> None:
+    """Three to five frames within 4 ms, each 5 % of A off: 74 ms ahead the fit stays within some amplitudes."""
+    regression = SineRegression(MODE, 20, 5e-5, 0.0064)
+    for t, error in zip(times, errors, strict=False):
+        regression.add(t, vibration(t) + error * A, 0.0, 0.25)
+    assert abs(regression.predict(times[-1] + 0.074).deflection_m) < 3.0 * A
