@@ -6,6 +6,10 @@ from typing import Any
 
 from stillarm.arguments import seed
 
+_LOST_SHARE = (
+    0.1  # of the frames; more than that, and the run shows the computer's load rather than the method
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -53,6 +57,10 @@ def print_table(summary: dict[str, Any]) -> None:
         f"{summary['frames']} frames, {summary['frames_lost']} lost; "
         f"replay {'identical' if summary['replay_identical'] else 'DIFFERENT'}"
     )
+    if summary["frames_lost"] > _LOST_SHARE * (summary["frames"] + summary["frames_lost"]):
+        print(
+            "This computer was too busy for the camera's images: the figures say little; close what else runs"
+        )
 
 
 def _number(value: float | None, digits: int, factor: float = 1.0) -> str:

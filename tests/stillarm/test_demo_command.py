@@ -1,0 +1,28 @@
+"""The demo's words about its result."""
+
+from typing import Any
+
+import pytest
+
+from stillarm.commands.demo_command import print_table
+
+
+def summary(frames: int, lost: int) -> dict[str, Any]:
+    damping = {
+        key: 1.0
+        for key in (
+            *("settling_time_free_s", "settling_time_damped_s", "settling_time_free_fitted_s"),
+            *("damping_ratio_free", "damping_ratio_damped"),
+        )
+    }
+    counts = {"cycles": 12000, "deadline_misses": 0, "frames": frames, "frames_lost": lost}
+    return {**counts, "damping": damping, "methods": {}, "replay_identical": True}
+
+
+@pytest.mark.parametrize(("frames", "lost", "told"), [(780, 0, False), (720, 60, False), (89, 615, True)])
+def test_a_computer_that_could_not_keep_up_is_told_of(
+    frames: int, lost: int, told: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A run that lost most of its images must not pass for what the method can do."""
+    print_table(summary(frames, lost))
+    assert ("too busy" in capsys.readouterr().out) == told
