@@ -8,13 +8,8 @@ from stillarm.commands.demo_command import print_table
 
 
 def summary(frames: int, lost: int) -> dict[str, Any]:
-    damping = {
-        key: 1.0
-        for key in (
-            *("settling_time_free_s", "settling_time_damped_s", "settling_time_free_fitted_s"),
-            *("damping_ratio_free", "damping_ratio_damped"),
-        )
-    }
+    times = ("settling_time_free_s", "settling_time_damped_s", "settling_time_free_fitted_s")
+    damping = dict.fromkeys((*times, "damping_ratio_free", "damping_ratio_damped"), 1.0)
     counts = {"cycles": 12000, "deadline_misses": 0, "frames": frames, "frames_lost": lost}
     return {**counts, "damping": damping, "methods": {}, "replay_identical": True}
 
