@@ -5,6 +5,8 @@ from math import nan
 
 import msgspec
 
+FARTHEST_PX = 1e6
+
 
 class TrackingStatus(IntEnum):
     """Why a frame gave a measurement, or none. Only MEASURED carries numbers to be used."""
@@ -49,5 +51,5 @@ class VisualSample(msgspec.Struct, frozen=True, gc=False):
 
     @property
     def measured(self) -> bool:
-        """Whether the displacement may be used."""
-        return self.status == TrackingStatus.MEASURED
+        """Whether the displacement may be used: measured, and within what any scene can move."""
+        return self.status == TrackingStatus.MEASURED and abs(self.displacement_x_px) < FARTHEST_PX

@@ -25,9 +25,14 @@ class DriveModel:
         self.position_rad = position_rad
         self.velocity_rad_s = 0.0
         self.acceleration_rad_s2 = 0.0
+        self.mean_acceleration_rad_s2 = 0.0
 
     def advance(self, command_rad_s: float) -> None:
-        """Move on by one cycle during which `command_rad_s` is sent."""
+        """Move on by one cycle during which `command_rad_s` is sent.
+
+        acceleration_rad_s2 is then that at the cycle's end; mean_acceleration_rad_s2 its mean over the cycle, which is
+        larger while the command ramps: theta'' jumps up with each step of the command and decays until the next.
+        """
         drive, waiting, cycle_s = self._drive, self._waiting, self._cycle_s
         top = drive.max_velocity_rad_s
         waiting.appendleft(-top if command_rad_s < -top else top if command_rad_s > top else command_rad_s)
@@ -37,6 +42,7 @@ class DriveModel:
         if not -most <= change <= most:
             change = most if change > 0.0 else -most
         self.velocity_rad_s = before + change
+        self.mean_acceleration_rad_s2 = change / cycle_s
         self.position_rad += cycle_s * (before + 0.5 * change)
         if not drive.min_position_rad <= self.position_rad <= drive.max_position_rad:
             self._stop_at_the_end()

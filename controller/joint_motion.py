@@ -36,6 +36,11 @@ class JointMotion:
         return self._drive.acceleration_rad_s2
 
     @property
+    def mean_acceleration_rad_s2(self) -> float:
+        """Mean of theta'' over the last cycle: what has bent the arm."""
+        return self._drive.mean_acceleration_rad_s2
+
+    @property
     def position_rad(self) -> float:
         """theta now: reported where there is a report, else from the drive model."""
         return self._drive.position_rad
@@ -57,7 +62,7 @@ class JointMotion:
             self._cycle = cycle - 1
         for _ in range(min(cycle - self._cycle, 100_000)):
             self._drive.advance(self._command)
-            self._response.advance(self._drive.acceleration_rad_s2)
+            self._response.advance(self._drive.mean_acceleration_rad_s2)
         self._cycle = cycle
         if isfinite(reported_position_rad):
             self._drive.position_rad = reported_position_rad

@@ -90,31 +90,46 @@ def visual_sample(frame: FrameSample) -> VisualSample:
 class RecordedCycle(NamedTuple):
     """One recorded cycle: what the step read, the command that was given, and the rows that it came from.
 
-    command_rad_s: NaN where none was recorded. time_s: as recorded, which an import may not have on the cycle's grid.
+    command_rad_s: NaN where none was recorded. row: None for a cycle of which only frames are recorded. Times in the
+    rows are as recorded, which an import may not have on the cycle's grid.
     """
 
     read: CycleInput
     command_rad_s: float
-    time_s: float
+    row: FastSample | None
     frames: list[FrameSample]
 
 
 def recorded_cycles(fast: Iterable[FastSample], frames: Iterable[FrameSample]) -> Iterator[RecordedCycle]:
     """The recorded cycles as the step saw them.
 
-    A frame that a recording holds at a cycle without a row of its own (rows may be missing in an import) is read in
-    the next cycle that has one. Of two rows in one cycle, or after a clock that stepped back, the first counts.
+    A frame whose cycle has no row (an import at a lower rate; a row that was lost) is read in that cycle, without the
+    other measurements. Of two rows in one cycle, or after a clock that stepped back, the first counts.
     """
     waiting = deque(sorted(frames, key=lambda frame: frame.cycle))
     last = None
+    command = nan
     for row in fast:
         if last is not None and row.cycle <= last:
             continue
-        last = row.cycle
-        seen = []
-        while waiting and waiting[0].cycle <= row.cycle:
-            seen.append(waiting.popleft())
-        yield RecordedCycle(_cycle_input(row, seen), row.joint_velocity_command_rad_s, row.time_s, seen)
+        while waiting and waiting[0].cycle < row.cycle and last is not None:
+            seen = _frames_of(waiting, waiting[0].cycle)
+            yield RecordedCycle(_frames_alone(seen), command, None, seen)
+        last, command = row.cycle, row.joint_velocity_command_rad_s
+        seen = _frames_of(waiting, row.cycle)
+        yield RecordedCycle(_cycle_input(row, seen), command, row, seen)
+
+
+def _frames_of(waiting: deque[FrameSample], up_to_cycle: int) -> list[FrameSample]:
+    """Take the frames up to a cycle off the queue."""
+    seen = []
+    while waiting and waiting[0].cycle <= up_to_cycle:
+        seen.append(waiting.popleft())
+    return seen
+
+
+def _frames_alone(frames: list[FrameSample]) -> CycleInput:
+    return CycleInput(frames[0].cycle, samples=[visual_sample(frame) for frame in frames])
 
 
 def _cycle_input(row: FastSample, frames: list[FrameSample]) -> CycleInput:

@@ -92,8 +92,9 @@ def replay_method(
             Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
         )
         joint.send(cycle.command_rad_s)
-        result.times_s.append(cycle.time_s)
-        result.estimates.append(estimate)
+        if cycle.row is not None:
+            result.times_s.append(cycle.row.time_s)
+            result.estimates.append(estimate)
         result.frames.extend((frame.frame, frame.received_s, estimate) for frame in cycle.frames)
         if count % _REPORT_EVERY == 0:
             progress(count / max(1, len(run.fast)))
@@ -105,13 +106,13 @@ def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = No
     controller = Controller(run.model, settings or run.configuration.controller, f"{run.name} (model)")
     comparison = LiveComparison()
     recorded = {estimate.cycle: estimate for estimate in run.estimates}
-    commands = {row.cycle: row for row in run.fast}
-    for read, *_ in run.cycles():
+    for read, _, row, _ in run.cycles():
         answered = controller.step(read)
+        if row is None:
+            continue
         comparison.cycles += 1
         wanted = recorded.get(read.cycle)
         found = estimate_sample(read.cycle, answered, run.cycle_s)
-        row = commands[read.cycle]
         pairs = list(_numbers(wanted, found)) if wanted is not None else []
         pairs += _numbers(row, fast_sample(read, answered, run.cycle_s))
         different = [

@@ -136,6 +136,16 @@ class FrameRingReader:
             self.lost += 1
         return None
 
+    @property
+    def waiting(self) -> int:
+        """How many frames there are to take; those already overwritten among them."""
+        return self._published() - self._next
+
+    def pass_over(self, frames: int) -> None:
+        """Leave the next frames out; they count as lost."""
+        self._next += frames
+        self.lost += frames
+
     def request(self, frames: int) -> None:
         """Ask for `frames` more exposures: what a triggered camera waits for."""
         self._block.words[_REQUESTED] += frames

@@ -9,6 +9,7 @@ from drivers.frame_ring import FrameRingReader
 
 _POLL_S = 0.0004
 _LOOK_FOR_RESTART_S = 0.1  # a look at the file system is dearer than one at the ring
+_TOO_FAR_BEHIND = 3  # frames: fewer than that come together by chance
 _ASK_AGAIN_S = 1.0  # a request that went unanswered for so long is lost
 
 
@@ -64,11 +65,11 @@ class SharedMemoryCamera:
             raise RuntimeError("read() before start()")
         deadline = self._clock() + timeout_s
         while True:
-            frame = self._ring.take() if self._ring is not None else None
+            frame, passed = self._take()
             now = self._clock()
             if frame is not None and self._ring is not None:
                 self._last_frame_s = now
-                self._ring.request(1)
+                self._ring.request(1 + passed)
                 return frame
             if now >= self._look_at_s:
                 self._look_at_s = now + _LOOK_FOR_RESTART_S
@@ -79,6 +80,16 @@ class SharedMemoryCamera:
             if now >= deadline:
                 return None
             self._sleep(min(_POLL_S, deadline - now))
+
+    def _take(self) -> tuple[Frame | None, int]:
+        """The next frame, and how many were passed over for it: who is behind works on what is newest."""
+        ring = self._ring
+        if ring is None:
+            return None, 0
+        behind = ring.waiting - 1
+        passed = behind if behind >= _TOO_FAR_BEHIND else 0
+        ring.pass_over(passed)
+        return ring.take(), passed
 
     def close(self) -> None:
         """Release the memory; may be called twice."""

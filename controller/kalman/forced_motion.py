@@ -30,7 +30,7 @@ class ForcedMotion:
             return
         elapsed = 1 if self._cycle is None else min(observation.cycle - self._cycle, 100_000)
         self._cycle = observation.cycle
-        acceleration = observation.joint.acceleration_rad_s2
+        acceleration = observation.joint.mean_acceleration_rad_s2
         for _, response, _ in self._further:
             for _ in range(elapsed):
                 response.advance(acceleration)

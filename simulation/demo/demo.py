@@ -21,7 +21,7 @@ from simulation.demo.scoring import damping_scores, method_scores
 from simulation.demo.set_up import LONGEST_S, SHORTEST_S, write_demo_configuration
 from simulation.demo.truth_file import read_truth
 
-METHODS = ("timestamps", "correlation")
+METHODS = ("timestamps", "correlation", "fused")
 _RIG_READY_WITHIN_S = 20.0
 _OVER_TIME_S = 30.0
 

@@ -16,7 +16,7 @@ from controller.replay import MethodRun, RecordedRun
 from controller.sine_method import SineMethod
 from simulation.demo.scoring import Truth, scored_span_s, struck_amplitude_m
 
-_COLOURS = {"timestamps": "#c44e52", "correlation": "#4c72b0"}
+_COLOURS = {"timestamps": "#c44e52", "correlation": "#4c72b0", "fused": "#55a868"}
 _TRUTH = "#333333"
 _STYLE: Any = {
     "axes.grid": True,

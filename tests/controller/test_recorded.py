@@ -14,18 +14,21 @@ def frame(cycle: int, number: int, received_s: float | None = None) -> FrameSamp
     return FrameSample(received, cycle, number, received, nan, -1, 0, displacement_px=float(number))
 
 
-def test_frames_are_read_once_in_order_and_in_the_next_row_where_theirs_is_missing() -> None:
-    """Rows 3 and 4 are missing; the frames are not in order; the last one comes after all rows."""
+def test_frames_are_read_once_in_order_each_in_its_own_cycle() -> None:
+    """Rows 3 and 4 are missing, as at a lower rate; the frames are not in order; the last one comes after all rows."""
     fast = [FastSample(cycle * 0.001, cycle) for cycle in (0, 1, 2, 5, 6)]
     frames = [frame(6, 3), frame(1, 0), frame(3, 1), frame(4, 2), frame(9, 4)]
     got = [(c.read.cycle, [s.frame for s in c.read.samples]) for c in recorded_cycles(fast, frames)]
-    assert got == [(0, []), (1, [0]), (2, []), (5, [1, 2]), (6, [3])]
+    assert got == [(0, []), (1, [0]), (2, []), (3, [1]), (4, [2]), (5, []), (6, [3])]
+    alone = [c for c in recorded_cycles(fast, frames) if c.row is None]
+    assert [c.read.cycle for c in alone] == [3, 4]
+    assert all(isnan(c.read.acceleration_m_s2) for c in alone)
 
 
 def test_times_stay_as_they_were_recorded() -> None:
     """Off the cycle's grid, for the tables that outside scripts join."""
     (cycle,) = recorded_cycles([FastSample(0.00123, 1)], [frame(1, 0, 0.00111)])
-    assert cycle.time_s == 0.00123
+    assert cycle.row is not None and cycle.row.time_s == 0.00123
     assert cycle.frames[0].received_s == 0.00111
 
 

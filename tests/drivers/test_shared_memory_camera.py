@@ -123,13 +123,15 @@ def test_losses_are_counted_across_restarts(name: str) -> None:
         _publish(first, counter)
     frame = camera.read(0.0)
     assert frame is not None
-    assert frame.counter == 6
-    assert camera.lost == 6
+    assert frame.counter == 9  # far behind: only the newest is worth its time
+    assert camera.lost == 9
+    for counter in range(10, 13):
+        _publish(first, counter)
     first.close()
     held = [camera.read(0.3) for _ in range(3)]  # what was handed over before is still good
-    assert [frame is not None for frame in held] == [True] * 3
+    assert [frame is not None and frame.counter for frame in held] == [10, 11, 12]
     assert camera.read(0.3) is None
-    assert camera.lost == 6
+    assert camera.lost == 9
     camera.close()
 
 
