@@ -161,7 +161,13 @@ def _delays(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:
         if f.frame in truth.mid_exposure_s
     ]
     axes.plot(
-        [t for t, _ in true], [1e3 * d for _, d in true], ".", color="#8c8c8c", markersize=2, label="truth"
+        [t for t, _ in true],
+        [1e3 * d for _, d in true],
+        ".",
+        color=_TRUTH,
+        markersize=2.5,
+        zorder=3,
+        label="truth",
     )
     for replay in replays:
         times = [t for _, t, _ in replay.frames]
