@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from common.configuration import Configuration, load_assumed_model, load_configuration, model_path
+from common.configuration import load_assumed_model, load_configuration, model_path
 from common.recording.header import live_header
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, LinkSample, LoopSample
@@ -45,7 +45,7 @@ def run(
             recorder = RecorderClient.start(record, header)
         _grant_realtime(allow_non_realtime)
         warm_up(model, configuration.controller, model_name)
-        loop = _Loop(configuration, controller, devices, recorder, clock, cycle_s)
+        loop = _Loop(controller, devices, recorder, clock, cycle_s)
         last = None if duration_s is None else int(duration_s / cycle_s)
         loop.run(lambda cycle: bool(stop) or (last is not None and cycle >= last))
         print(loop.summary(), flush=True)
@@ -72,14 +72,12 @@ class _Loop:
 
     def __init__(
         self,
-        configuration: Configuration,
         controller: Controller,
         devices: LiveDevices,
         recorder: RecorderClient | None,
         clock: CycleClock,
         cycle_s: float,
     ) -> None:
-        self._configuration = configuration
         self._controller = controller
         self._devices = devices
         self._recorder = recorder

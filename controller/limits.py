@@ -1,6 +1,6 @@
 """Position, velocity and acceleration limits of the joint, which hold whatever the command rests on."""
 
-from math import isfinite, sqrt
+from math import isfinite, pi, sqrt
 
 from common.model import Drive
 
@@ -17,7 +17,7 @@ class CommandLimits:
         """Start from a command of zero."""
         self._drive = drive
         self._cycle_s = cycle_s
-        self._lag_s = drive.dead_time_s + 1.0 / (6.283185307179586 * drive.bandwidth_hz) + cycle_s
+        self._lag_s = drive.dead_time_s + 1.0 / (2.0 * pi * drive.bandwidth_hz) + cycle_s
         self._last = 0.0
 
     def bound(self, wanted_rad_s: float, joint_position_rad: float) -> float:

@@ -1,6 +1,6 @@
 """The paper's method, for any estimator of the delay: date the samples by it, fit a sine, evaluate at the present."""
 
-from math import isfinite, nan, sqrt
+from math import nan, sqrt
 from typing import Protocol
 
 from common.configuration import Regression
@@ -56,7 +56,7 @@ class SineMethod:
         joint, sensors = observation.joint, self._sensors
         self.delay.see_cycle(observation.cycle, sensors.of_acceleration(observation.acceleration_m_s2, joint))
         for sample in observation.samples:
-            if sample.measured and isfinite(sample.displacement_x_px):
+            if sample.measured:
                 self._take(sample, observation)
         return self._predict(observation.time_s, joint)
 

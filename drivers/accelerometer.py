@@ -2,6 +2,8 @@
 
 from typing import Protocol
 
+STANDARD_GRAVITY_M_S2 = 9.80665
+
 
 class Accelerometer(Protocol):
     """One axis of an accelerometer. Constructing opens nothing; start() does, and raises UserError with a remedy."""

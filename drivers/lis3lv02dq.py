@@ -14,9 +14,8 @@ import smbus2
 
 from common.configuration import AccelerometerDevice
 from common.user_error import UserError
+from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 from drivers.i2c import open_bus
-
-STANDARD_GRAVITY_M_S2 = 9.80665
 
 _READ = 0x0001  # I2C_M_RD
 _STALE_AFTER_READS = 5

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from math import nan
 
 from common.configuration import AccelerometerDevice
-from drivers.lis3lv02dq import LIS3LV02DQ, STANDARD_GRAVITY_M_S2
+from drivers.accelerometer import STANDARD_GRAVITY_M_S2
+from drivers.lis3lv02dq import LIS3LV02DQ
 
 
 def accelerometer_reading(device: AccelerometerDevice) -> Callable[[float], float]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from common.model import Accelerometer
 
+ACCELEROMETER_STREAM = 1  # of the seed's random streams
 _BLOCK = 1024  # numbers are cheap to draw by the thousand, and dear one by one
 
 

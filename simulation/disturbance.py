@@ -8,6 +8,7 @@ from common.scenario import Scenario, Strike
 from common.user_error import UserError
 from simulation.plant import Plant
 
+DISTURBANCE_STREAM = 2  # of the seed's random streams
 _BLOCK = 1024  # numbers are cheap to draw by the thousand, and dear one by one
 _REFERENCE_PERIOD_S = 0.001  # random_disturbance_m_s2 is stated for a sample at 1 kHz
 
@@ -61,8 +62,13 @@ class Disturbance:
             self._block = drawn[::-1].tolist()
         return self._block.pop()
 
-    def act_on(self, plant: Plant, time_s: float) -> None:
-        """Shake the plant as is due for the cycle that begins at `time_s`; call it before each advance()."""
-        for strike in self.strikes_until(time_s):
+    def act_on(self, plant: Plant, time_s: float) -> list[Strike]:
+        """Shake the plant as is due for the cycle that begins at `time_s`; call it before each advance().
+
+        Returns the strikes that fell.
+        """
+        fallen = self.strikes_until(time_s)
+        for strike in fallen:
             plant.strike(strike.mode, strike.deflection_m)
         plant.modal_forces_m_s2 = self.forces_m_s2()
+        return fallen

@@ -31,17 +31,16 @@ from controller.schedule import CycleClock
 from drivers.drive_gateway import DriveGateway
 from drivers.drive_gateway_socket import DriveGatewaySocket
 from drivers.emulation.lis3lv02dq_registers import Lis3lv02dqRegisters, sensed_axes
-from simulation.accelerometer_signal import AccelerometerSignal
+from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_process import pose_history_name
 from simulation.camera_process import run as run_camera
 from simulation.camera_timing import AFTER_DELIVERY_S, CameraTiming
-from simulation.disturbance import Disturbance
+from simulation.disturbance import DISTURBANCE_STREAM, Disturbance
 from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
 from simulation.truth import strike_line, true_state
 
 _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
-_ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
 _NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test must not be on its account
 _BUS_PREFIX = "memory:"
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
@@ -98,16 +97,15 @@ class _PlantProcess:
         self._cycle_s = model.timing.cycle_s
         self._plant = Plant(model)
         self._signal = AccelerometerSignal(
-            model.accelerometer, self._cycle_s, np.random.default_rng((rig.seed, _ACCELEROMETER_STREAM))
+            model.accelerometer, self._cycle_s, np.random.default_rng((rig.seed, ACCELEROMETER_STREAM))
         )
         self._disturbance = Disturbance(
             scenario,
             len(model.arm.modes),
             self._cycle_s,
-            np.random.default_rng((rig.seed, _DISTURBANCE_STREAM)),
+            np.random.default_rng((rig.seed, DISTURBANCE_STREAM)),
             rig.scenario,
         )
-        self._strikes = sorted(scenario.strikes, key=lambda strike: strike.time_s)
         self._axis = configuration.accelerometer.axis
         drive = configuration.drive
         self._gateway = DriveGateway(load_key(configuration.link))
@@ -151,11 +149,9 @@ class _PlantProcess:
         plant = self._plant
         if self._first_command_s is not None:
             since = time_s - self._first_command_s
-            self._disturbance.act_on(plant, since)
-            while self._strikes and self._strikes[0].time_s <= since:
-                line = strike_line(self._strikes.pop(0), time_s - self._cycle_s)
+            for strike in self._disturbance.act_on(plant, since):
                 if recorder is not None:
-                    recorder.put(_LOG, line)
+                    recorder.put(_LOG, strike_line(strike, time_s - self._cycle_s))
         plant.advance(command)
         self._registers.publish(sensed_axes(self._signal.sample(plant.tip_acceleration_m_s2), self._axis))
         self._poses.append(time_s, plant.tip_position_m, plant.tip_angle_rad)

@@ -25,9 +25,9 @@ from controller.exchange import ControllerExchange
 from controller.recorded import estimate_sample, fast_sample, frame_sample
 from controller.step import Controller, CycleInput
 from simulation.accelerometer_reading import accelerometer_reading
-from simulation.accelerometer_signal import AccelerometerSignal
+from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_timing import AFTER_DELIVERY_S
-from simulation.disturbance import Disturbance
+from simulation.disturbance import DISTURBANCE_STREAM, Disturbance
 from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
 from simulation.truth import strike_line, true_state
@@ -35,7 +35,6 @@ from simulation.virtual_camera import Delivery, VirtualCamera
 from supervisor.exchange import SupervisorExchange
 from supervisor.step import Supervisor
 
-_ACCELEROMETER_STREAM, _DISTURBANCE_STREAM = 1, 2
 _CONTROLLER_SESSION, _SUPERVISOR_SESSION = 1, 2
 _REPORT_EVERY = 1000  # cycles
 _COUNTED_EVERY = 10  # cycles
@@ -164,13 +163,13 @@ def simulate(
     cycle_s = run.true_model.timing.cycle_s
     plant = Plant(run.true_model, run.name)
     signal = AccelerometerSignal(
-        run.true_model.accelerometer, cycle_s, np.random.default_rng((run.seed, _ACCELEROMETER_STREAM))
+        run.true_model.accelerometer, cycle_s, np.random.default_rng((run.seed, ACCELEROMETER_STREAM))
     )
     disturbance = Disturbance(
         run.scenario,
         len(run.true_model.arm.modes),
         cycle_s,
-        np.random.default_rng((run.seed, _DISTURBANCE_STREAM)),
+        np.random.default_rng((run.seed, DISTURBANCE_STREAM)),
     )
     poses = PoseHistory(None)
     camera = VirtualCamera(run.true_model, run.configuration.rig, run.seed, poses, images=run.images)
@@ -179,7 +178,6 @@ def simulate(
     exchange = ControllerExchange(DEMO_KEY, _CONTROLLER_SESSION)
     read_accelerometer = accelerometer_reading(run.configuration.accelerometer)
     costs = PartCosts()
-    strikes = sorted(run.scenario.strikes, key=lambda strike: strike.time_s)
     cycles = round(run.scenario.duration_s / cycle_s)
     try:
         for cycle in range(cycles):
@@ -210,10 +208,9 @@ def simulate(
             truth.write("/truth/state", true_state(plant, now))
             for delivery in delivered:
                 truth.write("/truth/frames", delivery.truth)
-            while strikes and strikes[0].time_s <= now:
-                truth.write("/log", strike_line(strikes.pop(0), now))
             costs.spent_on("recording")
-            disturbance.act_on(plant, now)
+            for strike in disturbance.act_on(plant, now):
+                truth.write("/log", strike_line(strike, now))
             plant.advance(answered.command_rad_s)
             costs.spent_on("plant")
             if cycle % _REPORT_EVERY == 0:

@@ -175,7 +175,7 @@ class FusedMethod:
         frames = self.frames
         if not frames.accept(sample, time_s):
             return
-        if not (sample.measured and isfinite(sample.displacement_x_px)):
+        if not sample.measured:
             return
         instant = frames.expected_instant_s()
         while self._blocks and self._blocks[0].end_s <= instant:

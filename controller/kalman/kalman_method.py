@@ -5,7 +5,7 @@ fast sensor's samples up to that instant are in the belief itself; those after i
 are put to a copy of it.
 """
 
-from math import isfinite, nan, sqrt
+from math import nan, sqrt
 
 import numpy as np
 
@@ -86,7 +86,7 @@ class KalmanMethod:
         if self._fast is not None:
             self._fast.see_cycle(observation, self._forced)
         for sample in observation.samples:
-            if sample.measured and isfinite(sample.displacement_x_px):
+            if sample.measured:
                 self._take(sample, observation)
         if self._fast is not None and self._belief is not None:
             self._catch_up(self._fast, self._belief, observation)

@@ -12,8 +12,7 @@ from enum import IntEnum
 from typing import Literal
 
 from common.shared_memory import SharedBlock, word_at
-
-STANDARD_GRAVITY_M_S2 = 9.80665
+from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 
 WHO_AM_I, CTRL1, CTRL2, CTRL3, STATUS, OUT_X_L = 0x0F, 0x20, 0x21, 0x22, 0x27, 0x28
 IDENTITY = 0x3A
