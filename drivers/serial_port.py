@@ -1,0 +1,93 @@
+"""A serial port for a loop that must not wait: reads what has arrived, writes what fits, tells when it is gone.
+
+A name is a device (/dev/ttyACM0), a stable link (/dev/serial/by-id/...), or "pty:NAME": an emulator's pseudo terminal.
+"""
+
+import contextlib
+import os
+import termios
+
+import serial
+
+from common.shared_memory import block_path
+from common.user_error import UserError
+
+PTY_PREFIX = "pty:"
+_READ_BYTES = 4096
+
+
+def port_path(name: str) -> str:
+    """The path behind a port's name."""
+    return str(block_path(f"{name.removeprefix(PTY_PREFIX)}.pty")) if name.startswith(PTY_PREFIX) else name
+
+
+class PortLost(Exception):
+    """The port is gone: unplugged, or its other end has closed."""
+
+
+class SerialPort:
+    """An open serial port, raw, 8N1, exclusive, never blocking."""
+
+    def __init__(self, name: str, baud: int, key: str) -> None:
+        """Open it. key: the configuration's key that named it, for the message. Raises UserError with a remedy."""
+        self.name = name
+        try:
+            self._port = serial.Serial(port_path(name), baud, timeout=0, write_timeout=0, exclusive=True)
+            self._descriptor: int = self._port.fileno()
+            _tell_empty_from_gone(self._descriptor)
+            os.set_blocking(self._descriptor, False)
+        except (serial.SerialException, OSError, ValueError, termios.error) as error:
+            raise UserError(f"{key} = {name!r}: {_remedy(name, error)}") from None
+        self.dropped_bytes = 0
+        """Bytes that did not fit into the port's buffer."""
+
+    def read(self) -> bytes:
+        """What has arrived, up to 4096 bytes; empty when nothing has. Raises PortLost."""
+        try:
+            data = os.read(self._descriptor, _READ_BYTES)
+        except BlockingIOError:
+            return b""
+        except OSError as error:
+            raise PortLost(error.strerror or str(error)) from None
+        if not data:
+            raise PortLost("the other end has closed")
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send what fits into the port's buffer; the rest is dropped, and counted. Raises PortLost."""
+        try:
+            written = os.write(self._descriptor, data)
+        except BlockingIOError:
+            written = 0
+        except OSError as error:
+            raise PortLost(error.strerror or str(error)) from None
+        self.dropped_bytes += len(data) - written
+
+    def close(self) -> None:
+        """Release the port; may be called twice."""
+        with contextlib.suppress(OSError, serial.SerialException):
+            self._port.close()
+
+
+def _tell_empty_from_gone(descriptor: int) -> None:
+    """With VMIN = 0, as pyserial sets it, a read of nothing and a read of a port that hung up look the same."""
+    attributes = termios.tcgetattr(descriptor)
+    attributes[6][termios.VMIN] = 1
+    termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
+
+
+def _remedy(name: str, error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    if number is None and error.args and isinstance(error.args[0], int):
+        number = error.args[0]
+    if name.startswith(PTY_PREFIX):
+        return (
+            "no process offers this port; start it (the simulated rig: `stillarm rig`), or name a real port"
+        )
+    if number == 2:
+        return "no such port; plug the device in, or name one of /dev/serial/by-id/*"
+    if number == 13:
+        return "permission denied; add this user to the group that owns it (usually dialout) and log in again"
+    if number in (11, 16):
+        return "in use by another process; stop that (ModemManager grabs new ports: disable it)"
+    return f"cannot be opened ({' '.join(str(error).lower().split())}); name a serial port"
