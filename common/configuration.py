@@ -158,14 +158,61 @@ class CameraDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     height_px: Annotated[int, Meta(ge=0)] = 0
 
 
-class DriveDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Which drive."""
+class OdriveDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """An ODrive's ASCII protocol. port: a serial device, or pty:NAME for an emulator's; axis: motor 0 or 1.
 
-    driver: Literal["udp_gateway", "none"] = "udp_gateway"
+    baud: without effect over USB; a UART needs at least 460800 for one command and one report each millisecond.
+    """
+
+    port: str = "/dev/ttyACM0"
+    baud: Annotated[int, Meta(ge=9600, le=12_000_000)] = 921600
+    axis: Literal[0, 1] = 0
+
+
+class Cia402Device(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """A CiA 402 drive on a CAN bus. interface, channel: as python-can names them; bitrate: where the interface sets it.
+
+    mode: 3 profile velocity, 9 cyclic synchronous velocity. velocity_units_s_per_turn: what 60FF and 606C hold for a
+    motor that turns once a second; position_units_per_turn: what 6064 counts in a turn of the motor.
+    """
+
+    interface: str = "socketcan"
+    channel: str = "can0"
+    bitrate: Annotated[int, Meta(ge=10_000, le=1_000_000)] = 1_000_000
+    node: Annotated[int, Meta(ge=1, le=126)] = 1
+    mode: Literal[3, 9] = 9
+    velocity_units_s_per_turn: Positive = 4096.0
+    position_units_per_turn: Positive = 4096.0
+
+
+class Mcp4725Device(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """A 12-bit DAC whose voltage is the motor's velocity. bus: /dev/i2c-N, or memory:NAME for an emulator's.
+
+    supply_v: voltage of code 4096; zero_v: voltage at which the motor stands; turns_s_per_v: the motor's velocity, signed,
+    for each volt above that.
+    """
+
+    bus: str = "/dev/i2c-1"
+    address: Annotated[int, Meta(ge=0x60, le=0x67)] = 0x62
+    supply_v: Annotated[float, Meta(ge=2.7, le=5.5)] = 5.0
+    zero_v: Annotated[float, Meta(ge=0.0, le=5.5)] = 2.5
+    turns_s_per_v: Annotated[float, Meta(ge=-1000.0, le=1000.0)] = 0.05
+
+
+class DriveDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Which drive. gear_ratio: turns of the motor for one of the joint, negative where they turn opposite ways; a
+    gateway speaks of the joint itself and has none.
+    """
+
+    driver: Literal["udp_gateway", "odrive", "cia402", "mcp4725", "none"] = "udp_gateway"
+    gear_ratio: Annotated[float, Meta(ge=-10_000.0, le=10_000.0)] = 1.0
     gateway_host: str = "127.0.0.1"
     gateway_port: Port = 47010
     local_host: str = "127.0.0.1"
     local_port: Port = 47011
+    odrive: OdriveDevice = OdriveDevice()
+    cia402: Cia402Device = Cia402Device()
+    mcp4725: Mcp4725Device = Mcp4725Device()
 
 
 class SimulatedScene(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -220,6 +267,10 @@ def load_configuration(path: str | Path) -> Configuration:
         raise UserError(
             f"{path}: link.supervisor_port = {link.supervisor_port}: the same address as "
             "the controller's; choose another"
+        )
+    if configuration.drive.gear_ratio == 0.0:
+        raise UserError(
+            f"{path}: drive.gear_ratio = 0: turns of the motor for one of the joint are needed, 1 for none"
         )
     return configuration
 

@@ -80,6 +80,8 @@ def _remedy(name: str, error: Exception) -> str:
     number = getattr(error, "errno", None)
     if number is None and error.args and isinstance(error.args[0], int):
         number = error.args[0]
+    if number in (11, 16):
+        return "in use by another process; stop that (ModemManager grabs new ports: disable it)"
     if name.startswith(PTY_PREFIX):
         return (
             "no process offers this port; start it (the simulated rig: `stillarm rig`), or name a real port"
@@ -88,6 +90,6 @@ def _remedy(name: str, error: Exception) -> str:
         return "no such port; plug the device in, or name one of /dev/serial/by-id/*"
     if number == 13:
         return "permission denied; add this user to the group that owns it (usually dialout) and log in again"
-    if number in (11, 16):
-        return "in use by another process; stop that (ModemManager grabs new ports: disable it)"
+    if number == 25 or "'inappropriate ioctl" in str(error).lower():
+        return "not a serial port; name one of /dev/serial/by-id/*"
     return f"cannot be opened ({' '.join(str(error).lower().split())}); name a serial port"
