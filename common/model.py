@@ -16,6 +16,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from common.effects import check_effects
 from common.typed_toml import load_toml
 from common.user_error import UserError
 
@@ -137,11 +138,7 @@ def check_model(model: Model, name: str) -> Model:
             f"camera.frame_rate_hz = {model.camera.frame_rate_hz}; "
             f"at most {1.0 / model.camera.frame_rate_hz:.6f}"
         )
-    for index, effect in enumerate(model.effects):
-        if not isinstance(effect.get("cause"), str):
-            raise UserError(
-                f'{name}: effects[{index}].cause: a cause\'s name is needed, such as "cubic_stiffness"'
-            )
+    check_effects(model.effects, name)
     return model
 
 
