@@ -30,6 +30,7 @@ class Law(IntEnum):
 
 LAWS = len(Law)
 LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
+_VAGUE = 0.002  # of the squared rate
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 
@@ -125,14 +126,24 @@ class FilterBank:
         self.p[:, self._diagonal, self._diagonal] += noise
         self.edge_s = block.end_s
 
-    def advance_dating(self, elapsed_s: Array, shift_noise: Array, skew_noise: float) -> None:
-        """Frames go on by `elapsed_s` of each filter's clock (filters,): its skew moves its shift."""
-        t, k = self._at.shift, self._at.skew
-        self.x[:, t] += elapsed_s * self.x[:, k]
-        self.p[:, t, :] += elapsed_s[:, None] * self.p[:, k, :]
-        self.p[:, :, t] += elapsed_s[:, None] * self.p[:, :, k]
-        self.p[:, t, t] += shift_noise
-        self.p[:, k, k] += skew_noise * np.abs(elapsed_s)
+    def advance_dating(
+        self, elapsed_s: Array, shift_return: Array, shift_noise: Array, skew_noise: float
+    ) -> None:
+        """Frames go on by `elapsed_s` of each filter's clock (filters,): its skew moves its shift.
+
+        shift_return: rate at which a wandering delay comes back to its mean, 1/s: without it, a delay that can no
+        longer be seen would be thought to wander without bound.
+        """
+        at = self._at
+        t, k, late = at.shift, at.skew, at.late
+        back = -np.expm1(-shift_return * np.abs(elapsed_s))
+        self.x[:, t] += elapsed_s * self.x[:, k] - back * (self.x[:, t] + self.x[:, late])
+        by_skew, by_return = elapsed_s[:, None], back[:, None]
+        p = self.p
+        p[:, t, :] += by_skew * p[:, k, :] - by_return * (p[:, t, :] + p[:, late, :])
+        p[:, :, t] += by_skew * p[:, :, k] - by_return * (p[:, :, t] + p[:, :, late])
+        p[:, t, t] += shift_noise
+        p[:, k, k] += skew_noise * np.abs(elapsed_s)
 
     def take_arrival(self, difference_s: Array, noise: Array, walk: Array) -> None:
         """Arrival minus nominal instant minus the model's delay (filters,) = shift + late + noise, variance in s^2.
@@ -200,11 +211,33 @@ class FilterBank:
         ph = (self.p @ seen.slope[:, :, None])[:, :, 0]
         variance = seen.variance * extra
         gain = ph / variance[:, None]
+        vague = self._vague(seen.rate)
+        if vague.any():
+            for i in (t, self._at.skew, self._at.late):
+                gain[vague, i] = 0.0
+            both = gain[:, :, None] * ph[:, None, :]
+            self.p -= both + both.transpose(0, 2, 1)
+            self.p += gain[:, :, None] * (gain * variance[:, None])[:, None, :]
+        else:
+            self.p -= gain[:, :, None] * ph[:, None, :]
         self.x += gain * seen.residual[:, None]
-        self.p -= gain[:, :, None] * ph[:, None, :]
         own = seen.rate * self.jitter / variance
         spread = self.p[:, t, t] + self.jitter - own * own * variance - 2.0 * own * ph[:, t]
         return own * seen.residual, np.maximum(spread, 1e-14)
+
+    def _vague(self, rate: Array) -> NDArray[np.bool_]:
+        """Which filters know the vibration's rate too badly to tell an instant by it, (filters,).
+
+        Phase and instant look alike in an image. Linearised about a wrong rate, as behind a blow, each image would
+        seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
+        stays.
+        """
+        p, at = self.p, self._at
+        w2 = 0.5 * at.w_first**2
+        unknown = w2 * (p[:, 0, 0] + p[:, 1, 1])
+        known = w2 * (self.x[:, 0] ** 2 + self.x[:, 1] ** 2) + rate * rate
+        result: NDArray[np.bool_] = unknown > _VAGUE * known
+        return result
 
     def _update(self, slope: Array, residual: Array, noise: float) -> None:
         ph = (self.p @ slope[:, :, None])[:, :, 0]
@@ -221,6 +254,21 @@ class FilterBank:
             self.p[:, here, here] += (1.5 * jump) ** 2 * np.outer(direction, direction) + (
                 0.3 * jump
             ) ** 2 * np.eye(2)
+
+    def forget_phase(self, spread_m: float, shift: Array, variance: Array) -> None:
+        """A blow that the images alone have shown: the vibration is unknown, a wandering delay what it was before it.
+
+        Images taken in before the blow was noticed have moved the shifts of the laws that let them walk; without an
+        accelerometer nothing would bring them back. shift, s, variance, s^2: (filters,).
+        """
+        at, p = self._at, self.p
+        for i in range(2 * at.modes):
+            p[:, i, :] = p[:, :, i] = 0.0
+        p[:, self._diagonal[at.phasor], self._diagonal[at.phasor]] = spread_m**2
+        t, walks = at.shift, slice(int(Law.DRIFT), None, LAWS)
+        p[walks, t, :] = p[walks, :, t] = 0.0
+        p[walks, t, t] = variance[walks]
+        self.x[walks, t] = shift[walks]
 
     def loosen(self) -> None:
         """Frequencies, decay and image scale may have changed, as with a payload or another scene."""

@@ -13,7 +13,7 @@ from controller.fused.layout import Layout
 Array = NDArray[np.float64]
 
 _MEMORY_FRAMES = 60.0
-_REFUTED = 1e-4
+_REFUTED, _UNLIKELY = 1e-4, 0.02
 _LARGEST_SURPRISE = 25.0  # one image may not decide alone
 _LOWEST = -60.0
 
@@ -82,6 +82,16 @@ class Evidence:
                 shift = instant_s - float(dating.nominal[law])
                 self._start(bank, target, best, shift, max(std_s, 0.001) ** 2)
             self._log[target] = -7.0
+
+    def start_unlikely(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
+        """The accelerometer is lost: images alone can no longer refute a wrong shift, so that none may survive."""
+        best = self.best
+        unlikely = self.weights < _UNLIKELY
+        if not self.stamps_admitted:
+            unlikely[Law.STAMPS :: LAWS] = False
+        for target in np.flatnonzero(unlikely).tolist():
+            shift = instant_s - float(dating.nominal[target % LAWS])
+            self._start(bank, target, best, shift, max(std_s, 0.001) ** 2)
 
     def _start(self, bank: FilterBank, target: int, source: int, shift_s: float, variance: float) -> None:
         at, first = self._at, self._first[target]

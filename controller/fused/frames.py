@@ -1,5 +1,6 @@
 """Images in their order with the accelerometer's blocks before them, and what follows for the delay."""
 
+from collections import deque
 from math import isfinite, sqrt
 from typing import NamedTuple
 
@@ -25,6 +26,8 @@ _OUTLIER = 16.0  # normalised innovation squared
 _SUSPICIOUS = 7.0  # of a blow, by the accelerometer, standard deviations squared
 _VOTES = 3
 _HUBER = 7.0
+_BLIND_BLOCKS = 12  # without the accelerometer
+_BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
 _SLOPE_S = 0.002  # the joint's rate is taken over twice this
@@ -69,7 +72,7 @@ class FrameFusion:
         first = start.variances(model, settings, at, length_m)
         self.bank = FilterBank(at, np.zeros((FILTERS, at.size)), first, start.jitters_s(model))
         self.evidence = Evidence(model, settings, at, length_m)
-        self._shift_noise = start.shift_noise(model)
+        self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
         self._state_noise = start.state_noise(settings, at)
         self._phasor_share = start.phasor_share(settings)
         self._least_jitter = 0.5 * self.bank.jitter
@@ -84,18 +87,23 @@ class FrameFusion:
         self._images = 0
         self._late = self._breaks = 0.0
         self.blow = False
+        self._unused_blocks = 0
+        self._blind = False
+        self._shifts: deque[tuple[Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
 
     def take_block(self, block: Block) -> None:
         """The oldest block of the accelerometer not yet taken in."""
         bank = self.bank
         if block.jump_m:
             bank.inflate(block.jump_m, block.start_s)
+        self._unused_blocks += 1
         if block.count:
             best = self.evidence.best
             value, expected, variance = bank.look_at_block(block, best)
             total = variance + block.variance
             self._health.compare(value, expected, total)
             if not self._health.mute:  # what contradicts the images counts less (Huber)
+                self._unused_blocks = 0
                 bank.take_block(block, block.variance * max(1.0, (value - expected) ** 2 / total / _HUBER))
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
@@ -124,7 +132,7 @@ class FrameFusion:
             return True
         dating, t, bank = self.dating, self._at.shift, self.bank
         elapsed = dating.elapsed[_LAW_OF]
-        bank.advance_dating(elapsed, self._shift_noise * np.abs(elapsed), 1e-14)
+        bank.advance_dating(elapsed, self._shift_return, self._shift_noise * np.abs(elapsed), 1e-14)
         for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2
@@ -165,6 +173,7 @@ class FrameFusion:
             bank.x[:, at.offset] = value - at.lever * joint_input.position_at(received_s - self.delay_s)
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
+        self._go_blind(received_s)
         image = Look(value, noise, joint_input)
         times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
         seen = self._look(image, times)
@@ -172,6 +181,7 @@ class FrameFusion:
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
             if not self._explain(image, times, received_s, seen, suspicion, sees):
+                self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
                 return
             times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
             seen = self._look(image, times)
@@ -183,6 +193,17 @@ class FrameFusion:
         instants = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift] + own
         self._tell_delay(received_s - instants, spread)
         self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
+        if self._blind:
+            self._shifts.append((bank.x[:, at.shift].copy(), bank.p[:, at.shift, at.shift].copy()))
+
+    def _go_blind(self, received_s: float) -> None:
+        """Notice that the accelerometer has gone, or is back."""
+        blind = self._unused_blocks > _BLIND_BLOCKS
+        if blind and not self._blind:
+            instant = received_s - self.delay_s
+            self.evidence.start_unlikely(self.bank, self.dating, instant, self.delay_std_s)
+            self._shifts.clear()
+        self._blind = blind
 
     def _explain(
         self, image: Look, times: Array, received_s: float, seen: Seen, suspicion: float, sees: bool
@@ -208,6 +229,12 @@ class FrameFusion:
         if sees and (self._breaks > 1.5 or suspicion < _SUSPICIOUS):
             self.bank.loosen()  # no blow explains it: the arm or the scene has changed
         size = 1.5 * abs(float(seen.residual[best]))
+        if self._blind and self._shifts:
+            shift, variance = self._shifts[0]
+            grown = self._shift_noise * (len(self._shifts) * self._frame_s)
+            self.bank.forget_phase(max(size, 1.5 * self.amplitude_m), shift, variance + grown)
+            self._shifts.clear()
+            return True
         self.bank.inflate((size,) + (0.3 * size,) * (self._at.modes - 1), float(times[best]))
         return True
 

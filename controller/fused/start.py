@@ -19,6 +19,7 @@ _BIAS_M_S2 = 1.0
 _SKEW = 120e-6
 _STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
 _LEAST_DELAY_SPREAD_S = 0.002
+_DRIFT_RETURN = 0.35  # 1/s: the delay wanders over its spread in some seconds
 
 
 def frame_s(model: Model) -> float:
@@ -49,6 +50,7 @@ def variances(model: Model, settings: Fused, at: Layout, length_m: float) -> Arr
     for law in (Law.CLOCK, Law.STAMPS):
         v[law, at.skew] = _SKEW**2
         v[law, at.late] = first_shift_s(model) ** 2
+    v[Law.DRIFT, at.late] = (0.5 * spread_s(model)) ** 2
     return np.tile(v, (LEVELS, 1))
 
 
@@ -65,7 +67,14 @@ def shift_noise(model: Model) -> Array:
     result = np.zeros(LAWS)
     result[Law.CLOCK] = result[Law.STAMPS] = 1e-6**2
     result[Law.STEADY], result[Law.JITTER] = 5e-5**2, 2e-4**2
-    result[Law.DRIFT] = 0.7 * spread_s(model) ** 2
+    result[Law.DRIFT] = 2.0 * _DRIFT_RETURN * spread_s(model) ** 2
+    return np.tile(result, LEVELS)
+
+
+def shift_return() -> Array:
+    """Rate at which each filter's shift comes back to its mean, 1/s, (filters,)."""
+    result = np.zeros(LAWS)
+    result[Law.DRIFT] = _DRIFT_RETURN
     return np.tile(result, LEVELS)
 
 
