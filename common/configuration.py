@@ -102,10 +102,27 @@ class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     fade_s: Annotated[float, Meta(gt=0.0, le=0.05)] = 0.04
 
 
+class Safety(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """What must hold before the joint may move, and the emergency stop. docs/safety.md has the states.
+
+    checks_before_arming: besides those that cannot be skipped. Damping waits for images in any case.
+    emergency_stop_input: a file whose first byte says it, such as a GPIO's value in /sys; empty: none.
+    emergency_stop_value: the byte that stops. A file that cannot be read stops, too.
+    """
+
+    checks_before_arming: tuple[Literal["vision", "accelerometer"], ...] = ()
+    emergency_stop_input: str = ""
+    emergency_stop_value: Annotated[str, Meta(pattern="^[0-9A-Za-z]$")] = "1"
+
+
 class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """The 1 ms cycle. reference_shaping: how the external reference is shaped so as not to excite the first mode."""
+    """The 1 ms cycle. reference_shaping: how the external reference is shaped so as not to excite the first mode.
+
+    arm_at_start: whether the joint may move without an operator's `stillarm operate arm`.
+    """
 
     method: str = "correlation"
+    arm_at_start: bool = True
     schedule: str = ""
     reference_shaping: Literal["none", "zv", "zvd"] = "none"
     correlation: Correlation = Correlation()
@@ -113,6 +130,7 @@ class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     kalman: Kalman = Kalman()
     fused: Fused = Fused()
     damping: Damping = Damping()
+    safety: Safety = Safety()
 
 
 class Tracker(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -136,15 +154,41 @@ class Supervisor(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class AccelerometerDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Which accelerometer hangs where. bus: /dev/i2c-N, or memory:NAME for an emulator's registers in shared
-    memory.
+    """Which accelerometer hangs where.
+
+    bus, address: of an I2C part; /dev/i2c-N, or memory:NAME for an emulator's registers in shared memory; address 0:
+    the part's usual one. port, baud: of a serial one; pty:NAME for an emulator; baud 0: the device's usual one.
+    device: of a Linux IIO one, its name or iio:deviceN.
+    axis, sign: the measured acceleration is sign times the one along the arm's `axis`; rotation_deg: how the sensor
+    is turned in its mount, about the arm's x, then y, then z. bias_m_s2: taken off every reading.
+    bandwidth_hz: which of the part's filters; 0: its default. full_scale_g: where the driver can set it.
     """
 
-    driver: Literal["lis3lv02dq", "none"] = "lis3lv02dq"
+    driver: Literal[
+        "lis3lv02dq",
+        "lis3dh",
+        "adxl345",
+        "adxl355",
+        "mpu6050",
+        "icm20948",
+        "witmotion",
+        "xsens",
+        "vectornav",
+        "microcontroller",
+        "iio",
+        "none",
+    ] = "lis3lv02dq"
     bus: str = "/dev/i2c-1"
-    address: Annotated[int, Meta(ge=0x03, le=0x77)] = 0x1D
+    address: Annotated[int, Meta(ge=0, le=0x77)] = 0
+    port: str = "/dev/ttyACM0"
+    baud: Annotated[int, Meta(ge=0, le=12_000_000)] = 0
+    device: str = "iio:device0"
     axis: Literal["x", "y", "z"] = "y"
-    full_scale_g: Literal[2, 6] = 2
+    sign: Literal[1, -1] = 1
+    rotation_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    full_scale_g: Literal[2, 4, 6, 8, 16] = 2
+    bandwidth_hz: NonNegative = 0.0
+    bias_m_s2: float = 0.0
 
 
 class CameraDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -188,8 +232,8 @@ class Cia402Device(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 class Mcp4725Device(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """A 12-bit DAC whose voltage is the motor's velocity. bus: /dev/i2c-N, or memory:NAME for an emulator's.
 
-    supply_v: voltage of code 4096; zero_v: voltage at which the motor stands; turns_s_per_v: the motor's velocity, signed,
-    for each volt above that.
+    supply_v: voltage of code 4096; zero_v: voltage at which the motor stands; turns_s_per_v: the motor's velocity,
+    signed, for each volt above that.
     """
 
     bus: str = "/dev/i2c-1"
