@@ -42,9 +42,9 @@ class CompositeControl:
         self._commanded = CycleHistory(held)
         self._frame = -1
         self._captured_s = 0.0
-        self._begin_zero()
+        self.restart()
 
-    def _begin_zero(self) -> None:
+    def restart(self) -> None:
         """The image's zero is to be found (again)."""
         self._zero_rad = self._zero_time_s = self._error_rad = 0.0
         self._zeroed = False
@@ -76,7 +76,7 @@ class CompositeControl:
         restarted = sample.frame < self._frame
         self._frame, self._captured_s = sample.frame, captured_s
         if restarted:
-            self._begin_zero()
+            self.restart()
         if not self._zeroed:
             off = joint.position_at(captured_s) - self._commanded.at(at)
             self._seen += 1
@@ -85,7 +85,7 @@ class CompositeControl:
             self._zeroed = self._zero_time_s >= _ZERO_PERIODS * self._period_s
             self._error_rad = -off
         elif abs(slow - self._zero_rad + self._error_rad) > _JUMP_RAD:
-            self._begin_zero()
+            self.restart()
         else:
             gain = 1.0 - exp(-elapsed / self._period_s)
             self._error_rad += gain * (self._zero_rad - slow - self._error_rad)

@@ -16,9 +16,9 @@ from controller.composite import CompositeControl
 from controller.drive_model import DriveModel, drive_lead_s
 from controller.estimate import Estimate, Status
 from controller.joint_motion import JointMotion
+from controller.states.health import DRIVE_SILENT_S
 
 _ENTRY_S = 0.2  # from no damping to full damping
-_JOINT_STALE_S = 0.1
 
 
 class DampingStatus(StrEnum):
@@ -46,6 +46,8 @@ class JointDamping:
         self._decay = 2.0 * mode.damping_ratio * w
         self.lead_s = drive_lead_s(model.drive, w)
         self._weight = 0.0
+        self.at_limit = False
+        """Whether the part returned last was cut down to settings.max_velocity_rad_s."""
         self._last_measured_s = float("-inf")
         self._commanded = DriveModel(model.drive, model.timing.cycle_s)
         self._anchored = False
@@ -57,11 +59,26 @@ class JointDamping:
         """A visual sample with a measurement was read."""
         self._last_measured_s = time_s
 
+    @property
+    def full(self) -> bool:
+        """Whether the damping is wholly faded in."""
+        return self._weight == 1.0
+
+    def cut(self) -> None:
+        """To zero at once, and in again gently."""
+        self._weight = 0.0
+
+    def anchor(self, joint_position_rad: float) -> None:
+        """Where the joint is now is where the reference has led it: it was not moved by the reference so far."""
+        self._anchored = True
+        self._commanded.rest_at(joint_position_rad)
+        if self._composite is not None:
+            self._composite.restart()
+
     def follow_reference(self, reference_rad_s: float, joint_position_rad: float, cycles: int) -> None:
         """Carry along where the joint would be by the external reference alone."""
         if not self._anchored:
-            self._anchored = True
-            self._commanded.position_rad = joint_position_rad
+            self.anchor(joint_position_rad)
             return
         for _ in range(min(cycles, 100_000)):
             self._commanded.advance(reference_rad_s)
@@ -87,6 +104,7 @@ class JointDamping:
 
         joint_age_s: age of the drive's report; NaN for a drive that reports nothing.
         """
+        self.at_limit = False
         settings = self._settings
         age = time_s - self._last_measured_s
         fresh = min(1.0, (settings.stale_after_s - age) / settings.fade_s)
@@ -96,7 +114,7 @@ class JointDamping:
             status, grounds = DampingStatus.NO_PREDICTION, False
         elif fresh <= 0.0:
             status, grounds = DampingStatus.VISION_STALE, False
-        elif joint_age_s > _JOINT_STALE_S:
+        elif joint_age_s > DRIVE_SILENT_S:
             status, grounds = DampingStatus.DRIVE_SILENT, False
         elif not allowed:
             status = DampingStatus.OFF
@@ -117,5 +135,6 @@ class JointDamping:
         if not isfinite(both):
             self._weight = 0.0
             return 0.0, DampingStatus.NO_PREDICTION
-        wanted = both * self._weight * fresh
-        return min(max(wanted, -settings.max_velocity_rad_s), settings.max_velocity_rad_s), status
+        wanted, most = both * self._weight * fresh, settings.max_velocity_rad_s
+        self.at_limit = not -most <= wanted <= most
+        return min(max(wanted, -most), most), status

@@ -27,6 +27,12 @@ class DriveModel:
         self.acceleration_rad_s2 = 0.0
         self.mean_acceleration_rad_s2 = 0.0
 
+    def rest_at(self, position_rad: float) -> None:
+        """At rest there, with zero commands in the dead time."""
+        self._waiting.extend([0.0] * len(self._waiting))
+        self.position_rad = position_rad
+        self.velocity_rad_s = self.acceleration_rad_s2 = self.mean_acceleration_rad_s2 = 0.0
+
     def advance(self, command_rad_s: float) -> None:
         """Move on by one cycle during which `command_rad_s` is sent.
 

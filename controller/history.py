@@ -18,6 +18,11 @@ class CycleHistory:
         self._twice = np.full(2 * length, initial, dtype=np.float64)
         self._cycle: int | None = None
 
+    def clear(self) -> None:
+        """As before the first write, with zeros."""
+        self._twice[:] = 0.0
+        self._cycle = None
+
     def write(self, cycle: int, value: float) -> None:
         """Store the value of a cycle, which lies after the one written last."""
         if self._cycle == cycle - 1:  # nearly always

@@ -41,6 +41,11 @@ class JointMotion:
         return self._drive.mean_acceleration_rad_s2
 
     @property
+    def velocity_rad_s(self) -> float:
+        """theta' now, from the drive model."""
+        return self._drive.velocity_rad_s
+
+    @property
     def position_rad(self) -> float:
         """theta now: reported where there is a report, else from the drive model."""
         return self._drive.position_rad

@@ -20,6 +20,10 @@ class CommandLimits:
         self._lag_s = drive.dead_time_s + 1.0 / (2.0 * pi * drive.bandwidth_hz) + cycle_s
         self._last = 0.0
 
+    def restart(self) -> None:
+        """The drive has stopped by itself meanwhile: the command begins at zero again."""
+        self._last = 0.0
+
     def bound(self, wanted_rad_s: float, joint_position_rad: float) -> float:
         """The command nearest to the wanted one that keeps all limits; one that is not finite counts as zero.
 

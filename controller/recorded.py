@@ -23,6 +23,7 @@ def fast_sample(read: CycleInput, answered: CycleOutput, cycle_s: float) -> Fast
         joint_age_s=read.joint_age_s,
         deflection_m=read.deflection_m,
         damping_allowed=read.damping_allowed,
+        operator=read.operator,
     )
 
 
@@ -40,6 +41,8 @@ def estimate_sample(cycle: int, answered: CycleOutput, cycle_s: float) -> Estima
         answered.predicted_deflection_m,
         answered.damping_rad_s,
         answered.damping_status,
+        answered.state,
+        answered.reason or "",
     )
 
 
@@ -144,4 +147,5 @@ def _cycle_input(row: FastSample, frames: list[FrameSample]) -> CycleInput:
         row.damping_allowed,
         [visual_sample(frame) for frame in frames],
         row.deflection_m,
+        row.operator,
     )

@@ -57,6 +57,10 @@ class ReferenceShaper:
         self._first = taps[0][1]
         self._history = CycleHistory(taps[-1][0] + 1)
 
+    def restart(self) -> None:
+        """Forget what is still to come: the reference before the next cycle counts as zero."""
+        self._history.clear()
+
     def shape(self, cycle: int, reference: float) -> float:
         """The shaped reference of a cycle. The reference before the first cycle counts as zero.
 

@@ -14,7 +14,9 @@ from controller.estimate import Estimate, Observation
 from controller.joint_motion import JointMotion
 from controller.limits import CommandLimits
 from controller.methods import make_method
-from controller.shaping import ReferenceShaper
+from controller.motion import Motion
+from controller.states.supervision import Supervision
+from controller.states.table import Event, State
 
 
 @dataclass(slots=True)
@@ -26,6 +28,7 @@ class CycleInput:
     damping_allowed: the operator's or schedule's permission
     samples: the visual samples read in this cycle, in order of arrival
     deflection_m: measured directly, as by a strain gauge
+    operator: what the operator asked for, bits of controller.states.table.Operator
     """
 
     cycle: int
@@ -37,6 +40,7 @@ class CycleInput:
     damping_allowed: bool = False
     samples: list[VisualSample] = field(default_factory=list)
     deflection_m: float = nan
+    operator: int = 0
 
 
 @dataclass(slots=True)
@@ -44,6 +48,7 @@ class CycleOutput:
     """What a cycle answers: the command for the joint, and the estimate that it rests on.
 
     predicted_deflection_m: the deflection at which the joint will answer (the drive's lead after the cycle)
+    reason: what is missing or brought the state about; None where nothing is wrong
     """
 
     command_rad_s: float
@@ -51,18 +56,22 @@ class CycleOutput:
     damping_status: DampingStatus
     estimate: Estimate
     predicted_deflection_m: float
+    state: State = State.PREFLIGHT
+    reason: Event | None = None
 
 
 class Controller:
-    """Takes off the joint's own motion, estimates, predicts, damps, limits: once a cycle."""
+    """Takes off the joint's own motion, estimates, asks what is allowed, predicts, damps, limits: once a cycle."""
 
     def __init__(self, model: Model, settings: ControllerSettings, model_name: str = "model") -> None:
         """For a model of the rig. Raises UserError for an unknown method or a model without length."""
         self._cycle_s = model.timing.cycle_s
-        self.joint = JointMotion(model, length_of(model, model_name))
+        length = length_of(model, model_name)
+        self.joint = JointMotion(model, length)
         self.method = make_method(settings.method, model, settings, model_name)
+        self._supervision = Supervision(model, settings, length)
         self._damping = JointDamping(model, settings.damping, model_name)
-        self._shaper = ReferenceShaper(settings.reference_shaping, model.arm.modes[0], self._cycle_s)
+        self._motion = Motion(model, settings.reference_shaping)
         self._limits = CommandLimits(model.drive, self._cycle_s)
         self._cycle: int | None = None
 
@@ -71,7 +80,7 @@ class Controller:
         elapsed = 1 if self._cycle is None else read.cycle - self._cycle
         self._cycle = read.cycle
         time_s = read.cycle * self._cycle_s
-        joint, damping = self.joint, self._damping
+        joint, damping, supervision = self.joint, self._damping, self._supervision
         joint.begin_cycle(read.cycle, read.joint_position_rad)
         estimate = self.method.update(
             Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
@@ -79,13 +88,38 @@ class Controller:
         for sample in read.samples:
             if sample.measured:
                 damping.see_sample(time_s)
+                supervision.see_image(time_s)
+        allowed = supervision.begin_cycle(
+            time_s,
+            elapsed,
+            read.acceleration_m_s2,
+            joint.position_rad,
+            read.joint_age_s,
+            estimate,
+            read.operator,
+        )
         reference = read.reference_rad_s if isfinite(read.reference_rad_s) else 0.0
-        reference = self._shaper.shape(read.cycle, reference)
-        damping.follow_reference(reference, joint.position_rad, elapsed)
+        reference = self._motion.reference(
+            read.cycle, elapsed, reference, allowed, self._limits, damping, joint
+        )
         damping.see_cycle(read.cycle, estimate, read.samples, joint)
         velocity, status = damping.velocity_rad_s(
-            estimate, time_s, read.damping_allowed, joint.position_rad, read.joint_age_s
+            estimate, time_s, read.damping_allowed and allowed.may_damp, joint.position_rad, read.joint_age_s
         )
-        command = self._limits.bound(reference + velocity, joint.position_rad)
+        wanted = reference + velocity
+        command = self._limits.bound(wanted, joint.position_rad)
         joint.send(command)
-        return CycleOutput(command, velocity, status, estimate, damping.predicted_m(estimate))
+        moved = read.joint_velocity_rad_s
+        supervision.end_cycle(
+            elapsed,
+            acceleration_m_s2=read.acceleration_m_s2,
+            joint_velocity_rad_s=moved if isfinite(moved) else joint.velocity_rad_s,
+            reference_rad_s=reference,
+            active=status is DampingStatus.ACTIVE,
+            full=damping.full,
+            at_limit=damping.at_limit or command != wanted,
+            estimate=estimate,
+        )
+        return CycleOutput(
+            command, velocity, status, estimate, damping.predicted_m(estimate), allowed.state, allowed.reason
+        )

@@ -15,7 +15,7 @@ class FastSample(msgspec.Struct, frozen=True, gc=False):
     with.
 
     Names are those of fast.csv. joint_age_s: age of the drive's report. damping_allowed: the operator's
-    permission.
+    permission. operator: bits of controller.states.table.Operator.
     """
 
     time_s: float
@@ -29,6 +29,7 @@ class FastSample(msgspec.Struct, frozen=True, gc=False):
     deflection_m: float = nan
     joint_torque_n_m: float = nan
     damping_allowed: bool = False
+    operator: int = 0
 
 
 class FrameSample(msgspec.Struct, frozen=True, gc=False):
@@ -63,6 +64,8 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     command.
 
     deflection_m is that at time_s; predicted_deflection_m that at which the joint will answer (drive's lead).
+    state: controller.states.table.State; reason: the Event behind it, empty where nothing is wrong. Both are empty in
+    recordings that are older than the states.
     """
 
     time_s: float
@@ -75,11 +78,17 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     predicted_deflection_m: float
     damping_rad_s: float
     damping_status: str
+    state: str = ""
+    reason: str = ""
 
 
 class LinkSample(msgspec.Struct, frozen=True, gc=False):
     """/link, once a second: counts of the link since the start, the loop's cycles and its missed
     deadlines.
+
+    unproven: common.peer.LinkCounts. shed: datagrams that the kernel turned away in a flood, or had no room for.
+    reference_*, drive_*: the same of the operator's and the drive's sockets; refused: all that was not taken.
+    supervisor_clock_*: the supervisor's monotonic clock minus this process's; round_trip_s: both ways, waits left out.
     """
 
     time_s: float
@@ -97,6 +106,19 @@ class LinkSample(msgspec.Struct, frozen=True, gc=False):
     deadline_misses: int
     accelerometer_faults: int
     recorder_lost: int
+    unproven: int = 0
+    shed: int = 0
+    send_failures: int = 0
+    reference_refused: int = 0
+    drive_accepted: int = 0
+    drive_lost: int = 0
+    drive_refused: int = 0
+    drive_ignored: int = 0
+    recorder_alive: bool = True
+    supervisor_clock_offset_s: float = nan
+    supervisor_clock_offset_std_s: float = nan
+    supervisor_clock_skew: float = nan
+    round_trip_s: float = nan
 
 
 class LoopSample(msgspec.Struct, frozen=True, gc=False):

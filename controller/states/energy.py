@@ -1,0 +1,133 @@
+"""The energy test: does the joint, by what is measured, take energy out of the vibration or put it in?
+
+With q'' + 2 zeta w q' + w^2 q = - p L theta'', the joint's work on the mode per unit of modal mass is, over whole
+periods,
+
+    W = - integral p L theta'' q' dt = integral p L theta' q'' dt
+
+and the tip's acceleration may stand for q'': what it holds besides is in quadrature with theta' or not at the mode's
+frequency. So the mean of p L theta' s'' says, without any delay or prediction, whether the damping damps (W < 0).
+Both signals are brought down to the mode's frequency and averaged over a period. A blow adds energy, but no work of
+the joint's: it fails the test only if, for a period and a half without a pause, the joint has put in half of the
+energy that is there.
+
+Without an accelerometer, or where the drive turns against its own report, growth alone is left: an amplitude that rises
+by a tenth in each of six half periods to twice the largest of the ten seconds before. No blow does that.
+"""
+
+from cmath import exp as cexp
+from math import exp, isfinite, pi, sqrt
+
+from common.model import Model
+
+LEAST_AMPLITUDE_M = 0.0005
+_STRETCH_PERIODS = 1.5
+_SHARE = 0.5
+_RISES, _RISE, _OVER_RECENT = 6, 1.1, 2.0
+_RECENT_S = 10.0
+_MEAN_S = 1.0
+
+
+class EnergyTest:
+    """Watches the work of the damping on the first mode, and its amplitude."""
+
+    def __init__(self, model: Model, length_m: float) -> None:
+        """For the model's first mode, accelerometer and cycle."""
+        mode, cycle_s, accelerometer = model.arm.modes[0], model.timing.cycle_s, model.accelerometer
+        w = mode.angular_frequency
+        self._w, self._cycle_s = w, cycle_s
+        self._work_per_product = 0.5 * mode.participation * length_m / accelerometer.scale
+        self._energy_per_square = 0.5 / (w * accelerometer.scale) ** 2
+        self._turn = cexp(complex(0.0, -w * cycle_s))
+        period = 2.0 * pi / w
+        self._gain = 1.0 - exp(-cycle_s / period)
+        self._mean_gain = cycle_s / _MEAN_S
+        noise = accelerometer.noise_std_m_s2 * sqrt(
+            2.0 * self._gain
+        )  # of the averaged acceleration's amplitude
+        least = max(abs(accelerometer.scale) * w * w * LEAST_AMPLITUDE_M, 5.0 * noise)
+        self._least_energy = least * least * self._energy_per_square
+        self._stretch = _STRETCH_PERIODS * period
+        self._growth = GrowthTest(0.5 * period)
+        self._unit = 1.0 + 0.0j
+        self._velocity = self._acceleration = 0.0j
+        self._mean: float | None = None
+        self._work = self._since_s = 0.0
+
+    def grows(
+        self,
+        elapsed: int,
+        acceleration_m_s2: float,
+        damping_velocity_rad_s: float,
+        acting: bool,
+        amplitude_m: float,
+    ) -> bool:
+        """Take in a cycle; True when the damping is found to feed the vibration.
+
+        damping_velocity_rad_s: the joint's measured velocity beyond the external reference.
+        acting: whether the damping is fully faded in, and alone in moving the joint. amplitude_m: as estimated.
+        """
+        fed = isfinite(acceleration_m_s2) and self._fed(
+            elapsed, acceleration_m_s2, damping_velocity_rad_s, acting
+        )
+        return self._growth.grows(elapsed * self._cycle_s, amplitude_m, acting) or fed
+
+    def _fed(self, elapsed: int, acceleration_m_s2: float, velocity_rad_s: float, acting: bool) -> bool:
+        mean = acceleration_m_s2 if self._mean is None else self._mean
+        self._mean = mean + self._mean_gain * (acceleration_m_s2 - mean)
+        unit = self._unit * (self._turn if elapsed == 1 else self._turn**elapsed)
+        self._unit = unit * (
+            1.5 - 0.5 * (unit.real * unit.real + unit.imag * unit.imag)
+        )  # keeps its length at 1
+        gain = self._gain
+        self._velocity += gain * (velocity_rad_s * unit - self._velocity)
+        self._acceleration += gain * ((acceleration_m_s2 - mean) * unit - self._acceleration)
+        a, v = 2.0 * self._acceleration, 2.0 * self._velocity
+        power = self._work_per_product * (v.real * a.real + v.imag * a.imag)
+        if not acting or power <= 0.0:
+            self._work = self._since_s = 0.0
+            return False
+        passed = elapsed * self._cycle_s
+        self._work += power * passed
+        self._since_s += passed
+        energy = (a.real * a.real + a.imag * a.imag) * self._energy_per_square
+        return self._since_s > self._stretch and energy > self._least_energy and self._work > _SHARE * energy
+
+    def restart(self) -> None:
+        """Forget what was seen: the state was cleared."""
+        self._work = self._since_s = 0.0
+        self._growth.restart()
+
+
+class GrowthTest:
+    """Tells steady growth of an amplitude from blows, by its value at every half period."""
+
+    def __init__(self, half_period_s: float) -> None:
+        """Sampled every `half_period_s`."""
+        self._every_s = half_period_s
+        self._keep = exp(-half_period_s / _RECENT_S)
+        self.restart()
+
+    def restart(self) -> None:
+        """Nothing seen so far."""
+        self._passed_s = self._last_m = self._recent_m = self._greatest_m = 0.0
+        self._rises = 0
+
+    def grows(self, passed_s: float, amplitude_m: float, acting: bool) -> bool:
+        """Take in the amplitude as estimated; True when it has grown steadily while the damping acted."""
+        if not isfinite(amplitude_m):
+            return False
+        self._greatest_m = max(self._greatest_m, amplitude_m)
+        self._passed_s += passed_s
+        if self._passed_s < self._every_s:
+            return False
+        self._passed_s = 0.0
+        greatest, self._greatest_m = self._greatest_m, 0.0
+        rising = acting and greatest > _RISE * self._last_m and greatest > LEAST_AMPLITUDE_M
+        self._last_m = greatest
+        if not rising:
+            self._rises = 0
+            self._recent_m = max(greatest, self._recent_m * self._keep)
+            return False
+        self._rises += 1
+        return self._rises >= _RISES and greatest > _OVER_RECENT * self._recent_m

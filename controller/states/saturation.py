@@ -1,0 +1,40 @@
+"""Tells damping that is at its limit for long without stilling anything from a large blow that it is working off."""
+
+from math import exp, isfinite
+
+_OVER_S = 1.5
+_SHARE = 0.5
+_LOOK_EVERY_S = 1.5
+_FALLEN = 0.9
+
+
+class SaturationTest:
+    """Share of the cycles at the limit, and the amplitude meanwhile."""
+
+    def __init__(self, cycle_s: float) -> None:
+        """Nothing seen so far."""
+        self._cycle_s = cycle_s
+        self.restart()
+
+    def restart(self) -> None:
+        """Nothing seen so far."""
+        self._share = self._passed_s = self._greatest_m = 0.0
+        self._before_m: float | None = None
+
+    def lasts(self, elapsed: int, at_limit: bool, amplitude_m: float) -> bool:
+        """Take in a cycle; True when more than half of the cycles were at the limit and the amplitude has not fallen
+        by a tenth from one look, every 1.5 s, to the next.
+        """
+        passed = elapsed * self._cycle_s
+        self._share += (1.0 - exp(-passed / _OVER_S)) * ((1.0 if at_limit else 0.0) - self._share)
+        if self._share < _SHARE:
+            self._passed_s, self._before_m, self._greatest_m = 0.0, None, 0.0
+            return False
+        if isfinite(amplitude_m):
+            self._greatest_m = max(self._greatest_m, amplitude_m)
+        self._passed_s += passed
+        if self._passed_s < _LOOK_EVERY_S:
+            return False
+        before, now = self._before_m, self._greatest_m
+        self._before_m, self._passed_s, self._greatest_m = now, 0.0, 0.0
+        return before is not None and now > _FALLEN * before

@@ -1,0 +1,173 @@
+"""The states as a table: what leads from which to which, and what each loss of grounds brings about.
+
+Health (is it there) and permission (may it move) are apart: health is what `GROUNDS` lists, seen anew in each cycle;
+permission is given by the operator, or at the start by `controller.arm_at_start`, and is lost with a fault.
+docs/safety.md shows both tables; a test holds it to them.
+"""
+
+from enum import IntFlag, StrEnum
+from typing import NamedTuple
+
+
+class State(StrEnum):
+    """Where the controller stands. Only the middle three let the joint move."""
+
+    PREFLIGHT = "preflight"  # something that must be there is not there yet
+    IDLE = "idle"  # all is there; the operator has not armed
+    ARMED = "armed"  # the reference moves the joint; damping is off, or has nothing to act on
+    DAMPING = "damping"
+    DEGRADED = "degraded"  # something is missing: less is done, and all again when it is back
+    FAULT = "fault"  # at rest until the operator clears it
+
+
+class Event(StrEnum):
+    """What may happen. Those that end in the table of grounds are seen by the controller itself."""
+
+    READY = "ready"  # the checks before arming hold
+    ARM = "arm"
+    DISARM = "disarm"
+    CLEAR = "clear"
+    DAMPING_BEGUN = "damping begun"
+    DAMPING_ENDED = "damping ended"
+    HEALTHY = "healthy"  # no grounds have been missing for 0.2 s
+    EMERGENCY_STOP = "emergency stop"
+    NON_FINITE = "non-finite numbers"
+    GROWING = "growing vibration"
+    SATURATED = "saturated"
+    DRIVE_LOST = "drive lost"
+    DRIVE_SILENT = "drive silent"
+    LOOP_STALLED = "loop stalled"
+    DEADLINES_MISSED = "deadlines missed"
+    VISION_STALE = "vision stale"
+    ACCELEROMETER_DEAD = "accelerometer dead"
+
+
+class Operator(IntFlag):
+    """What the operator asked for in a cycle; EMERGENCY_STOP stands for as long as the switch is held."""
+
+    ARM = 1
+    DISARM = 2
+    CLEAR = 4
+    EMERGENCY_STOP = 8
+
+
+class Reaction(StrEnum):
+    """What is done with the command, or with the damping part of it, when its grounds are gone."""
+
+    HOLD = "hold"  # go on with what was known last
+    FADE = "fade"  # to zero, steadily
+    ZERO = "zero"  # at once, as fast as the acceleration limit allows
+
+
+class Ground(NamedTuple):
+    """What is missing, and what follows from it.
+
+    whole: whether the whole command is concerned, or its damping part only
+    seen_within_s: from when it happens until it counts; zero_within_s: from then until the command (part) is zero
+    """
+
+    event: Event
+    whole: bool
+    reaction: Reaction
+    seen_within_s: float
+    zero_within_s: float
+    message: str
+    remedy: str
+
+
+# In order of weight: the first one that is missing is the reason that is told.
+GROUNDS = (
+    Ground(
+        Event.EMERGENCY_STOP, True, Reaction.ZERO, 0.001, 0.04,
+        "emergency stop",
+        "release the switch, see that the arm is free, then `stillarm operate clear` and `arm`",
+    ),
+    Ground(
+        Event.NON_FINITE, True, Reaction.ZERO, 0.05, 0.04,
+        "the estimate is not a finite number",
+        "start the controller again; keep the recording, and replay it to find the sample that did it",
+    ),
+    Ground(
+        Event.GROWING, True, Reaction.FADE, 2.0, 0.1,
+        "the vibration grows while it is damped",
+        "check the signs of accelerometer.scale, camera.scale_px_per_m and participation, the drive's direction and "
+        "timing.capture_delay_s (`stillarm calibrate`), then `stillarm operate clear` and `arm`",
+    ),
+    Ground(
+        Event.SATURATED, True, Reaction.FADE, 5.0, 0.1,
+        "the damping has been at its limit for long and the vibration does not fall",
+        "lower controller.damping.added_damping_ratio, or raise max_velocity_rad_s as far as the drive allows; "
+        "then `stillarm operate clear` and `arm`",
+    ),
+    Ground(
+        Event.DRIVE_LOST, True, Reaction.ZERO, 1.0, 0.04,
+        "the drive has not reported for a second",
+        "check the gateway's power, cable and drive.gateway_host; it goes on from the preflight",
+    ),
+    Ground(
+        Event.DRIVE_SILENT, True, Reaction.ZERO, 0.05, 0.04,
+        "the drive does not report",
+        "check the gateway's power and cable; motion comes back by itself with the reports",
+    ),
+    Ground(
+        Event.LOOP_STALLED, True, Reaction.ZERO, 0.001, 0.04,
+        "the loop stood still for more than 0.05 s",
+        "see what else runs on this computer; give the controller its real-time privileges (`stillarm latency`)",
+    ),
+    Ground(
+        Event.DEADLINES_MISSED, False, Reaction.FADE, 1.0, 0.05,
+        "more than a quarter of the last second's cycles were missed",
+        "see what else runs on this computer; give the controller its real-time privileges (`stillarm latency`)",
+    ),
+    Ground(
+        Event.VISION_STALE, False, Reaction.FADE, 0.1, 0.05,
+        "no image has been measured for controller.damping.stale_after_s",
+        "check the supervisor, the camera's light and view, and the link; damping comes back with the images",
+    ),
+    Ground(
+        Event.ACCELEROMETER_DEAD, False, Reaction.HOLD, 0.05, 0.0,
+        "the accelerometer gives no samples; damping goes on with the capture delay known last",
+        "check its bus and power; without it for long, set controller.method to one that needs none",
+    ),
+)  # fmt: skip
+GROUND_OF = {ground.event: ground for ground in GROUNDS}
+BIT_OF = {ground.event: 1 << place for place, ground in enumerate(GROUNDS)}
+
+_TABLE = """
+event               preflight  idle       armed      damping    degraded   fault
+ready               idle       .          .          .          .          .
+arm                 .          armed      .          .          .          .
+disarm              .          .          idle       idle       idle       .
+clear               .          .          .          .          .          preflight
+damping begun       .          .          damping    .          .          .
+damping ended       .          .          .          armed      .          .
+healthy             .          .          .          .          armed      .
+emergency stop      fault      fault      fault      fault      fault      .
+non-finite numbers  .          .          fault      fault      fault      .
+growing vibration   .          .          fault      fault      fault      .
+saturated           .          .          fault      fault      fault      .
+drive lost          .          preflight  preflight  preflight  preflight  .
+drive silent        .          .          degraded   degraded   .          .
+loop stalled        .          .          degraded   degraded   .          .
+deadlines missed    .          .          degraded   degraded   .          .
+vision stale        .          .          degraded   degraded   .          .
+accelerometer dead  .          .          degraded   degraded   .          .
+"""
+
+
+def _parse(table: str) -> dict[tuple[State, Event], State]:
+    """The transitions out of the table's text; a dot stays."""
+    head, *rows = table.strip().splitlines()
+    states = [State(word) for word in head.split()[1:]]
+    found = {}
+    for row in rows:
+        words = row.split()
+        event, nexts = Event(" ".join(words[: -len(states)])), words[-len(states) :]
+        for state, following in zip(states, nexts, strict=True):
+            found[state, event] = state if following == "." else State(following)
+    return found
+
+
+TRANSITIONS = _parse(_TABLE)
+MOVING = frozenset({State.ARMED, State.DAMPING, State.DEGRADED})
+"""The states in which the command may be other than zero."""
