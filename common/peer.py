@@ -1,8 +1,10 @@
-"""Which datagrams of a peer to take: newest session, increasing sequence; and the counts of those
-not taken.
-"""
+"""Which datagrams of a peer to take: of a session that is proven to be alive, with increasing sequence; and
+the counts of those not taken.
 
-from collections import deque
+A session proves itself by echoing this side's own, which is random and drawn anew at each start: whoever can
+do that, and sign it, has heard from this very process. So nothing that was recorded before this process
+started is ever taken, and of what was recorded since, nothing but what is newer than the newest.
+"""
 
 import msgspec
 
@@ -10,7 +12,11 @@ from common.datagram import Datagram, Rejected, decode
 
 
 class LinkCounts(msgspec.Struct):
-    """Counts since the start. `lost` is the net number of sequence numbers never seen."""
+    """Counts since the start. `lost` is the net number of sequence numbers never seen.
+
+    unproven: well signed, but without an echo of this side's session: from a peer that does not know it yet, or
+    played back. unexpected: well-formed, but of a kind that this socket does not take.
+    """
 
     accepted: int = 0
     lost: int = 0
@@ -20,33 +26,64 @@ class LinkCounts(msgspec.Struct):
     forged: int = 0
     foreign_version: int = 0
     old_session: int = 0
-    unexpected: int = 0  # well-formed, but of a kind that this socket does not take
+    unexpected: int = 0
     sessions: int = 0
+    unproven: int = 0
+
+    @property
+    def refused(self) -> int:
+        """Datagrams that were not taken for any reason but their order."""
+        return (
+            self.malformed
+            + self.forged
+            + self.foreign_version
+            + self.old_session
+            + self.unexpected
+            + self.unproven
+        )
 
 
 class Peer:
     """Accepts the datagrams of one peer, in order, across its restarts. Pure: bytes in, datagrams out.
 
-    A session that has been replaced is never accepted again, so that an old one cannot be replayed. State
-    moves on only after the tag holds.
+    A session that has been replaced is never accepted again. State moves on only after the tag holds.
     """
 
-    _REMEMBERED_SESSIONS = 64
+    MOST_SESSIONS = 4096
+    """A peer that restarted more often is refused until this side restarts too: what is remembered stays
+    bounded."""
     _REORDER_WINDOW = 256  # how far back a late datagram can be told from a duplicate
 
-    def __init__(self, key: bytes, kinds: tuple[int, ...]) -> None:
-        """Take datagrams of `kinds` signed with `key`."""
+    def __init__(self, key: bytes, kinds: tuple[int, ...], own_session: int = 0) -> None:
+        """Take datagrams of `kinds` signed with `key`.
+
+        own_session: that of this side, which a peer must echo; 0 asks for no proof (of what can do no harm).
+        """
         self._key = key
         self._kinds = kinds
+        self._own = own_session
         self.session = 0
         self.sequence = 0
+        self._heard = 0
         self._seen = 0  # bit k: sequence - k has been seen
-        self._old: deque[int] = deque(maxlen=self._REMEMBERED_SESSIONS)
+        self._old: set[int] = set()
+        self.greeting = 0
+        """Session of the last datagram if that was well signed but proved nothing, else 0: it can be answered."""
         self.counts = LinkCounts()
 
-    def receive(self, data: bytes) -> Datagram | None:
+    @property
+    def echo(self) -> int:
+        """What to echo: the session that is taken; until there is one, that last heard of; 0 before that."""
+        return self.session or self._heard
+
+    def expect(self, session: int) -> None:
+        """Echo `session` from the start, where it is known before anything was heard."""
+        self._heard = session
+
+    def receive(self, data: bytes) -> Datagram | None:  # noqa: PLR0911 - one for each check, in order
         """The datagram if it is the newest so far of its session; None otherwise, and counted."""
         counts = self.counts
+        self.greeting = 0
         datagram = decode(self._key, data)
         if isinstance(datagram, Rejected):
             setattr(counts, datagram.reason, getattr(counts, datagram.reason) + 1)
@@ -54,8 +91,14 @@ class Peer:
         if datagram.kind not in self._kinds:
             counts.unexpected += 1
             return None
+        if self._own and (datagram.echo != self._own or datagram.session == self._own):
+            counts.unproven += 1
+            if datagram.session == self._own:  # sent back to its sender
+                return None
+            self.greeting = self._heard = datagram.session
+            return None
         if datagram.session != self.session:
-            if datagram.session in self._old:
+            if datagram.session in self._old or len(self._old) >= self.MOST_SESSIONS:
                 counts.old_session += 1
                 return None
             self._begin(datagram)
@@ -80,7 +123,7 @@ class Peer:
 
     def _begin(self, datagram: Datagram) -> None:
         if self.session:
-            self._old.append(self.session)
+            self._old.add(self.session)
         self.session = datagram.session
         self.sequence = datagram.sequence
         self._seen = (1 << self._REORDER_WINDOW) - 1  # what came before the first one seen is not missed

@@ -1,7 +1,10 @@
 """The controller's side of the exchange with the supervisor (the paper's Fig. 2). Pure: bytes in, bytes out."""
 
+from math import nan
+
 import msgspec
 
+from common.clock_offset import ClockOffset
 from common.datagram import Kind, encode
 from common.peer import LinkCounts, Peer
 from common.visual_datagram import read_visual_body
@@ -16,7 +19,9 @@ class ControllerExchange:
         self._key = key
         self._session = session
         self._sequence = 0
-        self._peer = Peer(key, (Kind.VISUAL,))
+        self._peer = Peer(key, (Kind.VISUAL,), session)
+        self.clock = ClockOffset()
+        """The supervisor's clock against this one's."""
 
     @property
     def counts(self) -> LinkCounts:
@@ -27,21 +32,30 @@ class ControllerExchange:
         """The same counts by name."""
         return {name: int(value) for name, value in msgspec.structs.asdict(self._peer.counts).items()}
 
-    def timestamp(self, cycle: int) -> bytes:
-        """The datagram that opens a cycle."""
-        self._sequence += 1
-        return encode(self._key, Kind.TIMESTAMP, self._session, self._sequence, (cycle,))
+    def expect(self, supervisor_session: int) -> None:
+        """Know the supervisor's session from the start, as in virtual time."""
+        self._peer.expect(supervisor_session)
 
-    def take(self, datagrams: list[bytes], cycle: int) -> list[VisualSample]:
-        """The visual samples among the datagrams read in a cycle, in order.
+    def timestamp(self, cycle: int, sent_s: float = nan) -> bytes:
+        """The datagram that opens a cycle. sent_s: this clock's time, for the comparison of the clocks."""
+        self._sequence += 1
+        return encode(
+            self._key, Kind.TIMESTAMP, self._session, self._sequence, (cycle, sent_s), echo=self._peer.echo
+        )
+
+    def take(self, datagrams: list[bytes], cycle: int, received_s: float = nan) -> list[VisualSample]:
+        """The visual samples among the datagrams read in a cycle, in order. received_s: this clock's time.
 
         One that answers another session's timestamps, or one from the future, is counted as of an old session.
         """
         samples: list[VisualSample] = []
         for data in datagrams:
+            sessions = self._peer.counts.sessions
             datagram = self._peer.receive(data)
             if datagram is None:
                 continue
+            if self._peer.counts.sessions != sessions:
+                self.clock.reset()
             read = read_visual_body(datagram.body)
             if read is None:
                 self._peer.counts.malformed += 1
@@ -49,6 +63,7 @@ class ControllerExchange:
                 self._peer.counts.old_session += 1
             else:
                 samples.append(read[1])
+                self.clock.add(read[2], received_s)
         return samples
 
 
@@ -57,12 +72,27 @@ class ReferenceExchange:
 
     LAPSE_S = 0.1
 
-    def __init__(self, key: bytes) -> None:
-        """Accept references signed with `key`."""
-        self._peer = Peer(key, (Kind.REFERENCE,))
+    def __init__(self, key: bytes, session: int) -> None:
+        """Accept references signed with `key` that echo `session`, this process's own."""
+        self._key = key
+        self._session = session
+        self._sequence = 0
+        self._peer = Peer(key, (Kind.REFERENCE,), session)
         self._velocity = 0.0
         self._damping = True
         self._time_s = float("-inf")
+
+    @property
+    def counts(self) -> LinkCounts:
+        """Counts of the references since the start."""
+        return self._peer.counts
+
+    def hello(self) -> bytes | None:
+        """What to answer to the sender of the last datagram taken: this session, where that did not know it yet."""
+        if not self._peer.greeting:
+            return None
+        self._sequence += 1
+        return encode(self._key, Kind.HELLO, self._session, self._sequence, (), echo=self._peer.greeting)
 
     def take(self, datagrams: list[bytes], time_s: float) -> None:
         """Read what has arrived by a time."""

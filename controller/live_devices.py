@@ -1,5 +1,6 @@
 """The controller's devices and sockets: what a cycle reads and writes on a rig."""
 
+import time
 from math import nan
 
 from common.configuration import Configuration
@@ -25,7 +26,7 @@ class LiveDevices:
         key = load_key(link)
         self.session = new_session()
         self._exchange = ControllerExchange(key, self.session)
-        self._reference = ReferenceExchange(key)
+        self._reference = ReferenceExchange(key, self.session)
         self._accelerometer = open_accelerometer(configuration.accelerometer)
         self._drive = open_drive(configuration.drive, key)
         schedule = configuration.controller.schedule
@@ -49,21 +50,24 @@ class LiveDevices:
     def read(self, cycle: int) -> CycleInput:
         """Open a cycle: send its timestamp, then read the accelerometer, the drive and what came by UDP."""
         data_socket, reference_socket = self._sockets
-        data_socket.send(self._exchange.timestamp(cycle), self._supervisor)
+        data_socket.send(self._exchange.timestamp(cycle, time.monotonic()), self._supervisor)
         time_s = cycle * self._cycle_s
         acceleration = self._accelerometer.read() if self._accelerometer is not None else nan
         position = velocity = age = nan
         if self._drive is not None:
             position, velocity, age = self._drive.state()
             age = min(age, _OLDEST_S)
-        self._reference.take(reference_socket.drain(self._limit), time_s)
+        for data, sender in reference_socket.drain_with_senders(self._limit):
+            self._reference.take([data], time_s)
+            if answer := self._reference.hello():
+                reference_socket.send(answer, sender)
         reference, allowed = self._reference.reference(time_s)
         if self._schedule is not None:
             reference += self._schedule.reference_rad_s(time_s)
             allowed = allowed and self._schedule.damping_allowed(time_s)
         else:
             allowed = allowed and self._configuration.controller.damping.without_schedule
-        samples = self._exchange.take(data_socket.drain(self._limit), cycle)
+        samples = self._exchange.take(data_socket.drain(self._limit), cycle, time.monotonic())
         return CycleInput(cycle, acceleration, position, velocity, age, reference, allowed, samples)
 
     def write(self, command_rad_s: float) -> None:

@@ -26,6 +26,8 @@ class DriveGatewaySocket:
         for data, sender in self._socket.drain_with_senders(_MAX_DATAGRAMS):
             if self._gateway.receive(data, now_s):
                 self._commander = sender
+            elif answer := self._gateway.hello():
+                self._socket.send(answer, sender)
         return self._gateway.velocity_command(now_s)
 
     def report(self, position_rad: float, velocity_rad_s: float) -> None:

@@ -30,9 +30,9 @@ class UdpGatewayDrive:
         self._gateway = (config.gateway_host, config.gateway_port)
         self._key = key
         self._clock = clock
-        self._session = new_session() if session is None else session
+        self.session = new_session() if session is None else session
         self._sequence = 0
-        self._peer = Peer(key, (Kind.DRIVE_STATE,))
+        self._peer = Peer(key, (Kind.DRIVE_STATE, Kind.HELLO), self.session)
         self._socket: UdpSocket | None = None
         self._position = self._velocity = nan
         self._arrived_s = -inf
@@ -69,7 +69,8 @@ class UdpGatewayDrive:
         # float(): a NumPy scalar would not go into msgpack
         body = (float(velocity_rad_s),)
         self._socket.send(
-            encode(self._key, Kind.DRIVE_COMMAND, self._session, self._sequence, body), self._gateway
+            encode(self._key, Kind.DRIVE_COMMAND, self.session, self._sequence, body, echo=self._peer.echo),
+            self._gateway,
         )
 
     def state(self) -> JointState:
@@ -78,7 +79,7 @@ class UdpGatewayDrive:
             raise RuntimeError("state() before start()")
         for data in self._socket.drain(_MAX_DATAGRAMS):
             datagram = self._peer.receive(data)
-            if datagram is not None:
+            if datagram is not None and datagram.kind == Kind.DRIVE_STATE:
                 self._take(datagram)
         return JointState(self._position, self._velocity, self._clock() - self._arrived_s)
 

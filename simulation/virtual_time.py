@@ -18,15 +18,19 @@ import numpy as np
 
 from common.configuration import Configuration
 from common.datagram import DEMO_KEY
+from common.effects import check_effects, declared
 from common.model import Model
 from common.scenario import Scenario
 from common.visual_sample import TrackingStatus, VisualSample
 from controller.exchange import ControllerExchange
 from controller.recorded import estimate_sample, fast_sample, frame_sample
 from controller.step import Controller, CycleInput
+from drivers.shared_memory_camera import ASK_AGAIN_S
+from simulation.accelerometer_effects import AccelerometerEffects
 from simulation.accelerometer_reading import accelerometer_reading
 from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_timing import AFTER_DELIVERY_S
+from simulation.clock_steps import ClockSteps, refuse_step_of_absent_stamps
 from simulation.disturbance import DISTURBANCE_STREAM, Disturbance
 from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
@@ -87,6 +91,8 @@ class _VirtualSupervisor:
         self._free_at_s = -inf
         self._started = False
         self._triggered = camera.triggered
+        self._in_flight = configuration.supervisor.cycles_in_flight
+        self._last_frame_s = -inf
         self._sent: deque[tuple[float, bytes]] = deque()
 
     def advance(self, now_s: float, timestamp: Callable[[], bytes]) -> tuple[list[bytes], list[Delivery]]:
@@ -97,7 +103,14 @@ class _VirtualSupervisor:
         if not self._started:
             self._started = True
             self._begin_cycles(now_s, timestamp)
+            self._last_frame_s = now_s
         delivered = self._camera.due(now_s)
+        if delivered:
+            self._last_frame_s = now_s
+        elif self._triggered and now_s >= self._last_frame_s + ASK_AGAIN_S:
+            self._last_frame_s = now_s
+            for _ in range(self._in_flight):
+                self._camera.request(now_s)
         for delivery in delivered:
             self._begin_cycles(now_s, timestamp)
             sample = self._sample(delivery, self._exchange.oldest().cycle)
@@ -160,22 +173,30 @@ def simulate(
     progress: Callable[[float], None] = lambda done: None,
 ) -> PartCosts:
     """Run the loop and write both files; returns what each part cost. Raises UserError for what cannot be simulated."""
-    cycle_s = run.true_model.timing.cycle_s
-    plant = Plant(run.true_model, run.name)
+    check_effects(run.true_model.effects, run.name)
+    true_model = declared(run.true_model)
+    cycle_s = true_model.timing.cycle_s
+    refuse_step_of_absent_stamps(true_model, run.configuration.rig, run.name)
+    plant = Plant(true_model, run.name)
     signal = AccelerometerSignal(
-        run.true_model.accelerometer, cycle_s, np.random.default_rng((run.seed, ACCELEROMETER_STREAM))
+        true_model.accelerometer,
+        cycle_s,
+        np.random.default_rng((run.seed, ACCELEROMETER_STREAM)),
+        AccelerometerEffects(true_model, cycle_s, run.seed),
     )
+    clock_steps = ClockSteps(true_model)
     disturbance = Disturbance(
         run.scenario,
-        len(run.true_model.arm.modes),
+        len(true_model.arm.modes),
         cycle_s,
         np.random.default_rng((run.seed, DISTURBANCE_STREAM)),
     )
     poses = PoseHistory(None)
-    camera = VirtualCamera(run.true_model, run.configuration.rig, run.seed, poses, images=run.images)
-    supervisor = _VirtualSupervisor(run.configuration, camera, run.true_model.camera.noise_std_px, run.images)
+    camera = VirtualCamera(true_model, run.configuration.rig, run.seed, poses, images=run.images)
+    supervisor = _VirtualSupervisor(run.configuration, camera, true_model.camera.noise_std_px, run.images)
     controller = Controller(run.assumed_model, run.configuration.controller, run.name)
     exchange = ControllerExchange(DEMO_KEY, _CONTROLLER_SESSION)
+    exchange.expect(_SUPERVISOR_SESSION)
     read_accelerometer = accelerometer_reading(run.configuration.accelerometer)
     costs = PartCosts()
     cycles = round(run.scenario.duration_s / cycle_s)
@@ -183,7 +204,8 @@ def simulate(
         for cycle in range(cycles):
             costs.begin_cycle(cycle)
             now = cycle * cycle_s
-            acceleration = read_accelerometer(signal.sample(plant.tip_acceleration_m_s2))
+            felt = signal.sample(plant.tip_acceleration_m_s2, now, plant.tip_angle_rad)
+            acceleration = read_accelerometer(felt)
             costs.spent_on("accelerometer")
             poses.append(now, plant.tip_position_m, plant.tip_angle_rad)
             datagrams, delivered = supervisor.advance(now, partial(exchange.timestamp, max(0, cycle - 1)))
@@ -191,8 +213,8 @@ def simulate(
             read = CycleInput(
                 cycle,
                 acceleration,
-                plant.joint_position_rad,
-                plant.joint_velocity_rad_s,
+                plant.encoder_position_rad,
+                plant.encoder_velocity_rad_s,
                 0.0,
                 run.scenario.reference_rad_s(now),
                 run.scenario.damping_allowed(now),
@@ -201,10 +223,10 @@ def simulate(
             costs.spent_on("exchange")
             answered = controller.step(read)
             costs.spent_on("controller")
-            recording.write("/fast", fast_sample(read, answered, cycle_s))
-            recording.write("/estimate", estimate_sample(cycle, answered, cycle_s))
+            recording.write("/fast", clock_steps.row(fast_sample(read, answered, cycle_s)))
+            recording.write("/estimate", clock_steps.row(estimate_sample(cycle, answered, cycle_s)))
             for sample in read.samples:
-                recording.write("/frames", frame_sample(sample, cycle, cycle_s))
+                recording.write("/frames", clock_steps.frame(frame_sample(sample, cycle, cycle_s)))
             truth.write("/truth/state", true_state(plant, now))
             for delivery in delivered:
                 truth.write("/truth/frames", delivery.truth)

@@ -87,12 +87,12 @@ class _Loop:
                 sample = self._supervisor.step(frame, exchange.oldest().cycle)
                 self._frames += 1
                 self._measured += sample.measured
-            self._socket.send(exchange.end_cycle(sample), self._controller)
+            self._socket.send(exchange.end_cycle(sample, time.monotonic()), self._controller)
             if frame is not None:
                 self._record(frame, sample)
 
     def _take_timestamps(self) -> None:
-        self._exchange.take(self._socket.drain(_TIMESTAMPS_AT_ONCE))
+        self._exchange.take(self._socket.drain(_TIMESTAMPS_AT_ONCE), time.monotonic())
 
     def _record(self, frame: Frame, sample: VisualSample) -> None:
         if self._recorder is not None:

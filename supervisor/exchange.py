@@ -1,11 +1,12 @@
 """The supervisor's side of the exchange with the controller (the paper's Fig. 2). Pure: bytes in, bytes out."""
 
 from collections import deque
+from math import nan
 from typing import NamedTuple
 
 from common.datagram import Kind, encode
 from common.peer import LinkCounts, Peer
-from common.visual_datagram import visual_body
+from common.visual_datagram import LinkTimes, visual_body
 from common.visual_sample import VisualSample
 
 
@@ -30,7 +31,8 @@ class SupervisorExchange:
         self._sequence = 0
         self._in_flight = cycles_in_flight
         self._begun: deque[Timestamp] = deque()
-        self._peer = Peer(key, (Kind.TIMESTAMP,))
+        self._peer = Peer(key, (Kind.TIMESTAMP,), session)
+        self._sent_s = self._received_s = nan  # of the latest timestamp
         self.latest = Timestamp(0, -1)
 
     @property
@@ -38,15 +40,16 @@ class SupervisorExchange:
         """Counts of the timestamps since the start."""
         return self._peer.counts
 
-    def take(self, datagrams: list[bytes]) -> None:
-        """Read what has arrived, keeping the latest timestamp."""
+    def take(self, datagrams: list[bytes], received_s: float = nan) -> None:
+        """Read what has arrived, keeping the latest timestamp. received_s: this clock's time."""
         for data in datagrams:
             datagram = self._peer.receive(data)
             if datagram is None:
                 continue
-            (cycle,) = datagram.body
-            if type(cycle) is int and cycle >= 0:
+            cycle, sent_s = datagram.body
+            if type(cycle) is int and cycle >= 0 and type(sent_s) is float:
                 self.latest = Timestamp(datagram.session, cycle)
+                self._sent_s, self._received_s = sent_s, received_s
             else:
                 self._peer.counts.malformed += 1
 
@@ -60,10 +63,9 @@ class SupervisorExchange:
         """The timestamp with which the oldest cycle in flight began: its image comes next."""
         return self._begun[0]
 
-    def end_cycle(self, sample: VisualSample) -> bytes:
-        """End the oldest cycle: the datagram with its visual data and its n_i."""
+    def end_cycle(self, sample: VisualSample, answered_s: float = nan) -> bytes:
+        """End the oldest cycle: the datagram with its visual data and its n_i. answered_s: this clock's time."""
         started = self._begun.popleft()
         self._sequence += 1
-        return encode(
-            self._key, Kind.VISUAL, self._session, self._sequence, visual_body(started.session, sample)
-        )
+        body = visual_body(started.session, sample, LinkTimes(self._sent_s, self._received_s, answered_s))
+        return encode(self._key, Kind.VISUAL, self._session, self._sequence, body, echo=self._peer.echo)

@@ -37,4 +37,4 @@ def _visual(cycle: int, frame: int) -> bytes:
     sample = VisualSample(
         frame, started, TrackingStatus.MEASURED, 0.5, 0.5, 0.0, 0.01, 0.01, 0.0, 1e-8, 0.5, 0.015, 100, 100
     )
-    return encode(_KEY, Kind.VISUAL, _PEER_SESSION, frame, visual_body(_SESSION, sample))
+    return encode(_KEY, Kind.VISUAL, _PEER_SESSION, frame, visual_body(_SESSION, sample), echo=_SESSION)

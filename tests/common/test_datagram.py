@@ -43,8 +43,9 @@ def test_a_datagram_comes_back(kind: Kind, session: int, sequence: int, data: st
     body = tuple(
         data.draw(st.lists(st.integers(-(2**63), 2**63) | st.floats(), min_size=count, max_size=count))
     )
-    decoded = decode(KEY, encode(KEY, kind, session, sequence, body))
-    assert repr(decoded) == repr(Datagram(int(kind), session, sequence, body))
+    echo = data.draw(st.just(0) | _numbers)
+    decoded = decode(KEY, encode(KEY, kind, session, sequence, body, echo=echo))
+    assert repr(decoded) == repr(Datagram(int(kind), session, sequence, body, echo))
 
 
 @settings(max_examples=200, deadline=None)
@@ -57,13 +58,13 @@ def test_any_bytes_are_rejected(data: bytes) -> None:
 @given(st.binary(max_size=100))
 def test_any_signed_bytes_never_raise(payload: bytes) -> None:
     decoded = decode(KEY, signed(payload))
-    assert isinstance(decoded, Rejected) or msgpack.unpackb(payload)[0] == 1
+    assert isinstance(decoded, Rejected) or msgpack.unpackb(payload)[0] == 2
 
 
 @settings(max_examples=200, deadline=None)
 @given(st.lists(_values, max_size=6))
 def test_any_signed_array_is_well_formed_or_rejected(fields: list[object]) -> None:
-    decoded = decode(KEY, signed(msgpack.packb([1, *fields])))
+    decoded = decode(KEY, signed(msgpack.packb([2, *fields])))
     if isinstance(decoded, Datagram):
         assert BODY_FIELDS[Kind(decoded.kind)] == len(decoded.body)
         assert decoded.session > 0 and decoded.sequence > 0
@@ -87,18 +88,22 @@ def test_another_key_is_a_forgery() -> None:
 @pytest.mark.parametrize(
     ("fields", "reason"),
     [
-        ([2, 1, 5, 6, 7], "foreign_version"),
-        ([True, 1, 5, 6, 7], "foreign_version"),
-        ([1.0, 1, 5, 6, 7], "foreign_version"),
-        ([1, 99, 5, 6, 7], "malformed"),
-        ([1, True, 5, 6, 7], "malformed"),
-        ([1, 1, 5, 6], "malformed"),
-        ([1, 1, 5, 6, 7, 8], "malformed"),
-        ([1, 1, 0, 6, 7], "malformed"),
-        ([1, 1, 5, -6, 7], "malformed"),
-        ([1, 1, 5, 6.0, 7], "malformed"),
-        ([1, 1, True, 6, 7], "malformed"),
-        ([1, [1], 5, 6, 7], "malformed"),
+        ([1, 1, 5, 6, 7], "foreign_version"),
+        ([3, 3, 5, 0, 6, 0.1], "foreign_version"),
+        ([3, 3, 5, 700], "foreign_version"),
+        ([True, 3, 5, 0, 6, 0.1], "foreign_version"),
+        ([2.0, 3, 5, 0, 6, 0.1], "foreign_version"),
+        ([2, 99, 5, 0, 6, 0.1], "malformed"),
+        ([2, True, 5, 0, 6, 0.1], "malformed"),
+        ([2, 3, 5, 0, 6], "malformed"),
+        ([2, 3, 5, 0, 6, 0.1, 8], "malformed"),
+        ([2, 3, 0, 0, 6, 0.1], "malformed"),
+        ([2, 3, 5, 0, -6, 0.1], "malformed"),
+        ([2, 3, 5, 0, 6.0, 0.1], "malformed"),
+        ([2, 3, True, 0, 6, 0.1], "malformed"),
+        ([2, 3, 5, -1, 6, 0.1], "malformed"),
+        ([2, 3, 5, 0.0, 6, 0.1], "malformed"),
+        ([2, [3], 5, 0, 6, 0.1], "malformed"),
         ({"a": 1, "b": 2, "c": 3}, "malformed"),
     ],
 )

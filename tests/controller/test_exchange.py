@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.datagram import DEMO_KEY, Kind, encode
+from common.reference_sender import ReferenceSender
 from common.visual_sample import VisualSample
 from controller.exchange import ControllerExchange, ReferenceExchange
 from supervisor.exchange import SupervisorExchange
@@ -18,6 +19,7 @@ def sample(started: int, frame: int = 1) -> VisualSample:
 def test_the_timestamp_comes_back_with_the_data() -> None:
     """n_i is the latest timestamp when the supervisor's cycle began, not when it ended."""
     controller, supervisor = ControllerExchange(DEMO_KEY, 11), SupervisorExchange(DEMO_KEY, 22, 1)
+    controller.expect(22)
     supervisor.take([controller.timestamp(c) for c in (5, 6, 7)])
     supervisor.begin_cycles()
     supervisor.take([controller.timestamp(c) for c in (8, 9)])
@@ -32,6 +34,7 @@ def test_the_timestamp_comes_back_with_the_data() -> None:
 def test_cycles_in_flight_come_back_in_order() -> None:
     """Four images asked for ahead: each comes with the timestamp of its own request."""
     controller, supervisor = ControllerExchange(DEMO_KEY, 11), SupervisorExchange(DEMO_KEY, 22, 4)
+    controller.expect(22)
     started = []
     for cycle in range(0, 150, 15):
         supervisor.take([controller.timestamp(cycle)])
@@ -44,13 +47,17 @@ def test_cycles_in_flight_come_back_in_order() -> None:
 def test_what_answers_another_session_or_the_future_is_not_taken() -> None:
     """A restarted controller must not date frames by the timestamps of its former life."""
     old, new = ControllerExchange(DEMO_KEY, 11), ControllerExchange(DEMO_KEY, 12)
-    supervisor = SupervisorExchange(DEMO_KEY, 22, 1)
+    supervisor = SupervisorExchange(DEMO_KEY, 22, 2)
+    old.expect(22)
     supervisor.take([old.timestamp(900)])
     supervisor.begin_cycles()
     data = supervisor.end_cycle(sample(900))
     assert new.take([data], 5) == []
-    assert new.counts.old_session == 1
+    assert new.counts.unproven == 1
     assert old.take([data], 899) == []
+    supervisor.take([new.timestamp(2)])
+    assert new.take([supervisor.end_cycle(sample(900))], 5) == []  # of the old one's timestamp
+    assert new.counts.old_session == 1
     supervisor.take([new.timestamp(3)])
     supervisor.begin_cycles()
     assert len(new.take([supervisor.end_cycle(sample(3))], 5)) == 1
@@ -58,12 +65,12 @@ def test_what_answers_another_session_or_the_future_is_not_taken() -> None:
 
 def test_a_reference_lapses() -> None:
     """Held for a tenth of a second, then zero."""
-    reference = ReferenceExchange(DEMO_KEY)
+    reference = ReferenceExchange(DEMO_KEY, 11)
     assert reference.reference(0.0) == (0.0, True)
-    reference.take([encode(DEMO_KEY, Kind.REFERENCE, 5, 1, (0.2, False))], 1.0)
+    reference.take([encode(DEMO_KEY, Kind.REFERENCE, 5, 1, (0.2, False), echo=11)], 1.0)
     assert reference.reference(1.05) == (0.2, False)
     assert reference.reference(1.2) == (0.0, True)
-    reference.take([encode(DEMO_KEY, Kind.REFERENCE, 5, 2, (nan, True))], 1.3)
+    reference.take([encode(DEMO_KEY, Kind.REFERENCE, 5, 2, (nan, True), echo=11)], 1.3)
     assert reference.reference(1.3) == (0.0, True)
 
 
@@ -74,7 +81,7 @@ def test_any_bytes_are_survived(datagrams: list[bytes]) -> None:
     assert controller.take(datagrams, 5) == []
     supervisor.take(datagrams)
     assert supervisor.latest.cycle == -1
-    ReferenceExchange(DEMO_KEY).take(datagrams, 0.0)
+    ReferenceExchange(DEMO_KEY, 11).take(datagrams, 0.0)
 
 
 @given(
@@ -86,9 +93,64 @@ def test_any_signed_body_is_survived(body: list[object]) -> None:
     """Signed nonsense of the right or the wrong length."""
     controller, supervisor = ControllerExchange(DEMO_KEY, 11), SupervisorExchange(DEMO_KEY, 22, 1)
     try:
-        forms = [encode(DEMO_KEY, kind, 7, 1, tuple(body)) for kind in Kind]
+        forms = [encode(DEMO_KEY, kind, 7, 1, tuple(body), echo=echo) for kind in Kind for echo in (11, 22)]
     except (OverflowError, ValueError):
         return
     controller.take(forms, 5)
     supervisor.take(forms)
-    ReferenceExchange(DEMO_KEY).take(forms, 0.0)
+    ReferenceExchange(DEMO_KEY, 11).take(forms, 0.0)
+
+
+def test_the_ends_find_each_other_from_nothing_and_after_a_restart() -> None:
+    """No samples are lost but those that began before the supervisor knew the controller."""
+    controller, supervisor = ControllerExchange(DEMO_KEY, 11), SupervisorExchange(DEMO_KEY, 22, 1)
+    taken = []
+    for cycle in range(8):
+        if cycle == 4:
+            supervisor = SupervisorExchange(DEMO_KEY, 23, 1)
+        supervisor.take([controller.timestamp(cycle)])
+        supervisor.begin_cycles()
+        taken += controller.take([supervisor.end_cycle(sample(supervisor.oldest().cycle))], cycle)
+    assert [s.started_cycle for s in taken] == [1, 2, 3, 5, 6, 7]
+
+
+def test_a_recording_of_the_link_moves_nothing() -> None:
+    """Everything that was exchanged in an earlier run, played to both ends of this one, before and during it."""
+    record: list[bytes] = []
+
+    def run(sessions: tuple[int, int], played: list[bytes]) -> int:
+        controller, supervisor = (
+            ControllerExchange(DEMO_KEY, sessions[0]),
+            SupervisorExchange(DEMO_KEY, sessions[1], 1),
+        )
+        count = 0
+        for cycle in range(30):
+            assert controller.take(played, cycle) == []
+            before = supervisor.latest
+            supervisor.take(played)
+            assert supervisor.latest == before
+            record.append(controller.timestamp(cycle))
+            supervisor.take(record[-1:])
+            supervisor.begin_cycles()
+            record.append(supervisor.end_cycle(sample(supervisor.oldest().cycle)))
+            count += len(controller.take(record[-1:], cycle))
+        return count
+
+    assert run((11, 22), []) == 29
+    assert run((12, 23), list(record)) == 29
+
+
+def test_an_operator_is_taken_after_it_was_answered() -> None:
+    """A recorded reference moves nothing in another run."""
+    operator, reference = ReferenceSender(DEMO_KEY, 5), ReferenceExchange(DEMO_KEY, 11)
+    first = operator.reference(0.2, True)
+    reference.take([first], 1.0)
+    assert reference.reference(1.0) == (0.0, True) and not operator.known
+    operator.take([reference.hello() or b""])
+    second = operator.reference(0.2, False)
+    reference.take([second], 1.1)
+    assert operator.known and reference.hello() is None
+    assert reference.reference(1.1) == (0.2, False)
+    later = ReferenceExchange(DEMO_KEY, 12)
+    later.take([first, second], 9.0)
+    assert later.reference(9.0) == (0.0, True)

@@ -6,27 +6,27 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.datagram import Kind, decode, encode
+from common.datagram import Datagram, Kind, decode, encode
 from common.user_error import UserError
 from drivers.drive_gateway import DEAD_MAN_S, DriveGateway, GatewayStatus
 from drivers.drive_gateway_socket import DriveGatewaySocket
 
 KEY = b"a key of the tests' own"
-SESSION = 7
+SESSION, OWN = 7, 70
 
 
 def command(velocity: object, sequence: int, session: int = SESSION, key: bytes = KEY) -> bytes:
-    return encode(key, Kind.DRIVE_COMMAND, session, sequence, (velocity,))
+    return encode(key, Kind.DRIVE_COMMAND, session, sequence, (velocity,), echo=OWN)
 
 
 def test_holds_still_before_the_first_command() -> None:
-    gateway = DriveGateway(KEY)
+    gateway = DriveGateway(KEY, OWN)
     assert gateway.velocity_command(0.0) == 0.0
     assert decode(KEY, gateway.state_datagram(0.0, 0.0)).body[2:] == (GatewayStatus.IDLE, 0)
 
 
 def test_follows_until_the_dead_man_timer_and_again_after() -> None:
-    gateway = DriveGateway(KEY)
+    gateway = DriveGateway(KEY, OWN)
     assert gateway.receive(command(0.3, 1), 10.0)
     assert gateway.velocity_command(10.0) == 0.3
     assert gateway.velocity_command(10.0 + 0.99 * DEAD_MAN_S) == 0.3
@@ -39,7 +39,7 @@ def test_follows_until_the_dead_man_timer_and_again_after() -> None:
 
 @pytest.mark.parametrize("velocity", [nan, inf, -inf, None, "fast", True, [0.1], b"\x00"])
 def test_ignores_what_is_no_finite_number_and_does_not_rewind_the_timer(velocity: object) -> None:
-    gateway = DriveGateway(KEY)
+    gateway = DriveGateway(KEY, OWN)
     gateway.receive(command(0.3, 1), 0.0)
     assert not gateway.receive(command(velocity, 2), 0.09)
     assert gateway.ignored == 1
@@ -48,7 +48,7 @@ def test_ignores_what_is_no_finite_number_and_does_not_rewind_the_timer(velocity
 
 
 def test_refuses_forged_repeated_and_older_commands() -> None:
-    gateway = DriveGateway(KEY)
+    gateway = DriveGateway(KEY, OWN)
     gateway.receive(command(0.1, 5), 0.0)
     for data in (command(0.5, 6, key=b"somebody else's key"), command(0.5, 5), command(0.5, 4)):
         assert not gateway.receive(data, 0.05)
@@ -60,7 +60,7 @@ def test_refuses_forged_repeated_and_older_commands() -> None:
 
 
 def test_a_replaced_session_has_no_say_any_more() -> None:
-    gateway = DriveGateway(KEY)
+    gateway = DriveGateway(KEY, OWN)
     gateway.receive(command(0.1, 5, session=1), 0.0)
     assert gateway.receive(command(0.2, 1, session=2), 0.01)
     assert not gateway.receive(command(0.3, 6, session=1), 0.02)
@@ -68,17 +68,17 @@ def test_a_replaced_session_has_no_say_any_more() -> None:
 
 
 def test_state_counts_up_and_echoes_the_command() -> None:
-    gateway = DriveGateway(KEY, session=99)
+    gateway = DriveGateway(KEY, session=OWN)
     gateway.receive(command(0.25, 41), 0.0)
     gateway.velocity_command(0.0)
     for sequence in (1, 2):
         state = decode(KEY, gateway.state_datagram(0.5, -0.125))
-        assert state == (Kind.DRIVE_STATE, 99, sequence, (0.5, -0.125, GatewayStatus.FOLLOWING, 41))
+        assert state == (Kind.DRIVE_STATE, OWN, sequence, (0.5, -0.125, GatewayStatus.FOLLOWING, 41), SESSION)
 
 
 @given(st.binary(max_size=1300))
 def test_no_bytes_make_it_raise_or_move(data: bytes) -> None:
-    gateway = DriveGateway(KEY)
+    gateway = DriveGateway(KEY, OWN)
     assert not gateway.receive(data, 0.0)
     assert gateway.velocity_command(0.0) == 0.0
 
@@ -90,7 +90,7 @@ def test_no_bytes_make_it_raise_or_move(data: bytes) -> None:
     )
 )
 def test_no_signed_body_makes_it_raise_or_gives_a_velocity_that_is_no_number(body: object) -> None:
-    gateway = DriveGateway(KEY)
+    gateway = DriveGateway(KEY, OWN)
     accepted = gateway.receive(command(body, 1), 0.0)
     assert accepted == (type(body) in (int, float) and -inf < body < inf)
     assert gateway.velocity_command(0.0) == (float(body) if accepted else 0.0)
@@ -102,3 +102,18 @@ def test_a_second_gateway_on_a_port_is_refused_in_one_line() -> None:
         DriveGatewaySocket(DriveGateway(KEY), first.address)
     first.close()
     first.close()
+
+
+def test_commands_of_another_life_of_the_gateway_are_not_followed_but_answered() -> None:
+    """Recorded yesterday, played to the gateway of today; whoever commands today learns its session and is followed."""
+    yesterday = encode(KEY, Kind.DRIVE_COMMAND, SESSION, 5, (0.6,), echo=69)
+    gateway = DriveGateway(KEY, OWN)
+    assert not gateway.receive(yesterday, 0.0)
+    hello = decode(KEY, gateway.hello() or b"")
+    assert isinstance(hello, Datagram)
+    assert (hello.kind, hello.session, hello.echo) == (Kind.HELLO, OWN, SESSION)
+    assert gateway.velocity_command(0.0) == 0.0
+    assert gateway.receive(command(0.1, 1, session=8), 0.01)
+    assert gateway.hello() is None
+    assert not gateway.receive(yesterday, 0.02)
+    assert gateway.velocity_command(0.02) == 0.1

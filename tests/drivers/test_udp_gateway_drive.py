@@ -46,6 +46,14 @@ class Pair:
         self.drive = UdpGatewayDrive(self.config, KEY, clock=self.clock)
         self.drive.start()
 
+    def join(self) -> None:
+        """A command that does not know the gateway yet, and the answer that tells."""
+        self.drive.command(0.0)
+        self.arrived_at_gateway()
+        assert self.socket.poll(0.0) == 0.0 and self.gateway.counts.unproven == 1
+        self.arrived_at_drive()
+        assert self.drive.state().age_s == inf
+
     def arrived_at_gateway(self) -> None:
         assert select.select([self.socket._socket.fileno()], [], [], 5.0)[0]
 
@@ -74,18 +82,20 @@ def pair() -> Iterator[Pair]:
 def test_command_goes_out_and_state_comes_back(pair: Pair) -> None:
     pair.socket.report(9.0, 9.0)  # nobody to tell yet
     assert pair.drive.state().age_s == inf
+    pair.join()
     pair.drive.command(0.25)
     pair.arrived_at_gateway()
     assert pair.socket.poll(0.0) == 0.25
     pair.socket.report(0.5, 0.125)
     pair.arrived_at_drive()
     assert pair.drive.state() == (0.5, 0.125, 0.0)
-    assert (pair.drive.status, pair.drive.echoed_sequence) == (GatewayStatus.FOLLOWING, 1)
+    assert (pair.drive.status, pair.drive.echoed_sequence) == (GatewayStatus.FOLLOWING, 2)
     pair.clock.now += 0.25
     assert pair.drive.state() == (0.5, 0.125, 0.25)
 
 
 def test_answers_go_to_the_last_accepted_commander_only(pair: Pair) -> None:
+    pair.join()
     pair.drive.command(0.25)
     pair.arrived_at_gateway()
     pair.socket.poll(0.0)
@@ -104,6 +114,7 @@ def test_answers_go_to_the_last_accepted_commander_only(pair: Pair) -> None:
 
 @pytest.mark.parametrize("velocity", [nan, inf, -inf])
 def test_a_command_that_is_no_number_is_sent_as_zero(pair: Pair, velocity: float) -> None:
+    pair.join()
     pair.drive.command(velocity)
     pair.arrived_at_gateway()
     assert pair.socket.poll(0.0) == 0.0
@@ -112,6 +123,7 @@ def test_a_command_that_is_no_number_is_sent_as_zero(pair: Pair, velocity: float
 
 
 def test_close_commands_zero(pair: Pair) -> None:
+    pair.join()
     pair.drive.command(0.3)
     pair.drive.close()
     pair.drive.close()
@@ -135,7 +147,7 @@ def test_close_commands_zero(pair: Pair) -> None:
     ],
 )
 def test_a_state_of_wrong_values_is_ignored_and_counted(pair: Pair, body: tuple[Any, ...]) -> None:
-    pair.send_to_drive(encode(KEY, Kind.DRIVE_STATE, SESSION, 1, body))
+    pair.send_to_drive(encode(KEY, Kind.DRIVE_STATE, SESSION, 1, body, echo=pair.drive.session))
     state = pair.drive.state()
     assert isnan(state.position_rad)
     assert isnan(state.velocity_rad_s)

@@ -1,0 +1,35 @@
+"""The operator's end of the reference link. Pure: bytes in, bytes out.
+
+The controller takes references only from who has heard from it: the first one is answered by a HELLO, and those that
+follow are taken.
+"""
+
+from common.datagram import Kind, encode
+from common.peer import Peer
+
+
+class ReferenceSender:
+    """Words REFERENCE datagrams, and learns the controller's session from its answers."""
+
+    def __init__(self, key: bytes, session: int) -> None:
+        """Sign with `key`; `session` from common.udp.new_session(), never used before."""
+        self._key = key
+        self._session = session
+        self._sequence = 0
+        self._peer = Peer(key, (Kind.HELLO,), session)
+
+    @property
+    def known(self) -> bool:
+        """Whether the controller has answered."""
+        return self._peer.session != 0
+
+    def take(self, datagrams: list[bytes]) -> None:
+        """Read what the controller answered."""
+        for data in datagrams:
+            self._peer.receive(data)
+
+    def reference(self, velocity_rad_s: float, damping_allowed: bool) -> bytes:
+        """The datagram of a joint velocity reference; to be renewed well within 0.1 s."""
+        self._sequence += 1
+        body = (float(velocity_rad_s), damping_allowed)
+        return encode(self._key, Kind.REFERENCE, self._session, self._sequence, body, echo=self._peer.echo)
