@@ -1,13 +1,21 @@
 """A UDP socket that never blocks: send, and drain what has arrived, within a bound."""
 
 import contextlib
+import ctypes
 import secrets
 import socket
+import struct
 
 from common.datagram import MAX_DATAGRAM_BYTES
+from common.flood_filter import FloodGuard, flood_program, packed
 from common.user_error import UserError
 
 Address = tuple[str, int]
+
+# Linux, asm-generic/socket.h; Python does not name them.
+_SO_ATTACH_FILTER, _SO_DETACH_FILTER, _SO_MEMINFO = 26, 27, 55
+_MEMINFO = struct.Struct("=9I")
+_DROPS = 8
 
 
 class UdpSocket:
@@ -27,6 +35,16 @@ class UdpSocket:
                 "stop the process that uses it, or choose another host or port"
             ) from None
         self.send_failures = 0
+        self._guard: FloodGuard | None = None
+        self._program = b""
+
+    def guard(self, kinds: tuple[int, ...], session: int, expected_per_look: int) -> None:
+        """From now on, in a flood, have the kernel turn away what is not of `kinds` or echoes another session.
+
+        expected_per_look: datagrams that peers send between two calls of drain(), at the most.
+        """
+        self._guard = FloodGuard(expected_per_look)
+        self._program = packed(flood_program(kinds, session))
 
     def send(self, data: bytes, to: Address) -> None:
         """Send one datagram. A full queue or an absent peer loses it, as UDP may; that is counted."""
@@ -45,6 +63,8 @@ class UdpSocket:
                     received.append(receive(MAX_DATAGRAM_BYTES + 1))
                 except ConnectionError:  # a queued "port unreachable" from an earlier send
                     continue
+        if self._guard is not None and self._guard.see(len(received)):
+            self._shield(self._guard.judge(self.shed))
         return received
 
     def drain_with_senders(self, limit: int) -> list[tuple[bytes, Address]]:
@@ -56,7 +76,33 @@ class UdpSocket:
                     received.append(self._socket.recvfrom(MAX_DATAGRAM_BYTES + 1))
                 except ConnectionError:  # a queued "port unreachable" from an earlier send
                     continue
+        if self._guard is not None and self._guard.see(len(received)):
+            self._shield(self._guard.judge(self.shed))
         return received
+
+    @property
+    def shielded(self) -> bool:
+        """Whether the kernel turns away what does not look like a peer's."""
+        return self._guard is not None and self._guard.shielded
+
+    @property
+    def shed(self) -> int:
+        """How many datagrams the kernel turned away, or had no room for, since the start (modulo 2^32)."""
+        try:
+            answer = self._socket.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO.size)
+        except OSError:  # not Linux, or closed
+            return 0
+        return int(_MEMINFO.unpack(answer)[_DROPS]) if len(answer) == _MEMINFO.size else 0
+
+    def _shield(self, on: bool) -> None:
+        """Attach or detach the program; where that is not possible, the bound of drain() alone has to do."""
+        with contextlib.suppress(OSError):
+            if not on:
+                self._socket.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
+                return
+            code = ctypes.create_string_buffer(self._program, len(self._program))
+            header = struct.pack("@HP", len(self._program) // 8, ctypes.addressof(code))  # struct sock_fprog
+            self._socket.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, header)
 
     def fileno(self) -> int:
         """The descriptor, for select()."""
@@ -74,5 +120,7 @@ class UdpSocket:
 
 
 def new_session() -> int:
-    """A random session number, 63 bits, never 0."""
-    return secrets.randbits(63) | 1
+    """A random session number, of 2^62 to 2^63 - 1: msgpack gives all of these nine bytes, the kernel's filter
+    counts on it.
+    """
+    return secrets.randbits(62) | 1 << 62
