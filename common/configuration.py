@@ -30,7 +30,7 @@ class Link(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     supervisor_port: Port = 47002
     reference_port: Port = 47003
     key_file: str = ""
-    max_datagrams_per_cycle: Annotated[int, Meta(ge=1, le=256)] = 16
+    max_datagrams_per_cycle: Annotated[int, Meta(ge=1, le=256)] = 32
 
 
 class Correlation(msgspec.Struct, forbid_unknown_fields=True, frozen=True):

@@ -128,7 +128,9 @@ class _Loop:
                     deadline_misses=self._clock.misses,
                     accelerometer_faults=self._devices.accelerometer_faults,
                     recorder_lost=recorder.lost,
+                    recorder_alive=recorder.alive(),
                     **counts,
+                    **self._devices.link_status(),  # type: ignore[arg-type]
                 ),
             )
 

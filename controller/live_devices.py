@@ -4,6 +4,7 @@ import time
 from math import nan
 
 from common.configuration import Configuration
+from common.datagram import Kind
 from common.link_key import load_key
 from common.scenario import Scenario, load_scenario
 from common.udp import UdpSocket, new_session
@@ -11,7 +12,9 @@ from controller.exchange import ControllerExchange, ReferenceExchange
 from controller.step import CycleInput
 from drivers.accelerometer_factory import open_accelerometer
 from drivers.drive_factory import open_drive
+from drivers.udp_gateway_drive import UdpGatewayDrive
 
+_EXPECTED_PER_CYCLE = 2  # datagrams of a peer that means well
 _OLDEST_S = 1e6  # a drive that never reported: an infinite age would not survive a recording
 
 
@@ -42,6 +45,8 @@ class LiveDevices:
             UdpSocket((link.controller_host, link.controller_port), "link.controller_port"),
             UdpSocket((link.controller_host, link.reference_port), "link.reference_port"),
         ]
+        for socket, kind in zip(self._sockets, (Kind.VISUAL, Kind.REFERENCE), strict=True):
+            socket.guard((kind,), self.session, _EXPECTED_PER_CYCLE)
         if self._accelerometer is not None:
             self._accelerometer.start()
         if self._drive is not None:
@@ -79,6 +84,31 @@ class LiveDevices:
     def link_counts(self) -> dict[str, int]:
         """Counts of the visual datagrams, by name."""
         return self._exchange.count_by_name()
+
+    def link_status(self) -> dict[str, float]:
+        """What /link tells beside those counts, by the names of its fields: other sockets, clocks."""
+        shed = sum(socket.shed for socket in self._sockets)
+        failures = sum(socket.send_failures for socket in self._sockets)
+        clock = self._exchange.clock.estimate
+        status: dict[str, float] = {
+            "reference_refused": self._reference.counts.refused,
+            "supervisor_clock_offset_s": clock.offset_s,
+            "supervisor_clock_offset_std_s": clock.offset_std_s,
+            "supervisor_clock_skew": clock.skew,
+            "round_trip_s": clock.round_trip_s,
+        }
+        drive = self._drive
+        if isinstance(drive, UdpGatewayDrive):
+            counts = drive.counts
+            status |= {
+                "drive_accepted": counts.accepted,
+                "drive_lost": counts.lost,
+                "drive_refused": counts.refused,
+                "drive_ignored": drive.ignored,
+            }
+            shed += drive.shed
+            failures += drive.send_failures
+        return status | {"shed": shed, "send_failures": failures}
 
     @property
     def accelerometer_faults(self) -> int:

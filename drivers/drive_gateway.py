@@ -30,8 +30,8 @@ class DriveGateway:
         """key: 16 to 32 bytes, shared with the controller. session: of the answers; None draws a random
         one."""
         self._key = key
-        self._session = new_session() if session is None else session
-        self._peer = Peer(key, (Kind.DRIVE_COMMAND,), self._session)
+        self.session = new_session() if session is None else session
+        self._peer = Peer(key, (Kind.DRIVE_COMMAND,), self.session)
         self._sequence = 0
         self._velocity = 0.0
         self._received_s = nan
@@ -79,7 +79,7 @@ class DriveGateway:
         self._sequence += 1
         body = (position_rad, velocity_rad_s, int(self._status), self._command_sequence)
         return encode(
-            self._key, Kind.DRIVE_STATE, self._session, self._sequence, body, echo=self._peer.session
+            self._key, Kind.DRIVE_STATE, self.session, self._sequence, body, echo=self._peer.session
         )
 
     def hello(self) -> bytes | None:
@@ -89,4 +89,4 @@ class DriveGateway:
         if not self._peer.greeting:
             return None
         self._sequence += 1
-        return encode(self._key, Kind.HELLO, self._session, self._sequence, (), echo=self._peer.greeting)
+        return encode(self._key, Kind.HELLO, self.session, self._sequence, (), echo=self._peer.greeting)

@@ -10,7 +10,8 @@ from common.peer import LinkCounts, Peer
 from common.udp import UdpSocket, new_session
 from drivers.drive import JointState
 
-_MAX_DATAGRAMS = 16
+_MAX_DATAGRAMS = 32
+_EXPECTED_PER_CYCLE = 3  # a gateway reports about once a millisecond
 
 
 class UdpGatewayDrive:
@@ -50,10 +51,21 @@ class UdpGatewayDrive:
         """What became of the datagrams received."""
         return self._peer.counts
 
+    @property
+    def shed(self) -> int:
+        """Datagrams that the kernel turned away in a flood, or had no room for."""
+        return self._socket.shed if self._socket is not None else 0
+
+    @property
+    def send_failures(self) -> int:
+        """Commands that could not be sent."""
+        return self._socket.send_failures if self._socket is not None else 0
+
     def start(self) -> None:
         """Open the socket. Moves nothing. Raises UserError when the port is taken."""
         self.close()
         self._socket = UdpSocket((self._config.local_host, self._config.local_port), "drive.local_port")
+        self._socket.guard((Kind.DRIVE_STATE, Kind.HELLO), self.session, _EXPECTED_PER_CYCLE)
 
     def command(self, velocity_rad_s: float) -> None:
         """Send the joint velocity command, rad/s; what is no finite number is sent as zero, and counted.

@@ -6,6 +6,7 @@ from pathlib import Path
 import cv2
 
 from common.configuration import Configuration, load_configuration
+from common.datagram import Kind
 from common.link_key import load_key
 from common.priority import raise_priority
 from common.recording.header import live_header
@@ -24,6 +25,7 @@ from supervisor.tracking.tracker import warm_up
 _NICENESS = -5  # before whatever else this computer does
 _FRAME_TIMEOUT_S = 0.1  # then the controller is told that there is no image
 _TIMESTAMPS_AT_ONCE = 256
+_TIMESTAMPS_EXPECTED = 60  # between two frames
 _RING_BYTES = 64 << 20  # seconds of images, should the disk stall
 _IMAGES = TOPIC_INDEX["/images"]
 
@@ -62,11 +64,13 @@ class _Loop:
         self._camera = camera
         self._recorder = recorder
         self._supervisor = Supervisor(configuration.supervisor.tracker)
+        session = new_session()
         self._exchange = SupervisorExchange(
-            load_key(link), new_session(), configuration.supervisor.cycles_in_flight
+            load_key(link), session, configuration.supervisor.cycles_in_flight
         )
         self._controller = (link.controller_host, link.controller_port)
         self._socket = UdpSocket((link.supervisor_host, link.supervisor_port), "link.supervisor_port")
+        self._socket.guard((Kind.TIMESTAMP,), session, _TIMESTAMPS_EXPECTED)
         self._frames = self._measured = 0
 
     def run(self, stop: StopSignal) -> None:
