@@ -10,7 +10,7 @@ from drivers.frame_ring import FrameRingReader
 _POLL_S = 0.0004
 _LOOK_FOR_RESTART_S = 0.1  # a look at the file system is dearer than one at the ring
 _TOO_FAR_BEHIND = 3  # frames: fewer than that come together by chance
-_ASK_AGAIN_S = 1.0  # a request that went unanswered for so long is lost
+ASK_AGAIN_S = 1.0  # a request that went unanswered for so long is lost
 
 
 class SharedMemoryCamera:
@@ -74,7 +74,7 @@ class SharedMemoryCamera:
             if now >= self._look_at_s:
                 self._look_at_s = now + _LOOK_FOR_RESTART_S
                 self._reopen_if_replaced()
-            if self._ring is not None and now >= self._last_frame_s + _ASK_AGAIN_S:
+            if self._ring is not None and now >= self._last_frame_s + ASK_AGAIN_S:
                 self._last_frame_s = now
                 self._ring.request(self._in_flight)
             if now >= deadline:

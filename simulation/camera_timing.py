@@ -8,7 +8,8 @@ with g a first-order Gauss-Markov process (the operating system's slow wander: c
 rig.delay_wander_time_s), e white, both normal with unit variance, and f = rig.delay_wander_fraction. The two
 bounds say that a frame cannot arrive before it was read out and transferred, and that frames arrive in
 order. m and s are set, when the camera is made, so that mean and standard deviation of h - mid hold with the
-bounds in force.
+bounds in force. Effects (frame_timing_effects) come on top: a drift and bursts are added to the delay before the
+bounds, frames are lost, the period is skewed, an older image is handed over.
 """
 
 from math import exp, sqrt
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from common.configuration import Rig
 from common.model import Camera, Timing
 from common.user_error import UserError
+from simulation.frame_timing_effects import FrameTimingEffects
 
 FloatArray = NDArray[np.float64]
 
@@ -41,7 +43,8 @@ class Exposure(NamedTuple):
     """One frame's instants, s, on the rig's clock; stamp_s is mid_s on the camera's own clock, None if
     unstamped.
 
-    mid_s is mid-exposure of the middle row.
+    mid_s is mid-exposure of the middle row. start_s and mid_s are those of the image that is handed over, which a
+    stale buffer makes another one than frame and stamp say. lost: never handed over.
     """
 
     frame: int
@@ -50,6 +53,7 @@ class Exposure(NamedTuple):
     readout_end_s: float
     handover_s: float
     stamp_s: float | None
+    lost: bool = False
 
 
 class CameraTiming:
@@ -64,6 +68,7 @@ class CameraTiming:
         *,
         origin_s: float = 0.0,
         after_delivery_s: float = AFTER_DELIVERY_S,
+        effects: FrameTimingEffects | None = None,
     ) -> None:
         """Freerun: frame k is exposed from t0 + k / frame_rate_hz, with t0 drawn within a frame after
         `origin_s`.
@@ -74,7 +79,8 @@ class CameraTiming:
         """
         self._camera = camera
         self._random = np.random.default_rng((seed, _STREAM))
-        self._period_s = 1.0 / camera.frame_rate_hz
+        self._effects = effects
+        self._period_s = 1.0 / camera.frame_rate_hz * (effects.period_ratio if effects is not None else 1.0)
         rolling = camera.shutter == "rolling"
         self._to_mid_s = 0.5 * camera.exposure_s + (0.5 * camera.readout_s if rolling else 0.0)
         self._to_readout_end_s = camera.exposure_s + camera.readout_s
@@ -125,13 +131,26 @@ class CameraTiming:
         white = float(self._random.standard_normal())
         delay = self._mean_s + self._std_s * (self._wander_part * self._wander + self._white_part * white)
         mid = start_s + self._to_mid_s
+        if self._effects is not None:
+            delay += self._effects.further_delay_s(mid, mid + delay)
         handover = max(mid + delay, mid + self._earliest_s, self._last_handover_s + TRANSFER_S)
         stamp = self._clock_rate * (mid - self._clock_origin_s) if self._stamped else None
         exposure = Exposure(self._frame, start_s, mid, start_s + self._to_readout_end_s, handover, stamp)
         self._frame += 1
         self._last_start_s = start_s
         self._last_handover_s = handover
-        return exposure
+        return exposure if self._effects is None else self._affected(exposure, self._effects)
+
+    def _affected(self, exposure: Exposure, effects: FrameTimingEffects) -> Exposure:
+        """With the image that is really handed over, the stamp that the camera's clock gives, or lost."""
+        start = effects.shown_start_s(exposure.start_s)
+        stamp = exposure.stamp_s
+        return exposure._replace(
+            start_s=start,
+            mid_s=start + self._to_mid_s,
+            stamp_s=None if stamp is None else stamp + effects.stamp_step_s(exposure.mid_s),
+            lost=effects.is_lost(),
+        )
 
     def _calibrate(self, timing: Timing, after_delivery_s: float) -> tuple[float, float]:
         """m and s of the law, so that the delay with its bounds has the mean and the spread asked for.

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.model import Camera
+from simulation.image_effects import ImageEffects
 
 FloatArray = NDArray[np.float64]
 Interpolate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -21,11 +22,16 @@ def displacement_px(camera: Camera, positions_m: FloatArray, angles_rad: FloatAr
     return -camera.scale_px_per_m * positions_m - camera.rotation_px_per_rad * angles_rad
 
 
-def mean_displacement_px(camera: Camera, interpolate: Interpolate, exposure_start_s: float) -> float:
+def mean_displacement_px(
+    camera: Camera, interpolate: Interpolate, exposure_start_s: float, effects: ImageEffects | None = None
+) -> float:
     """Displacement averaged over the exposure (of the middle row, with a rolling shutter)."""
     fractions, weights = quadrature(_FEWEST)
     start = exposure_start_s + (0.5 * camera.readout_s if camera.shutter == "rolling" else 0.0)
-    positions, angles = interpolate(start + camera.exposure_s * fractions)
+    times = start + camera.exposure_s * fractions
+    positions, angles = interpolate(times)
+    if effects is not None:
+        return float(weights @ effects.shown_px(displacement_px(camera, positions, angles), times))
     position, angle = weights @ positions, weights @ angles
     return float(-camera.scale_px_per_m * position - camera.rotation_px_per_rad * angle)
 

@@ -5,61 +5,78 @@
     s = length theta + sum q_i
 
 The linear part is solved exactly over each cycle (plant_drive, plant_modes), so neither a high frequency nor
-a short dead time asks for a shorter step. Force terms that depend on the state are kicks of half a step
-before and after it (Strang splitting, second order in the step).
+a short dead time asks for a shorter step; so are backlash (gear_play) and dry friction (dry_friction). Force
+terms that depend on the state (plant_forces) are kicks of half a step before and after it (Strang splitting,
+second order in the step). The effects of the model file are obeyed in so far as they are the plant's.
 """
 
-from collections.abc import Sequence
-
 from common.beam import tip_slopes_per_m
+from common.effects import check_effects, declared, effect_of
 from common.model import Model, length_of
+from simulation.drive_rules import command_rules
+from simulation.dry_friction import DryFriction
+from simulation.effect_clock import EffectClock
+from simulation.frequency_change import FrequencyChange
+from simulation.gear_play import GearPlay
 from simulation.plant_drive import JointDrive
-from simulation.plant_effects import CommandRule, ForceTerm, refuse_unsupported_effects
+from simulation.plant_forces import force_terms
 from simulation.plant_modes import ModalOscillator
 
 
 class Plant:
     """The arm's true state, moved on by whole cycles. Pure and deterministic."""
 
-    def __init__(
-        self,
-        model: Model,
-        name: str = "model",
-        *,
-        forces: Sequence[ForceTerm] = (),
-        rules: Sequence[CommandRule] = (),
-    ) -> None:
+    def __init__(self, model: Model, name: str = "model") -> None:
         """At rest at joint position zero (or the end stop nearest to it). `name` stands for the file in
         messages.
 
-        model: the true parameters. Raises UserError for a model without a length or with an unsupported
-        effect.
+        model: the true parameters, with any effects. Raises UserError for a model without a length or with an
+        effect that the catalogue does not allow.
         """
-        refuse_unsupported_effects(model, name)
+        check_effects(model.effects, name)
+        model = declared(model)
         length = length_of(model, name)
         self.cycle_s = model.timing.cycle_s
         self.cycle = 0
         self.modal_forces_m_s2 = [0.0] * len(model.arm.modes)
         """External acceleration of each mode, held over the next cycles: a disturbance."""
+        self.effect_clock = EffectClock()
+        """When the recording started, on the plant's time_s."""
         self._length_m = length
-        self._joint = JointDrive(model.drive, self.cycle_s, rules)
+        self._joint = JointDrive(model.drive, self.cycle_s, command_rules(model))
         decay, durations = self._joint.decay_per_s, self._joint.usual_durations_s
+        self._declared_modes = model.arm.modes
         self._modes = [ModalOscillator(mode, length, decay, durations) for mode in model.arm.modes]
         self._slopes = tip_slopes_per_m(length, len(self._modes))
-        self._forces = tuple(forces)
+        self._forces = tuple(force_terms(model))
+        friction, backlash = effect_of(model, "coulomb_damping"), effect_of(model, "gear_backlash")
+        self._friction = DryFriction(friction["force_per_mass_m_s2"]) if friction else None
+        self._play = GearPlay(backlash["gap_rad"]) if backlash and backlash["gap_rad"] else None
+        self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
+        change = FrequencyChange(model)
+        self._change = change if change.happens else None
+        self._ratio = 1.0
 
     def advance(self, command_rad_s: float) -> None:
         """Move on by one cycle, over which the joint velocity command is held. ValueError when it is no
         number."""
+        motor_rad_s = self._joint.velocity_rad_s
         stretches = self._joint.advance(command_rad_s)
+        if self._play is not None:
+            stretches = self._play.follow(motor_rad_s, stretches)
+        if self._change is not None:
+            self._tune(self._change.ratio(self._effect_time_s(0.5)))
         if self._forces:
-            self._kick(self.time_s, 0.5 * self.cycle_s)
-        for mode, force in zip(self._modes, self.modal_forces_m_s2, strict=True):
+            self._kick(self._effect_time_s(0.0))
+        for number, (mode, force) in enumerate(zip(self._modes, self.modal_forces_m_s2, strict=True)):
             for stretch in stretches:
-                mode.advance(stretch, force)
-        self.cycle += 1
+                if self._friction is not None and number == 0:
+                    self._friction.advance(mode, stretch, force)
+                else:
+                    mode.advance(stretch, force)
         if self._forces:
-            self._kick(self.time_s, 0.5 * self.cycle_s)
+            self._kick(self._effect_time_s(0.5))
+        self.cycle += 1
 
     def strike(self, mode: int, deflection_m: float) -> None:
         """A blow on mode number `mode` (1 = first), after which it rings with amplitude `deflection_m`
@@ -78,20 +95,35 @@ class Plant:
         return self.cycle * self.cycle_s
 
     @property
+    def effect_time_s(self) -> float:
+        """Time from the recording's start, s; zero before it."""
+        return self._effect_time_s(0.0)
+
+    @property
     def joint_position_rad(self) -> float:
         """theta."""
-        return self._joint.position_rad
+        return self._joint.position_rad - (self._play.ahead_rad if self._play is not None else 0.0)
 
     @property
     def joint_velocity_rad_s(self) -> float:
         """theta'."""
-        return self._joint.velocity_rad_s
+        return self._joint.velocity_rad_s if self._play is None or self._play.in_contact else 0.0
 
     @property
     def joint_acceleration_rad_s2(self) -> float:
-        """theta'' at the end of the cycle past; an impact on an end stop is a jump of theta' and not in
-        it."""
-        return self._joint.acceleration_rad_s2
+        """theta'' at the end of the cycle past; an impact on an end stop, or across a gap, is a jump of theta'
+        and not in it."""
+        return self._joint.acceleration_rad_s2 if self._play is None or self._play.in_contact else 0.0
+
+    @property
+    def encoder_position_rad(self) -> float:
+        """What the encoder shows: theta, or the motor's position where it sits before the gear's play."""
+        return self._joint.position_rad if self._encoder_on_motor else self.joint_position_rad
+
+    @property
+    def encoder_velocity_rad_s(self) -> float:
+        """Its rate."""
+        return self._joint.velocity_rad_s if self._encoder_on_motor else self.joint_velocity_rad_s
 
     @property
     def modal_deflections_m(self) -> list[float]:
@@ -111,35 +143,49 @@ class Plant:
     @property
     def tip_position_m(self) -> float:
         """s = length * theta + sum q_i."""
-        return self._length_m * self._joint.position_rad + self.deflection_m
+        return self._length_m * self.joint_position_rad + self.deflection_m
 
     @property
     def tip_acceleration_m_s2(self) -> float:
         """s'' = length * theta'' + sum q_i'', from the equations at the present state."""
-        joint = self._joint.acceleration_rad_s2
+        joint = self.joint_acceleration_rad_s2
         total = self._length_m * joint
         for mode, force in zip(self._modes, self.modal_forces_m_s2, strict=True):
             total += mode.acceleration_m_s2(joint, force)
         if self._forces:
-            total += sum(
-                self._state_force(number, self.time_s, 0.0) for number in range(1, len(self._modes) + 1)
-            )
+            total += self._state_force(self.effect_time_s, 0.0)
+        if self._friction is not None:
+            first = self._modes[0]
+            pull = first.acceleration_m_s2(joint, self.modal_forces_m_s2[0])
+            pull += self._state_force(self.effect_time_s, 0.0)
+            total += self._friction.acceleration_m_s2(first.rate_m_s, pull)
         return total
 
     @property
     def tip_angle_rad(self) -> float:
         """theta plus the slope of the bent arm at its tip: how far the camera turns."""
         bent = sum(slope * mode.deflection_m for slope, mode in zip(self._slopes, self._modes, strict=True))
-        return self._joint.position_rad + bent
+        return self.joint_position_rad + bent
 
-    def _kick(self, time_s: float, duration_s: float) -> None:
-        kicks = [self._state_force(number, time_s, duration_s) for number in range(1, len(self._modes) + 1)]
-        for mode, kick in zip(self._modes, kicks, strict=True):
-            mode.rate_m_s += kick * duration_s
+    def _effect_time_s(self, cycles_on: float) -> float:
+        return self.effect_clock.at((self.cycle + cycles_on) * self.cycle_s)
 
-    def _state_force(self, number: int, time_s: float, duration_s: float) -> float:
-        mode = self._modes[number - 1]
+    def _tune(self, ratio: float) -> None:
+        if ratio != self._ratio:
+            self._ratio = ratio
+            for mode, as_declared in zip(self._modes, self._declared_modes, strict=True):
+                mode.tune(ratio * as_declared.angular_frequency)
+
+    def _kick(self, effect_time_s: float) -> None:
+        duration_s = 0.5 * self.cycle_s
+        self._modes[0].rate_m_s += self._state_force(effect_time_s, duration_s) * duration_s
+
+    def _state_force(self, effect_time_s: float, duration_s: float) -> float:
+        """Mean acceleration that the force terms give the first mode."""
+        mode = self._modes[0]
         return sum(
-            term.acceleration_m_s2(number, mode.deflection_m, mode.rate_m_s, time_s, duration_s)
+            term.acceleration_m_s2(
+                mode.angular_frequency, mode.deflection_m, mode.rate_m_s, effect_time_s, duration_s
+            )
             for term in self._forces
         )

@@ -150,9 +150,12 @@ class JointDrive:
             if lowest <= start + way <= highest:
                 continue
             if start + way > highest:
-                stop, impact_s = highest, _first(lambda t: start + motion(t)[0] > highest, before, after)
+                stop, impact_s = (
+                    highest,
+                    first_instant(lambda t: start + motion(t)[0] > highest, before, after),
+                )
             else:
-                stop, impact_s = lowest, _first(lambda t: start + motion(t)[0] < lowest, before, after)
+                stop, impact_s = lowest, first_instant(lambda t: start + motion(t)[0] < lowest, before, after)
             self.position_rad, self.velocity_rad_s = stop, 0.0
             return impact_s, -motion(impact_s)[1]
         self.position_rad = start + way
@@ -160,7 +163,7 @@ class JointDrive:
         return duration_s, 0.0
 
 
-def _first(holds: Callable[[float], bool], before: float, after: float) -> float:
+def first_instant(holds: Callable[[float], bool], before: float, after: float) -> float:
     """The instant from which `holds` is true; it is false at `before`, true at `after` and changes once."""
     for _ in range(_BISECTIONS):
         middle = 0.5 * (before + after)

@@ -20,20 +20,27 @@ class ModalOscillator:
     ) -> None:
         """drive_decay_per_s: that of the drive's lag; durations_s: those worth remembering the transition
         of."""
-        w, zeta = mode.angular_frequency, mode.damping_ratio
-        self.angular_frequency = w
         self.deflection_m = 0.0
         self.rate_m_s = 0.0
+        self._damping_ratio = mode.damping_ratio
+        self._coupling_m = mode.participation * length_m
+        self._drive_decay_per_s = drive_decay_per_s
+        self._durations_s = durations_s
+        self.tune(mode.angular_frequency)
+
+    def tune(self, angular_frequency: float) -> None:
+        """Vibrate at another frequency from now on, rad/s; damping ratio, deflection and rate stay."""
+        w, zeta, drive_decay = angular_frequency, self._damping_ratio, self._drive_decay_per_s
+        self.angular_frequency = w
         self._damping = 2.0 * zeta * w
         self._stiffness = w * w
-        self._coupling_m = mode.participation * length_m
         self._decay = zeta * w
         self._damped_frequency = w * sqrt((1.0 - zeta) * (1.0 + zeta))
         self._static_gain = -self._coupling_m / self._stiffness
         self._lagged_gain = -self._coupling_m / (
-            drive_decay_per_s * drive_decay_per_s - self._damping * drive_decay_per_s + self._stiffness
+            drive_decay * drive_decay - self._damping * drive_decay + self._stiffness
         )
-        self._transitions = {duration: self._transition(duration) for duration in durations_s}
+        self._transitions = {duration: self._transition(duration) for duration in self._durations_s}
 
     def advance(self, stretch: Stretch, force_m_s2: float) -> None:
         """Move through a stretch of the joint's motion under a constant force per modal mass."""
@@ -46,6 +53,10 @@ class ModalOscillator:
         y = self.rate_m_s + decay * follow_start
         self.deflection_m = a * x + b * y + follow_end + pushed
         self.rate_m_s = c * x + d * y - decay * follow_end - self._coupling_m * jump
+
+    def jolt(self, jump_rad_s: float) -> None:
+        """Feel a jump of theta'."""
+        self.rate_m_s -= self._coupling_m * jump_rad_s
 
     def acceleration_m_s2(self, joint_acceleration_rad_s2: float, force_m_s2: float) -> float:
         """q'' at the present state."""

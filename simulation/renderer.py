@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from common.configuration import SimulatedScene
 from common.model import Camera
 from drivers.camera import GreyImage
+from simulation.image_effects import ImageEffects
 from simulation.image_motion import Interpolate, displacement_px, quadrature, sub_exposures
 from simulation.scene import make_scene
 
@@ -31,8 +32,11 @@ class Renderer:
     sub-exposures hardly dearer than one.
     """
 
-    def __init__(self, camera: Camera, scene: SimulatedScene, seed: int) -> None:
+    def __init__(
+        self, camera: Camera, scene: SimulatedScene, seed: int, effects: ImageEffects | None = None
+    ) -> None:
         """Makes the scene and a bank of noise: 20 MB for 640 x 480. OpenCV's threads are the caller's."""
+        self._effects = effects
         self._camera = camera
         self._width, self._height = scene.width_px, scene.height_px
         self._scene = make_scene(scene.width_px, scene.height_px, seed)
@@ -50,7 +54,7 @@ class Renderer:
         camera = self._camera
         readout = camera.readout_s if camera.shutter == "rolling" else 0.0
         coarse = exposure_start_s + (camera.exposure_s + readout) * np.linspace(0.0, 1.0, 9)
-        span = float(np.ptp(displacement_px(camera, *interpolate(coarse))))
+        span = float(np.ptp(self._displacements(interpolate, coarse)))
         bands = min(self._height // _BAND_ROWS, max(1, ceil(span / _BAND_STEP_PX))) if readout > 0.0 else 1
         edges = np.arange(bands + 1) * self._height // bands
         rows = 0.5 * (edges[:-1] + edges[1:] - 1) if readout > 0.0 else np.zeros(1)
@@ -58,7 +62,7 @@ class Renderer:
         fractions, weights = quadrature(sub_exposures(span))
         starts = exposure_start_s + rows / self._height * readout
         times = starts[:, None] + camera.exposure_s * fractions[None, :]
-        displacements = displacement_px(camera, *interpolate(times))
+        displacements = self._displacements(interpolate, times)
         firsts, taps = _filters(displacements, weights)
         for top, bottom, first, row_taps in zip(edges[:-1], edges[1:], firsts, taps, strict=True):
             strip = self._scene.columns(int(first), self._width + len(row_taps) - 1)[top:bottom]
@@ -68,6 +72,11 @@ class Renderer:
         offset = int(np.random.default_rng((self._seed, _STREAM, frame)).integers(_NOISE_OFFSETS))
         noise = self._noise[offset : offset + self._clean.size].reshape(self._clean.shape)
         return np.asarray(cv2.add(self._clean, noise, dtype=cv2.CV_8U), dtype=np.uint8)
+
+    def _displacements(self, interpolate: Interpolate, times_s: FloatArray) -> FloatArray:
+        """What the image shows, px, at instants."""
+        displacements = displacement_px(self._camera, *interpolate(times_s))
+        return displacements if self._effects is None else self._effects.shown_px(displacements, times_s)
 
 
 def _filters(displacements: FloatArray, weights: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.float32]]:

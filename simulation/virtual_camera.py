@@ -6,10 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from common.configuration import Rig
+from common.effects import declared
 from common.model import Model
 from common.recording.topics import TrueFrame
 from drivers.camera import Frame, GreyImage
 from simulation.camera_timing import AFTER_DELIVERY_S, CameraTiming, Exposure
+from simulation.effect_clock import EffectClock
+from simulation.frame_timing_effects import FrameTimingEffects
+from simulation.image_effects import image_effects
 from simulation.image_motion import mean_displacement_px
 from simulation.pose_history import PoseHistory
 from simulation.renderer import Renderer
@@ -52,12 +56,20 @@ class VirtualCamera:
         images: whether to render; if not, tracked_displacement() stands in for the tracker. The same seed
         gives the same exposures and handovers either way.
         """
+        model, clock = declared(model), EffectClock(origin_s)
+        self._image_effects = image_effects(model, clock)
         self._camera = model.camera
         self._buffers = rig.scene.buffers
         self._history = history
-        self._renderer = Renderer(model.camera, rig.scene, seed) if images else None
+        self._renderer = Renderer(model.camera, rig.scene, seed, self._image_effects) if images else None
         self._timing = CameraTiming(
-            model.camera, model.timing, rig, seed, origin_s=origin_s, after_delivery_s=after_delivery_s
+            model.camera,
+            model.timing,
+            rig,
+            seed,
+            origin_s=origin_s,
+            after_delivery_s=after_delivery_s,
+            effects=FrameTimingEffects(model, seed, clock),
         )
         self._freerun = model.camera.mode == "freerun"
         self.triggered = not self._freerun
@@ -76,8 +88,9 @@ class VirtualCamera:
         """The frames handed over since the last call, in order; at the most as many as there are buffers.
 
         Whoever asks so seldom that more have come gets the newest, as with FrameRingReader; `lost` counts
-        the rest. To be called with increasing times, after the poses up to `now_s` have been written. Raises
-        LookupError where the history no longer holds a frame's exposure, or does not hold it yet.
+        the rest, and those that an effect has lost. To be called with increasing times, after the poses up to
+        `now_s` have been written. Raises LookupError where the history no longer holds a frame's exposure, or
+        does not hold it yet.
         """
         if now_s < self._idle_until_s:  # nearly every call: kept cheap
             return []
@@ -90,12 +103,11 @@ class VirtualCamera:
         self._idle_until_s = self._next_event_s()
         if not handed:
             return []
-        overwritten = max(0, len(handed) - self._buffers)
-        self.lost += overwritten
-        noise = self._noise.standard_normal(len(handed))
-        return [
-            self._deliver(e, float(n)) for e, n in zip(handed[overwritten:], noise[overwritten:], strict=True)
-        ]
+        noise = self._noise.standard_normal(len(handed)).tolist()
+        here = [(e, n) for e, n in zip(handed, noise, strict=True) if not e.lost]
+        kept = here[-self._buffers :]
+        self.lost += len(handed) - len(kept)
+        return [self._deliver(e, n) for e, n in kept]
 
     def tracked_displacement(self, frame: int) -> float:
         """What a tracker would find in a delivered frame, px: the displacement averaged over the exposure,
@@ -115,7 +127,9 @@ class VirtualCamera:
         image = None
         if self._renderer is not None:
             image = self._renderer.render(self._history.interpolate, exposure.start_s, exposure.frame)
-        mean = mean_displacement_px(self._camera, self._history.interpolate, exposure.start_s)
+        mean = mean_displacement_px(
+            self._camera, self._history.interpolate, exposure.start_s, self._image_effects
+        )
         self._tracked[exposure.frame] = mean + self._camera.noise_std_px * noise
         self._tracked.pop(exposure.frame - _REMEMBERED, None)
         truth = TrueFrame(exposure.handover_s, exposure.frame, exposure.mid_s, exposure.handover_s)

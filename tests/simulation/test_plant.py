@@ -9,7 +9,6 @@ from common.beam import tip_slopes_per_m
 from common.model import Arm, Drive, Mode, Model
 from common.user_error import UserError
 from simulation.plant import Plant
-from simulation.plant_effects import unsupported_effects
 from tests.reference.plant_judge import (
     CYCLE_S,
     FAST,
@@ -113,37 +112,9 @@ def test_a_constant_force_bends_the_arm_by_force_over_stiffness() -> None:
     assert plant.deflection_m == pytest.approx(2.0 / (2.0 * pi * 10.0) ** 2, rel=1e-9)
 
 
-class CubicStiffness:
-    """w^2 c q^3 on the first mode: what the effect cubic_stiffness will add."""
-
-    def acceleration_m_s2(
-        self, mode: int, deflection_m: float, rate_m_s: float, time_s: float, duration_s: float
-    ) -> float:
-        return -((2.0 * pi * 2.6) ** 2) * 400.0 * deflection_m**3 if mode == 1 else 0.0
-
-
-def test_a_force_term_and_a_drive_rule_extend_the_equations() -> None:
-    of = model([FIRST, SECOND])
-    plant = Plant(of, forces=[CubicStiffness()])
-    plant.strike(1, 0.03)
-    start = np.array([0.0, 0.0, 0.0, 2.0 * pi * 2.6 * 0.03, 0.0, 0.0])
-    commands = moves(300, 0.05)
-    assert_same(run(plant, commands), solved(of, commands, start, extra=400.0), 1e-4)
-    q = plant.modal_deflections_m[0]
-    without = Plant(of)
-    without._modes, without._joint = plant._modes, plant._joint
-    added = plant.tip_acceleration_m_s2 - without.tip_acceleration_m_s2
-    assert added == pytest.approx(-((2.0 * pi * 2.6) ** 2) * 400.0 * q**3, rel=1e-6)
-
-    dead_band = Plant(of, rules=[lambda command: 0.0 if abs(command) < 0.2 else command])
-    assert np.all(run(dead_band, np.full(20, 0.1))[:, 1] == 0.0)
-    assert run(dead_band, np.full(20, 0.3))[-1, 1] > 0.2
-
-
-def test_an_unsupported_effect_is_refused_by_name() -> None:
-    of = Model(arm=Arm(length_m=2.0), effects=[{"cause": "gear_backlash", "gap_rad": 0.001}])
-    assert unsupported_effects(of) == ["gear_backlash"]
-    with pytest.raises(UserError, match=r"^true\.toml: [^\n]*'gear_backlash'[^\n]*remove[^\n]*$"):
+def test_an_effect_that_the_catalogue_does_not_allow_is_refused_by_name() -> None:
+    of = Model(arm=Arm(length_m=2.0), effects=[{"cause": "gear_backlash", "gap_mm": 0.001}])
+    with pytest.raises(UserError, match=r"^true\.toml: effects\[0\]\.gap_mm = 0\.001: [^\n]*gap_rad[^\n]*$"):
         Plant(of, "true.toml")
 
 
