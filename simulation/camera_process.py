@@ -10,12 +10,16 @@ from math import inf, nan
 import cv2
 
 from common.configuration import Configuration
+from common.effects import declared
 from common.model import Model
 from common.recording.topics import TrueFrame
 from common.user_error import UserError
 from drivers.camera import GreyImage
 from drivers.frame_ring import FrameRingWriter
 from simulation.camera_timing import AFTER_DELIVERY_S, CameraTiming, Exposure
+from simulation.effect_clock import EffectClock
+from simulation.frame_timing_effects import FrameTimingEffects
+from simulation.image_effects import image_effects
 from simulation.image_motion import FloatArray
 from simulation.pose_history import PoseHistory, PoseNoLonger
 from simulation.renderer import Renderer
@@ -90,10 +94,16 @@ class CameraLoop:
             requested = self._requested()
             while self._served < requested:
                 self._served += 1
-                self._pending.append(_Pending(self._timing.request(now)))
+                self._take(self._timing.request(now))
             return
         while self._timing.next_start_s <= now:
-            self._pending.append(_Pending(self._timing.expose()))
+            self._take(self._timing.expose())
+
+    def _take(self, exposure: Exposure) -> None:
+        if exposure.lost:
+            self._report_lost(exposure)
+        else:
+            self._pending.append(_Pending(exposure))
 
     def _hand_over(self, now: float) -> None:
         pending, counts = self._pending, self.counts
@@ -186,16 +196,19 @@ def run(
     after_delivery_s: float = AFTER_DELIVERY_S,
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
+    started: Callable[[], float] | None = None,
 ) -> CameraCounts:
     """Be the camera `configuration.camera.device` until stop() is true; returns what became of the frames.
 
     model: the true one. truth: takes one TrueFrame for each exposure, in order of handover; time_s is the
     handover (where a frame was lost: the one planned, and delivered_s is NaN). The poses' times are those of
-    `clock`. Raises UserError when the plant's pose history does not appear within ten seconds.
+    `clock`. started: when the recording started, inf while it has not; None: now. Raises UserError when the
+    plant's pose history does not appear within ten seconds.
     """
     cv2.setNumThreads(1)
-    scene = configuration.rig.scene
-    renderer = Renderer(model.camera, scene, seed)
+    scene, model = configuration.rig.scene, declared(model)
+    effect_clock = EffectClock(clock() if started is None else started())
+    renderer = Renderer(model.camera, scene, seed, image_effects(model, effect_clock))
     poses = _Poses(pose_history_name(configuration))
     timing = CameraTiming(
         model.camera,
@@ -204,6 +217,7 @@ def run(
         seed,
         origin_s=clock(),
         after_delivery_s=after_delivery_s,
+        effects=FrameTimingEffects(model, seed, effect_clock),
     )
     ring = FrameRingWriter(configuration.camera.device, scene.width_px, scene.height_px, scene.buffers)
     loop = CameraLoop(
@@ -218,6 +232,8 @@ def run(
     )
     try:
         while not stop():
+            if started is not None:
+                effect_clock.origin_s = started()
             wake = loop.step()
             now = clock()
             if poses.newest_time_s() < now - _GIVE_UP_S:

@@ -56,5 +56,15 @@ def refuse_step_of_absent_stamps(model: Model, rig: Rig, name: str) -> None:
         )
 
 
+def refuse_step_of_controller_clock(model: Model, name: str) -> None:
+    """Raise UserError where a live rig is asked to step the controller's clock, which it has no hand in."""
+    for step in effects_of(model, "clock_step"):
+        if step["clock"] != "camera":
+            raise UserError(
+                f'{name}: effects: clock_step: clock = "{step["clock"]}": a live rig cannot step the controller\'s '
+                "clock; `stillarm simulate` can, in virtual time"
+            )
+
+
 def _stepped(time_s: float, steps: list[Values]) -> float:
     return time_s + float(sum(step["step_s"] for step in steps if time_s >= step["onset_s"]))

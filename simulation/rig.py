@@ -11,13 +11,17 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from ctypes import c_double
+from math import inf
 from multiprocessing.connection import Connection
+from multiprocessing.sharedctypes import RawValue
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
 from common.configuration import Configuration, Rig, load_configuration, load_true_model, true_model_path
+from common.effects import declared
 from common.link_key import load_key
 from common.model import Model, length_of
 from common.priority import raise_priority, run_fifo
@@ -31,11 +35,14 @@ from controller.schedule import CycleClock
 from drivers.drive_gateway import DriveGateway
 from drivers.drive_gateway_socket import DriveGatewaySocket
 from drivers.emulation.lis3lv02dq_registers import Lis3lv02dqRegisters, sensed_axes
+from simulation.accelerometer_effects import AccelerometerEffects
 from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_process import pose_history_name
 from simulation.camera_process import run as run_camera
 from simulation.camera_timing import AFTER_DELIVERY_S, CameraTiming
+from simulation.clock_steps import refuse_step_of_absent_stamps, refuse_step_of_controller_clock
 from simulation.disturbance import DISTURBANCE_STREAM, Disturbance
+from simulation.effect_clock import EffectClock
 from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
 from simulation.truth import strike_line, true_state
@@ -55,8 +62,11 @@ def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, 
             rig, seed=rig.seed if seed is None else seed, scenario=scenario or rig.scenario
         )
         configuration = msgspec.structs.replace(configuration, rig=rig)
-    model = load_true_model(configuration, configuration_path)
-    length_of(model, str(true_model_path(configuration, configuration_path)))
+    name = str(true_model_path(configuration, configuration_path))
+    model = declared(load_true_model(configuration, configuration_path))
+    length_of(model, name)
+    refuse_step_of_absent_stamps(model, rig, name)
+    refuse_step_of_controller_clock(model, name)
     # What the camera's process would refuse, while there is one to say so.
     CameraTiming(model.camera, model.timing, rig, rig.seed, origin_s=0.0, after_delivery_s=AFTER_DELIVERY_S)
     raise_priority(_NICENESS)
@@ -64,10 +74,11 @@ def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, 
     recorder = None
     if truth_path is not None:
         header = live_header(configuration_path, configuration, 0, 0.0, seed=rig.seed)
+        header = msgspec.structs.replace(header, model=Path(name).read_text(encoding="utf-8"))  # the true one
         recorder = RecorderClient.start(truth_path, header)
     try:
         plant = _PlantProcess(configuration, model, load_scenario(rig.scenario), rig)
-        camera, frames = _start_camera(configuration, model, rig.seed)
+        camera, frames = _start_camera(configuration, model, rig.seed, plant.started_s)
         run_fifo(_PRIORITY)
         try:
             plant.run(stop, recorder, frames, camera.is_alive)
@@ -96,8 +107,14 @@ class _PlantProcess:
             )
         self._cycle_s = model.timing.cycle_s
         self._plant = Plant(model)
+        self._plant.effect_clock = EffectClock.waiting()
+        self.started_s = RawValue(c_double, inf)
+        """When the first command came, on the monotonic clock: the recording's start, for the camera's process."""
         self._signal = AccelerometerSignal(
-            model.accelerometer, self._cycle_s, np.random.default_rng((rig.seed, ACCELEROMETER_STREAM))
+            model.accelerometer,
+            self._cycle_s,
+            np.random.default_rng((rig.seed, ACCELEROMETER_STREAM)),
+            AccelerometerEffects(model, self._cycle_s, rig.seed),
         )
         self._disturbance = Disturbance(
             scenario,
@@ -135,10 +152,12 @@ class _PlantProcess:
             command = self._socket.poll(now)
             if self._first_command_s is None and self._gateway.counts.accepted:
                 self._first_command_s = now
+                self._plant.effect_clock.origin_s = self._plant.time_s
+                self.started_s.value = now
             for late in range(behind - 1, -1, -1):
                 self._step(now - late * self._cycle_s, command, recorder)
             stepped = cycle
-            self._socket.report(self._plant.joint_position_rad, self._plant.joint_velocity_rad_s)
+            self._socket.report(self._plant.encoder_position_rad, self._plant.encoder_velocity_rad_s)
             _record_frames(recorder, frames)
             if not camera_alive():
                 raise UserError("the rig's camera process ended; its message above tells why")
@@ -153,7 +172,8 @@ class _PlantProcess:
                 if recorder is not None:
                     recorder.put(_LOG, strike_line(strike, time_s - self._cycle_s))
         plant.advance(command)
-        self._registers.publish(sensed_axes(self._signal.sample(plant.tip_acceleration_m_s2), self._axis))
+        felt = self._signal.sample(plant.tip_acceleration_m_s2, plant.effect_time_s, plant.tip_angle_rad)
+        self._registers.publish(sensed_axes(felt, self._axis))
         self._poses.append(time_s, plant.tip_position_m, plant.tip_angle_rad)
         if recorder is not None:
             recorder.put(_STATE, true_state(plant, time_s))
@@ -176,19 +196,25 @@ def _record_frames(recorder: RecorderClient | None, frames: Connection) -> None:
 
 
 def _start_camera(
-    configuration: Configuration, model: Model, seed: int
+    configuration: Configuration, model: Model, seed: int, started_s: c_double
 ) -> tuple[multiprocessing.process.BaseProcess, Connection]:
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(
-        target=_camera_main, args=(configuration, model, seed, sender), name="camera", daemon=True
+        target=_camera_main, args=(configuration, model, seed, sender, started_s), name="camera", daemon=True
     )
     process.start()
     sender.close()
     return process, receiver
 
 
-def _camera_main(configuration: Configuration, model: Model, seed: int, frames: Connection) -> None:
+def _camera_main(
+    configuration: Configuration,
+    model: Model,
+    seed: int,
+    frames: Connection,
+    started_s: c_double,
+) -> None:
     stop = StopSignal()
     signal.signal(
         signal.SIGINT, signal.SIG_IGN
@@ -204,7 +230,7 @@ def _camera_main(configuration: Configuration, model: Model, seed: int, frames: 
         return stop.is_set() or os.getppid() != plant
 
     try:
-        run_camera(configuration, model, seed, finished, report)
+        run_camera(configuration, model, seed, finished, report, started=lambda: started_s.value)
     except UserError as error:
         print(f"stillarm rig: {error}", file=sys.stderr, flush=True)
         sys.exit(1)
