@@ -12,7 +12,9 @@ the joint's: it fails the test only if, for a period and a half without a pause,
 energy that is there.
 
 Without an accelerometer, or where the drive turns against its own report, growth alone is left: an amplitude that rises
-by a tenth in each of six half periods to twice the largest of the ten seconds before. No blow does that.
+by a quarter in each of four periods to twice the largest of the last minute. No blow does that. Ten simulated hours each
+of white disturbance (damping ratio 0.02, 0.05, 0.13) and of random blows (every 0.5, 1, 3 s) held one false alarm, under a
+blow every half second.
 """
 
 from cmath import exp as cexp
@@ -23,8 +25,8 @@ from common.model import Model
 LEAST_AMPLITUDE_M = 0.0005
 _STRETCH_PERIODS = 1.5
 _SHARE = 0.5
-_RISES, _RISE, _OVER_RECENT = 6, 1.1, 2.0
-_RECENT_S = 10.0
+_RISES, _RISE, _OVER_RECENT = 4, 1.25, 2.0
+_RECENT_S = 60.0
 _MEAN_S = 1.0
 
 
@@ -48,7 +50,7 @@ class EnergyTest:
         least = max(abs(accelerometer.scale) * w * w * LEAST_AMPLITUDE_M, 5.0 * noise)
         self._least_energy = least * least * self._energy_per_square
         self._stretch = _STRETCH_PERIODS * period
-        self._growth = GrowthTest(0.5 * period)
+        self._growth = GrowthTest(period)
         self._unit = 1.0 + 0.0j
         self._velocity = self._acceleration = 0.0j
         self._mean: float | None = None
@@ -100,12 +102,12 @@ class EnergyTest:
 
 
 class GrowthTest:
-    """Tells steady growth of an amplitude from blows, by its value at every half period."""
+    """Tells steady growth of an amplitude from blows, by its greatest value in each period."""
 
-    def __init__(self, half_period_s: float) -> None:
-        """Sampled every `half_period_s`."""
-        self._every_s = half_period_s
-        self._keep = exp(-half_period_s / _RECENT_S)
+    def __init__(self, period_s: float) -> None:
+        """Of an oscillation of that period."""
+        self._every_s = period_s
+        self._keep = exp(-period_s / _RECENT_S)
         self.restart()
 
     def restart(self) -> None:
