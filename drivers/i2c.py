@@ -1,9 +1,15 @@
 """Opening an I2C bus by its name in the configuration."""
 
+import contextlib
+import fcntl
+
 import smbus2
 
 from common.user_error import UserError
 from drivers.emulation.memory_bus import PREFIX, open_memory_bus
+
+_I2C_TIMEOUT = 0x0702
+_TIMEOUT_10_MS = 1  # the kernel counts it in tens of milliseconds
 
 
 def open_bus(name: str, *, wait_s: float = 0.0) -> smbus2.SMBus:
@@ -22,7 +28,10 @@ def open_bus(name: str, *, wait_s: float = 0.0) -> smbus2.SMBus:
                 "(the simulated rig: `stillarm rig`), or name a real bus such as /dev/i2c-1"
             ) from None
     try:
-        return smbus2.SMBus(name)
+        bus = smbus2.SMBus(name)
+        with contextlib.suppress(OSError):  # an adapter that cannot tell keeps its own, often a second
+            fcntl.ioctl(int(bus.fd or 0), _I2C_TIMEOUT, _TIMEOUT_10_MS)
+        return bus
     except FileNotFoundError:
         remedy = "no such bus; load the kernel module i2c-dev (modprobe i2c-dev), or name one of /dev/i2c-*"
     except PermissionError:

@@ -34,7 +34,8 @@ from common.user_error import UserError
 from controller.schedule import CycleClock
 from drivers.drive_gateway import DriveGateway
 from drivers.drive_gateway_socket import DriveGatewaySocket
-from drivers.emulation.lis3lv02dq_registers import Lis3lv02dqRegisters, sensed_axes
+from drivers.emulation.emulated_accelerometer import emulate_accelerometer
+from drivers.mounting import sensed_axes
 from simulation.accelerometer_effects import AccelerometerEffects
 from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_process import pose_history_name
@@ -49,7 +50,6 @@ from simulation.truth import strike_line, true_state
 
 _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
 _NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test must not be on its account
-_BUS_PREFIX = "memory:"
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
 
 
@@ -96,11 +96,6 @@ class _PlantProcess:
     """The plant with its sensors and its drive's gateway, step by step in real time."""
 
     def __init__(self, configuration: Configuration, model: Model, scenario: Scenario, rig: Rig) -> None:
-        bus = configuration.accelerometer.bus
-        if not bus.startswith(_BUS_PREFIX):
-            raise UserError(
-                f"accelerometer.bus = {bus!r}: the simulated rig needs a bus in memory, such as 'memory:rig-i2c'"
-            )
         if configuration.camera.driver != "shared_memory":
             raise UserError(
                 f"camera.driver = {configuration.camera.driver!r}: the simulated rig needs 'shared_memory'"
@@ -123,15 +118,15 @@ class _PlantProcess:
             np.random.default_rng((rig.seed, DISTURBANCE_STREAM)),
             rig.scenario,
         )
-        self._axis = configuration.accelerometer.axis
+        self._device = configuration.accelerometer
         drive = configuration.drive
         self._gateway = DriveGateway(load_key(configuration.link))
         with contextlib.ExitStack() as undo:
             # The port first: where it is another rig's, so is the shared memory, which is not to be replaced.
             self._socket = DriveGatewaySocket(self._gateway, (drive.gateway_host, drive.gateway_port))
             undo.callback(self._socket.close)
-            self._registers = Lis3lv02dqRegisters(bus.removeprefix(_BUS_PREFIX))
-            undo.callback(self._registers.close)
+            self._accelerometer = emulate_accelerometer(self._device, self._cycle_s)
+            undo.callback(self._accelerometer.close)
             self._poses = PoseHistory(pose_history_name(configuration), create=True)
             undo.pop_all()
         self._first_command_s: float | None = None
@@ -173,7 +168,7 @@ class _PlantProcess:
                     recorder.put(_LOG, strike_line(strike, time_s - self._cycle_s))
         plant.advance(command)
         felt = self._signal.sample(plant.tip_acceleration_m_s2, plant.effect_time_s, plant.tip_angle_rad)
-        self._registers.publish(sensed_axes(felt, self._axis))
+        self._accelerometer.publish(sensed_axes(felt, self._device))
         self._poses.append(time_s, plant.tip_position_m, plant.tip_angle_rad)
         if recorder is not None:
             recorder.put(_STATE, true_state(plant, time_s))
@@ -181,7 +176,7 @@ class _PlantProcess:
     def close(self) -> None:
         """Release sockets and shared memory."""
         self._socket.close()
-        self._registers.close()
+        self._accelerometer.close()
         self._poses.close()
 
 

@@ -197,7 +197,7 @@ def simulate(
     controller = Controller(run.assumed_model, run.configuration.controller, run.name)
     exchange = ControllerExchange(DEMO_KEY, _CONTROLLER_SESSION)
     exchange.expect(_SUPERVISOR_SESSION)
-    read_accelerometer = accelerometer_reading(run.configuration.accelerometer)
+    read_accelerometer = accelerometer_reading(run.configuration.accelerometer, cycle_s)
     costs = PartCosts()
     cycles = round(run.scenario.duration_s / cycle_s)
     try:

@@ -7,6 +7,7 @@ update, an axis whose lower byte was read keeps its value until its higher one i
 
 import errno
 import struct
+import time
 
 from common.user_error import UserError
 from drivers.emulation.lis3lv02dq_registers import (
@@ -19,15 +20,15 @@ from drivers.emulation.lis3lv02dq_registers import (
     OUT_X_L,
     STATUS,
     WHO_AM_I,
-    Failure,
-    SharedRegisters,
 )
+from drivers.emulation.shared_registers import Failure, SharedRegisters
 
 _AUTO_INCREMENT = 0x80
 _OUT_END = OUT_X_L + 6
 _READ_ONLY = frozenset((WHO_AM_I, *range(STATUS, _OUT_END)))
 _LITTLE, _BIG = struct.Struct("<3h"), struct.Struct(">3h")
 _ALL_READY, _ALL_OVERRUN = 0x08, 0x80
+LATE_S = 0.003
 _LOOK_FOR_RESTART = 256  # status reads without new data between looks at the file system
 
 
@@ -81,7 +82,11 @@ class Lis3lv02dqChip:
         if self._idle >= _LOOK_FOR_RESTART:
             self._idle = 0
             self._reopen_if_replaced()
-        if self._registers.failure == Failure.NAK:
+        failure = self._registers.failure
+        if failure == Failure.LATE:
+            time.sleep(LATE_S)
+        elif failure in (Failure.NAK, Failure.UNPLUGGED):
+            self._idle += 1
             raise OSError(errno.EREMOTEIO, "Remote I/O error")
 
     def _reopen_if_replaced(self) -> None:

@@ -14,10 +14,9 @@ from typing import Any
 import smbus2.smbus2
 
 from drivers.emulation.i2c_adapter import I2cAdapter
-from drivers.emulation.lis3lv02dq_chip import Lis3lv02dqChip
+from drivers.emulation.parts import open_part
 
 PREFIX = "memory:"
-LIS3LV02DQ_ADDRESS = 0x1D
 
 _adapters: dict[int, I2cAdapter] = {}
 _waiting: dict[str, float] = {}
@@ -40,9 +39,9 @@ def open_memory_bus(name: str, wait_s: float) -> smbus2.SMBus:
 def _open(path: Any, flags: int) -> int:
     if not isinstance(path, str) or not path.startswith(PREFIX):
         return os.open(path, flags)
-    chip = Lis3lv02dqChip(path.removeprefix(PREFIX), _waiting.get(path, 0.0))
+    adapter = open_part(path.removeprefix(PREFIX), _waiting.get(path, 0.0))
     descriptor = os.open(os.devnull, flags)  # a number of its own, which nothing else can be given meanwhile
-    _adapters[descriptor] = I2cAdapter(LIS3LV02DQ_ADDRESS, chip)
+    _adapters[descriptor] = adapter
     return descriptor
 
 

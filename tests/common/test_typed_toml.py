@@ -16,7 +16,11 @@ from common.user_error import UserError
 REFUSED = [
     (Model, '[camera]\nmode = "free"', ["camera.mode = 'free'", '"freerun" or "triggered"']),
     (Configuration, '[drive]\ndriver = "odrive"', ["drive.driver = 'odrive'", '"udp_gateway"', '"none"']),
-    (Configuration, "[accelerometer]\nfull_scale_g = 3", ["accelerometer.full_scale_g = 3", "use 2 or 6"]),
+    (
+        Configuration,
+        "[accelerometer]\nfull_scale_g = 3",
+        ["accelerometer.full_scale_g = 3", "use 2 or 4 or 6 or 8 or 16"],
+    ),
     (
         Model,
         "[camera]\nframe_rte_hz = 65",

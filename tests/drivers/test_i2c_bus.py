@@ -9,12 +9,12 @@ import pytest
 
 from common.configuration import AccelerometerDevice
 from common.user_error import UserError
-from drivers.emulation.lis3lv02dq_registers import (
-    STANDARD_GRAVITY_M_S2,
-    Lis3lv02dqRegisters,
-)
+from drivers.accelerometer import STANDARD_GRAVITY_M_S2
+from drivers.accelerometer_tables import TABLES
+from drivers.emulation.lis3lv02dq_registers import LIS3LV02DQ_PART
+from drivers.emulation.shared_registers import SensedRegisters
 from drivers.i2c import open_bus
-from drivers.lis3lv02dq import Lis3lv02dq
+from drivers.i2c_accelerometer import I2cAccelerometer
 
 NAME = f"test-bus-{os.getpid()}"
 BUS = f"memory:{NAME}"
@@ -23,23 +23,25 @@ COUNT_M_S2 = STANDARD_GRAVITY_M_S2 / 1024.0
 
 
 @pytest.fixture
-def registers() -> Iterator[Lis3lv02dqRegisters]:
-    made = Lis3lv02dqRegisters(NAME)
+def registers() -> Iterator[SensedRegisters]:
+    made = SensedRegisters(NAME, LIS3LV02DQ_PART)
     yield made
     made.close()
 
 
+def opened(config: AccelerometerDevice) -> I2cAccelerometer:
+    return I2cAccelerometer(config, TABLES["lis3lv02dq"], wait_s=0.0)
+
+
 def test_a_missing_bus_is_told_with_its_remedy(tmp_path: Path) -> None:
-    missing = Lis3lv02dq(AccelerometerDevice(bus=str(tmp_path / "i2c-9")), wait_s=0.0)
+    missing = opened(AccelerometerDevice(bus=str(tmp_path / "i2c-9")))
     with pytest.raises(UserError, match=r"^accelerometer\.bus = [^\n]*modprobe i2c-dev[^\n]*$"):
         missing.start()
     with pytest.raises(UserError, match=r"^accelerometer\.bus = 'memory:nobody-made-it': [^\n]*rig[^\n]*$"):
-        Lis3lv02dq(AccelerometerDevice(bus="memory:nobody-made-it"), wait_s=0.0).start()
+        opened(AccelerometerDevice(bus="memory:nobody-made-it")).start()
 
 
-def test_the_emulated_bus_leaves_real_ones_to_the_kernel(
-    registers: Lis3lv02dqRegisters, tmp_path: Path
-) -> None:
+def test_the_emulated_bus_leaves_real_ones_to_the_kernel(registers: SensedRegisters, tmp_path: Path) -> None:
     open_bus(BUS).close()
     file = tmp_path / "no-bus"
     file.touch()

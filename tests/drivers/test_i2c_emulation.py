@@ -12,11 +12,8 @@ from hypothesis import strategies as st
 
 from drivers.emulation.i2c_adapter import I2cAdapter
 from drivers.emulation.lis3lv02dq_chip import Lis3lv02dqChip
-from drivers.emulation.lis3lv02dq_registers import (
-    STANDARD_GRAVITY_M_S2,
-    Failure,
-    Lis3lv02dqRegisters,
-)
+from drivers.emulation.lis3lv02dq_registers import LIS3LV02DQ_PART
+from drivers.emulation.shared_registers import STANDARD_GRAVITY_M_S2, Failure, SensedRegisters
 from drivers.i2c import open_bus
 
 NAME = f"test-i2c-{os.getpid()}"
@@ -26,14 +23,14 @@ G = STANDARD_GRAVITY_M_S2
 
 
 @pytest.fixture
-def registers() -> Iterator[Lis3lv02dqRegisters]:
-    made = Lis3lv02dqRegisters(NAME)
+def registers() -> Iterator[SensedRegisters]:
+    made = SensedRegisters(NAME, LIS3LV02DQ_PART)
     yield made
     made.close()
 
 
 @pytest.fixture
-def bus(registers: Lis3lv02dqRegisters) -> Iterator[smbus2.SMBus]:
+def bus(registers: SensedRegisters) -> Iterator[smbus2.SMBus]:
     with open_bus(f"memory:{NAME}") as opened:
         yield opened
 
@@ -57,7 +54,7 @@ def test_identity_and_state_after_power_up(bus: smbus2.SMBus) -> None:
     assert (get(bus, CTRL1), get(bus, CTRL2), get(bus, STATUS)) == (0x07, 0x00, 0x00)
 
 
-def test_powered_down_there_is_no_data(bus: smbus2.SMBus, registers: Lis3lv02dqRegisters) -> None:
+def test_powered_down_there_is_no_data(bus: smbus2.SMBus, registers: SensedRegisters) -> None:
     registers.publish((G, G, G))
     assert burst(bus, STATUS | 0x80, 7) == bytes(7)
     put(bus, CTRL1, 0xF7)
@@ -68,7 +65,7 @@ def test_powered_down_there_is_no_data(bus: smbus2.SMBus, registers: Lis3lv02dqR
     assert burst(bus, STATUS | 0x80, 7) == b"\x00" + b"\x00\x04" * 3
 
 
-def test_data_ready_and_overrun(bus: smbus2.SMBus, registers: Lis3lv02dqRegisters) -> None:
+def test_data_ready_and_overrun(bus: smbus2.SMBus, registers: SensedRegisters) -> None:
     put(bus, CTRL1, 0xF7)
     registers.publish((0.0, 0.0, 0.0))
     assert get(bus, STATUS) == 0x0F
@@ -81,13 +78,13 @@ def test_data_ready_and_overrun(bus: smbus2.SMBus, registers: Lis3lv02dqRegister
     assert get(bus, STATUS) == 0x00
 
 
-def test_a_disabled_axis_gives_no_data(bus: smbus2.SMBus, registers: Lis3lv02dqRegisters) -> None:
+def test_a_disabled_axis_gives_no_data(bus: smbus2.SMBus, registers: SensedRegisters) -> None:
     put(bus, CTRL1, 0xF0 | 0x02)
     registers.publish((G, G, G))
     assert burst(bus, STATUS | 0x80, 7) == b"\x0a" + b"\x00\x00" + b"\x00\x04" + b"\x00\x00"
 
 
-def test_auto_increment_only_where_it_is_asked_for(bus: smbus2.SMBus, registers: Lis3lv02dqRegisters) -> None:
+def test_auto_increment_only_where_it_is_asked_for(bus: smbus2.SMBus, registers: SensedRegisters) -> None:
     put(bus, CTRL1, 0xF7)
     registers.publish((G, 0.5 * G, -G))
     assert burst(bus, OUT | 0x80, 6) == b"\x00\x04\x00\x02\x00\xfc"
@@ -107,9 +104,7 @@ def test_the_pointer_stays_between_messages(bus: smbus2.SMBus) -> None:
     assert burst(bus, 0x7F | 0x80, 17)[16] == 0x3A  # past the last register it goes on at the first
 
 
-def test_identity_status_and_samples_cannot_be_written(
-    bus: smbus2.SMBus, registers: Lis3lv02dqRegisters
-) -> None:
+def test_identity_status_and_samples_cannot_be_written(bus: smbus2.SMBus, registers: SensedRegisters) -> None:
     put(bus, CTRL1, 0xF7)
     registers.publish((G, G, G))
     for register in (0x0F, STATUS, *range(OUT, OUT + 6)):
@@ -130,7 +125,7 @@ def test_identity_status_and_samples_cannot_be_written(
     ],
 )
 def test_range_byte_order_and_alignment(
-    bus: smbus2.SMBus, registers: Lis3lv02dqRegisters, control2: int, expected: bytes
+    bus: smbus2.SMBus, registers: SensedRegisters, control2: int, expected: bytes
 ) -> None:
     put(bus, CTRL2, control2)
     put(bus, CTRL1, 0xF7)
@@ -140,7 +135,7 @@ def test_range_byte_order_and_alignment(
 
 @pytest.mark.parametrize("block_update", [True, False])
 def test_block_update_keeps_an_axis_until_both_bytes_are_read(
-    bus: smbus2.SMBus, registers: Lis3lv02dqRegisters, block_update: bool
+    bus: smbus2.SMBus, registers: SensedRegisters, block_update: bool
 ) -> None:
     put(bus, CTRL2, 0x40 if block_update else 0x00)
     put(bus, CTRL1, 0xF7)
@@ -155,7 +150,7 @@ def test_block_update_keeps_an_axis_until_both_bytes_are_read(
 
 @pytest.mark.parametrize(("rate_bits", "taken"), [(0x00, 40), (0x10, 160), (0x20, 640), (0x30, 1000)])
 def test_output_rate_of_samples_fed_at_1_khz(
-    bus: smbus2.SMBus, registers: Lis3lv02dqRegisters, rate_bits: int, taken: int
+    bus: smbus2.SMBus, registers: SensedRegisters, rate_bits: int, taken: int
 ) -> None:
     put(bus, CTRL1, 0xC7 | rate_bits)
     fresh = 0
@@ -219,7 +214,7 @@ def test_requests_that_the_kernel_refuses(bus: smbus2.SMBus) -> None:
 
 
 @pytest.mark.parametrize(("request_number", "number"), [(0x0704, errno.ENOTTY), (0x9999, errno.ENOTTY)])
-def test_unknown_requests(registers: Lis3lv02dqRegisters, request_number: int, number: int) -> None:
+def test_unknown_requests(registers: SensedRegisters, request_number: int, number: int) -> None:
     adapter = I2cAdapter(ADDRESS, Lis3lv02dqChip(NAME))
     with pytest.raises(OSError) as caught:
         adapter.ioctl(request_number, 0)
@@ -228,7 +223,7 @@ def test_unknown_requests(registers: Lis3lv02dqRegisters, request_number: int, n
     adapter.close()
 
 
-def test_failures(bus: smbus2.SMBus, registers: Lis3lv02dqRegisters) -> None:
+def test_failures(bus: smbus2.SMBus, registers: SensedRegisters) -> None:
     put(bus, CTRL1, 0xF7)
     registers.publish((G, G, G))
     registers.inject(Failure.WRONG_IDENTITY)
@@ -252,7 +247,7 @@ def test_failures(bus: smbus2.SMBus, registers: Lis3lv02dqRegisters) -> None:
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.binary(max_size=20), st.integers(0, 200)), max_size=12))
 def test_no_bytes_make_the_chip_raise(transfers: list[tuple[bytes, int]]) -> None:
-    registers = Lis3lv02dqRegisters(NAME)
+    registers = SensedRegisters(NAME, LIS3LV02DQ_PART)
     chip = Lis3lv02dqChip(NAME)
     try:
         for data, length in transfers:

@@ -1,0 +1,63 @@
+"""The emulated accelerometer that the configuration asks for, as the simulated rig presents it."""
+
+from typing import Protocol
+
+from common.configuration import AccelerometerDevice
+from common.user_error import UserError
+from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
+from drivers.emulation.parts import SENSED_PARTS
+from drivers.emulation.serial_accelerometer_device import EmulatedSerialAccelerometer
+from drivers.emulation.shared_registers import Failure, SensedRegisters
+from drivers.serial_devices import SERIAL_DEVICES
+from drivers.serial_port import PTY_PREFIX
+
+
+class EmulatedAccelerometer(Protocol):
+    """What feels an acceleration and shows it to the driver."""
+
+    def publish(self, acceleration_xyz_m_s2: tuple[float, float, float]) -> None:
+        """Feel an acceleration, m/s^2 along the sensor's axes: once a period."""
+
+    def inject(self, failure: Failure) -> None:
+        """Make the device fail from now on; Failure.NONE mends it."""
+
+    def close(self) -> None:
+        """Remove the device; may be called twice."""
+
+
+class NoAccelerometer:
+    """For a configuration without one."""
+
+    def publish(self, acceleration_xyz_m_s2: tuple[float, float, float]) -> None:
+        """Felt by nobody."""
+
+    def inject(self, failure: Failure) -> None:
+        """Nothing can fail."""
+
+    def close(self) -> None:
+        """Nothing to remove."""
+
+
+def emulate_accelerometer(device: AccelerometerDevice, period_s: float) -> EmulatedAccelerometer:
+    """Make it. period_s: time from one publish() to the next.
+
+    Raises UserError for a real bus or port, where an emulator has no place, and for a device without an emulator.
+    """
+    if device.driver == "none":
+        return NoAccelerometer()
+    if device.driver in SERIAL_DEVICES:
+        if not device.port.startswith(PTY_PREFIX):
+            raise UserError(
+                f"accelerometer.port = {device.port!r}: the simulated rig needs an emulated port, such as 'pty:rig'"
+            )
+        return EmulatedSerialAccelerometer(device.driver, device.port, period_s)
+    if device.driver not in SENSED_PARTS:
+        raise UserError(
+            f"accelerometer.driver = {device.driver!r}: the simulated rig cannot stand in for it; "
+            f"use {', '.join(SENSED_PARTS)} or {', '.join(SERIAL_DEVICES)}"
+        )
+    if not device.bus.startswith(BUS_PREFIX):
+        raise UserError(
+            f"accelerometer.bus = {device.bus!r}: the simulated rig needs a bus in memory, such as 'memory:rig-i2c'"
+        )
+    return SensedRegisters(device.bus.removeprefix(BUS_PREFIX), SENSED_PARTS[device.driver], period_s)

@@ -1,0 +1,30 @@
+"""The emulated I2C accelerometers: by the name that the configuration gives them, and by number."""
+
+from drivers.emulation.adxl345_chip import ADXL345_CHIP
+from drivers.emulation.adxl355_chip import ADXL355_CHIP
+from drivers.emulation.i2c_adapter import I2cAdapter
+from drivers.emulation.icm20948_chip import ICM20948_CHIP
+from drivers.emulation.lis3dh_chip import LIS3DH_CHIP
+from drivers.emulation.lis3lv02dq_chip import Lis3lv02dqChip
+from drivers.emulation.lis3lv02dq_registers import LIS3LV02DQ_PART
+from drivers.emulation.mpu6050_chip import MPU6050_CHIP
+from drivers.emulation.register_chip import RegisterChip
+from drivers.emulation.shared_registers import SensedPart, SharedRegisters
+
+_LIS3LV02DQ_ADDRESS = 0x1D
+_LAYOUTS = (LIS3DH_CHIP, ADXL345_CHIP, ADXL355_CHIP, MPU6050_CHIP, ICM20948_CHIP)
+
+SENSED_PARTS: dict[str, SensedPart] = {
+    part.name: part for part in (LIS3LV02DQ_PART, *(layout.sensed for layout in _LAYOUTS))
+}
+
+
+def open_part(name: str, wait_s: float) -> I2cAdapter:
+    """A bus with the part on it that the rig made the registers `name` for. Raises UserError when there are none."""
+    registers = SharedRegisters(name, wait_s)
+    number = registers.part_number
+    registers.close()
+    for layout in _LAYOUTS:
+        if layout.sensed.number == number:
+            return I2cAdapter(layout.address, RegisterChip(layout, name))
+    return I2cAdapter(_LIS3LV02DQ_ADDRESS, Lis3lv02dqChip(name))

@@ -1,0 +1,1 @@
+"""Frames of serial accelerometers: pure, incremental decoders."""
