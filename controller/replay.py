@@ -6,6 +6,7 @@ from math import isnan
 
 from common.configuration import Configuration, default_configuration_path
 from common.configuration import Controller as ControllerSettings
+from common.effects import declared
 from common.model import Model, check_model, length_of
 from common.recording.reader import Recording
 from common.recording.topics import EstimateSample, FastSample, FrameSample
@@ -82,8 +83,9 @@ def replay_method(
 ) -> MethodRun:
     """Run a method over recorded measurements and commands. Raises UserError for an unknown method or no length."""
     name = f"{run.name} (model)"
-    estimator = make_method(method, run.model, run.configuration.controller, name)
-    joint = JointMotion(run.model, length_of(run.model, name))
+    model = declared(run.model)
+    estimator = make_method(method, model, run.configuration.controller, name)
+    joint = JointMotion(model, length_of(model, name))
     result = MethodRun(method)
     for count, cycle in enumerate(run.cycles()):
         read, time_s = cycle.read, cycle.read.cycle * run.cycle_s

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from math import isfinite, nan
 
 from common.configuration import Controller as ControllerSettings
+from common.effects import declared
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.damping import DampingStatus, JointDamping
@@ -65,6 +66,7 @@ class Controller:
 
     def __init__(self, model: Model, settings: ControllerSettings, model_name: str = "model") -> None:
         """For a model of the rig. Raises UserError for an unknown method or a model without length."""
+        model = declared(model)
         self._cycle_s = model.timing.cycle_s
         length = length_of(model, model_name)
         self.joint = JointMotion(model, length)

@@ -53,6 +53,7 @@ def _spare_bundle(folder: Path) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay and write the tables."""
+    from common.effects import not_used_by_controller
     from common.recording.reader import open_recording
     from controller.methods import METHODS
     from controller.replay import compare_with_live, read_run, replay_method
@@ -72,6 +73,8 @@ def run(arguments: argparse.Namespace) -> int:
             f"{arguments.recording}: holds no cycles (/fast), so there is nothing to replay; "
             "record with `stillarm controller --record`, or import a bundle with a fast.csv"
         )
+    if unused := not_used_by_controller(recorded.model):
+        print(unused)
     names = arguments.method or [recording.header.method or recorded.configuration.controller.method]
     if "all" in names:
         names = list(METHODS)
