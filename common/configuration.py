@@ -282,6 +282,16 @@ class Rig(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     scene: SimulatedScene = SimulatedScene()
 
 
+class Telemetry(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """The live view (docs/telemetry.md): msgpack by UDP to host:port, unsigned. every_cycles: 1 sends each cycle."""
+
+    enabled: bool = True
+    host: str = "127.0.0.1"
+    port: Port = 9870
+    period_s: Annotated[float, Meta(ge=0.02, le=0.05)] = 0.03
+    every_cycles: Annotated[int, Meta(ge=1, le=1000)] = 1
+
+
 class Configuration(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The whole file. `model`: the model file that the controller assumes, relative to this file."""
 
@@ -293,6 +303,7 @@ class Configuration(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     camera: CameraDevice = CameraDevice()
     drive: DriveDevice = DriveDevice()
     rig: Rig = Rig()
+    telemetry: Telemetry = Telemetry()
 
 
 def default_configuration_path() -> Path:

@@ -1,16 +1,19 @@
 """The controller as a process: the loop around the step, with clock, devices and recorder at its edge."""
 
 import gc
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 from common.configuration import load_assumed_model, load_configuration, model_path
+from common.effects import not_used_by_controller
 from common.recording.header import live_header
-from common.recording.recorder_client import RecorderClient
+from common.recording.recorder_client import RECORDING_CUT, RecorderClient
 from common.recording.topics import TOPIC_INDEX, LinkSample, LoopSample
+from common.service_notify import notify
+from common.single_instance import hold_instance
 from common.stop_signal import StopSignal
+from common.structured_log import log, log_start
 from common.user_error import UserError
 from controller.histogram import MicrosecondHistogram
 from controller.live_devices import LiveDevices
@@ -33,27 +36,34 @@ def run(
     model = load_assumed_model(configuration, configuration_path)
     cycle_s = model.timing.cycle_s
     model_name = str(model_path(configuration, configuration_path))
+    if unused := not_used_by_controller(model):
+        log("controller", "warning", unused)
     controller = Controller(model, configuration.controller, model_name)
+    hold_instance("controller", configuration.link.controller_port)
     devices = LiveDevices(configuration, cycle_s)
     stop = StopSignal()
+    log_start("controller", configuration, configuration_path)
     devices.start()
     recorder: RecorderClient | None = None
     clock = CycleClock(cycle_s, time.monotonic() + _START_UP_S)
     try:
-        if record is not None:
-            header = live_header(configuration_path, configuration, devices.session, clock.origin_s)
-            recorder = RecorderClient.start(record, header)
+        header = live_header(configuration_path, configuration, devices.session, clock.origin_s)
+        recorder = RecorderClient.start(
+            record, header, telemetry=configuration.telemetry, process_name="controller"
+        )
         _grant_realtime(allow_non_realtime)
         warm_up(model, configuration.controller, model_name)
         loop = _Loop(controller, devices, recorder, clock, cycle_s)
         last = None if duration_s is None else int(duration_s / cycle_s)
+        notify("READY=1")
         loop.run(lambda cycle: bool(stop) or (last is not None and cycle >= last))
+        notify("STOPPING=1")
         print(loop.summary(), flush=True)
     finally:
         devices.close()
         gc.enable()
-        if recorder is not None:
-            recorder.close()
+        if recorder is not None and not recorder.close():
+            log("controller", "error", RECORDING_CUT, recording=str(record), lost=recorder.lost)
 
 
 def _grant_realtime(allow_non_realtime: bool) -> None:
@@ -64,7 +74,7 @@ def _grant_realtime(allow_non_realtime: bool) -> None:
         raise UserError(
             f"controller: no real-time operation: {'; '.join(problems)}; or start with --allow-non-realtime"
         )
-    print(f"stillarm controller: not real-time: {'; '.join(problems)}", file=sys.stderr, flush=True)
+    log("controller", "warning", "not real-time", missing=problems)
 
 
 class _Loop:

@@ -10,9 +10,12 @@ from common.datagram import Kind
 from common.link_key import load_key
 from common.priority import raise_priority
 from common.recording.header import live_header
-from common.recording.recorder_client import RecorderClient
+from common.recording.recorder_client import RECORDING_CUT, RecorderClient
 from common.recording.topics import TOPIC_INDEX
+from common.service_notify import Watchdog, notify
+from common.single_instance import hold_instance
 from common.stop_signal import StopSignal
+from common.structured_log import log, log_start
 from common.udp import UdpSocket, new_session
 from common.visual_sample import TrackingStatus, VisualSample
 from drivers.camera import Camera, EndOfStream, Frame
@@ -33,6 +36,8 @@ _IMAGES = TOPIC_INDEX["/images"]
 def run(configuration_path: Path, record_images: Path | None = None) -> None:
     """Run until SIGTERM or SIGINT, or until a file has no more frames. Raises UserError for what the user can mend."""
     configuration = load_configuration(configuration_path)
+    hold_instance("supervisor", configuration.link.supervisor_port)
+    log_start("supervisor", configuration, configuration_path)
     raise_priority(_NICENESS)
     cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
     # What OpenCV warns of, the camera's driver says in one line, with the remedy.
@@ -43,16 +48,19 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     recorder = None
     if record_images is not None:
         header = live_header(configuration_path, configuration, 0, 0.0)
-        recorder = RecorderClient.start(record_images, header, ring_bytes=_RING_BYTES)
+        recorder = RecorderClient.start(
+            record_images, header, ring_bytes=_RING_BYTES, process_name="supervisor"
+        )
     try:
         loop = _Loop(configuration, camera, recorder)
         try:
             loop.run(StopSignal())
         finally:
+            notify("STOPPING=1")
             loop.close()
     finally:
-        if recorder is not None:
-            recorder.close()
+        if recorder is not None and not recorder.close():
+            log("supervisor", "error", RECORDING_CUT, recording=str(record_images), lost=recorder.lost)
     print(loop.summary(), flush=True)
 
 
@@ -71,13 +79,17 @@ class _Loop:
         self._controller = (link.controller_host, link.controller_port)
         self._socket = UdpSocket((link.supervisor_host, link.supervisor_port), "link.supervisor_port")
         self._socket.guard((Kind.TIMESTAMP,), session, _TIMESTAMPS_EXPECTED)
-        self._frames = self._measured = 0
+        self._frames = self._measured = self._rounds = 0
 
     def run(self, stop: StopSignal) -> None:
         """Cycle until asked to stop, or until the stream ends."""
         exchange = self._exchange
         self._camera.start()
+        notify("READY=1")
+        watchdog = Watchdog()
         while not stop:
+            self._rounds += 1
+            watchdog.feed(self._rounds, time.monotonic())
             self._take_timestamps()
             exchange.begin_cycles()
             try:

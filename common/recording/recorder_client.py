@@ -14,6 +14,7 @@ from pathlib import Path
 
 import msgspec
 
+from common.configuration import Telemetry
 from common.recording.header import RecordingHeader
 from common.recording.topics import TOPICS
 from common.shared_memory import SharedRing
@@ -21,36 +22,58 @@ from common.user_error import UserError
 
 _RING_BYTES = 8 << 20  # some ten seconds of every topic at 1 kHz, should the disk stall
 _START_S = 20.0
+RECORDING_CUT = (
+    "the recording is not complete: its process ended early, or the disk was full; "
+    "mend it with `stillarm recover`"
+)
 _PREFIX = [bytes([index]) for index in range(len(TOPICS))]
+
+
+class RecorderOrder(msgspec.Struct, frozen=True):
+    """What a recorder is started with."""
+
+    header: RecordingHeader
+    path: str | None
+    telemetry: Telemetry | None
+    process_name: str
 
 
 class RecorderClient:
     """A recorder process and the way to it. Of one process and one thread: the ring has one writer."""
 
-    def __init__(self, process: subprocess.Popen[bytes], ring: SharedRing, path: Path) -> None:
+    def __init__(self, process: subprocess.Popen[bytes], ring: SharedRing) -> None:
         """Use start()."""
         self._process = process
         self._ring = ring
-        self._path = path
         self._encode = msgspec.msgpack.Encoder().encode
         self._put = ring.put
 
     @classmethod
     def start(
-        cls, path: str | Path, header: RecordingHeader, *, ring_bytes: int = _RING_BYTES
+        cls,
+        path: str | Path | None,
+        header: RecordingHeader,
+        *,
+        ring_bytes: int = _RING_BYTES,
+        telemetry: Telemetry | None = None,
+        process_name: str = "recorder",
     ) -> "RecorderClient":
         """Start the recorder and wait until its file is open.
 
+        path: None records nothing; the telemetry is sent, and /log printed, all the same. process_name: in log lines.
         Raises UserError when the file cannot be written or there is no shared memory for the ring.
         """
         name = f"recorder-{os.getpid()}-{secrets.token_hex(4)}"
         ring = SharedRing(name, ring_bytes, create=True)
         try:
-            process = _spawn(Path(path), name, msgspec.msgpack.encode(header))
+            order = RecorderOrder(
+                header, None if path is None else str(Path(path).absolute()), telemetry, process_name
+            )
+            process = _spawn(order, name)
         except BaseException:
             ring.close()
             raise
-        return cls(process, ring, Path(path))
+        return cls(process, ring)
 
     def put(self, topic_index: int, message: msgspec.Struct) -> None:
         """Hand over a message; `topic_index` from common.recording.topics.TOPIC_INDEX.
@@ -82,7 +105,7 @@ class RecorderClient:
         return complete
 
 
-def _spawn(path: Path, ring_name: str, header: bytes) -> subprocess.Popen[bytes]:
+def _spawn(order: RecorderOrder, ring_name: str) -> subprocess.Popen[bytes]:
     """Start the recorder in a session of its own, where neither Ctrl-C nor a hang-up of the terminal reaches
     it.
     """
@@ -92,7 +115,7 @@ def _spawn(path: Path, ring_name: str, header: bytes) -> subprocess.Popen[bytes]
         # -P: a folder named 'common' where the user happens to stand must not take this package's place
         [
             *(sys.executable, "-P", "-m", "common.recording.recorder_process"),
-            *(str(path.absolute()), ring_name, str(os.getpid())),
+            *(ring_name, str(os.getpid())),
         ],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
@@ -101,7 +124,7 @@ def _spawn(path: Path, ring_name: str, header: bytes) -> subprocess.Popen[bytes]
     )
     assert process.stdin is not None and process.stdout is not None
     with contextlib.suppress(BrokenPipeError), process.stdin as stdin:
-        stdin.write(header)
+        stdin.write(msgspec.msgpack.encode(order))
     with process.stdout as stdout, selectors.DefaultSelector() as selector:
         selector.register(stdout, selectors.EVENT_READ)
         answered = bool(selector.select(_START_S))
@@ -110,10 +133,11 @@ def _spawn(path: Path, ring_name: str, header: bytes) -> subprocess.Popen[bytes]
         return process
     process.kill()
     process.wait()
+    place = order.path or "telemetry"
     if answered and not answer:
         raise UserError(
-            f"{path}: the recorder ended before it began; what it said on standard error tells why"
+            f"{place}: the recorder ended before it began; what it said on standard error tells why"
         )
     raise UserError(
-        answer or f"{path}: the recorder did not start within {_START_S:.0f} s; is the machine overloaded?"
+        answer or f"{place}: the recorder did not start within {_START_S:.0f} s; is the machine overloaded?"
     )

@@ -1,0 +1,42 @@
+"""One daemon of a kind on its ports: a lock file that names the process, held as long as that lives.
+
+The kernel releases the lock with the process, however it ended: a file left behind is no obstacle, and no process
+number is ever trusted.
+"""
+
+import fcntl
+import os
+import tempfile
+from pathlib import Path
+
+from common.user_error import UserError
+
+
+def lock_folder() -> Path:
+    """RUNTIME_DIRECTORY as systemd gives it, else XDG_RUNTIME_DIR, else the folder for temporary files."""
+    named = os.environ.get("RUNTIME_DIRECTORY", "").split(":")[0] or os.environ.get("XDG_RUNTIME_DIR", "")
+    return Path(named) if named and Path(named).is_dir() else Path(tempfile.gettempdir())
+
+
+def hold_instance(role: str, port: int) -> int:
+    """Take the lock of `role` at `port` until this process ends; returns its descriptor.
+
+    Raises UserError when another process holds it, with its number.
+    """
+    path = lock_folder() / f"stillarm-{role}-{port}.lock"
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise UserError(f"{path}: cannot be opened ({reason}); remove it, or set XDG_RUNTIME_DIR") from None
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        holder = os.pread(descriptor, 20, 0).decode(errors="replace").strip() or "unknown"
+        os.close(descriptor)
+        raise UserError(
+            f"a {role} runs already on port {port} (process {holder}); stop it first, or choose another port"
+        ) from None
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
+    return descriptor

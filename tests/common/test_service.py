@@ -1,0 +1,124 @@
+"""What systemd sees of a daemon, its units, its lock and its log, without systemd."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from configparser import ConfigParser
+from pathlib import Path
+
+import pytest
+
+from common.configuration import Configuration
+from common.service_notify import Watchdog, notify
+from common.single_instance import hold_instance
+from common.structured_log import log, log_line, log_start
+from common.user_error import UserError
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def listener(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(str(tmp_path / "notify"))
+        receiver.settimeout(5.0)
+        monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+        yield receiver
+
+
+def test_a_state_reaches_the_socket(listener: socket.socket) -> None:
+    assert notify("READY=1")
+    assert listener.recv(100) == b"READY=1"
+
+
+def test_without_systemd_nothing_happens(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NOTIFY_SOCKET", raising=False)
+    assert not notify("READY=1")
+    monkeypatch.setenv("NOTIFY_SOCKET", "/nowhere/at/all")
+    assert not notify("READY=1")
+
+
+def test_the_watchdog_is_fed_only_while_the_counter_moves(
+    listener: socket.socket, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("WATCHDOG_USEC", "2000000")
+    watchdog = Watchdog()
+    fed = [
+        watchdog.feed(counter, at)
+        for counter, at in [(1, 0.0), (2, 0.5), (3, 1.1), (3, 2.2), (3, 9.0), (4, 9.1)]
+    ]
+    assert fed == [True, False, True, False, False, True]
+    assert [listener.recv(100) for _ in range(3)] == [b"WATCHDOG=1"] * 3
+    monkeypatch.delenv("WATCHDOG_USEC")
+    assert not Watchdog().feed(5, 99.0)
+
+
+def test_a_second_daemon_is_refused_and_names_the_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    held = hold_instance("controller", 47001)
+    with pytest.raises(UserError, match=rf"process {os.getpid()}\)"):
+        hold_instance("controller", 47001)
+    hold_other = hold_instance("controller", 47002)
+    os.close(held)
+    os.close(hold_other)
+    os.close(hold_instance("controller", 47001))
+
+
+def test_the_lock_of_a_killed_daemon_is_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its file stays, with a number that may be anybody's by now."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    code = (
+        "import time; from common.single_instance import hold_instance\n"
+        "hold_instance('supervisor', 5); print('held', flush=True); time.sleep(600)"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "held\n"
+    with pytest.raises(UserError, match=f"process {process.pid}"):
+        hold_instance("supervisor", 5)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    assert (tmp_path / "stillarm-supervisor-5.lock").read_text() == f"{process.pid}\n"
+    os.close(hold_instance("supervisor", 5))
+    assert (tmp_path / "stillarm-supervisor-5.lock").read_text() == f"{os.getpid()}\n"
+
+
+def test_a_line_is_one_json_object_whatever_is_in_it() -> None:
+    line = log_line("controller", "warning", "two\nlines", 0.5, value=float("nan"), nested={"a": [1, "ü"]})
+    assert "\n" not in line
+    assert json.loads(line) == {
+        "time": "1970-01-01T00:00:00.500+00:00",
+        "level": "warning",
+        "process": "controller",
+        "event": "two\nlines",
+        "value": None,
+        "nested": {"a": [1, "ü"]},
+    }
+
+
+def test_the_configuration_is_in_the_first_line(capsys: pytest.CaptureFixture[str]) -> None:
+    log_start("controller", Configuration(), "a.toml")
+    log("controller", "error", "x")
+    first, second = capsys.readouterr().err.splitlines()
+    assert json.loads(first)["configuration"]["link"]["controller_port"] == 47001
+    assert json.loads(second)["level"] == "error"
+
+
+@pytest.mark.parametrize("role", ["controller", "supervisor"])
+def test_the_units_ask_for_what_the_daemons_need(role: str) -> None:
+    unit = ConfigParser(strict=False, interpolation=None)
+    unit.optionxform = str  # type: ignore[assignment,method-assign]
+    unit.read(ROOT / "deploy" / "systemd" / f"stillarm-{role}.service")
+    service = unit["Service"]
+    assert service["Type"] == "notify" and service["NotifyAccess"] == "all"
+    assert float(service["WatchdogSec"]) > 0.5 and service["Restart"] == "on-failure"
+    assert f" {role} --config " in service["ExecStart"]
+    assert service["KillMode"] == "mixed"  # SIGTERM to the main process: it fades, then its recorder finishes
+    if role == "controller":
+        assert service["LimitRTPRIO"] == "99" and service["LimitMEMLOCK"] == "infinity"
