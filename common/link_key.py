@@ -9,7 +9,7 @@ from common.configuration import Link
 from common.datagram import DEMO_KEY
 from common.user_error import UserError
 
-_REMEDY = "make one with `(umask 077; head -c 32 /dev/urandom > KEY_FILE)` and copy it to both computers"
+NEW_KEY = "made with `(umask 077; head -c 32 /dev/urandom > KEY_FILE)` and copy it to both computers"
 
 
 def load_key(link: Link) -> bytes:
@@ -29,7 +29,7 @@ def load_key(link: Link) -> bytes:
             content = file.read(4096)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise UserError(f"{place}: cannot be read ({reason}); {_REMEDY}") from None
+        raise UserError(f"{place}: cannot be read ({reason}); {NEW_KEY}") from None
     if mode & 0o077:
         raise UserError(
             f"{place}: others may read it (mode {mode:03o}, 600 is allowed); run `chmod 600 {path}`"
@@ -38,7 +38,7 @@ def load_key(link: Link) -> bytes:
     if key is None:
         raise UserError(
             f"{place}: {len(content)} bytes that are no key; 16 to 32 bytes or 32 to 64 "
-            f"hexadecimal digits are allowed; {_REMEDY}"
+            f"hexadecimal digits are allowed; {NEW_KEY}"
         )
     return key
 
@@ -58,7 +58,7 @@ def _demo_key(link: Link) -> bytes:
         if not is_loopback(host):
             raise UserError(
                 f"link.key_file is empty but link.{name} = {host!r} lies outside this computer, "
-                f"where the demo key (127.0.0.0/8 only) protects nothing; name a key file: {_REMEDY}"
+                f"where the demo key (127.0.0.0/8 only) protects nothing; name a key file: {NEW_KEY}"
             )
     return DEMO_KEY
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 import msgspec
 
 from common.configuration import Configuration
+from common.link_key import NEW_KEY
 from common.recording.header import program_version
 
 Level = Literal["debug", "info", "warning", "error"]
@@ -33,7 +34,9 @@ def log(process: str, level: Level, event: str, **fields: Any) -> None:
 
 
 def log_start(process: str, configuration: Configuration, configuration_path: object) -> None:
-    """A daemon's first line: what runs, and with which configuration, all defaults written out."""
+    """A daemon's first line: what runs, and with which configuration, all defaults written out; and a warning where the
+    link has no key of its own.
+    """
     log(
         process,
         "info",
@@ -42,3 +45,10 @@ def log_start(process: str, configuration: Configuration, configuration_path: ob
         configuration_path=str(configuration_path),
         configuration=msgspec.to_builtins(configuration),
     )
+    if not configuration.link.key_file:
+        log(
+            process,
+            "warning",
+            "the demo key, which everybody knows, signs the link: good for this computer alone; "
+            f"link.key_file names a key of your own, {NEW_KEY}",
+        )

@@ -105,7 +105,8 @@ def test_a_line_is_one_json_object_whatever_is_in_it() -> None:
 def test_the_configuration_is_in_the_first_line(capsys: pytest.CaptureFixture[str]) -> None:
     log_start("controller", Configuration(), "a.toml")
     log("controller", "error", "x")
-    first, second = capsys.readouterr().err.splitlines()
+    first, warning, second = capsys.readouterr().err.splitlines()
+    assert "demo key" in json.loads(warning)["event"]
     assert json.loads(first)["configuration"]["link"]["controller_port"] == 47001
     assert json.loads(second)["level"] == "error"
 
