@@ -1,4 +1,4 @@
-"""The drive that the configuration names."""
+"""The drive that the configuration names. Only the named driver is imported."""
 
 from common.configuration import DriveDevice
 from common.datagram import DEMO_KEY
@@ -15,6 +15,18 @@ def open_drive(config: DriveDevice, key: bytes) -> Drive | None:
     """
     if config.driver == "none":
         return None
+    if config.driver == "odrive":
+        from drivers.odrive_drive import OdriveDrive
+
+        return OdriveDrive(config)
+    if config.driver == "cia402":
+        from drivers.cia402_drive import Cia402Drive
+
+        return Cia402Drive(config)
+    if config.driver == "mcp4725":
+        from drivers.mcp4725_drive import Mcp4725Drive
+
+        return Mcp4725Drive(config)
     if key == DEMO_KEY and not is_loopback(config.gateway_host):
         raise UserError(
             f"drive.gateway_host = {config.gateway_host!r} lies outside this computer, where the demo key "

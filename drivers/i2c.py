@@ -12,19 +12,19 @@ _I2C_TIMEOUT = 0x0702
 _TIMEOUT_10_MS = 1  # the kernel counts it in tens of milliseconds
 
 
-def open_bus(name: str, *, wait_s: float = 0.0) -> smbus2.SMBus:
+def open_bus(name: str, *, wait_s: float = 0.0, key: str = "accelerometer.bus") -> smbus2.SMBus:
     """Open /dev/i2c-N, or "memory:NAME": the emulator's registers NAME in memory shared with the simulated
     rig.
 
-    wait_s: how long to wait for an emulator's registers to appear; a real bus is there or not. Raises
-    UserError.
+    wait_s: how long to wait for an emulator's registers to appear; a real bus is there or not. key: the
+    configuration's key, for the message. Raises UserError.
     """
     if name.startswith(PREFIX):
         try:
             return open_memory_bus(name, wait_s)
         except UserError:
             raise UserError(
-                f"accelerometer.bus = {name!r}: no process offers these registers; start it "
+                f"{key} = {name!r}: no process offers these registers; start it "
                 "(the simulated rig: `stillarm rig`), or name a real bus such as /dev/i2c-1"
             ) from None
     try:
@@ -41,4 +41,4 @@ def open_bus(name: str, *, wait_s: float = 0.0) -> smbus2.SMBus:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         remedy = f"cannot be opened as an I2C bus ({reason}); name one of /dev/i2c-*"
-    raise UserError(f"accelerometer.bus = {name!r}: {remedy}")
+    raise UserError(f"{key} = {name!r}: {remedy}")

@@ -7,6 +7,7 @@ from drivers.emulation.icm20948_chip import ICM20948_CHIP
 from drivers.emulation.lis3dh_chip import LIS3DH_CHIP
 from drivers.emulation.lis3lv02dq_chip import Lis3lv02dqChip
 from drivers.emulation.lis3lv02dq_registers import LIS3LV02DQ_PART
+from drivers.emulation.mcp4725_chip import MCP4725_ADDRESS, MCP4725_PART, Mcp4725Chip
 from drivers.emulation.mpu6050_chip import MPU6050_CHIP
 from drivers.emulation.register_chip import RegisterChip
 from drivers.emulation.shared_registers import SensedPart, SharedRegisters
@@ -24,6 +25,8 @@ def open_part(name: str, wait_s: float) -> I2cAdapter:
     registers = SharedRegisters(name, wait_s)
     number = registers.part_number
     registers.close()
+    if number == MCP4725_PART:
+        return I2cAdapter(MCP4725_ADDRESS, Mcp4725Chip(name))
     for layout in _LAYOUTS:
         if layout.sensed.number == number:
             return I2cAdapter(layout.address, RegisterChip(layout, name))

@@ -16,7 +16,7 @@ from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 
 REGISTERS = 512
 RING = 256
-_SAMPLE_AT, _READ_AT, _FAILURE_AT, _PART_AT, _RING_AT = 512, 544, 568, 569, 576
+_SAMPLE_AT, _READ_AT, _FAILURE_AT, PART_AT, _RING_AT = 512, 544, 568, 569, 576
 _SAMPLE = struct.Struct("<Q3i")
 _READ = struct.Struct("<3Q")
 _RING_SAMPLE = struct.Struct("<3i")
@@ -78,7 +78,7 @@ class SensedRegisters:
         self._sequence = 0
         self._count = 0
         self._power_up()
-        self._buffer[_PART_AT] = part.number
+        self._buffer[PART_AT] = part.number
 
     def publish(self, acceleration_xyz_m_s2: tuple[float, float, float]) -> None:
         """Feel an acceleration: quantise it by the range that the registers set, at the rate that they set.
@@ -139,7 +139,7 @@ class SharedRegisters:
     @property
     def part_number(self) -> int:
         """Which part the rig made these registers for."""
-        return self.buffer[_PART_AT]
+        return self.buffer[PART_AT]
 
     @property
     def failure(self) -> int:
