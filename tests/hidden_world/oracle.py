@@ -1,0 +1,228 @@
+"""How clearly an effect shows in its recording: the expected log-likelihood ratio, in nats, of the true model over the
+refitted baseline; and which plain parameters describe its rough form best.
+
+Where an effect changes a mean: half the squared norm of the whitened difference that the baseline's freedoms leave
+(Wilks: the ratio's expectation under the true model). Where it changes a law (spikes, losses, bursts): the ratio of
+the laws on what was drawn. Frames before their image or clock is known are judged as in `whitened.py`.
+"""
+
+from dataclasses import dataclass, replace
+from math import exp, log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tests.hidden_world.baseline import Baseline, baseline
+from tests.hidden_world.clocks import bursts, frames
+from tests.hidden_world.draw import departure_of, sized
+from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect
+from tests.hidden_world.feeler import spikes
+from tests.hidden_world.rig import TICK_S
+from tests.hidden_world.whitened import whitened
+from tests.hidden_world.world import Case, Open, run
+
+Array = NDArray[np.float64]
+
+RARE_LOSS = 1e-3
+"""What the baseline thinks of a lost frame: one in a thousand is nobody's fault."""
+_NATS_TO_PLACE_A_BURST = 5.0
+
+
+@dataclass
+class Oracle:
+    """For one case; keeps the linearised baseline, so that many sizes of the same effect cost little."""
+
+    case: Case
+    _base: Baseline | None = None
+
+    def nats(self, case: Case | None = None, refits: int = 4) -> float:
+        """Expected nats of a case that differs from the oracle's own in its effects only."""
+        case = case or self.case
+        lawful = tuple(e for e in case.effects if _is_law(e))
+        meaning = tuple(e for e in case.effects if not _is_law(e))
+        out = sum(_law_nats(case, e) for e in lawful)
+        if meaning:
+            out += self._mean_nats(replace(case, effects=meaning), refits)
+        return float(out)
+
+    def base(self, case: Case, command: Array, blows: int) -> Baseline:
+        """The baseline's Jacobian is that of the first command seen; its value that of this one."""
+        if self._base is None:
+            self._base = baseline(case, command, blows)
+        elif not np.array_equal(command, self._base.command):
+            bare = replace(case, effects=())
+            self._base.at = whitened(bare, run(bare, Open(command=command)))
+            self._base.command = command
+        return self._base
+
+    def _mean_nats(self, case: Case, refits: int) -> float:
+        clean = run(case)
+        base = self.base(case, clean.command, len(clean.blow_time))
+        there = whitened(case, clean)
+        difference = there - base.at
+        best = 0.5 * float(np.sum(base.left(difference) ** 2))
+        steps = np.zeros(len(base.free))
+        for _ in range(refits):
+            steps = steps + base.absorbed(difference)
+            difference = there - base.moved(steps)
+            before, best = best, min(best, 0.5 * float(np.sum(difference**2)))
+            if best > 0.98 * before:
+                break
+        return best
+
+
+def expected_nats(case: Case) -> float:
+    """Of all the case's effects together over the refitted baseline."""
+    return Oracle(case).nats()
+
+
+def scale_to(case: Case, nats: float, which: int = 0) -> Case:
+    """The case with its effect `which` sized so that it alone is worth about so many nats, as far as is physical."""
+    oracle, effect = Oracle(case), case.effects[which]
+    low, high = UNKNOWN.get(effect.name) or (CAUSES[effect.name].smallest, CAUSES[effect.name].largest)
+    departure = departure_of(effect, case.rig)
+    sign = -1.0 if departure < 0.0 else 1.0
+
+    def at(log_size: float) -> tuple[Effect, float]:
+        sized_effect = sized(effect, case.rig, sign * exp(log_size))
+        try:
+            return sized_effect, oracle.nats(replace(case, effects=(sized_effect,)))
+        except ValueError:  # it would tear the arm apart
+            return sized_effect, float("inf")
+
+    a, b = log(low), log(high)
+    chosen, reached = at(a)
+    if reached < nats:
+        guess, slope_known = 0.5 * (a + b), False
+        low_point = (a, reached)
+        for _ in range(12):
+            chosen, reached = at(guess)
+            if abs(log(max(reached, 1e-12) / nats)) < 0.1 or b - a < 0.02:
+                break
+            if reached > nats:
+                b, slope_known = guess, True
+            else:
+                a, low_point = guess, (guess, reached)
+            step = 0.5 * log(nats / reached) if 0.0 < reached < float("inf") else 0.0
+            aimed = guess + step
+            inside = a < aimed < b
+            guess = aimed if step and inside else (0.5 * (a + b) if slope_known or not step else b)
+        del low_point
+    effects = tuple(chosen if place == which else e for place, e in enumerate(case.effects))
+    return replace(case, effects=effects)
+
+
+def best_plain(case: Case, which: int = 0, rounds: int = 3) -> Effect:
+    """The plain form's parameters that describe the rough effect best, noise apart, beside a refitted baseline.
+
+    Gauss-Newton on what the baseline leaves of rough minus plain. Laws: what was drawn, counted.
+    """
+    effect = case.effects[which]
+    if _is_law(effect):
+        return _counted(case, effect)
+    names = _fitted(effect)
+    if not names:
+        return effect.plain
+    alone = replace(case, effects=(effect,))
+    clean = run(alone)
+    base = Oracle(alone).base(alone, clean.command, len(clean.blow_time))
+    there = whitened(alone, clean)
+    plain = effect.plain
+
+    def left(tried: Effect) -> Array:
+        made = replace(case, effects=(tried,))
+        return base.left(there - whitened(made, run(made, Open(command=clean.command))))
+
+    now = left(plain)
+    for _ in range(rounds):
+        columns, units = [], []
+        for name in names:
+            unit = _unit(name, plain[name], departure_of(plain, case.rig))
+            columns.append(left(plain.with_value(name, plain[name] + unit)) - now)
+            units.append(unit)
+        steps = np.linalg.lstsq(np.stack(columns, axis=1), -now, rcond=None)[0]
+        for share in (1.0, 0.3, 0.1):
+            tried = plain
+            for name, unit, step in zip(names, units, steps.tolist(), strict=True):
+                tried = tried.with_value(name, tried[name] + share * unit * step)
+            try:
+                after = left(tried)
+            except ValueError:
+                continue
+            if np.sum(after**2) < np.sum(now**2):
+                plain, now = tried, after
+                break
+        else:
+            return plain
+    return plain
+
+
+def _is_law(effect: Effect) -> bool:
+    return effect.name in CAUSES and CAUSES[effect.name].law
+
+
+def _fitted(effect: Effect) -> tuple[str, ...]:
+    if effect.name in UNKNOWN or effect.name in ("stale_frame_buffer", "clock_step"):
+        return ()
+    return CAUSES[effect.name].names
+
+
+def _unit(name: str, value: float, departure: float) -> float:
+    """A step to differentiate by: a thousandth of what departs, except where a parameter is a place in time or band."""
+    fixed = {"onset_s": 2e-3, "frequency_hz": 1e-5 * value, "damping_ratio": 1e-2 * value}
+    return fixed.get(name, 1e-3 * abs(departure) if departure else 1e-3)
+
+
+def _law_nats(case: Case, effect: Effect) -> float:
+    """Log ratio of the law with the effect over the law without, on what the case's seed draws."""
+    if effect.name == "impulse_noise":
+        return _impulse_nats(case, effect) if "acceleration" in case.kept else 0.0
+    if "image" not in case.kept:
+        return 0.0
+    drawn = frames(case.rig, (effect,), case.duration_s, case.seed)
+    if effect.name == "frame_drops":
+        n, m = len(drawn.lost), int(np.sum(drawn.lost))
+        f = max(m, 0.5) / n
+        return m * log(f / RARE_LOSS) + (n - m) * log((1.0 - f) / (1.0 - RARE_LOSS))
+    norm = Oracle(case)._mean_nats(case if case.effects == (effect,) else replace(case, effects=(effect,)), 0)
+    count = len(bursts(effect, float(drawn.middle[-1])))
+    return max(norm - _NATS_TO_PLACE_A_BURST * count, 0.0)
+
+
+def _impulse_nats(case: Case, effect: Effect) -> float:
+    """Spikes in white noise against white noise of the deviation that they make it seem to have."""
+    ticks = round(case.duration_s / TICK_S)
+    sigma, size = case.rig.feeler.hiss, effect["amplitude_m_s2"]
+    spike = spikes((effect,), ticks)
+    noise = sigma * np.random.default_rng((case.seed, 100)).standard_normal(ticks)
+    seen = noise + spike
+    share = max(float(np.mean(spike != 0.0)), 1e-6)
+    wide = float(np.hypot(sigma, 0.3 * size))
+
+    def normal(deviation: float, centre: float = 0.0) -> Array:
+        return np.asarray(np.exp(-0.5 * ((seen - centre) / deviation) ** 2) / deviation)
+
+    mixed = (1.0 - share) * normal(sigma) + 0.5 * share * (normal(wide, size) + normal(wide, -size))
+    alone = normal(float(np.std(seen)))
+    return float(np.sum(np.log(np.maximum(mixed, 1e-300)) - np.log(np.maximum(alone, 1e-300))))
+
+
+def _counted(case: Case, effect: Effect) -> Effect:
+    """The law's parameters as they were drawn."""
+    plain = effect.plain
+    if effect.name == "impulse_noise":
+        spike = spikes((effect,), round(case.duration_s / TICK_S))
+        first = (spike != 0.0) & (np.concatenate([[0.0], spike[:-1]]) == 0.0)
+        if np.any(first):
+            plain = plain.with_value("rate_hz", float(np.sum(first)) / case.duration_s)
+            plain = plain.with_value("amplitude_m_s2", float(np.mean(np.abs(spike[first]))))
+        return plain
+    drawn = frames(case.rig, (effect,), case.duration_s, case.seed)
+    if effect.name == "frame_drops":
+        return plain.with_value("fraction", float(np.mean(drawn.lost)))
+    had = bursts(effect, case.duration_s)
+    if had:
+        plain = plain.with_value("rate_hz", len(had) / case.duration_s)
+        plain = plain.with_value("duration_s", float(np.mean([b[1] for b in had])))
+        plain = plain.with_value("delay_s", float(np.mean([b[2] for b in had])))
+    return plain

@@ -1,0 +1,73 @@
+"""What a case's sensors and clocks say without noise, in units of their noise: one long vector.
+
+Each channel is divided by its noise; the frames' arrival is whitened under its law, a slow Gauss-Markov wander plus
+white jitter plus the wait for the next tick, by the innovations of its Kalman filter.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tests.hidden_world.feeler import converted
+from tests.hidden_world.rig import TICK_S, Eye
+from tests.hidden_world.world import Case, Clean
+
+Array = NDArray[np.float64]
+_STAMP_S = 5e-5
+
+
+def whitened(case: Case, clean: Clean) -> Array:
+    """Every kept channel in units of its noise, one after the other, in an order that depends on the case alone."""
+    rig, kept = case.rig, case.kept
+    ticks = len(clean.command)
+    parts = []
+    if "acceleration" in kept:
+        noise = float(np.hypot(rig.feeler.hiss, rig.feeler.grain / 12.0**0.5))
+        parts.append(converted(rig, case.effects, clean.acceleration) / noise)
+    if "angle" in kept:
+        noise = float(np.hypot(rig.joint.encoder_noise, rig.joint.encoder_step / 12.0**0.5))
+        parts.append(clean.angle / noise)
+    if "speed" in kept:
+        parts.append(clean.speed / rig.joint.rate_noise)
+    if "gauge" in kept:
+        parts.append(clean.gauge / rig.gauge_noise)
+    if "image" in kept:
+        rows = slice(2, max(int((ticks * TICK_S - 0.3) * rig.eye.rate), 2))  # those that surely arrive within
+        parts.append(clean.image[rows] / rig.eye.px_noise)
+        parts.append(_innovations(rig.eye, _read(case, clean)[rows]))
+        if "stamp" in kept and rig.eye.stamped:
+            parts.append(_stamped(case, clean)[rows] / _STAMP_S)
+    return np.concatenate(parts)
+
+
+def _read(case: Case, clean: Clean) -> Array:
+    """Arrival, before it waits for a tick, on the clock as it reads after any step."""
+    arrival = clean.frames.arrival.copy()
+    for e in case.effects:
+        if e.name == "clock_step" and e.kind != "stamp":
+            arrival += e["step_s"] * (clean.frames.arrival >= e["onset_s"])
+    return arrival
+
+
+def _stamped(case: Case, clean: Clean) -> Array:
+    stamp = clean.frames.stamp.copy()
+    for e in case.effects:
+        if e.name == "clock_step" and e.kind == "stamp":
+            stamp += e["step_s"] * (clean.frames.arrival >= e["onset_s"])
+    return stamp
+
+
+def _innovations(eye: Eye, values: Array) -> Array:
+    """The values minus what their past foretells under the law of the delay, over the innovation's deviation."""
+    keep = float(np.exp(-1.0 / (eye.rate * eye.slow_s)))
+    slow = eye.slow_part * eye.late_spread_s**2
+    quick = (1.0 - eye.slow_part) * eye.late_spread_s**2 + TICK_S**2 / 12.0
+    state, variance = 0.0, slow
+    out = np.empty(len(values))
+    for k, value in enumerate(values.tolist()):
+        total = variance + quick
+        error = value - state
+        out[k] = error / total**0.5
+        weight = variance / total
+        state = keep * (state + weight * error)
+        variance = keep * keep * variance * (1.0 - weight) + (1.0 - keep * keep) * slow
+    return out
