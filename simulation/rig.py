@@ -1,7 +1,8 @@
 """The simulated rig in real time: the plant in this process, the camera in another; it stands in for the hardware.
 
-Accelerometer: registers in shared memory behind an I2C bus "memory:NAME". Joint: a drive gateway on UDP. Camera: frames
-in shared memory. The scenario's clock starts with the first drive command.
+Accelerometer: registers in shared memory behind an I2C bus "memory:NAME", or a serial port "pty:NAME". Joint: a drive
+gateway on UDP, or the emulator of another drive (rig_drive.py). Camera: frames in shared memory. The scenario's clock
+starts with the first drive command.
 """
 
 import contextlib
@@ -30,10 +31,9 @@ from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, TrueFrame
 from common.scenario import Scenario, load_scenario
 from common.stop_signal import StopSignal
+from common.udp import UdpSocket
 from common.user_error import UserError
 from controller.schedule import CycleClock
-from drivers.drive_gateway import DriveGateway
-from drivers.drive_gateway_socket import DriveGatewaySocket
 from drivers.emulation.emulated_accelerometer import emulate_accelerometer
 from drivers.mounting import sensed_axes
 from simulation.accelerometer_effects import AccelerometerEffects
@@ -46,6 +46,7 @@ from simulation.disturbance import DISTURBANCE_STREAM, Disturbance
 from simulation.effect_clock import EffectClock
 from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
+from simulation.rig_drive import rig_drive
 from simulation.truth import strike_line, true_state
 
 _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
@@ -93,7 +94,7 @@ def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, 
 
 
 class _PlantProcess:
-    """The plant with its sensors and its drive's gateway, step by step in real time."""
+    """The plant with its sensors and its drive, step by step in real time."""
 
     def __init__(self, configuration: Configuration, model: Model, scenario: Scenario, rig: Rig) -> None:
         if configuration.camera.driver != "shared_memory":
@@ -119,12 +120,16 @@ class _PlantProcess:
             rig.scenario,
         )
         self._device = configuration.accelerometer
-        drive = configuration.drive
-        self._gateway = DriveGateway(load_key(configuration.link))
+        key = load_key(configuration.link)
         with contextlib.ExitStack() as undo:
-            # The port first: where it is another rig's, so is the shared memory, which is not to be replaced.
-            self._socket = DriveGatewaySocket(self._gateway, (drive.gateway_host, drive.gateway_port))
-            undo.callback(self._socket.close)
+            # The port first: where it is another rig's, so is all else, which is not to be replaced.
+            self._claim = None
+            if configuration.drive.driver != "udp_gateway":
+                place = configuration.drive.gateway_host, configuration.drive.gateway_port
+                self._claim = UdpSocket(place, "drive.gateway_port")
+                undo.callback(self._claim.close)
+            self._drive = rig_drive(configuration.drive, key)
+            undo.callback(self._drive.close)
             self._accelerometer = emulate_accelerometer(self._device, self._cycle_s)
             undo.callback(self._accelerometer.close)
             self._poses = PoseHistory(pose_history_name(configuration), create=True)
@@ -144,15 +149,15 @@ class _PlantProcess:
         while not stop:
             behind = min(cycle - stepped, _LONGEST_CATCH_UP)
             now = clock.origin_s + cycle * self._cycle_s
-            command = self._socket.poll(now)
-            if self._first_command_s is None and self._gateway.counts.accepted:
+            command = self._drive.poll(now)
+            if self._first_command_s is None and self._drive.commanded:
                 self._first_command_s = now
                 self._plant.effect_clock.origin_s = self._plant.time_s
                 self.started_s.value = now
             for late in range(behind - 1, -1, -1):
                 self._step(now - late * self._cycle_s, command, recorder)
             stepped = cycle
-            self._socket.report(self._plant.encoder_position_rad, self._plant.encoder_velocity_rad_s)
+            self._drive.report(self._plant.encoder_position_rad, self._plant.encoder_velocity_rad_s)
             _record_frames(recorder, frames)
             if not camera_alive():
                 raise UserError("the rig's camera process ended; its message above tells why")
@@ -175,7 +180,9 @@ class _PlantProcess:
 
     def close(self) -> None:
         """Release sockets and shared memory."""
-        self._socket.close()
+        self._drive.close()
+        if self._claim is not None:
+            self._claim.close()
         self._accelerometer.close()
         self._poses.close()
 
