@@ -1,6 +1,6 @@
 """The emulated accelerometer that the configuration asks for, as the simulated rig presents it."""
 
-from typing import Protocol
+from typing import Literal, Protocol, cast, get_args
 
 from common.configuration import AccelerometerDevice
 from common.user_error import UserError
@@ -10,6 +10,20 @@ from drivers.emulation.serial_accelerometer_device import EmulatedSerialAccelero
 from drivers.emulation.shared_registers import Failure, SensedRegisters
 from drivers.serial_devices import SERIAL_DEVICES
 from drivers.serial_port import PTY_PREFIX
+
+EmulatedDriver = Literal[
+    "lis3lv02dq",
+    "lis3dh",
+    "adxl345",
+    "adxl355",
+    "mpu6050",
+    "icm20948",
+    "witmotion",
+    "xsens",
+    "vectornav",
+    "microcontroller",
+    "none",
+]
 
 
 class EmulatedAccelerometer(Protocol):
@@ -36,6 +50,16 @@ class NoAccelerometer:
 
     def close(self) -> None:
         """Nothing to remove."""
+
+
+def emulated_driver(name: str) -> EmulatedDriver:
+    """The driver of that name, if there is an emulator for it. Raises UserError."""
+    for driver in get_args(EmulatedDriver):
+        if driver == name:
+            return cast(EmulatedDriver, driver)
+    raise UserError(
+        f"accelerometer {name!r}: no emulator for it; use {', '.join(get_args(EmulatedDriver)[:-1])} or none"
+    )
 
 
 def emulate_accelerometer(device: AccelerometerDevice, period_s: float) -> EmulatedAccelerometer:

@@ -138,7 +138,7 @@ class VectorNavSender:
 class MicrocontrollerSender:
     """Streams from power-up at 1 kHz, describing its sensor every half second."""
 
-    def __init__(self, range_m_s2: float = 39.2, delay_s: float = 0.0005) -> None:
+    def __init__(self, range_m_s2: float = 39.2, delay_s: float = 0.0) -> None:
         self.rate_hz = 1000.0
         self._range_um_s2 = round(range_m_s2 * 1e6)
         self._delay_us = round(delay_s * 1e6)
