@@ -14,11 +14,13 @@ from common.shared_memory import block_path
 from common.user_error import UserError
 from controller.replay import LiveComparison, RecordedRun, compare_with_live, read_run, replay_method
 from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
+from drivers.serial_port import port_path
 from simulation.camera_process import pose_history_name
+from simulation.demo.hidden_effect import SHORTEST_S as SHORTEST_HIDDEN_S
 from simulation.demo.own_folder import own_folder
 from simulation.demo.processes import DemoProcesses
 from simulation.demo.scoring import damping_scores, method_scores
-from simulation.demo.set_up import LONGEST_S, SHORTEST_S, write_demo_configuration
+from simulation.demo.set_up import LONGEST_S, RIG_MODEL_NAME, SHORTEST_S, write_demo_configuration
 from simulation.demo.truth_file import read_truth
 
 METHODS = ("timestamps", "correlation", "fused")
@@ -28,19 +30,44 @@ _OVER_TIME_S = 30.0
 Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
 
 
-def run_demo(directory: Path, duration_s: float, seed: int, progress: Progress) -> dict[str, Any]:
-    """Run it all into `directory`; returns what summary.json holds. Raises UserError when a process fails."""
+def run_demo(
+    directory: Path,
+    duration_s: float,
+    seed: int,
+    progress: Progress,
+    accelerometer: str | None = None,
+    *,
+    drive: str | None = None,
+    hide: int | None = None,
+) -> dict[str, Any]:
+    """Run it all into `directory`; returns what summary.json holds. Raises UserError when a process fails.
+
+    accelerometer, drive: what the rig presents itself through, by the driver's name; None: the configuration's.
+    hide: seed of an effect that only the rig, and its truth file, know of.
+    """
     if not SHORTEST_S <= duration_s <= LONGEST_S:
         raise UserError(
             f"--duration-s {duration_s:g}: at least {SHORTEST_S:g} s are needed for two strikes, "
             f"and at most {LONGEST_S:g} s fit the replay's memory"
         )
+    if hide is not None and duration_s < SHORTEST_HIDDEN_S:
+        raise UserError(
+            f"--duration-s {duration_s:g}: at least {SHORTEST_HIDDEN_S:g} s are needed for the moves of --hide"
+        )
     with own_folder(directory):
-        return _run_and_score(directory, duration_s, seed, progress)
+        return _run_and_score(directory, duration_s, seed, progress, accelerometer, drive, hide)
 
 
-def _run_and_score(directory: Path, duration_s: float, seed: int, progress: Progress) -> dict[str, Any]:
-    scenario = _run_processes(directory, duration_s, seed, progress)
+def _run_and_score(
+    directory: Path,
+    duration_s: float,
+    seed: int,
+    progress: Progress,
+    accelerometer: str | None,
+    drive: str | None,
+    hide: int | None,
+) -> dict[str, Any]:
+    scenario = _run_processes(directory, duration_s, seed, progress, accelerometer, drive, hide)
     recording = open_recording(directory / "recording.mcap")
     run = read_run(recording)
     truth = read_truth(directory / "truth.mcap", recording.header.origin_monotonic_s)
@@ -66,8 +93,18 @@ def _run_and_score(directory: Path, duration_s: float, seed: int, progress: Prog
     return summary
 
 
-def _run_processes(directory: Path, duration_s: float, seed: int, progress: Progress) -> Scenario:
-    path, configuration, scenario = write_demo_configuration(directory, duration_s, seed)
+def _run_processes(
+    directory: Path,
+    duration_s: float,
+    seed: int,
+    progress: Progress,
+    accelerometer: str | None,
+    drive: str | None,
+    hide: int | None,
+) -> Scenario:
+    path, configuration, scenario = write_demo_configuration(
+        directory, duration_s, seed, accelerometer, drive=drive, hide=hide
+    )
     processes = DemoProcesses(directory)
     try:
         processes.start("rig", "--config", str(path), "--truth", str(directory / "truth.mcap"))
@@ -84,6 +121,8 @@ def _run_processes(directory: Path, duration_s: float, seed: int, progress: Prog
             )
     finally:
         processes.stop_all()
+        if hide is not None:  # the truth file holds it; nobody else is to
+            (directory / RIG_MODEL_NAME).unlink(missing_ok=True)
         _remove_shared_memory(configuration)
     return scenario
 
@@ -97,6 +136,9 @@ def _remove_shared_memory(configuration: Configuration) -> None:
         pose_history_name(configuration),
     ):
         block_path(name).unlink(missing_ok=True)
+    block_path(configuration.drive.mcp4725.bus.removeprefix(BUS_PREFIX)).unlink(missing_ok=True)
+    for port in (configuration.accelerometer.port, configuration.drive.odrive.port):
+        Path(port_path(port)).unlink(missing_ok=True)
 
 
 def _wait_for_camera(name: str, processes: DemoProcesses) -> None:

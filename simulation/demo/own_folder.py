@@ -9,7 +9,15 @@ from pathlib import Path
 from common.output_folder import make_folder
 from common.user_error import UserError
 
-_WRITTEN = ("config.toml", "model.toml", "scenario.toml", "recording.mcap", "truth.mcap", "summary.json")
+_WRITTEN = (
+    "config.toml",
+    "model.toml",
+    "rig_model.toml",
+    "scenario.toml",
+    "recording.mcap",
+    "truth.mcap",
+    "summary.json",
+)
 _MARK = "memory:demo-"  # in the configuration of every demo: the name of its accelerometer's bus
 
 
@@ -32,7 +40,7 @@ def own_folder(directory: Path) -> Iterator[None]:
                 f"--out {directory}: {there[0]} in it is not a demo's and would be overwritten; "
                 "name a folder of the demo's own"
             )
-        for stale in ("recording.mcap", "truth.mcap", "summary.json"):
+        for stale in ("recording.mcap", "truth.mcap", "summary.json", "rig_model.toml"):
             (directory / stale).unlink(missing_ok=True)
         yield
     finally:

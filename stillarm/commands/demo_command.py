@@ -6,6 +6,7 @@ from typing import Any
 
 from stillarm.arguments import seed
 
+_DURATION_S, _HIDDEN_DURATION_S = 30.0, 60.0
 _LOST_SHARE = (
     0.1  # of the frames; more than that, and the run shows the computer's load rather than the method
 )
@@ -13,9 +14,28 @@ _LOST_SHARE = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument("--duration-s", type=float, default=30.0, metavar="S", help="length of the run (30)")
+    parser.add_argument(
+        "--duration-s", type=float, metavar="S", help="length of the run (30; with --hide 60)"
+    )
     parser.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="output folder (demo)")
+    parser.add_argument(
+        "--accelerometer",
+        metavar="NAME",
+        help="driver through whose emulated registers or frames the rig presents itself: lis3lv02dq, lis3dh, "
+        "adxl345, adxl355, mpu6050, icm20948, witmotion, xsens, vectornav, microcontroller (the configuration's)",
+    )
+    parser.add_argument(
+        "--drive",
+        metavar="NAME",
+        help="drive as which the rig presents itself: udp_gateway, odrive, cia402, mcp4725 (the configuration's)",
+    )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of everything random (0)")
+    parser.add_argument(
+        "--hide",
+        type=seed,
+        metavar="SEED",
+        help="draw an effect from SEED and hide it in the rig, for `stillarm diagnose` to find",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -23,10 +43,26 @@ def run(arguments: argparse.Namespace) -> int:
     from simulation.demo.demo import run_demo
     from stillarm.progress import progress_bar
 
+    hide = arguments.hide
+    duration_s = arguments.duration_s
+    if duration_s is None:
+        duration_s = _DURATION_S if hide is None else _HIDDEN_DURATION_S
     print(
-        f"A flexible arm is struck at 2 s and rings; it is struck again at {0.6 * arguments.duration_s:g} s and damped."
+        f"A flexible arm is struck at 2 s and rings; it is struck again at {0.6 * duration_s:g} s and damped."
     )
-    summary = run_demo(arguments.out, arguments.duration_s, arguments.seed, progress_bar)
+    summary = run_demo(
+        arguments.out,
+        duration_s,
+        arguments.seed,
+        progress_bar,
+        arguments.accelerometer,
+        drive=arguments.drive,
+        hide=hide,
+    )
+    if hide is not None:
+        print("Something was hidden in the rig that its model knows nothing of. To find out what:")
+        print(f"stillarm diagnose {arguments.out / 'recording.mcap'}")
+        return 0
     print_table(summary)
     print(
         f"Figures, recording.mcap and summary.json are in {arguments.out}; begin with {arguments.out / 'overview.png'}"
