@@ -105,8 +105,11 @@ class RegisterChip:
                 if layout.written is not None:
                     layout.written(buffer, place, value)
             self._pointer = (self._pointer + self._increment) & 0x7F
-        if layout.fifo is not None and not layout.fifo.on(buffer):
+        sample = self._registers.sample()
+        if layout.fifo is None or not layout.fifo.on(buffer):
             self._next_in_fifo = None
+        elif sample is not None:
+            self._fill(sample[0])  # it holds what is felt from the write on that switched it on
 
     def read(self, length: int) -> bytes:
         """The bytes of a read message. Raises OSError (EREMOTEIO) where the device does not acknowledge."""
