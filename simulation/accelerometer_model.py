@@ -8,10 +8,23 @@ from common.configuration import AccelerometerDevice
 from common.model import Accelerometer
 from drivers.accelerometer_factory import mean_hold_s, open_accelerometer
 from drivers.accelerometer_tables import TABLES
+from drivers.emulation.emulated_accelerometer import emulated_driver
+from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
 from drivers.i2c_set_up import choose_filter
 from drivers.serial_devices import SERIAL_DEVICES
+from drivers.serial_port import PTY_PREFIX
 
 _FIRST_ORDER = pi / 2.0  # noise bandwidth of a first-order lag over its 3 dB bandwidth
+
+
+def presented_by(device: AccelerometerDevice, name: str) -> AccelerometerDevice:
+    """The configured accelerometer, mounted as it is, as the emulated driver `name`. Raises UserError for none such."""
+    return msgspec.structs.replace(
+        device,
+        driver=emulated_driver(name),
+        bus=device.bus if device.bus.startswith(BUS_PREFIX) else f"{BUS_PREFIX}rig-i2c",
+        port=device.port if device.port.startswith(PTY_PREFIX) else f"{PTY_PREFIX}rig-accelerometer",
+    )
 
 
 def with_device(accelerometer: Accelerometer, device: AccelerometerDevice) -> Accelerometer:

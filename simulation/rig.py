@@ -37,6 +37,7 @@ from controller.schedule import CycleClock
 from drivers.emulation.emulated_accelerometer import emulate_accelerometer
 from drivers.mounting import sensed_axes
 from simulation.accelerometer_effects import AccelerometerEffects
+from simulation.accelerometer_model import presented_by, with_device
 from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_process import pose_history_name
 from simulation.camera_process import run as run_camera
@@ -54,8 +55,18 @@ _NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
 
 
-def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, scenario: str | None) -> None:
-    """Be the rig until SIGTERM or SIGINT. `seed`, `scenario`: in place of the configuration's. Raises UserError."""
+def run(
+    configuration_path: Path,
+    truth_path: Path | None,
+    *,
+    seed: int | None,
+    scenario: str | None,
+    accelerometer: str | None = None,
+) -> None:
+    """Be the rig until SIGTERM or SIGINT. `seed`, `scenario`, `accelerometer`: in place of the configuration's.
+
+    Raises UserError.
+    """
     configuration = load_configuration(configuration_path)
     rig = configuration.rig
     if seed is not None or scenario is not None:
@@ -68,6 +79,10 @@ def run(configuration_path: Path, truth_path: Path | None, *, seed: int | None, 
     length_of(model, name)
     refuse_step_of_absent_stamps(model, rig, name)
     refuse_step_of_controller_clock(model, name)
+    if accelerometer is not None:
+        device = presented_by(configuration.accelerometer, accelerometer)
+        configuration = msgspec.structs.replace(configuration, accelerometer=device)
+        model = msgspec.structs.replace(model, accelerometer=with_device(model.accelerometer, device))
     # What the camera's process would refuse, while there is one to say so.
     CameraTiming(model.camera, model.timing, rig, rig.seed, origin_s=0.0, after_delivery_s=AFTER_DELIVERY_S)
     raise_priority(_NICENESS)

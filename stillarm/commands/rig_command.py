@@ -17,6 +17,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--scenario", metavar="NAME", help="scenario by name or file, in place of the configuration's"
     )
+    parser.add_argument(
+        "--accelerometer",
+        metavar="NAME",
+        help="emulate this one in place of the configuration's; the controller's accelerometer.driver then names it, "
+        "and its bus or port is the configuration's, or memory:rig-i2c or pty:rig-accelerometer",
+    )
     parser.add_argument("--seed", type=seed, metavar="N", help="seed, in place of the configuration's")
 
 
@@ -24,5 +30,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
     from simulation.rig import run as run_rig
 
-    run_rig(arguments.config, arguments.truth, seed=arguments.seed, scenario=arguments.scenario)
+    run_rig(
+        arguments.config,
+        arguments.truth,
+        seed=arguments.seed,
+        scenario=arguments.scenario,
+        accelerometer=arguments.accelerometer,
+    )
     return 0
