@@ -29,6 +29,7 @@ class Kind(IntEnum):
     DRIVE_STATE = 4  # drive gateway -> controller: joint position and velocity, status
     REFERENCE = 5  # operator -> controller: joint velocity reference, whether damping is allowed
     HELLO = 6  # whoever was addressed without its session -> who did so
+    OPERATOR = 7  # operator -> controller: arm, disarm, clear, stop
 
 
 BODY_FIELDS = {
@@ -38,6 +39,7 @@ BODY_FIELDS = {
     Kind.DRIVE_STATE: 4,
     Kind.REFERENCE: 2,
     Kind.HELLO: 0,
+    Kind.OPERATOR: 1,
 }
 
 

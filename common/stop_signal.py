@@ -1,14 +1,14 @@
-"""SIGTERM and SIGINT as a flag that a loop looks at."""
+"""Signals as flags that a loop looks at."""
 
 import signal
 from types import FrameType
 
 
 class StopSignal:
-    """Truthy once the process was asked to stop."""
+    """SIGTERM and SIGINT: truthy once the process was asked to stop."""
 
     def __init__(self) -> None:
-        """Takes over SIGTERM and SIGINT; call it from the main thread."""
+        """Takes over both; call it from the main thread."""
         self._stopped = False
         signal.signal(signal.SIGTERM, self._stop)
         signal.signal(signal.SIGINT, self._stop)
@@ -22,3 +22,20 @@ class StopSignal:
     def is_set(self) -> bool:
         """Whether the process was asked to stop."""
         return self._stopped
+
+
+class SignalFlag:
+    """One signal that may come again and again."""
+
+    def __init__(self, number: signal.Signals) -> None:
+        """Takes it over; call it from the main thread."""
+        self._came = False
+        signal.signal(number, self._note)
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self._came = True
+
+    def take(self) -> bool:
+        """Whether it has come since the last call."""
+        came, self._came = self._came, False
+        return came

@@ -6,16 +6,30 @@ import msgspec
 
 from common.clock_offset import ClockOffset
 from common.datagram import Kind, encode
+from common.model import Model
 from common.peer import LinkCounts, Peer
 from common.visual_datagram import read_visual_body
 from common.visual_sample import VisualSample
+
+_HELD_UP_S = 0.1
+
+
+def oldest_sample_s(model: Model, cycles_in_flight: int) -> float:
+    """How old n_i can be when visual data are read, s: images asked for ahead, the longest capture delay, and 0.1 s."""
+    timing = model.timing
+    delay = timing.capture_delay_s + 4.0 * timing.capture_delay_std_s
+    return delay + cycles_in_flight / model.camera.frame_rate_hz + _HELD_UP_S
 
 
 class ControllerExchange:
     """Sends the timestamp n_c at the start of a cycle, and takes visual data that echo this session's timestamps."""
 
-    def __init__(self, key: bytes, session: int) -> None:
-        """Sign with `key`; `session` is this process's own, never used before."""
+    def __init__(self, key: bytes, session: int, oldest_cycles: int = 1 << 62) -> None:
+        """Sign with `key`; `session` is this process's own, never used before.
+
+        oldest_cycles: how long ago the supervisor may have begun what it sends: oldest_sample_s().
+        """
+        self._oldest_cycles = oldest_cycles
         self._key = key
         self._session = session
         self._sequence = 0
@@ -46,7 +60,8 @@ class ControllerExchange:
     def take(self, datagrams: list[bytes], cycle: int, received_s: float = nan) -> list[VisualSample]:
         """The visual samples among the datagrams read in a cycle, in order. received_s: this clock's time.
 
-        One that answers another session's timestamps, or one from the future, is counted as of an old session.
+        One that answers another session's timestamps, or one from the future, is counted as of an old session; one
+        that was held up on its way, as overdue: no estimator looks for a delay so long, and it is no ground to damp on.
         """
         samples: list[VisualSample] = []
         for data in datagrams:
@@ -61,6 +76,8 @@ class ControllerExchange:
                 self._peer.counts.malformed += 1
             elif read[0] != self._session or not 0 <= read[1].started_cycle <= cycle:
                 self._peer.counts.old_session += 1
+            elif cycle - read[1].started_cycle > self._oldest_cycles:
+                self._peer.counts.overdue += 1
             else:
                 samples.append(read[1])
                 self.clock.add(read[2], received_s)
@@ -78,6 +95,8 @@ class ReferenceExchange:
         self._session = session
         self._sequence = 0
         self._peer = Peer(key, (Kind.REFERENCE,), session)
+        self._operator = Peer(key, (Kind.OPERATOR,), session)
+        self._asked = 0
         self._velocity = 0.0
         self._damping = True
         self._time_s = float("-inf")
@@ -89,14 +108,19 @@ class ReferenceExchange:
 
     def hello(self) -> bytes | None:
         """What to answer to the sender of the last datagram taken: this session, where that did not know it yet."""
-        if not self._peer.greeting:
+        greeting = self._peer.greeting or self._operator.greeting
+        if not greeting:
             return None
         self._sequence += 1
-        return encode(self._key, Kind.HELLO, self._session, self._sequence, (), echo=self._peer.greeting)
+        return encode(self._key, Kind.HELLO, self._session, self._sequence, (), echo=greeting)
 
     def take(self, datagrams: list[bytes], time_s: float) -> None:
         """Read what has arrived by a time."""
         for data in datagrams:
+            if data[_KIND_AT : _KIND_AT + 1] == _OPERATOR:
+                self._take_operator(data)
+                continue
+            self._operator.greeting = 0
             datagram = self._peer.receive(data)
             if datagram is None:
                 continue
@@ -106,8 +130,28 @@ class ReferenceExchange:
             else:
                 self._peer.counts.malformed += 1
 
+    def _take_operator(self, data: bytes) -> None:
+        self._peer.greeting = 0
+        datagram = self._operator.receive(data)
+        if datagram is None:
+            return
+        (bits,) = datagram.body
+        if type(bits) is int and 0 < bits < 16:
+            self._asked |= bits
+        else:
+            self._operator.counts.malformed += 1
+
+    def asked(self) -> int:
+        """What the operator has asked for since the last call, bits of controller.states.table.Operator."""
+        asked, self._asked = self._asked, 0
+        return asked
+
     def reference(self, time_s: float) -> tuple[float, bool]:
         """Joint velocity reference, rad/s, and whether damping is allowed; zero and allowed when none is alive."""
         if time_s - self._time_s > self.LAPSE_S:
             return 0.0, True
         return self._velocity, self._damping
+
+
+_KIND_AT = 2  # after the array's head and the version, a byte each
+_OPERATOR = bytes((Kind.OPERATOR,))

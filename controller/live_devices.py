@@ -1,5 +1,6 @@
 """The controller's devices and sockets: what a cycle reads and writes on a rig."""
 
+import sys
 import time
 from math import nan
 
@@ -7,10 +8,12 @@ from common.configuration import Configuration
 from common.datagram import Kind
 from common.link_key import load_key
 from common.scenario import Scenario, load_scenario
+from common.stop_signal import SignalFlag
 from common.udp import UdpSocket, new_session
-from controller.exchange import ControllerExchange, ReferenceExchange
+from controller.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
+from controller.operator_input import OperatorInput
 from controller.step import CycleInput
-from drivers.accelerometer_factory import open_accelerometer
+from drivers.accelerometer_factory import held_samples_statement, open_accelerometer
 from drivers.drive_factory import open_drive
 from drivers.udp_gateway_drive import UdpGatewayDrive
 
@@ -21,17 +24,21 @@ _OLDEST_S = 1e6  # a drive that never reported: an infinite age would not surviv
 class LiveDevices:
     """Accelerometer, drive, link to the supervisor and reference, as one thing to read from and write to."""
 
-    def __init__(self, configuration: Configuration, cycle_s: float) -> None:
-        """Opens nothing; start() does."""
+    def __init__(
+        self, configuration: Configuration, cycle_s: float, emergency_signal: SignalFlag | None = None
+    ) -> None:
+        """Opens nothing; start() does. emergency_signal: stops the arm when it comes."""
         self._configuration = configuration
         self._cycle_s = cycle_s
         link = configuration.link
         key = load_key(link)
         self.session = new_session()
-        self._exchange = ControllerExchange(key, self.session)
+        oldest_s = oldest_sample_s(model, configuration.supervisor.cycles_in_flight)
+        self._exchange = ControllerExchange(key, self.session, round(oldest_s / cycle_s))
         self._reference = ReferenceExchange(key, self.session)
         self._accelerometer = open_accelerometer(configuration.accelerometer)
         self._drive = open_drive(configuration.drive, key)
+        self._operator = OperatorInput(configuration.controller.safety, emergency_signal)
         schedule = configuration.controller.schedule
         self._schedule: Scenario | None = load_scenario(schedule) if schedule else None
         self._supervisor = (link.supervisor_host, link.supervisor_port)
@@ -45,10 +52,16 @@ class LiveDevices:
             UdpSocket((link.controller_host, link.controller_port), "link.controller_port"),
             UdpSocket((link.controller_host, link.reference_port), "link.reference_port"),
         ]
-        for socket, kind in zip(self._sockets, (Kind.VISUAL, Kind.REFERENCE), strict=True):
-            socket.guard((kind,), self.session, _EXPECTED_PER_CYCLE)
+        for socket, kinds in zip(
+            self._sockets, ((Kind.VISUAL,), (Kind.REFERENCE, Kind.OPERATOR)), strict=True
+        ):
+            socket.guard(kinds, self.session, _EXPECTED_PER_CYCLE)
+        self._operator.start()
         if self._accelerometer is not None:
             self._accelerometer.start()
+            statement = held_samples_statement(self._accelerometer, self._cycle_s)
+            if statement is not None:
+                print(f"stillarm controller: {statement}", file=sys.stderr, flush=True)
         if self._drive is not None:
             self._drive.start()
 
@@ -73,7 +86,10 @@ class LiveDevices:
         else:
             allowed = allowed and self._configuration.controller.damping.without_schedule
         samples = self._exchange.take(data_socket.drain(self._limit), cycle, time.monotonic())
-        return CycleInput(cycle, acceleration, position, velocity, age, reference, allowed, samples)
+        operator = self._reference.asked() | self._operator.asked()
+        return CycleInput(
+            cycle, acceleration, position, velocity, age, reference, allowed, samples, operator=operator
+        )
 
     def write(self, command_rad_s: float) -> None:
         """Send the command."""
@@ -121,5 +137,6 @@ class LiveDevices:
             self._drive.close()
         if self._accelerometer is not None:
             self._accelerometer.close()
+        self._operator.close()
         for socket in self._sockets:
             socket.close()

@@ -1,31 +1,134 @@
-"""What makes an ordinary Linux process keep a 1 ms cycle, as far as its privileges reach."""
+"""What makes an ordinary Linux process keep a 1 ms cycle, as far as its privileges reach.
+
+One thread, pinned, under SCHED_FIFO; memory locked and kept by the allocator; the collector frozen; the processors kept
+from the sleep states out of which they wake slowly. Processes that are started later are ordinary ones again, but are
+pinned, too: start them before.
+"""
 
 import ctypes
 import gc
 import os
+import resource
+from pathlib import Path
+from typing import NamedTuple
 
 from common.priority import run_fifo
 
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
-_PRIORITY = 60
+_M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4  # malloc.h
+PRIORITY = 60
+_CPU_LATENCY = Path("/dev/cpu_dma_latency")
+_UNIT = "in a systemd unit"
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+"""To be set to 1 in the environment before numpy is imported: a second thread has no place in the loop."""
 
 
-def enter_realtime() -> list[str]:
-    """Lock memory, freeze the collector, run under SCHED_FIFO on the last processor.
+class Missing(NamedTuple):
+    """A privilege that is not there, and how to grant it."""
 
-    Returns what could not be done, each with how to grant it; an empty list when all of it holds.
-    """
-    problems = []
-    gc.collect()
-    gc.freeze()
-    gc.disable()
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) != 0:
-        problems.append("memory is not locked (grant CAP_IPC_LOCK, or LimitMEMLOCK=infinity)")
-    if not run_fifo(_PRIORITY):
-        problems.append("no SCHED_FIFO (grant CAP_SYS_NICE, or LimitRTPRIO=99)")
+    what: str
+    grant: str
+
+    def __str__(self) -> str:
+        return f"{self.what} (grant: {self.grant})"
+
+
+FIFO = Missing(
+    "SCHED_FIFO is not allowed",
+    f"LimitRTPRIO=99 {_UNIT}, or `USER - rtprio 99` in /etc/security/limits.conf, or "
+    "`setcap cap_sys_nice,cap_ipc_lock+ep` on the environment's own copy of the Python program",
+)
+MEMORY = Missing(
+    "memory cannot be locked",
+    f"LimitMEMLOCK=infinity {_UNIT}, or `USER - memlock unlimited` in /etc/security/limits.conf, or cap_ipc_lock",
+)
+CPU_LATENCY = Missing(
+    f"{_CPU_LATENCY} cannot be opened, so the processor may sleep deeply",
+    f"DeviceAllow={_CPU_LATENCY} rw {_UNIT}, with a udev rule "
+    'KERNEL=="cpu_dma_latency", GROUP="realtime", MODE="0660"',
+)
+PINNED = Missing(
+    "the thread is not pinned to a processor", f"AllowedCPUs= {_UNIT} with at least one processor"
+)
+THREADS = Missing(
+    "other threads run in this process",
+    f"{', '.join(f'{name}=1' for name in BLAS_THREADS)} in the environment",
+)
+
+
+def missing_privileges() -> list[Missing]:
+    """What enter_realtime() could not do now; changes nothing, so that a daemon may refuse before it begins."""
+    missing = []
     try:
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+        before = os.sched_getscheduler(0), os.sched_getparam(0)
+        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(PRIORITY))
+        os.sched_setscheduler(0, before[0], before[1])
     except (OSError, AttributeError):
-        problems.append("not pinned to a processor")
-    return problems
+        missing.append(FIFO)
+    if not _may_lock_memory():
+        missing.append(MEMORY)
+    if _CPU_LATENCY.exists() and not os.access(_CPU_LATENCY, os.R_OK | os.W_OK):
+        missing.append(CPU_LATENCY)
+    return missing
+
+
+def _may_lock_memory() -> bool:
+    """Whether all that is there and all that comes may be locked: without limit, or by capability."""
+    if resource.getrlimit(resource.RLIMIT_MEMLOCK)[0] == resource.RLIM_INFINITY:
+        return True
+    libc = ctypes.CDLL(None, use_errno=True)
+    allowed: bool = libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0
+    libc.munlockall()
+    return allowed
+
+
+class RealTime:
+    """Real-time operation of this thread, from enter() to leave()."""
+
+    def __init__(self) -> None:
+        """Changes nothing."""
+        self._latency = -1
+
+    def enter(self) -> list[Missing]:
+        """Take every measure that is allowed; returns those that are not, an empty list when all of it holds.
+
+        Call it last, after all processes and imports.
+        """
+        missing = []
+        gc.collect()
+        gc.freeze()
+        gc.disable()
+        libc = ctypes.CDLL(None, use_errno=True)
+        if hasattr(libc, "mallopt"):  # what was freed is kept, and large blocks come from there, too
+            libc.mallopt(_M_TRIM_THRESHOLD, ctypes.c_int(2**31 - 1))
+            libc.mallopt(_M_MMAP_MAX, 0)
+        if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) != 0:
+            missing.append(MEMORY)
+        try:
+            self._latency = os.open(_CPU_LATENCY, os.O_RDWR)
+            os.write(self._latency, (0).to_bytes(4, "little"))  # microseconds, for as long as it is open
+        except FileNotFoundError:  # a kernel without: nothing to hold
+            pass
+        except OSError:
+            missing.append(CPU_LATENCY)
+        try:
+            os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+        except (OSError, AttributeError):
+            missing.append(PINNED)
+        if not run_fifo(PRIORITY):
+            missing.append(FIFO)
+        if _threads() > 1:
+            missing.append(THREADS)
+        return missing
+
+    def leave(self) -> None:
+        """Be an ordinary process again, as far as the processor's sleep and the collector go; may be called twice."""
+        gc.enable()
+        if self._latency >= 0:
+            os.close(self._latency)
+            self._latency = -1
+
+
+def _threads() -> int:
+    tasks = Path("/proc/self/task")
+    return len(list(tasks.iterdir())) if tasks.is_dir() else 1

@@ -12,9 +12,9 @@ the joint's: it fails the test only if, for a period and a half without a pause,
 energy that is there.
 
 Without an accelerometer, or where the drive turns against its own report, growth alone is left: an amplitude that rises
-by a quarter in each of four periods to twice the largest of the last minute. No blow does that. Ten simulated hours each
-of white disturbance (damping ratio 0.02, 0.05, 0.13) and of random blows (every 0.5, 1, 3 s) held one false alarm, under a
-blow every half second.
+by a quarter in each of four periods to twice the largest of the last minute. No blow does that. Ten simulated hours
+each of white disturbance (damping ratio 0.02, 0.05, 0.13) and of random blows (every 0.5, 1, 3 s) held one false alarm,
+under a blow every half second.
 """
 
 from cmath import exp as cexp

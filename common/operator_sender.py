@@ -1,0 +1,36 @@
+"""The operator's end of a command to the controller (arm, disarm, clear, stop). Pure: bytes in, bytes out.
+
+The controller takes commands only from who has heard from it: the first one is answered by a HELLO, and those that
+follow are taken.
+"""
+
+from common.datagram import Kind, encode
+from common.peer import Peer
+
+
+class OperatorSender:
+    """Words OPERATOR datagrams, and learns the controller's session from its answers."""
+
+    def __init__(self, key: bytes, session: int) -> None:
+        """Sign with `key`; `session` from common.udp.new_session(), never used before."""
+        self._key = key
+        self._session = session
+        self._sequence = 0
+        self._peer = Peer(key, (Kind.HELLO,), session)
+
+    @property
+    def known(self) -> bool:
+        """Whether the controller has answered: what is worded from now on is taken."""
+        return self._peer.session != 0
+
+    def take(self, datagrams: list[bytes]) -> None:
+        """Read what the controller answered."""
+        for data in datagrams:
+            self._peer.receive(data)
+
+    def command(self, bits: int) -> bytes:
+        """The datagram of a command, bits of controller.states.table.Operator; a repeated one does no harm."""
+        self._sequence += 1
+        return encode(
+            self._key, Kind.OPERATOR, self._session, self._sequence, (int(bits),), echo=self._peer.echo
+        )

@@ -1,0 +1,170 @@
+"""The loop: read, update, write; then record and count. Once a cycle, on an absolute schedule.
+
+Nothing in it opens, formats, logs or grows: what it has to tell goes into shared memory, and other processes do the
+rest.
+"""
+
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from common.recording.recorder_client import RecorderClient
+from common.recording.topics import TOPIC_INDEX, LinkSample, LogLine, LoopSample
+from controller.loop_block import LoopBlock
+from controller.overrun import ThreadCounters
+from controller.recorded import estimate_sample, fast_sample, frame_sample
+from controller.schedule import CycleClock
+from controller.states.table import GROUND_OF, Event, Operator, State
+from controller.step import Controller, CycleInput, CycleOutput
+
+_LINK_EVERY_S = 1.0
+_LONGEST_STOP_S = 0.5  # the command has faded out long before
+
+
+class Devices(Protocol):
+    """What the loop reads from and writes to: controller.live_devices.LiveDevices on a rig."""
+
+    def read(self, cycle: int) -> CycleInput:
+        """Open a cycle."""
+
+    def write(self, command_rad_s: float) -> None:
+        """Send the command."""
+
+    @property
+    def link_counts(self) -> dict[str, int]:
+        """Counts of the visual datagrams, by name."""
+
+    def link_status(self) -> dict[str, float]:
+        """What else /link tells, by the names of its fields."""
+
+    @property
+    def accelerometer_faults(self) -> int:
+        """Reads of the accelerometer that gave no sample."""
+
+
+class Loop:
+    """One run of the controller in real time."""
+
+    def __init__(
+        self,
+        controller: Controller,
+        devices: Devices,
+        recorder: RecorderClient | None,
+        block: LoopBlock,
+        clock: CycleClock,
+        cycle_s: float,
+    ) -> None:
+        """Nothing runs yet."""
+        self._controller = controller
+        self._devices = devices
+        self._recorder = recorder
+        self._block = block
+        self._clock = clock
+        self._cycle_s = cycle_s
+        self._counters = ThreadCounters()
+        self._link_every = max(1, round(_LINK_EVERY_S / cycle_s))
+        self._next_link = 0
+        self._state: State | None = None
+        self._reason: Event | None = None
+
+    def run(self, finished: Callable[[int], bool]) -> None:
+        """Cycle until `finished` holds, then disarm and go on until the command has faded out."""
+        clock, block, cycle_s, now = self._clock, self._block, self._cycle_s, time.monotonic
+        devices, step = self._devices, self._controller.step
+        origin_s = clock.origin_s
+        stopping_from: int | None = None
+        longest_stop = round(_LONGEST_STOP_S / cycle_s)
+        cycle = clock.start()
+        while True:
+            woke = now()
+            read = devices.read(cycle)
+            read_at = now()
+            if finished(cycle):
+                stopping_from = cycle if stopping_from is None else stopping_from
+                read.operator |= _DISARM
+            answered = step(read)
+            stepped_at = now()
+            devices.write(answered.command_rad_s)
+            answered_at = now()
+            if self._recorder is not None:
+                self._record(self._recorder, read, answered)
+            late_s = woke - origin_s - cycle * cycle_s
+            block.end_cycle(
+                cycle, late_s, answered_at - woke, len(read.samples), answered.state, answered.reason
+            )
+            if stopping_from is not None and (
+                answered.command_rad_s == 0.0 or cycle - stopping_from > longest_stop
+            ):
+                break
+            due = clock.wait(cycle)
+            if due - cycle > 1:
+                device_s = read_at - woke + answered_at - stepped_at
+                spent_s = (cycle_s, late_s, device_s, stepped_at - read_at)
+                block.note_overrun(cycle, due - cycle - 1, spent_s, self._counters.moved())
+            cycle = due
+        block.end()
+        self._counters.close()
+        self._record_end(cycle * cycle_s)
+
+    def _record(self, recorder: RecorderClient, read: CycleInput, answered: CycleOutput) -> None:
+        cycle_s, cycle = self._cycle_s, read.cycle
+        recorder.put(_FAST, fast_sample(read, answered, cycle_s))
+        recorder.put(_ESTIMATE, estimate_sample(cycle, answered, cycle_s))
+        for sample in read.samples:
+            recorder.put(_FRAMES, frame_sample(sample, cycle, cycle_s))
+        if answered.state is not self._state or answered.reason is not self._reason:
+            self._state, self._reason = answered.state, answered.reason
+            recorder.put(_LOG, LogLine(cycle * cycle_s, *said_of(answered.state, answered.reason)))
+        if cycle >= self._next_link:
+            self._next_link = cycle + self._link_every
+            self._counters.moved()  # so that an overrun's counters are of the last second at most
+            self._block.note_accelerometer_faults(self._devices.accelerometer_faults)
+            recorder.put(
+                _LINK,
+                LinkSample(
+                    time_s=cycle * cycle_s,
+                    cycle=cycle,
+                    deadline_misses=self._clock.misses,
+                    accelerometer_faults=self._devices.accelerometer_faults,
+                    recorder_lost=recorder.lost,
+                    recorder_alive=recorder.alive(),
+                    **self._devices.link_counts,
+                    **self._devices.link_status(),  # type: ignore[arg-type]
+                ),
+            )
+
+    def _record_end(self, time_s: float) -> None:
+        if self._recorder is not None:
+            block = self._block
+            lateness, compute = block.lateness.summary(), block.compute.summary()
+            self._recorder.put(
+                _LOOP, LoopSample(time_s, block.cycles, self._clock.misses, *lateness, *compute)
+            )
+
+    def summary(self) -> str:
+        """One line about the run."""
+        counts = self._devices.link_counts
+        return (
+            f"stillarm controller: {self._block.cycles} cycles, {self._clock.misses} deadlines missed, "
+            f"{counts['accepted']} visual samples, {counts['lost']} lost"
+        )
+
+
+def said_of(state: State, reason: Event | None) -> tuple[str, str]:
+    """Level and text of what an operator is told of a state: one of a fixed set, made before the loop begins."""
+    return _SAID[state, reason]
+
+
+def _text(state: State, reason: Event | None) -> tuple[str, str]:
+    ground = GROUND_OF.get(reason) if reason is not None else None
+    if ground is None:
+        return "info", str(state) if reason is None else f"{state} ({reason})"
+    level = "error" if state is State.FAULT else "warning"
+    return level, f"{state}: {ground.message}; {ground.remedy}"
+
+
+_SAID = {(state, reason): _text(state, reason) for state in State for reason in (None, *Event)}
+_DISARM = int(Operator.DISARM)
+_FAST, _FRAMES = TOPIC_INDEX["/fast"], TOPIC_INDEX["/frames"]
+_ESTIMATE, _LINK, _LOOP = TOPIC_INDEX["/estimate"], TOPIC_INDEX["/link"], TOPIC_INDEX["/loop"]
+_LOG = TOPIC_INDEX["/log"]

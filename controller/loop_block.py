@@ -1,0 +1,167 @@
+"""What the loop tells of itself in shared memory: counters, histograms, the last overruns and changes of state.
+
+One process writes, any others read: each word is stored whole. A reader of the rings may meet an entry that is just
+being written; it is a report for people, and the next one is right.
+"""
+
+from typing import NamedTuple
+
+from common.shared_memory import SharedBlock
+from controller.histogram import WORDS, MicrosecondHistogram
+from controller.overrun import OverrunCounters
+from controller.states.table import Event, State
+
+_RING = 64
+_OVERRUN_WORDS, _CHANGE_WORDS = 12, 3
+_CYCLE, _CYCLES, _MISSES, _OVERRUNS, _CHANGES, _SAMPLES, _FAULTS, _ENDED = range(8)
+_OVERRUN_AT = 8
+_CHANGE_AT = _OVERRUN_AT + _RING * _OVERRUN_WORDS
+_LATENESS_AT = _CHANGE_AT + _RING * _CHANGE_WORDS
+_COMPUTE_AT = _LATENESS_AT + WORDS
+_SIZE = 8 * (_COMPUTE_AT + WORDS)
+_STATES, _EVENTS = tuple(State), tuple(Event)
+_STATE_NUMBER = {state: number for number, state in enumerate(_STATES)}
+_EVENT_NUMBER: dict[Event | None, int] = {event: 1 + number for number, event in enumerate(_EVENTS)} | {
+    None: 0
+}
+_NS = 1e9
+
+
+class Overrun(NamedTuple):
+    """Cycles that were missed after `cycle`."""
+
+    cycle: int
+    missed: int
+    counters: OverrunCounters
+
+
+class Change(NamedTuple):
+    """A change of state."""
+
+    cycle: int
+    state: State
+    reason: Event | None
+
+
+class LoopBlock:
+    """The block, from either side. The writer counts; readers take lists and numbers."""
+
+    def __init__(self, name: str, *, create: bool) -> None:
+        """Make or open the block `name`. Raises UserError when that cannot be."""
+        self.name = name
+        self._block = SharedBlock(name, _SIZE, create=create)
+        self.words = self._block.buffer.cast("Q")
+        self.lateness = MicrosecondHistogram(self.words[_LATENESS_AT:_COMPUTE_AT])
+        self.compute = MicrosecondHistogram(self.words[_COMPUTE_AT : _COMPUTE_AT + WORDS])
+        self._state: State | None = None
+        self._reason: Event | None = None
+
+    def end_cycle(
+        self, cycle: int, late_s: float, compute_s: float, samples: int, state: State, reason: Event | None
+    ) -> None:
+        """Count one cycle."""
+        words = self.words
+        words[_CYCLE] = cycle
+        words[_CYCLES] += 1
+        if samples:
+            words[_SAMPLES] += samples
+        self.lateness.add(late_s)
+        self.compute.add(compute_s)
+        if state is not self._state or reason is not self._reason:
+            self._note_change(cycle, state, reason)
+
+    def _note_change(self, cycle: int, state: State, reason: Event | None) -> None:
+        self._state, self._reason = state, reason
+        words = self.words
+        at = _CHANGE_AT + words[_CHANGES] % _RING * _CHANGE_WORDS
+        words[at], words[at + 1], words[at + 2] = cycle, _STATE_NUMBER[state], _EVENT_NUMBER[reason]
+        words[_CHANGES] += 1
+
+    def note_overrun(
+        self,
+        cycle: int,
+        missed: int,
+        spent_s: tuple[float, float, float, float],
+        moved: tuple[int, int, int, int, int],
+    ) -> None:
+        """Keep an overrun. spent_s: cycle_s, late_s, device_s, computing_s; moved: ThreadCounters.moved()."""
+        words = self.words
+        at = _OVERRUN_AT + words[_OVERRUNS] % _RING * _OVERRUN_WORDS
+        words[at], words[at + 1] = cycle, missed
+        for place, seconds in enumerate(spent_s, at + 2):
+            words[place] = max(0, int(seconds * _NS))
+        for place, count in enumerate(moved, at + 6):
+            words[place] = max(0, count)
+        words[_MISSES] += missed
+        words[_OVERRUNS] += 1
+
+    def note_accelerometer_faults(self, faults: int) -> None:
+        """Keep the count of reads that gave no sample."""
+        self.words[_FAULTS] = faults
+
+    def end(self) -> None:
+        """The loop has ended in order."""
+        self.words[_ENDED] = 1
+
+    @property
+    def cycle(self) -> int:
+        """The number of the cycle that was run last."""
+        return int(self.words[_CYCLE])
+
+    @property
+    def cycles(self) -> int:
+        """Cycles that were run: the counter that moves while the loop does."""
+        return int(self.words[_CYCLES])
+
+    @property
+    def misses(self) -> int:
+        """Cycles that were not run."""
+        return int(self.words[_MISSES])
+
+    @property
+    def samples(self) -> int:
+        """Visual samples taken."""
+        return int(self.words[_SAMPLES])
+
+    @property
+    def accelerometer_faults(self) -> int:
+        """Reads of the accelerometer that gave no sample."""
+        return int(self.words[_FAULTS])
+
+    @property
+    def ended(self) -> bool:
+        """Whether the loop has ended in order."""
+        return bool(self.words[_ENDED])
+
+    def overruns(self, since: int) -> tuple[int, list[Overrun]]:
+        """How many there were so far, and those after the first `since` that are still held."""
+        words, count = self.words, int(self.words[_OVERRUNS])
+        found = []
+        for number in range(max(since, count - _RING), count):
+            at = _OVERRUN_AT + number % _RING * _OVERRUN_WORDS
+            row = words[at : at + _OVERRUN_WORDS].tolist()
+            counters = OverrunCounters(
+                row[2] / _NS, row[3] / _NS, row[4] / _NS, row[5] / _NS, *row[6:10], row[10] / _NS
+            )
+            found.append(Overrun(row[0], row[1], counters))
+        return count, found
+
+    def changes(self, since: int) -> tuple[int, list[Change]]:
+        """How many changes of state there were so far, and those after the first `since` that are still held."""
+        words, count = self.words, int(self.words[_CHANGES])
+        found = []
+        for number in range(max(since, count - _RING), count):
+            at = _CHANGE_AT + number % _RING * _CHANGE_WORDS
+            cycle, state, reason = words[at : at + _CHANGE_WORDS].tolist()
+            found.append(Change(cycle, _STATES[state], _EVENTS[reason - 1] if reason else None))
+        return count, found
+
+    def remove(self) -> None:
+        """Remove the name: whoever made the block is gone."""
+        self._block.path.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Release the memory, and the name where this side made it; may be called twice."""
+        self.lateness, self.compute = MicrosecondHistogram(), MicrosecondHistogram()
+        self.words.release()
+        self._block.close()
