@@ -41,16 +41,20 @@ def open_can(config: Cia402Device) -> Any:
             interface=config.interface,
             channel=config.channel,
             bitrate=config.bitrate,
-            can_filters=[
-                {"can_id": kind + config.node, "can_mask": 0x7FF, "extended": False}
-                for kind in (0x180, 0x280, 0x580, 0x700)
-            ],
+            # Elsewhere python-can filters by itself, and then recv(0) gives None for every message that it turns away.
+            can_filters=_filters(config.node) if config.interface == "socketcan" else None,
         )
     except (can.CanError, OSError, ValueError, NotImplementedError) as error:
         raise UserError(
             f"{place}: cannot be opened ({' '.join(str(error).lower().split())}); bring the interface up "
             f"(`ip link set {config.channel} up type can bitrate {config.bitrate}`), or correct the names"
         ) from None
+
+
+def _filters(node: int) -> list[dict[str, int | bool]]:
+    return [
+        {"can_id": kind + node, "can_mask": 0x7FF, "extended": False} for kind in (0x180, 0x280, 0x580, 0x700)
+    ]
 
 
 @contextlib.contextmanager
@@ -62,6 +66,7 @@ def remote_node(config: Cia402Device) -> Iterator[Any]:
         raise UserError(f"drive.driver = 'cia402': the package canopen is not installed; {_REMEDY}") from None
     logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what it has to say, the driver says in one line
     network = canopen.Network(open_can(config))
+    network.NOTIFIER_CYCLE = 0.02  # how long a disconnect waits for its thread, s
     try:
         network.connect()
         node = network.add_node(config.node, canopen.ObjectDictionary())  # type: ignore[no-untyped-call]
