@@ -9,7 +9,7 @@ from common.configuration import Link
 from common.datagram import DEMO_KEY
 from common.user_error import UserError
 
-NEW_KEY = "made with `(umask 077; head -c 32 /dev/urandom > KEY_FILE)` and copy it to both computers"
+NEW_KEY = "make one with `(umask 077; head -c 32 /dev/urandom > KEY_FILE)` and copy it to both computers"
 
 
 def load_key(link: Link) -> bytes:

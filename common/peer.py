@@ -15,7 +15,8 @@ class LinkCounts(msgspec.Struct):
     """Counts since the start. `lost` is the net number of sequence numbers never seen.
 
     unproven: well signed, but without an echo of this side's session: from a peer that does not know it yet, or
-    played back. unexpected: well-formed, but of a kind that this socket does not take.
+    played back. unexpected: well-formed, but of a kind that this socket does not take. overdue: what it says
+    is from too long ago.
     """
 
     accepted: int = 0
@@ -29,6 +30,7 @@ class LinkCounts(msgspec.Struct):
     unexpected: int = 0
     sessions: int = 0
     unproven: int = 0
+    overdue: int = 0
 
     @property
     def refused(self) -> int:

@@ -50,5 +50,5 @@ def log_start(process: str, configuration: Configuration, configuration_path: ob
             process,
             "warning",
             "the demo key, which everybody knows, signs the link: good for this computer alone; "
-            f"link.key_file names a key of your own, {NEW_KEY}",
+            f"for link.key_file, {NEW_KEY}",
         )

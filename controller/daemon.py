@@ -40,7 +40,7 @@ def run(
         log("controller", "warning", unused)
     controller = Controller(model, configuration.controller, model_name)
     hold_instance("controller", configuration.link.controller_port)
-    devices = LiveDevices(configuration, cycle_s, SignalFlag(signal.SIGUSR1))
+    devices = LiveDevices(configuration, model, SignalFlag(signal.SIGUSR1))
     stop = StopSignal()
     log_start("controller", configuration, configuration_path)
     recorder = statistics = None

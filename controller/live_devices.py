@@ -7,6 +7,7 @@ from math import nan
 from common.configuration import Configuration
 from common.datagram import Kind
 from common.link_key import load_key
+from common.model import Model
 from common.scenario import Scenario, load_scenario
 from common.stop_signal import SignalFlag
 from common.udp import UdpSocket, new_session
@@ -25,11 +26,11 @@ class LiveDevices:
     """Accelerometer, drive, link to the supervisor and reference, as one thing to read from and write to."""
 
     def __init__(
-        self, configuration: Configuration, cycle_s: float, emergency_signal: SignalFlag | None = None
+        self, configuration: Configuration, model: Model, emergency_signal: SignalFlag | None = None
     ) -> None:
         """Opens nothing; start() does. emergency_signal: stops the arm when it comes."""
         self._configuration = configuration
-        self._cycle_s = cycle_s
+        self._cycle_s = cycle_s = model.timing.cycle_s
         link = configuration.link
         key = load_key(link)
         self.session = new_session()

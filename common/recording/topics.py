@@ -64,6 +64,7 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     command.
 
     deflection_m is that at time_s; predicted_deflection_m that at which the joint will answer (drive's lead).
+    delay_status, deflection_status: unestimated, estimated, held or invalid; estimate_reason: why, in words.
     state: controller.states.table.State; reason: the Event behind it, empty where nothing is wrong. Both are empty in
     recordings that are older than the states.
     """
@@ -80,13 +81,16 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     damping_status: str
     state: str = ""
     reason: str = ""
+    deflection_status: str = ""
+    estimate_reason: str = ""
 
 
 class LinkSample(msgspec.Struct, frozen=True, gc=False):
     """/link, once a second: counts of the link since the start, the loop's cycles and its missed
     deadlines.
 
-    unproven: common.peer.LinkCounts. shed: datagrams that the kernel turned away in a flood, or had no room for.
+    unproven, overdue: common.peer.LinkCounts. shed: datagrams that the kernel turned away in a flood, or had no
+    room for.
     reference_*, drive_*: the same of the operator's and the drive's sockets; refused: all that was not taken.
     supervisor_clock_*: the supervisor's monotonic clock minus this process's; round_trip_s: both ways, waits left out.
     """
@@ -107,6 +111,7 @@ class LinkSample(msgspec.Struct, frozen=True, gc=False):
     accelerometer_faults: int
     recorder_lost: int
     unproven: int = 0
+    overdue: int = 0
     shed: int = 0
     send_failures: int = 0
     reference_refused: int = 0

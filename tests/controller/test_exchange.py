@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.datagram import DEMO_KEY, Kind, encode
+from common.model import Model
 from common.reference_sender import ReferenceSender
 from common.visual_sample import VisualSample
-from controller.exchange import ControllerExchange, ReferenceExchange
+from controller.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
 from supervisor.exchange import SupervisorExchange
 
 
@@ -154,3 +155,17 @@ def test_an_operator_is_taken_after_it_was_answered() -> None:
     later = ReferenceExchange(DEMO_KEY, 12)
     later.take([first, second], 9.0)
     assert later.reference(9.0) == (0.0, True)
+
+
+def test_what_was_held_up_on_its_way_is_no_ground_to_damp_on() -> None:
+    """A sample older than images asked for ahead, delay and a tenth of a second is counted, not taken."""
+    oldest_s = oldest_sample_s(Model(), 4)
+    assert 0.2 < oldest_s < 0.3
+    controller, supervisor = ControllerExchange(DEMO_KEY, 11, 250), SupervisorExchange(DEMO_KEY, 22, 2)
+    controller.expect(22)
+    supervisor.take([controller.timestamp(100)])
+    supervisor.begin_cycles()
+    first, second = (supervisor.end_cycle(sample(100, frame)) for frame in (1, 2))
+    assert len(controller.take([first], 350)) == 1
+    assert controller.take([second], 351) == []
+    assert controller.counts.overdue == 1
