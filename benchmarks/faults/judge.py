@@ -1,0 +1,102 @@
+"""What must hold whatever is injected: limits, stillness without grounds, and that everything comes back.
+
+The judge looks at the commands that the drive's side follows, at its instants; it knows nothing of the controller.
+"""
+
+from dataclasses import dataclass, field
+from math import isfinite
+
+GRACE_S = 0.2
+"""From when a command's grounds are gone until it must be zero."""
+_ZERO_RAD_S = 1e-12
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Commands that the drive followed, rad/s, and when; s, from the fault's beginning."""
+
+    times_s: list[float]
+    commands_rad_s: list[float]
+
+
+@dataclass
+class Verdict:
+    """Of one injection. reaction_s: until the command was zero for good, where its grounds were gone; else None."""
+
+    kind: str
+    reaction_s: float | None = None
+    command_max: float = 0.0
+    messages_lost: int = 0
+    violations: list[str] = field(default_factory=list)
+
+
+def judge(
+    kind: str,
+    trace: Trace,
+    *,
+    limit_rad_s: float,
+    groundless_s: tuple[float, float] | None,
+    back_by_s: float | None,
+    messages_lost: int = 0,
+) -> Verdict:
+    """Judge one injection.
+
+    limit_rad_s: the drive's largest velocity. groundless_s: from when to when the command had nothing to rest
+    on; None if it had throughout. back_by_s: when it must have been other than zero again; None where it need
+    not be.
+    """
+    verdict = Verdict(kind, messages_lost=messages_lost)
+    for time_s, command in zip(trace.times_s, trace.commands_rad_s, strict=True):
+        if not isfinite(command) or abs(command) > limit_rad_s * (1.0 + 1e-9):
+            verdict.violations.append(f"command of {command} rad/s at {time_s:.3f} s: beyond its limits")
+            break
+    verdict.command_max = max((abs(c) for c in trace.commands_rad_s if isfinite(c)), default=0.0)
+    if groundless_s is not None:
+        verdict.reaction_s = _judge_stillness(verdict, trace, *groundless_s)
+    if back_by_s is not None and not any(
+        abs(c) > _ZERO_RAD_S
+        for t, c in zip(trace.times_s, trace.commands_rad_s, strict=True)
+        if (groundless_s[1] if groundless_s else 0.0) < t <= back_by_s
+    ):
+        verdict.violations.append(f"not back {back_by_s:.1f} s after the fault began")
+    return verdict
+
+
+def _judge_stillness(verdict: Verdict, trace: Trace, from_s: float, to_s: float) -> float:
+    moving = [
+        t
+        for t, c in zip(trace.times_s, trace.commands_rad_s, strict=True)
+        if from_s <= t < to_s and abs(c) > _ZERO_RAD_S
+    ]
+    last = max(moving, default=from_s)
+    if last > from_s + GRACE_S:
+        verdict.violations.append(
+            f"still commanded {last - from_s:.3f} s after the grounds went; {GRACE_S:g} s is allowed"
+        )
+    return last - from_s
+
+
+def table(verdicts: list[Verdict]) -> dict[str, object]:
+    """The result of a campaign: one row for each kind, in order of appearance."""
+    kinds = list(dict.fromkeys(v.kind for v in verdicts))
+    rows = []
+    for kind in kinds:
+        of_kind = [v for v in verdicts if v.kind == kind]
+        reactions = [v.reaction_s for v in of_kind if v.reaction_s is not None]
+        rows.append(
+            {
+                "kind": kind,
+                "times": len(of_kind),
+                "reaction_s_max": max(reactions) if reactions else None,
+                "command_max": max(v.command_max for v in of_kind),
+                "messages_lost": sum(v.messages_lost for v in of_kind),
+                "violations": sum(len(v.violations) for v in of_kind),
+            }
+        )
+    return {
+        "injections": len(verdicts),
+        "kinds": len(kinds),
+        "violations": sum(len(v.violations) for v in verdicts),
+        "rows": rows,
+        "violation_texts": [f"{v.kind}: {text}" for v in verdicts for text in v.violations][:50],
+    }
