@@ -128,9 +128,10 @@ def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = No
 
 
 def _numbers(was: object, now: object) -> Iterator[tuple[str, object, object]]:
-    older = getattr(was, "state", None) == ""  # recorded before there were states
+    # time_s follows from the cycle, unless a simulated clock stepped; before there were states, none was recorded
+    passed = {"time_s", "state", "reason"} if getattr(was, "state", None) == "" else {"time_s"}
     for key in now.__struct_fields__:  # type: ignore[attr-defined]
-        if not (older and key in ("state", "reason")):
+        if key not in passed:
             yield key, getattr(was, key), getattr(now, key)
 
 

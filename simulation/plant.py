@@ -50,7 +50,8 @@ class Plant:
         self._slopes = tip_slopes_per_m(length, len(self._modes))
         self._forces = tuple(force_terms(model))
         friction, backlash = effect_of(model, "coulomb_damping"), effect_of(model, "gear_backlash")
-        self._friction = DryFriction(friction["force_per_mass_m_s2"]) if friction else None
+        force = friction["force_per_mass_m_s2"] if friction else 0.0
+        self._friction = DryFriction(force) if force else None
         self._play = GearPlay(backlash["gap_rad"]) if backlash and backlash["gap_rad"] else None
         self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
         change = FrequencyChange(model)
