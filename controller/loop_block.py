@@ -140,10 +140,25 @@ class LoopBlock:
         for number in range(max(since, count - _RING), count):
             at = _OVERRUN_AT + number % _RING * _OVERRUN_WORDS
             row = words[at : at + _OVERRUN_WORDS].tolist()
+            (
+                cycle,
+                missed,
+                length,
+                late,
+                device,
+                computing,
+                minor,
+                major,
+                voluntary,
+                involuntary,
+                waited,
+                _,
+            ) = row
             counters = OverrunCounters(
-                row[2] / _NS, row[3] / _NS, row[4] / _NS, row[5] / _NS, *row[6:10], row[10] / _NS
-            )
-            found.append(Overrun(row[0], row[1], counters))
+                length / _NS, late / _NS, device / _NS, computing / _NS,
+                minor, major, voluntary, involuntary, waited / _NS,
+            )  # fmt: skip
+            found.append(Overrun(cycle, missed, counters))
         return count, found
 
     def changes(self, since: int) -> tuple[int, list[Change]]:
