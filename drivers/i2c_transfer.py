@@ -27,6 +27,7 @@ class StatusAndData:
         self._data_at = gap if together else 1
         self._buffer = create_string_buffer(self._data_at + table.data_length)
         self._messages = []
+        self.bytes_on_bus = 0  # with the address byte before each message
         at = 0
         for register, length in spans:
             increment = table.auto_increment if length > 1 else 0
@@ -34,6 +35,7 @@ class StatusAndData:
             place = cast((c_char * length).from_buffer(self._buffer, at), POINTER(c_char))
             self._messages.append(smbus2.i2c_msg(addr=address, flags=_READ, len=length, buf=place))
             at += length
+            self.bytes_on_bus += 2 + 1 + length
 
     def read(self, bus: smbus2.SMBus) -> tuple[int, bytes]:
         """(status byte, data bytes). Raises OSError."""

@@ -39,7 +39,10 @@ class SerialAccelerometer:
         sleep: Callable[[float], None] = time.sleep,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Opens nothing. wait_s: how long start() waits for an emulated port to appear, and then for a sample."""
+        """Opens nothing. wait_s: how long start() waits for an emulated port to appear, and then for a sample.
+
+        With 0, as where nothing moves during start(), it waits for neither; the reads then set the device up.
+        """
         self.delay_s = device.delay_s
         self.rate_hz = device.rate_hz
         self.range_m_s2 = device.range_m_s2
@@ -68,7 +71,8 @@ class SerialAccelerometer:
         self._started = True
         self._open()
         try:
-            self._await_sample()
+            if self._wait_s > 0.0:
+                self._await_sample()
         except UserError:
             self.close()
             raise

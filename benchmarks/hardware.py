@@ -1,0 +1,73 @@
+"""What a read of each accelerometer costs the loop, against its emulator. `stillarm benchmark hardware` prints it.
+
+us_per_read is the median processor time of a read that brings a fresh sample, the emulator's part of it included: for
+I2C what stands for the kernel and the chip, for serial devices the system call on a pseudo terminal. bus_us is what the
+wire adds on real hardware, computed: 9 bits a byte on I2C at 400 kHz. The loop waits for an I2C transfer, not for a
+serial one.
+"""
+
+import os
+import time
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from common.configuration import AccelerometerDevice
+from drivers.accelerometer import SampleStatus
+from drivers.accelerometer_factory import open_accelerometer
+from drivers.accelerometer_tables import TABLES
+from drivers.emulation.emulated_accelerometer import emulate_accelerometer, emulated_driver
+from drivers.i2c_transfer import StatusAndData
+from drivers.mounting import sensed_axes
+from drivers.serial_devices import SERIAL_DEVICES
+
+_READS = 2000  # a trial
+_CYCLE_S = 0.001
+_FAST_MODE_HZ = 400_000.0
+_BITS_PER_BYTE = 9
+_HAND_OVER_S = 50e-6  # a pseudo terminal hands over in its own time
+
+
+def run(trials: int, seed: int) -> dict[str, Any]:
+    """Rows of device, driver, rate_hz, delay_ms, us_per_read, us_per_read_p99, bus_us. The seed plays no part."""
+    rows = [_row(name, trials * _READS) for name in (*TABLES, *SERIAL_DEVICES)]
+    return {"rows": rows, "seed": seed}
+
+
+def _row(name: str, reads: int) -> dict[str, Any]:
+    place = f"benchmark-{os.getpid()}"
+    device = msgspec.structs.replace(
+        AccelerometerDevice(driver=emulated_driver(name)), bus=f"memory:{place}", port=f"pty:{place}"
+    )
+    emulated = emulate_accelerometer(device, _CYCLE_S)
+    driver = open_accelerometer(device, wait_s=0.0)
+    assert driver is not None
+    felt = sensed_axes(1.0, device)
+    try:
+        driver.start()
+        costs: list[float] = []
+        while len(costs) < reads:
+            emulated.publish(felt)
+            if name in SERIAL_DEVICES:
+                time.sleep(_HAND_OVER_S)
+            started = time.thread_time_ns()
+            driver.read()
+            cost = time.thread_time_ns() - started
+            if driver.last_reading().status == SampleStatus.FRESH:
+                costs.append(cost * 1e-3)
+    finally:
+        driver.close()
+        emulated.close()
+    table = TABLES.get(name)
+    return {
+        "device": SERIAL_DEVICES[name].name if table is None else table.name,
+        "driver": name,
+        "rate_hz": driver.rate_hz,
+        "delay_ms": 1e3 * driver.delay_s,
+        "us_per_read": float(np.median(costs)),
+        "us_per_read_p99": float(np.percentile(costs, 99)),
+        "bus_us": None
+        if table is None
+        else 1e6 * _BITS_PER_BYTE * StatusAndData(table, 0).bytes_on_bus / _FAST_MODE_HZ,
+    }
