@@ -44,14 +44,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, and report what each part cost."""
+    from common.effects import not_used_by_controller
+    from common.model import load_model
     from simulation.simulated_recording import write_simulated_recording
     from stillarm.progress import progress_bar
 
+    assumed_path = arguments.assumed_model or arguments.model
+    if unused := not_used_by_controller(load_model(assumed_path)):
+        print(unused)
     started = time.perf_counter()
     with progress_bar("simulate") as progress:
         costs, duration_s = write_simulated_recording(
             true_model_path=arguments.model,
-            assumed_model_path=arguments.assumed_model or arguments.model,
+            assumed_model_path=assumed_path,
             scenario_name=arguments.scenario,
             seed=arguments.seed,
             recording_path=arguments.out,

@@ -16,6 +16,8 @@ from drivers.camera import GreyImage
 from drivers.frame_ring import FrameRingReader
 from simulation.camera_process import CameraLoop, pose_history_name, run
 from simulation.camera_timing import CameraTiming, Exposure
+from simulation.effect_clock import EffectClock
+from simulation.frame_timing_effects import FrameTimingEffects
 from simulation.pose_history import PoseHistory, PoseNoLonger
 from simulation.virtual_camera import Delivery, VirtualCamera
 
@@ -202,3 +204,34 @@ def _deliveries(model: Model, rig: Rig, seed: int, origin_s: float, end_s: float
             assert now - 0.00101 < delivery.truth.delivered_s <= now
             delivered.append(delivery)
     return delivered
+
+
+def test_a_frame_that_an_effect_loses_is_told_of_and_holds_up_nobody() -> None:
+    model = Model(effects=[{"cause": "frame_drops", "fraction": 0.3}])
+    effects = FrameTimingEffects(model, 2, EffectClock())
+    timing, same = (CameraTiming(Camera(), Timing(), Rig(), 2, effects=e) for e in (effects, None))
+    bench = _Bench()
+    loop = bench.loop(timing)
+    bench.run(loop, 5.0)
+    lost = {t.frame for t in bench.truths if np.isnan(t.delivered_s)}
+    published = {frame for frame, _ in bench.published}
+    assert len(lost) == loop.counts.lost > 50 and loop.counts.late == 0
+    assert not lost & published
+    assert lost | published >= set(range(max(published)))
+    handovers = {e.frame: e.handover_s for e in (same.expose() for _ in range(330))}
+    assert all(handovers[frame] <= at <= handovers[frame] + 0.001 for frame, at in bench.published)
+
+
+def test_effects_count_their_time_from_the_recordings_start() -> None:
+    """Before it a drift stands at zero; the camera's process learns of it while it runs."""
+    clock = EffectClock.waiting()
+    model = Model(effects=[{"cause": "delay_drift", "rate_s_per_s": 0.01}])
+    timing = CameraTiming(
+        Camera(), Timing(capture_delay_std_s=0.0), Rig(), 2, effects=FrameTimingEffects(model, 2, clock)
+    )
+    before = [timing.expose() for _ in range(65)]
+    clock.origin_s = 1.0
+    after = [timing.expose() for _ in range(65)]
+    assert [e.handover_s - e.mid_s for e in before] == pytest.approx([0.07] * 65, abs=1e-9)
+    drifted = [0.07 + 0.01 * max(0.0, e.mid_s - 1.0) for e in after]
+    assert [e.handover_s - e.mid_s for e in after] == pytest.approx(drifted, abs=1e-9)

@@ -97,8 +97,8 @@ def test_a_model_without_effects_runs_as_before_there_were_any(plain: dict[str, 
     """As far as the processor's own mathematics allow; a changed draw is off in the first digit."""
     fast, frames, state = plain["/fast"], plain["/frames"], plain["/truth/state"]
     for cycle, wanted in BEFORE.items():
-        found = (fast[cycle].acceleration_m_s2, fast[cycle].joint_position_rad)
-        found += (state[cycle].deflection_m, state[cycle].tip_acceleration_m_s2)
+        row, true = fast[cycle], state[cycle]
+        found = (row.acceleration_m_s2, row.joint_position_rad, true.deflection_m, true.tip_acceleration_m_s2)
         assert found == pytest.approx(wanted, rel=1e-9)
     for index, wanted_frame in FRAMES_BEFORE.items():
         frame = frames[index]

@@ -60,3 +60,26 @@ def test_what_a_rig_made_before_it_failed_is_removed(
     assert not any(block_path(name).exists() for name in _NAMES)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", port))
+
+
+@pytest.mark.parametrize(
+    ("effect", "told"),
+    [
+        (
+            'cause = "clock_step"\nonset_s = 1.0\nstep_s = 0.1\nclock = "all"',
+            "a live rig cannot step the controller's",
+        ),
+        ('cause = "clock_step"\nonset_s = 1.0\nstep_s = 0.1\nclock = "camera"', "stamped = true"),
+        ('cause = "gear_backlash"\ngap_mm = 1.0', "gear_backlash has no such parameter"),
+    ],
+)
+def test_an_effect_that_the_rig_cannot_obey_is_refused_in_one_line(
+    configuration: Path, effect: str, told: str
+) -> None:
+    model = configuration.with_name("model.toml")
+    model.write_text(f"{model.read_text()}[[effects]]\n{effect}\n")
+    configuration.write_text(configuration.read_text().replace("PORT", "47999"))
+    with pytest.raises(UserError, match=told) as refused:
+        rig.run(configuration, None, seed=None, scenario=None)
+    assert str(refused.value).startswith(f"{model}: effects") and "\n" not in str(refused.value)
+    assert not any(block_path(name).exists() for name in _NAMES)
