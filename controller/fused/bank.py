@@ -11,7 +11,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.fused.blocks import Block
+from controller.fused.blocks import Block, Jump
 from controller.fused.layout import Layout
 
 Array = NDArray[np.float64]
@@ -245,15 +245,22 @@ class FilterBank:
         self.x += gain * residual[:, None]
         self.p -= gain[:, :, None] * ph[:, None, :]
 
-    def inflate(self, jump_m: tuple[float, ...], time_s: float) -> None:
-        """A blow of about jump_m in each mode at time_s: the rate is unknown by it, the deflection by part of it."""
-        for i, jump in enumerate(jump_m):
-            along = -1j * np.exp(-1j * self._at.w[i] * time_s)  # of Z: -i conj(turn) for a change of rate
+    def inflate(self, jump: Jump) -> None:
+        """A blow has moved the phasors by an unknown amount."""
+        for i, (along_m, across_m) in enumerate(zip(jump.along_m, jump.across_m, strict=True)):
+            along = -1j * np.exp(
+                -1j * self._at.w[i] * jump.time_s
+            )  # of Z: -i conj(turn) for a change of rate
             direction = np.array((along.real, -along.imag))
             here = slice(2 * i, 2 * i + 2)
-            self.p[:, here, here] += (1.5 * jump) ** 2 * np.outer(direction, direction) + (
-                0.3 * jump
-            ) ** 2 * np.eye(2)
+            self.p[:, here, here] += (along_m**2 - across_m**2) * np.outer(direction, direction)
+            self.p[:, here, here] += across_m**2 * np.eye(2)
+
+    def add(self, increment: list[complex]) -> None:
+        """A blow that is known has moved the phasors by `increment`, (m,)."""
+        z = np.array(increment)
+        self.x[:, self._at.cosine] += z.real
+        self.x[:, self._at.sine] -= z.imag
 
     def forget_phase(self, spread_m: float, shift: Array, variance: Array) -> None:
         """A blow that the images alone have shown: the vibration is unknown, a wandering delay what it was before it.

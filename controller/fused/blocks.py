@@ -4,8 +4,25 @@ Over a block of a twenty-fourth of a period the mean holds all but half a percen
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 _GROWN = 2.5
+
+
+class Jump(NamedTuple):
+    """How far a blow at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
+
+    along_m: in the direction of a change of rate at time_s; across_m: at right angles to it.
+    """
+
+    time_s: float
+    along_m: tuple[float, ...]
+    across_m: tuple[float, ...]
+
+    @classmethod
+    def guessed(cls, time_s: float, sizes_m: tuple[float, ...]) -> "Jump":
+        """A blow of about those sizes at about that time."""
+        return cls(time_s, tuple(1.5 * one for one in sizes_m), tuple(0.3 * one for one in sizes_m))
 
 
 @dataclass(slots=True)
@@ -13,8 +30,8 @@ class Block:
     """One block. start_s to end_s; count samples used; value: their mean as deflection of the first mode, m.
 
     turn: mean of exp(i w t) of each mode; time_s: mean time; forced: mean of what the joint's motion since start_s
-    adds to the value; variance: of the value; step: the joint's phasor increments from start to end. jump_m: what a
-    blow at its start may have added to each mode (empty: none).
+    adds to the value; variance: of the value; step: the joint's phasor increments from start to end, and those of a
+    strike that was measured. jumps: what blows in it have added that is not known.
     """
 
     start_s: float
@@ -26,7 +43,7 @@ class Block:
     forced: float = 0.0
     variance: float = 0.0
     step: tuple[complex, ...] = ()
-    jump_m: tuple[float, ...] = ()
+    jumps: tuple[Jump, ...] = ()
 
 
 class BlockSums:

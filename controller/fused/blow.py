@@ -12,9 +12,7 @@ import numpy as np
 from controller.fused.blocks import Block
 
 _BLOCKS = 12
-_SIGNIFICANT = (
-    21.0  # (4.6 standard deviations)^2: by chance once in some ten minutes at a hundred blocks a second
-)
+_SIGNIFICANT = 28.0  # (5.3 standard deviations)^2: by chance once in some hours at a hundred blocks a second
 _MORE_PER_MODE = 3.0
 
 

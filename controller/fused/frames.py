@@ -13,7 +13,7 @@ from common.visual_sample import VisualSample
 from controller.fused import start
 from controller.fused.arrivals import ArrivalSpread
 from controller.fused.bank import FILTERS, LAWS, FilterBank, Law, Seen
-from controller.fused.blocks import Block
+from controller.fused.blocks import Block, Jump
 from controller.fused.dating import Dating
 from controller.fused.evidence import Evidence
 from controller.fused.joint_input import JointInput
@@ -94,8 +94,8 @@ class FrameFusion:
     def take_block(self, block: Block) -> None:
         """The oldest block of the accelerometer not yet taken in."""
         bank = self.bank
-        if block.jump_m:
-            bank.inflate(block.jump_m, block.start_s)
+        for jump in block.jumps:
+            bank.inflate(jump)
         self._unused_blocks += 1
         if block.count:
             best = self.evidence.best
@@ -235,7 +235,8 @@ class FrameFusion:
             self.bank.forget_phase(max(size, 1.5 * self.amplitude_m), shift, variance + grown)
             self._shifts.clear()
             return True
-        self.bank.inflate((size,) + (0.3 * size,) * (self._at.modes - 1), float(times[best]))
+        sizes = (size,) + (0.3 * size,) * (self._at.modes - 1)
+        self.bank.inflate(Jump.guessed(float(times[best]), sizes))
         return True
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
@@ -243,7 +244,7 @@ class FrameFusion:
 
         A counter of arrivals does not tell of lost frames, nor of a buffer that has begun to hand over older ones.
         """
-        clock = int(Law.CLOCK)
+        clock = int(Law.CLOCK) + LAWS * int(np.argmax(self.evidence.weights[Law.CLOCK :: LAWS]))
         variance = float(self.bank.p[clock, self._at.shift, self._at.shift])
         if sqrt(variance) > self._frame_s / 5.0 or self.evidence.law(Law.CLOCK) < 0.05:
             return 0

@@ -1,7 +1,7 @@
 """What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it."""
 
 from cmath import exp
-from math import expm1, pi
+from math import ceil, expm1, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,15 @@ class JointInput:
             self.sum[i] += step
             self.increment[i] = step
             self._held[cycle % _HELD, i] = self.sum[i]
+
+    def add(self, time_s: float, increment: list[complex]) -> None:
+        """A strike at time_s, within the last second, has moved the phasors by `increment`."""
+        newest = 0 if self._cycle is None else self._cycle
+        first = ceil(time_s / self._cycle_s)
+        for i, more in enumerate(increment):
+            self.sum[i] += more
+            for cycle in range(max(first, newest - _HELD + 1), newest + 1):
+                self._held[cycle % _HELD, i] += more
 
     def position_at(self, time_s: float) -> float:
         """theta at an instant of the last second, rad."""

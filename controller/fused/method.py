@@ -3,19 +3,20 @@
 from cmath import exp
 from collections import deque
 from enum import Enum
-from math import isfinite, pi, sqrt
+from math import hypot, isfinite, pi, sqrt
 
 from common.configuration import Fused
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
-from controller.fused.blocks import Block, BlockSums
+from controller.fused.blocks import Block, BlockSums, Jump
 from controller.fused.blow import Blow, BlowDetector
 from controller.fused.frames import FrameFusion, Merged
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.present import Present
 from controller.fused.sensor_health import AccelerometerHealth
+from controller.fused.strike import Strike, StrikeMeter
 
 _FIRST_PERIODS, _HIGHEST_PERIODS = (
     1.0 / 24.0,
@@ -24,6 +25,7 @@ _FIRST_PERIODS, _HIGHEST_PERIODS = (
 _SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
 _ALARM_S = 0.6
 _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
+_STRIKE_FLOOR = 0.003  # of a strike: nothing is better known
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
 
 
@@ -85,8 +87,10 @@ class FusedMethod:
         self._joint_input = JointInput(self._w, at.input_gain, model.drive, self._cycle_s)
         self._present = Present(self._w, self._sigma, at.w_first)
         self._blows = BlowDetector(self._w, self._block_cycles * self._cycle_s)
+        self._strikes = StrikeMeter(self._w[0], self._cycle_s)
         self._sums = BlockSums(at.modes)
         self._blocks: deque[Block] = deque()
+        self._open_jumps: tuple[Jump, ...] = ()  # in the block under way
         self._block_start: int | None = None
         self._start_sum = [0j] * at.modes
         self._taken: list[Block] = []  # by the bank, since the snapshot
@@ -125,12 +129,61 @@ class FusedMethod:
         if self._filter_cycles:
             turn = [one * back for one, back in zip(turn, self._filter_turn, strict=True)]
         expected = self._present.expected(turn)
+        if self._measure_strike(observation.cycle, value - expected):
+            return
         residual = self.health.bounded(value - expected, self._allowance * abs(self._present.z[0]))
         value = expected + residual
         forced = 0.0
         for i, one in enumerate(turn):
             forced += ((self._joint_input.sum[i] - self._start_sum[i]) * one * self._nominal_gain[i]).real
         self._sums.add(value, turn, observation.time_s - sensor.delay_s, forced, residual)
+
+    def _measure_strike(self, cycle: int, excess_m: float) -> bool:
+        """Whether a strike is under way, whose samples are no part of any block."""
+        strikes, was_open = self._strikes, self._strikes.open
+        std = sqrt(self.health.variance)
+        if self.health.mute or len(self._w) > 1 or self._present.uncertain(std):
+            strikes.reset()
+            return False
+        strike = strikes.see(cycle, excess_m, std)
+        if strikes.open and not was_open:
+            self._leave_out(strikes.since)
+        if strike is not None:
+            self._take_strike(strike, cycle * self._cycle_s)
+        return strikes.open or strike is not None
+
+    def _leave_out(self, since: int) -> None:
+        self._sums.clear()
+        for block in self._blocks:
+            if block.end_s > since * self._cycle_s:
+                block.count = 0
+
+    def _take_strike(self, strike: Strike, now_s: float) -> None:
+        """The strike's step of the phasors, at its own instant, for all that is computed from now on."""
+        assert self._block_start is not None
+        w, time_s = self._w[0], strike.cycle * self._cycle_s
+        per_sum = self._at.w_first**2 * self._cycle_s / w  # of samples as deflection: velocity over w
+        size, std = -strike.sum_m * per_sum, strike.sum_std_m * per_sum
+        step = [-1j * size * exp(-1j * w * time_s)]
+        across = abs(size) * hypot(w * strike.cycle_std * self._cycle_s, _STRIKE_FLOOR)
+        jump = Jump(time_s, (std,), (min(across, std),))
+        self._joint_input.add(time_s, step)
+        self._blows.forget()
+        if time_s >= self._block_start * self._cycle_s:
+            self._open_jumps += (jump,)
+            self._restart_present(now_s)
+            return
+        self._start_sum = [one + more for one, more in zip(self._start_sum, step, strict=True)]
+        known = (*self._taken, *self._blocks)
+        block = next((one for one in reversed(known) if one.start_s <= time_s), None)
+        if block is not None:
+            block.step = tuple(one + more for one, more in zip(block.step, step, strict=True))
+            block.jumps += (jump,)
+        if block is None or block not in self._blocks:
+            self.frames.bank.add(step)
+            self.frames.bank.inflate(jump)
+            self._snapshot = None if block is None else self._snapshot
+        self._restart_present(now_s)
 
     def _close_block(self, cycle: int) -> None:
         assert self._block_start is not None
@@ -140,6 +193,7 @@ class FusedMethod:
         block = self._sums.close(start_s, end_s, self.health.variance, step)
         self._block_start, self._start_sum = cycle, sums.copy()
         self._sums.clear()
+        block.jumps, self._open_jumps = self._open_jumps, ()
         self._blocks.append(block)
         if block.count:
             self._compare(block)
@@ -168,7 +222,7 @@ class FusedMethod:
         self._alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - blow.blocks_ago)
         block = self._blocks[place]
-        block.jump_m = blow.sizes_m
+        block.jumps += (Jump.guessed(block.start_s, blow.sizes_m),)
         self._restart_present(self._blocks[-1].end_s)
 
     def _see_sample(self, sample: VisualSample, time_s: float) -> None:
@@ -227,12 +281,14 @@ class FusedMethod:
             merged.bias, merged.bias_variance, self._cycle_s,
         )  # fmt: skip
         for block in (*self._taken, *self._blocks):
-            if block.jump_m:
-                present.inflate(block.jump_m, block.start_s)
+            for jump in block.jumps:
+                present.inflate(jump)
             if block.count and not self.health.mute:
                 present.take_block(block, block.variance, at_end=False)
             present.move_on(block)
         assert self._block_start is not None
+        for jump in self._open_jumps:
+            present.inflate(jump)
         rest = now_s - self._block_start * self._cycle_s
         for i, start in enumerate(self._start_sum):
             turned = present.z[i] * exp(present.slow[i] * rest)

@@ -6,7 +6,7 @@ Plain floats: it runs once a block and once a frame for each block since the fra
 from cmath import exp
 from math import sqrt
 
-from controller.fused.blocks import Block
+from controller.fused.blocks import Block, Jump
 
 
 class Present:
@@ -48,6 +48,10 @@ class Present:
         for i, z in enumerate(self.z):
             total += (z * self.gain[i] * turn[i]).real
         return total
+
+    def uncertain(self, std_m: float) -> bool:
+        """Whether what the accelerometer should show is less well known than std_m."""
+        return sum([line[i] for i, line in enumerate(self.p)]) > std_m * std_m
 
     def advance(self, increment: list[complex]) -> None:
         """One cycle on, in which the joint adds `increment` to the phasors."""
@@ -93,11 +97,12 @@ class Present:
             turn = exp(self.slow[i] * dt)
             self.z[i] = self.z[i] * turn + step * (0.5 + 0.5 * turn)
 
-    def inflate(self, jump_m: tuple[float, ...], time_s: float) -> None:
-        """A blow of about jump_m at time_s (FilterBank.inflate)."""
+    def inflate(self, jump: Jump) -> None:
+        """FilterBank.inflate."""
         for i, w in enumerate(self._w):
-            along = -1j * exp(-1j * w * time_s)
-            power, rest = (1.5 * jump_m[i]) ** 2, (0.3 * jump_m[i]) ** 2
+            along = -1j * exp(-1j * w * jump.time_s)
+            rest = jump.across_m[i] ** 2
+            power = jump.along_m[i] ** 2 - rest
             direction = (along.real, -along.imag)
             for k in (0, 1):
                 line = self.p[2 * i + k]

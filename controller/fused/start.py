@@ -16,7 +16,7 @@ _FIRST_AMPLITUDE = 0.02  # of the arm's length
 _IMAGE_ZERO = 0.05  # of the arm's length, about the first image
 _SCALE = 0.07
 _BIAS_M_S2 = 1.0
-_SKEW = 120e-6
+_SKEW = 60e-6  # two crystals, each some tens of ppm off; 200 ppm lies within three and a half deviations
 _STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
 _LEAST_DELAY_SPREAD_S = 0.002
 _DRIFT_RETURN = 0.35  # 1/s: the delay wanders over its spread in some seconds
@@ -85,8 +85,8 @@ def state_noise(settings: Fused, at: Layout) -> Array:
     result[:, at.scale] = 5e-4**2
     result[:, at.bias] = (0.03 / at.w_first**2) ** 2
     result[:LAWS, at.frequency] = (settings.frequency_walk * at.w) ** 2
-    result[LAWS:, at.frequency] = (5.0 * settings.frequency_walk * at.w) ** 2
-    result[:LAWS, at.decay] = (0.002 * at.w) ** 2
+    result[LAWS:, at.frequency] = (15.0 * settings.frequency_walk * at.w) ** 2
+    result[:LAWS, at.decay] = (0.0001 * at.w) ** 2
     result[LAWS:, at.decay] = (0.006 * at.w) ** 2
     return result
 
@@ -94,7 +94,7 @@ def state_noise(settings: Fused, at: Layout) -> Array:
 def phasor_share(settings: Fused) -> Array:
     """Growth of the phasors' deviation as a share of the amplitude, squared, per s, (filters,)."""
     result = np.full(FILTERS, settings.disturbance_share**2)
-    result[LAWS:] *= 6.0**2
+    result[LAWS:] *= 12.0**2
     return result
 
 

@@ -1,0 +1,72 @@
+"""A strike is measured from the samples it adds to; what is none is left alone."""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from controller.fused.strike import Strike, StrikeMeter
+
+W, CYCLE_S = 16.3, 0.001
+NOISE = 0.3
+
+
+def watch(excess: list[float], std: float = NOISE) -> list[Strike]:
+    meter = StrikeMeter(W, CYCLE_S)
+    found = [meter.see(cycle, value, std) for cycle, value in enumerate(excess)]
+    return [one for one in found if one is not None]
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(
+    begun=st.floats(200.0, 201.0),
+    width=st.floats(4.0, 14.0),
+    size=st.floats(3.0, 8.0),
+    sign=st.sampled_from((-1.0, 1.0)),
+    round_top=st.booleans(),
+    seed=st.integers(0, 99),
+)
+def test_size_and_instant_lie_within_what_is_said(
+    begun: float, width: float, size: float, sign: float, round_top: bool, seed: int
+) -> None:
+    """Rectangles and half sines of 4 to 14 ms that start and end between samples."""
+    random = np.random.default_rng(seed)
+    samples = []
+    for cycle in range(260):
+        within = (cycle - begun) / width
+        shape = (sin(pi * within) if round_top else 1.0) if 0.0 < within < 1.0 else 0.0
+        samples.append(sign * size * shape + NOISE * random.standard_normal())
+    found = watch(samples)
+    assert len(found) == 1
+    area = sign * size * width * (2.0 / pi if round_top else 1.0)
+    assert abs(found[0].sum_m - area) < 4.0 * found[0].sum_std_m
+    assert abs(found[0].cycle - begun - 0.5 * width) < 4.0 * found[0].cycle_std
+
+
+def test_noise_and_wild_samples_are_no_strike() -> None:
+    """A minute of noise, with one or two neighbours off by thirty deviations every half second."""
+    random = np.random.default_rng(1)
+    samples = NOISE * random.standard_normal(60_000)
+    for place in range(500, 60_000, 500):
+        samples[place : place + 1 + place % 2] += 9.0
+    assert watch(samples.tolist()) == []
+
+
+@pytest.mark.parametrize("hz", [2.6, 14.0, 40.0])
+def test_a_vibration_that_was_not_expected_is_no_strike(hz: float) -> None:
+    """As of a mode that the model lacks, or of a sensor that is dead."""
+    random = np.random.default_rng(2)
+    samples = [1.5 * cos(2 * pi * hz * CYCLE_S * k) + NOISE * random.standard_normal() for k in range(20_000)]
+    assert watch(samples) == []
+
+
+def test_a_force_that_stays_is_no_strike() -> None:
+    """And a strike with a sample missing in it is not measured."""
+    assert watch([0.0] * 50 + [3.0] * 100) == []
+    meter = StrikeMeter(W, CYCLE_S)
+    found = [
+        meter.see(cycle, 3.0 if 50 <= cycle < 57 else 0.01, NOISE) for cycle in range(100) if cycle != 54
+    ]
+    assert found == [None] * 99
