@@ -26,7 +26,12 @@ class Frame:
 
 
 class Camera(Protocol):
-    """A source of frames. Constructing opens nothing; start() does, and raises UserError with a remedy."""
+    """A source of frames. Constructing opens nothing; start() does, and raises UserError with a remedy.
+
+    notes: after start(), a line for each setting that the camera refused, with what to do.
+    """
+
+    notes: list[str]
 
     def start(self) -> None:
         """Open the device and begin to stream."""

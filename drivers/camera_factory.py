@@ -1,17 +1,33 @@
-"""The camera that a configuration names. Only the named driver is imported."""
+"""The camera that a configuration names. Only the named driver is imported, and only it its vendor's package."""
+
+import importlib
 
 from common.configuration import CameraDevice
 from drivers.camera import Camera
+from drivers.stream_camera import StreamCamera
+
+BACKENDS = {
+    "basler": ("basler_camera", "BaslerBackend"),
+    "genicam": ("genicam_camera", "GenicamBackend"),
+    "aravis": ("aravis_camera", "AravisBackend"),
+    "ids_peak": ("ids_peak_camera", "IdsPeakBackend"),
+    "ueye": ("ueye_camera", "UeyeBackend"),
+    "libcamera": ("libcamera_camera", "LibcameraBackend"),
+}
 
 
 def open_camera(config: CameraDevice, in_flight: int = 1) -> Camera:
     """The camera of section [camera], with `in_flight` images asked for ahead. Opens nothing yet:
     start() does.
     """
+    if config.driver in BACKENDS:
+        module, name = BACKENDS[config.driver]
+        backend = getattr(importlib.import_module(f"drivers.{module}"), name)
+        return StreamCamera(backend(config), config, in_flight=in_flight)
     if config.driver == "opencv":
         from drivers.opencv_camera import OpenCvCamera
 
-        return OpenCvCamera(config.device, config.width_px, config.height_px)
+        return OpenCvCamera(config.device, config.width_px, config.height_px, config=config)
     if config.driver == "file":
         from drivers.file_camera import FileCamera
 

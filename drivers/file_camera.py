@@ -29,6 +29,7 @@ class FileCamera:
         self._images: Iterator[GreyImage] | None = None
         self._first: GreyImage | None = None
         self._count = 0
+        self.notes: list[str] = []
 
     def start(self) -> None:
         """Open the file and read its first frame. Raises UserError when there is nothing to read."""

@@ -13,15 +13,18 @@ from typing import Any, Protocol
 
 import cv2
 
+from common.configuration import CameraDevice
 from common.user_error import UserError
 from drivers.camera import Frame
-from drivers.camera_stamps import StampGate
+from drivers.camera_stamps import StampGate, StampReference, mid_exposure_s
 from drivers.grey_image import grey_image
 
 _OPEN_TIMEOUT_MS = 5000
 _READ_TIMEOUT_MS = 500
 _RETRY_S = 0.02  # after a failed read, so that an unplugged camera does not take a core
 REOPEN_S = 2.0
+_MANUAL_EXPOSURE = 1.0
+_EXPOSURE_UNIT_S = 1e-4
 
 
 class Capture(Protocol):
@@ -41,6 +44,44 @@ class Capture(Protocol):
 
     def release(self) -> None:
         """Close."""
+
+    def getBackendName(self) -> str:
+        """Which of OpenCV's backends it is."""
+
+
+def set_capture(capture: Capture, config: CameraDevice) -> tuple[list[str], float | None]:
+    """Set exposure, gain, rate and buffers; returns a line for each that was refused, and the exposure in use, s.
+
+    Only V4L2 says what its exposure means: 100 us a unit (V4L2_CID_EXPOSURE_ABSOLUTE), manual being mode 1.
+    """
+    notes = []
+
+    def ask(key: str, wanted: float, prop: int, value: float, unit: float) -> None:
+        capture.set(prop, value)
+        given = capture.get(prop) * unit
+        if abs(given - wanted) > 0.02 * abs(wanted):
+            notes.append(
+                f"camera.{key} = {wanted:g}: the camera took {given:g} instead; set that, or 0 for its own"
+            )
+
+    v4l2 = capture.getBackendName() == "V4L2"
+    if config.exposure_s and v4l2:
+        capture.set(cv2.CAP_PROP_AUTO_EXPOSURE, _MANUAL_EXPOSURE)
+        units = config.exposure_s / _EXPOSURE_UNIT_S
+        ask("exposure_s", config.exposure_s, cv2.CAP_PROP_EXPOSURE, round(units), _EXPOSURE_UNIT_S)
+    elif config.exposure_s:
+        notes.append(
+            f"camera.exposure_s = {config.exposure_s:g}: OpenCV's {capture.getBackendName()} does not say what its "
+            "exposure means; set it with the camera's own program, and leave this at 0"
+        )
+    if config.gain >= 0.0:
+        ask("gain", config.gain, cv2.CAP_PROP_GAIN, config.gain, 1.0)
+    if config.frame_rate_hz:
+        ask("frame_rate_hz", config.frame_rate_hz, cv2.CAP_PROP_FPS, config.frame_rate_hz, 1.0)
+    capture.set(cv2.CAP_PROP_BUFFERSIZE, float(config.buffers or 1))
+    units = capture.get(cv2.CAP_PROP_EXPOSURE) if v4l2 else 0.0
+    manual = capture.get(cv2.CAP_PROP_AUTO_EXPOSURE) == _MANUAL_EXPOSURE
+    return notes, units * _EXPOSURE_UNIT_S if manual and units > 0.0 else None
 
 
 def open_capture(device: str) -> Capture:
@@ -67,11 +108,22 @@ class OpenCvCamera:
         width_px: int = 0,
         height_px: int = 0,
         *,
+        config: CameraDevice | None = None,
         opener: Callable[[str], Capture] = open_capture,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """width_px, height_px: 0 leaves the camera's own. Opens nothing yet."""
+        """width_px, height_px: 0 leaves the camera's own. config: exposure, gain, rate and buffers, where they are
+        to be set. Opens nothing yet.
+        """
+        self._settings = config or CameraDevice()
+        self._reference = (
+            StampReference.EXPOSURE_START
+            if self._settings.stamp_reference == "auto"
+            else StampReference(self._settings.stamp_reference)
+        )
+        self._exposure_s: float | None = None
+        self.notes: list[str] = []
         self._device = device
         self._size = width_px, height_px
         self._opener = opener
@@ -108,7 +160,7 @@ class OpenCvCamera:
                     f"camera.{key} = {size}: camera {self._device!r} gives {given} instead; "
                     "set that, or 0 for its own"
                 )
-        capture.set(cv2.CAP_PROP_BUFFERSIZE, 1.0)
+        self.notes, self._exposure_s = set_capture(capture, self._settings)
         self.buffer_frames = capture.get(cv2.CAP_PROP_BUFFERSIZE)
         self._capture = capture
         self._good_s = self._clock()
@@ -131,7 +183,9 @@ class OpenCvCamera:
             return None
         self._good_s = now
         stamp = self._stamps.accept(capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0, now)
-        return Frame(grey, None, stamp, None)
+        if stamp is not None:
+            stamp = mid_exposure_s(stamp, self._reference, self._exposure_s)
+        return Frame(grey, None, stamp, self._exposure_s)
 
     def close(self) -> None:
         """Release the device; may be called twice."""

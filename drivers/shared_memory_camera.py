@@ -41,6 +41,7 @@ class SharedMemoryCamera:
         self._look_at_s = 0.0
         self._last_frame_s = 0.0
         self._lost_before = 0
+        self.notes: list[str] = []
 
     @property
     def lost(self) -> int:

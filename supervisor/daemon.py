@@ -85,6 +85,8 @@ class _Loop:
         """Cycle until asked to stop, or until the stream ends."""
         exchange = self._exchange
         self._camera.start()
+        for note in self._camera.notes:
+            log("supervisor", "warning", note)
         notify("READY=1")
         watchdog = Watchdog()
         while not stop:

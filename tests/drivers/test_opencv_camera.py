@@ -18,6 +18,7 @@ class FakeCapture:
         self.clock, self.opened, self.fixed = clock, opened, fixed
         self.properties = {cv2.CAP_PROP_FRAME_WIDTH: size[0], cv2.CAP_PROP_FRAME_HEIGHT: size[1]}
         self.images = []
+        self.backend = "V4L2"
         self.stamp_s = None
         self.released = 0
 
@@ -37,6 +38,9 @@ class FakeCapture:
     def read(self):
         self.clock.now += 0.015
         return (True, self.images.pop(0)) if self.images else (False, None)
+
+    def getBackendName(self):
+        return self.backend
 
     def release(self):
         self.released += 1
