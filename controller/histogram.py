@@ -59,6 +59,15 @@ class MicrosecondHistogram:
         if nanoseconds > words[0]:  # noqa: PLR1730 - max() would cost a call in every cycle
             words[0] = nanoseconds
 
+    @property
+    def greatest_ns(self) -> int:
+        """The greatest duration so far, ns."""
+        return int(self._words[0])
+
+    def forget_greatest(self) -> None:
+        """From now on the greatest is that of what comes."""
+        self._words[0] = 0
+
     def counts(self) -> list[int]:
         """The counts now."""
         return self._words[1:].tolist()

@@ -74,6 +74,7 @@ class Loop:
         origin_s = clock.origin_s
         stopping_from: int | None = None
         longest_stop = round(_LONGEST_STOP_S / cycle_s)
+        block.begin(origin_s)
         cycle = clock.start()
         while True:
             woke = now()

@@ -13,8 +13,8 @@ from controller.states.table import Event, State
 
 _RING = 64
 _OVERRUN_WORDS, _CHANGE_WORDS = 12, 3
-_CYCLE, _CYCLES, _MISSES, _OVERRUNS, _CHANGES, _SAMPLES, _FAULTS, _ENDED = range(8)
-_OVERRUN_AT = 8
+_CYCLE, _CYCLES, _MISSES, _OVERRUNS, _CHANGES, _SAMPLES, _FAULTS, _ENDED, _ORIGIN = range(9)
+_OVERRUN_AT = 16
 _CHANGE_AT = _OVERRUN_AT + _RING * _OVERRUN_WORDS
 _LATENESS_AT = _CHANGE_AT + _RING * _CHANGE_WORDS
 _COMPUTE_AT = _LATENESS_AT + WORDS
@@ -99,9 +99,18 @@ class LoopBlock:
         """Keep the count of reads that gave no sample."""
         self.words[_FAULTS] = faults
 
+    def begin(self, origin_s: float) -> None:
+        """The loop's cycle 0 is due at `origin_s` of the monotonic clock."""
+        self.words[_ORIGIN] = int(origin_s * _NS)
+
     def end(self) -> None:
         """The loop has ended in order."""
         self.words[_ENDED] = 1
+
+    @property
+    def origin_s(self) -> float:
+        """When cycle 0 is due, on the monotonic clock; 0 before the loop begins."""
+        return int(self.words[_ORIGIN]) / _NS
 
     @property
     def cycle(self) -> int:

@@ -12,6 +12,7 @@ from common.user_error import UserError
 COMMANDS = {
     "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",
     "controller": "the 1 ms cycle, as a daemon",
+    "latency": "wake-up and compute latency of this machine's loop, beside a floor",
     "operate": "arm, disarm, clear or stop a running controller",
     "supervisor": "frame capture and tracking, as a daemon",
     "rig": "the simulated rig that stands in for the hardware, as a daemon",

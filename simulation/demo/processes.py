@@ -37,6 +37,10 @@ class DemoProcesses:
                 preexec_fn=ended_with_parent(),  # noqa: PLW1509 - no thread runs yet, and it calls the kernel only
             )
 
+    def process_id(self, name: str) -> int:
+        """The process number of one that was started."""
+        return self._running[name].pid
+
     def wait_for(self, name: str, timeout_s: float, progress: Callable[[float], None]) -> None:
         """Wait until a process has ended, the others running on.
 
@@ -60,6 +64,10 @@ class DemoProcesses:
             status = process.poll()
             if status is not None and (status != 0 or name != "controller"):
                 raise UserError(f"the demo's {name} ended (status {status}): {self._last_words(name)}")
+
+    def process_ids(self) -> dict[str, int]:
+        """The processes' numbers, by name."""
+        return {name: process.pid for name, process in self._running.items()}
 
     def stop(self, name: str) -> None:
         """Ask a process to stop, and wait for it; kill it when it does not."""

@@ -7,10 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from common.user_error import UserError
-from stillarm.arguments import seed
+from stillarm.arguments import seconds, seed
 from stillarm.progress import progress_bar
 
-DEFAULT_TRIALS = {"estimators": 20, "vision": 3}
+DEFAULT_TRIALS = {
+    "estimators": 20,
+    "vision": 3,
+    "faults": 12,
+    "soak": 1,
+    "hardware": 2,
+    "diagnosis": 200,
+    "loop": 60,
+}
 BENCHMARKS = tuple(DEFAULT_TRIALS)
 _ESTIMATOR_ONLY = ("out", "methods", "quick")
 
@@ -19,11 +27,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     defaults = ", ".join(f"{name} {trials}" for name, trials in DEFAULT_TRIALS.items())
     parser.add_argument("name", choices=BENCHMARKS, metavar="NAME", help=f"one of: {', '.join(BENCHMARKS)}")
-    parser.add_argument("--trials", type=int, metavar="N", help=f"trials of each row ({defaults})")
+    parser.add_argument(
+        "--trials", type=int, metavar="N", help=f"trials of each row; loop: seconds ({defaults})"
+    )
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="seed of the first trial (0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result to this file")
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="estimators: draw the pictures into this folder"
+    )
+    parser.add_argument(
+        "--resume",
+        type=Path,
+        metavar="FOLDER",
+        help="diagnosis: keep each trial here, and go on with what is there",
+    )
+    parser.add_argument(
+        "--duration-s", type=seconds, default=1800.0, metavar="S", help="soak: for so long (1800)"
     )
     parser.add_argument("--methods", metavar="A,B", help="estimators: only these methods (all)")
     parser.add_argument(
@@ -40,6 +59,8 @@ def run(arguments: argparse.Namespace) -> int:
         for option in _ESTIMATOR_ONLY:
             if getattr(arguments, option):
                 raise UserError(f"--{option}: only for `benchmark estimators`; leave it out")
+    if arguments.resume is not None and arguments.name != "diagnosis":
+        raise UserError("--resume: only for `benchmark diagnosis`; leave it out")
     result = _RUN[arguments.name](arguments, trials)
     print(f"seed {arguments.seed}, {trials} trials")
     if arguments.json is not None:
@@ -57,6 +78,15 @@ def _vision(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
     with progress_bar("benchmark vision"):
         result = run_vision(trials, arguments.seed)
+    print_rows(result["rows"])
+    return result
+
+
+def _hardware(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.hardware import run as run_hardware
+
+    with progress_bar("benchmark hardware"):
+        result = run_hardware(trials, arguments.seed)
     print_rows(result["rows"])
     return result
 
@@ -85,6 +115,59 @@ def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     if arguments.out is not None:
         for path in draw(result, what, arguments.out):
             print(path)
+    return result
+
+
+def _diagnosis(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.diagnosis.campaign import run as run_campaign
+    from benchmarks.diagnosis.tables import lines
+
+    with progress_bar("benchmark diagnosis") as progress:
+        result = run_campaign(trials, arguments.seed, arguments.resume, progress)
+    for line in lines(result):
+        print(line)
+    if arguments.resume is not None:
+        print(arguments.resume / "confusion.png")
+    return result
+
+
+def _faults(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.faults.run import run as run_faults
+
+    with progress_bar("benchmark faults") as progress:
+        result = run_faults(trials, arguments.seed, progress)
+    print_rows(result["rows"])
+    for text in result["violation_texts"]:
+        print(text)
+    print(
+        f"{result['injections']} injections of {result['kinds']} kinds, {result['live_injections']} of them into the "
+        f"real processes: {result['violations']} violations"
+    )
+    return result
+
+
+def _soak(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.soak import run as run_soak
+
+    with progress_bar("benchmark soak") as progress:
+        result = run_soak(arguments.duration_s, arguments.seed, progress)
+    print_rows([{"process": name, **values} for name, values in result["processes"].items()])
+    print(
+        f"soak, {result['duration_s']:g} s: {'; '.join(result['problems']) or 'nothing grows, nothing drifts'}"
+    )
+    return result
+
+
+def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.loop.run import run as run_loop
+    from benchmarks.loop.run import verdict
+    from stillarm.commands.latency_command import print_latency
+
+    with progress_bar("benchmark loop") as progress:
+        result = run_loop(float(trials), arguments.seed, progress)
+    print_latency(result)
+    print()
+    print_rows(verdict(result))
     return result
 
 
@@ -123,6 +206,11 @@ _SHORT = {
 _RUN: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
     "estimators": _estimators,
     "vision": _vision,
+    "loop": _loop,
+    "faults": _faults,
+    "soak": _soak,
+    "diagnosis": _diagnosis,
+    "hardware": _hardware,
 }
 
 

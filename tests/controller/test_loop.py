@@ -53,7 +53,10 @@ class Devices:
 
     def __init__(self) -> None:
         self.done: list[tuple[str, float]] | None = []
-        self.link_counts = dict.fromkeys(("accepted", "lost", "duplicate", "late", "malformed", "forged", "foreign_version", "old_session", "unexpected", "sessions"), 0)  # fmt: skip
+        names = (
+            "accepted lost duplicate late malformed forged foreign_version old_session unexpected sessions"
+        )
+        self.link_counts = dict.fromkeys(names.split(), 0)
 
     def link_status(self) -> dict[str, float]:
         return {}

@@ -1,0 +1,50 @@
+"""cyclictest of the rt-tests, where it is installed: a second floor, in C."""
+
+import re
+import shutil
+import subprocess
+
+from benchmarks.loop.slices import Measured
+from controller.realtime import PRIORITY
+
+_LONGEST_US = 20_000
+
+
+def installed() -> bool:
+    """Whether there is one."""
+    return shutil.which("cyclictest") is not None
+
+
+def command(duration_s: float, cycle_s: float, processor: int, fifo: bool) -> list[str]:
+    """Its command line for one slice; without SCHED_FIFO where that is not allowed."""
+    return [
+        *("cyclictest", "--quiet", "--mlockall", f"--interval={round(cycle_s * 1e6)}"),
+        *(f"--loops={round(duration_s / cycle_s)}", f"--affinity={processor}", f"--histogram={_LONGEST_US}"),
+        *((f"--priority={PRIORITY}", "--policy=fifo") if fifo else ("--policy=other",)),
+    ]
+
+
+def add_histogram(text: str, measured: Measured, cycle_s: float) -> None:
+    """Take the histogram that it prints, lines of microseconds and counts, into what was measured.
+
+    A wake-up later than a whole cycle counts its whole cycles as missed, as the loop does.
+    """
+    cycle_us = cycle_s * 1e6
+    for late, count in re.findall(r"^(\d{6}) (\d+)\s*$", text, re.MULTILINE):
+        for _ in range(int(count)):
+            measured.lateness.add(int(late) * 1e-6)
+        measured.cycles += int(count)
+        measured.misses += int(count) * int(int(late) / cycle_us)
+    for over in re.findall(r"^# Histogram Overflows: (\d+)", text, re.MULTILINE):
+        for _ in range(int(over)):
+            measured.lateness.add(_LONGEST_US * 1e-6)
+        measured.cycles += int(over)
+        measured.misses += int(over) * int(_LONGEST_US / cycle_us)
+
+
+def run_slice(measured: Measured, duration_s: float, cycle_s: float, processor: int, fifo: bool) -> None:
+    """One run; what cannot be run measures nothing."""
+    words = command(duration_s, cycle_s, processor, fifo)
+    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=duration_s + 10.0)
+    if done.returncode == 0:
+        add_histogram(done.stdout, measured, cycle_s)

@@ -1,0 +1,61 @@
+"""This machine's loop beside the bare timer thread, and cyclictest where it is installed: in turns, a second each.
+
+All of them run in one thread (cyclictest in its own process) on one processor at one priority, so that they see the
+same machine.
+"""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+from benchmarks.loop import cyclictest
+from benchmarks.loop.own_work import OwnWork
+from benchmarks.loop.slices import Measured, by_name, run_slice
+from common.configuration import default_configuration_path, load_assumed_model, load_configuration
+from controller.realtime import FIFO, RealTime
+from controller.warm_up import warm_up
+
+_SLICE_S = 1.0
+_WARM_CYCLES = 500
+
+
+def run(duration_s: float, progress: Callable[[float], None] = lambda done: None) -> dict[str, Any]:
+    """Measure for about `duration_s` altogether; the result by the names of the benchmark's file.
+
+    "missing": what this process may not do of what the controller asks for.
+    """
+    path = default_configuration_path()
+    configuration = load_configuration(path)
+    model = load_assumed_model(configuration, path)
+    cycle_s = model.timing.cycle_s
+    warm_up(model, configuration.controller, str(path))
+    work = OwnWork(model, configuration.controller)
+    loop, floor, peer = Measured(), Measured(), Measured()
+    with_peer = cyclictest.installed()
+    turns = max(1, round(duration_s / (_SLICE_S * (3 if with_peer else 2))))
+    length_s = min(_SLICE_S, duration_s / 2.0)
+    before = os.sched_getaffinity(0), os.sched_getscheduler(0), os.sched_getparam(0)
+    realtime = RealTime()
+    missing = realtime.enter()
+    try:
+        for _ in range(_WARM_CYCLES):
+            work()
+        processor = max(os.sched_getaffinity(0))
+        for turn in range(turns):
+            run_slice(loop, length_s, cycle_s, work)
+            run_slice(floor, length_s, cycle_s)
+            if with_peer:
+                cyclictest.run_slice(peer, length_s, cycle_s, processor, FIFO not in missing)
+            progress((turn + 1) / turns)
+    finally:
+        realtime.leave()
+        os.sched_setscheduler(0, before[1], before[2])
+        os.sched_setaffinity(0, before[0])
+        work.close()
+    result: dict[str, Any] = {
+        "loop": loop.result(),
+        "floor": floor.result(),
+        "compute_us": by_name(loop.compute.summary()),
+        "missing": [str(each) for each in missing],
+    }
+    return result | ({"cyclictest": peer.result()} if peer.cycles else {})

@@ -1,0 +1,70 @@
+"""The work of a controller's cycle without a rig: the step on a made-up vibration, datagrams, what is recorded."""
+
+from math import cos, pi
+
+import msgspec
+
+from common.configuration import Controller as ControllerSettings
+from common.datagram import DEMO_KEY, Kind, encode
+from common.model import Model
+from common.peer import Peer
+from common.udp import UdpSocket, new_session
+from common.visual_datagram import read_visual_body, visual_body
+from common.visual_sample import TrackingStatus, VisualSample
+from controller.recorded import estimate_sample, fast_sample
+from controller.step import Controller, CycleInput
+
+_CYCLES_A_FRAME = 15
+_DELAY_CYCLES = 74
+_AMPLITUDE_M = 0.006
+
+
+class OwnWork:
+    """One call is one cycle: send a timestamp and a command, receive images, step, encode what is recorded."""
+
+    def __init__(self, model: Model, settings: ControllerSettings) -> None:
+        """Opens a socket on loopback, which sends to itself."""
+        self._model, self._cycle_s = model, model.timing.cycle_s
+        self._controller = Controller(model, settings)
+        self._session = new_session()
+        self._peer = Peer(DEMO_KEY, (Kind.VISUAL,))
+        self._socket = UdpSocket(("127.0.0.1", 0), "latency")
+        self._encode = msgspec.msgpack.Encoder().encode
+        self._w = model.arm.modes[0].angular_frequency
+        count = round(1.0 / model.arm.modes[0].frequency_hz / self._cycle_s)
+        self._wave = [_AMPLITUDE_M * cos(2.0 * pi * n / count) for n in range(count)]
+        self._cycle = self._sequence = 0
+
+    def __call__(self) -> None:
+        """Do a cycle's work."""
+        cycle, model = self._cycle, self._model
+        self._cycle += 1
+        wave = self._wave
+        self._send(Kind.TIMESTAMP, (cycle, cycle * self._cycle_s))
+        if cycle % _CYCLES_A_FRAME == 0:
+            seen = -model.camera.scale_px_per_m * wave[(cycle - _DELAY_CYCLES) % len(wave)]
+            sample = VisualSample(
+                cycle, max(0, cycle - _DELAY_CYCLES), TrackingStatus.MEASURED, seen, 0.0, 0.0, 0.01
+            )
+            self._send(Kind.VISUAL, visual_body(self._session, sample))
+        acceleration = -model.accelerometer.scale * self._w * self._w * wave[cycle % len(wave)]
+        samples = []
+        for data in self._socket.drain(16):
+            datagram = self._peer.receive(data)
+            read = None if datagram is None else read_visual_body(datagram.body)
+            if read is not None:
+                samples.append(read[1])
+        step = CycleInput(cycle, acceleration, 0.0, 0.0, 0.0, 0.0, True, samples)
+        answered = self._controller.step(step)
+        self._send(Kind.DRIVE_COMMAND, (answered.command_rad_s,))
+        self._encode(fast_sample(step, answered, self._cycle_s))
+        self._encode(estimate_sample(cycle, answered, self._cycle_s))
+
+    def _send(self, kind: Kind, body: tuple[object, ...]) -> None:
+        self._sequence += 1
+        data = encode(DEMO_KEY, kind, self._session, self._sequence, body)
+        self._socket.send(data, self._socket.address)
+
+    def close(self) -> None:
+        """Release the socket."""
+        self._socket.close()

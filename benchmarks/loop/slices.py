@@ -1,0 +1,52 @@
+"""A stretch of cycles on the loop's own schedule, with work in them or without: the bare timer thread is the floor."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from controller.histogram import MicrosecondHistogram
+from controller.schedule import CycleClock
+
+_LEAD_CYCLES = 3
+
+
+@dataclass
+class Measured:
+    """What all slices of one kind add up to."""
+
+    lateness: MicrosecondHistogram = field(default_factory=MicrosecondHistogram)
+    compute: MicrosecondHistogram = field(default_factory=MicrosecondHistogram)
+    cycles: int = 0
+    misses: int = 0
+
+    def result(self) -> dict[str, Any]:
+        """Wake-up latency, misses and cycles, by the names of the benchmark's file."""
+        return {
+            "wakeup_latency_us": by_name(self.lateness.summary()),
+            "deadline_misses": self.misses,
+            "cycles": self.cycles,
+        }
+
+
+def by_name(summary: tuple[float, float, float, float]) -> dict[str, float]:
+    """The four numbers of a histogram's summary by name."""
+    return dict(zip(("p50", "p99", "p999", "max"), summary, strict=True))
+
+
+def run_slice(
+    measured: Measured, duration_s: float, cycle_s: float, work: Callable[[], None] | None = None
+) -> None:
+    """Wake at every cycle for a while; do the work, if any."""
+    now = time.monotonic
+    clock = CycleClock(cycle_s, now() + _LEAD_CYCLES * cycle_s)
+    cycle, last = clock.start(), round(duration_s / cycle_s)
+    while cycle < last:
+        woke = now()
+        measured.lateness.add(woke - clock.origin_s - cycle * cycle_s)
+        if work is not None:
+            work()
+            measured.compute.add(now() - woke)
+        measured.cycles += 1
+        cycle = clock.wait(cycle)
+    measured.misses += clock.misses
