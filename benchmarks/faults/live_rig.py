@@ -1,0 +1,200 @@
+"""The real processes under attack: rig, supervisor and controller, with a proxy on every link between them."""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import msgspec
+import tomli_w
+
+from benchmarks.faults.judge import Trace
+from benchmarks.faults.udp_proxy import UdpProxy
+from common.model import load_model
+from common.shared_memory import SharedBlock, block_path
+from common.user_error import UserError
+from drivers.drive_gateway import DEAD_MAN_S
+from drivers.emulation.shared_registers import _FAILURE_AT, Failure
+from simulation.demo.parent_death import ended_with_parent
+from simulation.demo.set_up import write_demo_configuration
+
+_STRIKE_EVERY_S = 0.4
+_LONGEST_S = 3600.0
+_READY_WITHIN_S = 40.0
+_STOP_WITHIN_S = 20.0
+
+
+class LiveRig:
+    """The three processes of a demo. Each start of the controller records into a file of its own."""
+
+    def __init__(self, folder: Path, seed: int) -> None:
+        """Start them, and wait until the joint is commanded. Raises UserError when that does not come about."""
+        self.folder = folder
+        _, configuration, _ = write_demo_configuration(folder, 600.0, seed)
+        self.model = load_model(folder / "model.toml")
+        link, drive = configuration.link, configuration.drive
+        self.bus_name = configuration.accelerometer.bus.removeprefix("memory:")
+        self._camera = configuration.camera.device
+        self.controller_port = link.controller_port
+        self.proxy = UdpProxy(
+            controller_port=link.controller_port,
+            supervisor_port=link.supervisor_port,
+            gateway_port=drive.gateway_port,
+            drive_port=drive.local_port,
+            seed=seed,
+        )
+        replace, proxy = msgspec.structs.replace, self.proxy
+        for name, changed in {
+            "controller": replace(
+                configuration,
+                link=replace(link, supervisor_port=proxy.supervisor_port),
+                drive=replace(drive, gateway_port=proxy.gateway_port),
+            ),
+            "supervisor": replace(configuration, link=replace(link, controller_port=proxy.controller_port)),
+            "rig": configuration,
+        }.items():
+            (folder / f"{name}.toml").write_text(tomli_w.dumps(msgspec.to_builtins(changed)))
+        count = int(_LONGEST_S / _STRIKE_EVERY_S)
+        strikes = ", ".join(
+            f"{{time_s = {0.5 + _STRIKE_EVERY_S * k:.1f}, deflection_m = {0.004 * (-1) ** (k * k // 3):.3f}}}"
+            for k in range(count)
+        )
+        (folder / "scenario.toml").write_text(
+            f"duration_s = {_LONGEST_S}\nstrikes = [{strikes}]\ndamping = [{{on_s = 0.0, off_s = {2 * _LONGEST_S}}}]\n"
+        )
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        self.recordings = 0
+        self.start("rig")
+        deadline = time.monotonic() + _READY_WITHIN_S
+        while not block_path(self._camera).exists():
+            if time.monotonic() > deadline or self._processes["rig"].poll() is not None:
+                raise UserError(f"benchmark faults: the rig did not start: {self.last_words('rig')}")
+            time.sleep(0.05)
+        self.start("supervisor")
+        self.start("controller")
+        self.await_command()
+
+    @property
+    def recording(self) -> Path:
+        """The recording of the controller that runs, or ran last."""
+        return self.folder / f"recording{self.recordings}.mcap"
+
+    def start(self, name: str) -> None:
+        """Start a process, as its service would."""
+        words = [name, "--config", str(self.folder / f"{name}.toml")]
+        if name == "controller":
+            self.recordings += 1
+            words += ["--record", str(self.recording), "--allow-non-realtime"]
+        root = str(Path(__file__).resolve().parents[2])
+        search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
+        with (self.folder / f"{name}.log").open("ab") as log:
+            self._processes[name] = subprocess.Popen(
+                [sys.executable, "-P", "-m", "stillarm", *words],
+                stdout=log,
+                stderr=log,
+                env={**os.environ, "PYTHONPATH": search},
+                preexec_fn=ended_with_parent(),  # noqa: PLW1509 - no thread runs, and it calls the kernel only
+            )
+
+    def await_command(self, within_s: float = _READY_WITHIN_S) -> float:
+        """Pass datagrams on until the joint is commanded to move; returns how long that took. Raises UserError."""
+        began = time.monotonic()
+        while time.monotonic() < began + within_s:
+            before = len(self.proxy.seen)
+            self.proxy.pump(0.05)
+            if any(abs(command) > 1e-6 for _, command in self.proxy.seen[before:]):
+                return time.monotonic() - began
+            for name, process in self._processes.items():
+                if process.poll() is not None:
+                    raise UserError(f"benchmark faults: {name} ended: {self.last_words(name)}")
+        raise UserError(
+            f"benchmark faults: no damping within {within_s:g} s: {self.last_words('controller')}; "
+            f"the logs are in {self.folder}"
+        )
+
+    def signal(self, name: str, number: signal.Signals) -> None:
+        """Send a signal to a process, or to one of its children: "controller/recorder", "rig/camera"."""
+        os.kill(self.process_id(name), number)
+
+    def process_id(self, name: str) -> int:
+        """Of a process or of a child."""
+        parent, _, child = name.partition("/")
+        process = self._processes[parent].pid
+        if not child:
+            return process
+        mark = {"recorder": b"recorder_process", "camera": b"spawn_main"}[child]
+        for task in Path(f"/proc/{process}/task").iterdir():
+            for number in (task / "children").read_text().split():
+                with contextlib.suppress(OSError):
+                    if mark in Path(f"/proc/{number}/cmdline").read_bytes():
+                        return int(number)
+        raise UserError(f"benchmark faults: {name} does not run")
+
+    def wait(self, name: str) -> int:
+        """Pass datagrams on until a process has ended; its exit status. Raises UserError when it does not end."""
+        process = self._processes[name]
+        deadline = time.monotonic() + _STOP_WITHIN_S
+        while (status := process.poll()) is None:
+            if time.monotonic() > deadline:
+                raise UserError(f"benchmark faults: {name} did not end within {_STOP_WITHIN_S:g} s")
+            self.proxy.pump(0.02)
+        return status
+
+    def running(self, name: str) -> bool:
+        """Whether a process runs."""
+        return self._processes[name].poll() is None
+
+    def fail_accelerometer(self, failure: Failure) -> None:
+        """What the rig's emulator would do by itself."""
+        block = SharedBlock(self.bus_name, create=False)
+        block.buffer[_FAILURE_AT] = failure
+        block.close()
+
+    def last_words(self, name: str) -> str:
+        """The last line of a process's log."""
+        with contextlib.suppress(OSError):
+            lines = (self.folder / f"{name}.log").read_text(errors="replace").strip().splitlines()
+            return lines[-1] if lines else "it said nothing"
+        return "it said nothing"
+
+    def log_size(self, name: str) -> int:
+        """How much a process has said so far, bytes."""
+        return (self.folder / f"{name}.log").stat().st_size
+
+    def said_since(self, name: str, size: int) -> str:
+        """What a process has said since."""
+        return (self.folder / f"{name}.log").read_bytes()[size:].decode(errors="replace")
+
+    def trace(self, from_s: float, to_s: float) -> Trace:
+        """What the drive followed, every millisecond of a span of monotonic time: the last command, for 0.1 s."""
+        seen, times, commands = self.proxy.seen, [], []
+        place = max(0, len(seen) - round(3000 * (to_s - from_s)) - 3000)
+        last_s, last = float("-inf"), 0.0
+        for step in range(round((to_s - from_s) * 1000.0)):
+            now = from_s + step * 0.001
+            while place < len(seen) and seen[place][0] <= now:
+                last_s, last = seen[place]
+                place += 1
+            times.append(step * 0.001)
+            commands.append(last if now - last_s <= DEAD_MAN_S else 0.0)
+        return Trace(times, commands)
+
+    def close(self) -> None:
+        """Stop everything."""
+        for name in ("controller", "supervisor", "rig"):
+            process = self._processes.get(name)
+            if process is None or process.poll() is not None:
+                continue
+            process.send_signal(signal.SIGCONT)
+            process.terminate()
+            with contextlib.suppress(UserError):
+                self.wait(name)
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+        self.proxy.close()
+        for name in (self.bus_name, self._camera, f"{self._camera}-pose"):
+            block_path(name).unlink(missing_ok=True)

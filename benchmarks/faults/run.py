@@ -1,0 +1,66 @@
+"""The campaign: every fault of both tables, each as often as asked, and its result."""
+
+import random
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from benchmarks.faults.judge import Verdict, table
+from benchmarks.faults.live_faults import FAULTS as LIVE_FAULTS
+from benchmarks.faults.live_faults import run_live_fault
+from benchmarks.faults.live_rig import LiveRig
+from benchmarks.faults.virtual_faults import FAULTS as VIRTUAL_FAULTS
+from benchmarks.faults.virtual_faults import run_virtual_fault
+from common.configuration import load_assumed_model, load_configuration
+from common.user_error import UserError
+from simulation.simulated_recording import default_simulation_configuration
+
+_LIVE_SHARE = 4  # one live injection for so many in virtual time
+
+Progress = Callable[[float], None]
+
+
+def run(trials: int, seed: int, progress: Progress = lambda done: None) -> dict[str, Any]:
+    """Inject every virtual fault `trials` times and every live one a quarter as often, at least once."""
+    live = max(1, trials // _LIVE_SHARE)
+    whole = len(VIRTUAL_FAULTS) * trials + 5 * len(LIVE_FAULTS) * live
+    path = default_simulation_configuration()
+    configuration = load_configuration(path)
+    model = load_assumed_model(configuration, path)
+    verdicts: list[Verdict] = []
+    for kind in VIRTUAL_FAULTS:
+        verdicts += run_virtual_fault(kind, configuration, model, trials, seed)
+        progress(len(verdicts) / whole)
+    verdicts += run_live(
+        live, seed, lambda done: progress((len(VIRTUAL_FAULTS) * trials * (1 - done) + whole * done) / whole)
+    )
+    return table(verdicts) | {"live_injections": live * len(LIVE_FAULTS)}
+
+
+def run_live(times: int, seed: int, progress: Progress = lambda done: None) -> list[Verdict]:
+    """The live faults in random order; a rig that does not come back is replaced by a new one."""
+    rng = random.Random(seed)
+    order = [kind for kind in LIVE_FAULTS for _ in range(times)]
+    rng.shuffle(order)
+    verdicts: list[Verdict] = []
+    rig: LiveRig | None = None
+    with tempfile.TemporaryDirectory(prefix="stillarm-faults-") as folder:
+        try:
+            for count, kind in enumerate(order):
+                if rig is None:
+                    place = Path(folder) / str(count)
+                    place.mkdir()
+                    rig = LiveRig(place, seed + count)
+                try:
+                    verdicts.append(run_live_fault(kind, rig, rng))
+                except UserError as error:
+                    verdicts.append(Verdict(kind, violations=[str(error)]))
+                if verdicts[-1].violations:
+                    rig.close()
+                    rig = None
+                progress((count + 1) / len(order))
+        finally:
+            if rig is not None:
+                rig.close()
+    return sorted(verdicts, key=lambda verdict: list(LIVE_FAULTS).index(verdict.kind))
