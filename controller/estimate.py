@@ -46,7 +46,8 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
     """What a method says in a cycle.
 
     deflection_m (sum of the modes, zero-mean) and deflection_rate_m_s at the observation's time; NaN when unknown.
-    deflection_std_m: its standard deviation. status: that of the deflection.
+    deflection_std_m: its standard deviation. status: that of the deflection. reason: why the delay or the deflection is
+    no better than it is, or which sensor is at fault; empty for nothing to be said.
     """
 
     delay: DelayEstimate
@@ -54,6 +55,7 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
     deflection_rate_m_s: float = nan
     deflection_std_m: float = nan
     status: Status = Status.UNESTIMATED
+    reason: str = ""
 
 
 class Method(Protocol):

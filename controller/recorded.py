@@ -43,6 +43,8 @@ def estimate_sample(cycle: int, answered: CycleOutput, cycle_s: float) -> Estima
         answered.damping_status,
         answered.state,
         answered.reason or "",
+        estimate.status,
+        estimate.reason,
     )
 
 

@@ -6,14 +6,16 @@ from numpy.typing import NDArray
 from common.configuration import Fused
 from common.model import Model
 from controller.fused import start
-from controller.fused.bank import FILTERS, LAWS, FilterBank, Law
+from controller.fused.bank import FILTERS, LAWS, LEVELS, FilterBank, Law
 from controller.fused.dating import Dating
 from controller.fused.layout import Layout
 
 Array = NDArray[np.float64]
 
 _MEMORY_FRAMES = 60.0
-_REFUTED, _UNLIKELY = 1e-4, 0.02
+_REFUTED, _UNLIKELY = 1e-4, 0.1
+_USUAL_FRAMES, _LEAST_USUAL = 300.0, 0.01
+_BLIND_HANDICAP = 50.0  # in the logarithm of the probability: only a full refutation (_LOWEST) outweighs it
 _LARGEST_SURPRISE = 25.0  # one image may not decide alone
 _LOWEST = -60.0
 
@@ -30,7 +32,9 @@ class Evidence:
         self._log = np.zeros(FILTERS)
         self._refuted_for = np.zeros(FILTERS)
         self.stamps_admitted = False
+        self._while_seeing = self._prior
         self._normalise()
+        self._usual: Array = self._by_law()
 
     def _normalise(self) -> None:
         total = self._prior + self._log
@@ -46,13 +50,22 @@ class Evidence:
         """Probability of a law, whatever the level of disturbance."""
         return float(self.weights[law::LAWS].sum())
 
-    def weigh(self, surprise: Array, variance: Array) -> None:
-        """Take in an image's normalised innovations squared and their variances, m^2."""
+    def _by_law(self) -> Array:
+        result: Array = self.weights.reshape(LEVELS, LAWS).sum(axis=0)
+        return result
+
+    def weigh(self, surprise: Array, variance: Array, *, blind: bool) -> None:
+        """Take in an image's normalised innovations squared and their variances, m^2.
+
+        blind: without an accelerometer.
+        """
         keep = 1.0 - 1.0 / _MEMORY_FRAMES
         self._log = keep * self._log - 0.5 * (np.minimum(surprise, _LARGEST_SURPRISE) + np.log(variance))
         self._log -= self._log.max()
         np.maximum(self._log, _LOWEST, out=self._log)
         self._normalise()
+        if not blind:
+            self._usual += (self._by_law() - self._usual) / _USUAL_FRAMES
 
     def admit_stamps(self, bank: FilterBank, dating: Dating) -> None:
         """The camera stamps its frames: from now on that law counts, starting from what the best one knows."""
@@ -83,15 +96,26 @@ class Evidence:
                 self._start(bank, target, best, shift, max(std_s, 0.001) ** 2)
             self._log[target] = -7.0
 
-    def start_unlikely(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
-        """The accelerometer is lost: images alone can no longer refute a wrong shift, so that none may survive."""
+    def go_blind(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
+        """The accelerometer is lost: images alone can hardly tell a drifting delay from a changed frequency.
+
+        So the laws keep the probabilities that they had, and none that was unlikely keeps a shift of its own.
+        """
         best = self.best
-        unlikely = self.weights < _UNLIKELY
+        unlikely = np.tile(self._usual < _UNLIKELY, LEVELS)
         if not self.stamps_admitted:
             unlikely[Law.STAMPS :: LAWS] = False
         for target in np.flatnonzero(unlikely).tolist():
             shift = instant_s - float(dating.nominal[target % LAWS])
             self._start(bank, target, best, shift, max(std_s, 0.001) ** 2)
+        self._while_seeing = self._prior
+        laws = np.log(np.maximum(self._usual, _LEAST_USUAL))
+        laws[self._usual < _UNLIKELY] -= _BLIND_HANDICAP
+        self._prior = np.tile(laws, LEVELS) + start.level_beliefs()
+
+    def see_again(self) -> None:
+        """The accelerometer is back."""
+        self._prior = self._while_seeing
 
     def _start(self, bank: FilterBank, target: int, source: int, shift_s: float, variance: float) -> None:
         at, first = self._at, self._first[target]

@@ -82,6 +82,7 @@ class FusedMethod:
             per_sample * model.accelerometer.noise_std_m_s2,
             model.accelerometer.range_m_s2,
             per_sample * 0.005,
+            per_sample,
         )
         self.frames = FrameFusion(model, self._settings, at, self._length, self.health)
         self._joint_input = JointInput(self._w, at.input_gain, model.drive, self._cycle_s)
@@ -98,6 +99,7 @@ class FusedMethod:
         self._work = _Work.NONE
         self._last_instant_s = float("-inf")
         self._last_frame_s = self._alarm_s = float("-inf")
+        self._known = False
 
     def update(self, observation: Observation) -> Estimate:
         """One cycle."""
@@ -120,23 +122,23 @@ class FusedMethod:
         return self._estimate(turn, time_s)
 
     def _see_acceleration(self, observation: Observation, turn: list[complex]) -> None:
-        raw = observation.acceleration_m_s2
-        if not self.health.usable(raw):
-            return
-        sensor = self._model.accelerometer
-        at_tip = (raw - sensor.bias_m_s2) / sensor.scale - self._rigid * observation.joint.acceleration_rad_s2
-        value = at_tip * self._per_acceleration
+        raw, sensor = observation.acceleration_m_s2, self._model.accelerometer
         if self._filter_cycles:
             turn = [one * back for one, back in zip(turn, self._filter_turn, strict=True)]
         expected = self._present.expected(turn)
+        rigid = self._rigid * observation.joint.acceleration_rad_s2
+        expected_raw = (expected / self._per_acceleration + rigid) * sensor.scale + sensor.bias_m_s2
+        if not self.health.usable(raw, expected_raw):
+            return
+        value = ((raw - sensor.bias_m_s2) / sensor.scale - rigid) * self._per_acceleration
         if self._measure_strike(observation.cycle, value - expected):
             return
-        residual = self.health.bounded(value - expected, self._allowance * abs(self._present.z[0]))
-        value = expected + residual
+        scatter = self.health.scatter(value - expected)
+        value = expected + self.health.bounded(value - expected, self._allowance * abs(self._present.z[0]))
         forced = 0.0
         for i, one in enumerate(turn):
             forced += ((self._joint_input.sum[i] - self._start_sum[i]) * one * self._nominal_gain[i]).real
-        self._sums.add(value, turn, observation.time_s - sensor.delay_s, forced, residual)
+        self._sums.add(value, turn, observation.time_s - sensor.delay_s, forced, scatter)
 
     def _measure_strike(self, cycle: int, excess_m: float) -> bool:
         """Whether a strike is under way, whose samples are no part of any block."""
@@ -148,7 +150,7 @@ class FusedMethod:
         strike = strikes.see(cycle, excess_m, std)
         if strikes.open and not was_open:
             self._leave_out(strikes.since)
-        if strike is not None:
+        if strike is not None and self.health.alarm(cycle * self._cycle_s):
             self._take_strike(strike, cycle * self._cycle_s)
         return strikes.open or strike is not None
 
@@ -208,11 +210,12 @@ class FusedMethod:
         residual = present.residual(block)
         if self.health.mute:
             return
-        variance = block.variance + present.bias_variance
+        noise = block.variance * self.health.doubt
+        variance = noise + present.bias_variance
         usual = max(abs(present.z[0]), _USUAL_BLOW_STDS * sqrt(variance))
         blow = self._blows.see(block, residual, variance, usual)
-        if blow is None:
-            present.take_block(block, block.variance, at_end=True)
+        if blow is None or not self.health.alarm(block.end_s):
+            present.take_block(block, noise, at_end=True)
         else:
             self._mark(blow)
 
@@ -268,7 +271,7 @@ class FusedMethod:
     def _accelerometer_sees(self, time_s: float) -> bool:
         """Whether it is alive, and has raised no alarm of its own just now."""
         recent = bool(self._blocks) and self._blocks[-1].count > 0
-        return recent and not self.health.mute and time_s - self._alarm_s > _ALARM_S
+        return recent and self.health.sees_blows and time_s - self._alarm_s > _ALARM_S
 
     def _restart_present(self, now_s: float) -> None:
         """From the bank's instant to now."""
@@ -284,7 +287,7 @@ class FusedMethod:
             for jump in block.jumps:
                 present.inflate(jump)
             if block.count and not self.health.mute:
-                present.take_block(block, block.variance, at_end=False)
+                present.take_block(block, block.variance * self.health.doubt, at_end=False)
             present.move_on(block)
         assert self._block_start is not None
         for jump in self._open_jumps:
@@ -300,17 +303,21 @@ class FusedMethod:
             self._begin()
             self.reason = "numbers out of range: started again"
             delay = DelayEstimate(self.frames.delay_s, self.frames.delay_std_s, Status.INVALID)
-            return Estimate(delay, status=Status.INVALID)
+            return Estimate(delay, status=Status.INVALID, reason=self.reason)
         frames = self.frames
         amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))
         status = Status.ESTIMATED
         self.reason = self.health.reason
-        if frames.delay_std_s > self._settings.known_within_s:
+        known = frames.delay_std_s <= self._settings.known_within_s
+        self._known = self._known or known
+        if not self._known:
             status, self.reason = Status.UNESTIMATED, "too little vibration seen yet"
+        elif not known:
+            status, self.reason = Status.HELD, self.health.reason or "the delay can no longer be seen"
         elif amplitude < max(self._settings.min_amplitude_m, 3.0 * std):
             status, self.reason = Status.HELD, "vibration too small to show the delay"
         elif time_s - self._last_frame_s > 0.25:
             status, self.reason = Status.HELD, "no images"
         delay = DelayEstimate(frames.delay_s, frames.delay_std_s, status)
-        known = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
-        return Estimate(delay, deflection, rate, std, known)
+        of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
+        return Estimate(delay, deflection, rate, std, of_deflection, self.reason)

@@ -16,7 +16,6 @@ from controller.fused.blocks import Block
 from controller.fused.blow import BlowDetector
 from controller.fused.dating import Dating
 from controller.fused.joint_input import JointInput
-from controller.fused.sensor_health import AccelerometerHealth
 
 FRAME_S = 1.0 / 65.0
 once = settings(max_examples=15, deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
@@ -124,33 +123,3 @@ def test_stamps_that_jump_are_doubted() -> None:
     dating.accept(frame(3, 90.0), 1.0 + 3 * FRAME_S)
     assert dating.stamp_doubt_s > 0.0
     assert dating.nominal[Law.STAMPS] - before == pytest.approx(FRAME_S)
-
-
-def test_samples_missing_held_or_out_of_range_are_not_used() -> None:
-    """And the reason is told once it lasts."""
-    health = AccelerometerHealth(0.001, 19.6, 1e-6)
-    assert health.usable(1.0)
-    assert not health.usable(1.0)
-    assert not health.usable(nan)
-    assert not health.usable(19.5)
-    assert health.reason == "accelerometer clipped"
-    assert health.usable(1.1)
-    assert health.reason == ""
-    for _ in range(40):
-        health.usable(1.1)
-    assert health.reason == "accelerometer stuck"
-
-
-def test_a_gain_far_from_one_mutes_and_a_gain_of_one_gives_the_sensor_back() -> None:
-    """By its blocks against the vibration that images show."""
-    health = AccelerometerHealth(0.001, 19.6, 1e-6)
-    wave = [float(np.sin(0.26 * k)) for k in range(400)]
-    for value in wave:
-        health.compare(value, value, 0.005)
-    assert not health.mute
-    for value in wave:
-        health.compare(0.1 * value, value, 0.005)
-    assert health.mute
-    for value in wave:
-        health.compare(value, value, 0.005)
-    assert not health.mute

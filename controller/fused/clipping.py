@@ -1,0 +1,76 @@
+"""Where an accelerometer's signal is cut off, found from the samples themselves.
+
+A cut leaves an atom in the distribution: the very same extreme value again and again, and next to nothing just below
+it. Noise alone puts fewer samples on its outermost level than on the one before.
+"""
+
+from math import inf
+
+_HITS = 6  # of the same extreme value
+_TIMES_THE_NEXT = 4  # as many as there are on the next level
+_WATCHED_CYCLES = 1000
+
+
+class _Side:
+    """The upper side; level: where the signal is cut off, or infinity."""
+
+    def __init__(self) -> None:
+        self.level = inf
+        self._forget()
+
+    def _forget(self) -> None:
+        self._top = self._next = -inf
+        self._hits = self._next_hits = self._age = 0
+
+    def see(self, value: float) -> None:
+        if value > self.level:  # it was no limit, or is none any more
+            self.level = inf
+        self._age += 1
+        if self._age > _WATCHED_CYCLES:
+            self._forget()
+        if value < self._next:
+            return
+        if value > self._top:
+            self._next, self._next_hits = self._top, self._hits
+            self._top, self._hits = value, 1
+        elif value == self._top:
+            self._hits += 1
+            if self._hits >= _HITS and self._hits >= _TIMES_THE_NEXT * self._next_hits:
+                self.level = value
+        elif value > self._next:
+            self._next, self._next_hits = value, 1
+        else:
+            self._next_hits += 1
+
+
+class Clipping:
+    """Both sides of a signal. low, high: where it is cut off, in its own unit; infinite where it is not."""
+
+    def __init__(self, limit: float) -> None:
+        """limit: end of the range as it is configured."""
+        self._limit = limit
+        self._upper, self._lower = _Side(), _Side()
+
+    @property
+    def high(self) -> float:
+        """The upper limit."""
+        return min(self._limit, self._upper.level)
+
+    @property
+    def low(self) -> float:
+        """The lower limit."""
+        return max(-self._limit, -self._lower.level)
+
+    @property
+    def found(self) -> bool:
+        """Whether a limit within the configured range has been found."""
+        return self._upper.level < self._limit or self._lower.level < self._limit
+
+    def see(self, value: float) -> None:
+        """Take in a sample that is not simply the last one held over."""
+        self._upper.see(value)
+        self._lower.see(-value)
+
+    def near(self, expected: float, margin: float) -> bool:
+        """Whether a sample expected there is likely to be cut off: using those that are not would be a bias."""
+        return not self.low + margin < expected < self.high - margin
