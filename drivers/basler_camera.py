@@ -7,6 +7,7 @@ from drivers.camera_features import exposure_s, set_features
 from drivers.camera_stamps import StampReference
 from drivers.stream_camera import BUFFERS, BackendLost, Grab, chosen, missing_package, no_camera
 
+_TRIGGER_WAIT_MS = 50
 _NO_BLOCK_ID = 2**64 - 1
 _TICKS_PER_S = 1e9  # of USB cameras, and of GigE ones that do not say otherwise
 
@@ -91,8 +92,14 @@ class BaslerBackend:
 
     def trigger(self) -> None:
         """Expose once."""
-        if self._camera is not None:
-            self._camera.ExecuteSoftwareTrigger()
+        camera = self._camera
+        if camera is None:
+            return
+        try:
+            if camera.WaitForFrameTriggerReady(_TRIGGER_WAIT_MS, self._pylon.TimeoutHandling_Return):
+                camera.ExecuteSoftwareTrigger()
+        except self._error:  # it is gone: the next grab tells
+            return
 
     def close(self) -> None:
         """Release the camera; may be called twice."""

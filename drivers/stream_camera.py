@@ -112,6 +112,8 @@ class StreamCamera:
         if grab is None:
             if now - self._good_s > REOPEN_S:
                 self._close()
+            else:
+                self._trigger(1)  # one that came while the camera was not ready is lost
             return None
         self._trigger(1)
         grey = grey_image(grab.image) if grab.whole else None
