@@ -1,6 +1,5 @@
 """The controller's devices and sockets: what a cycle reads and writes on a rig."""
 
-import sys
 import time
 from math import nan
 
@@ -10,6 +9,7 @@ from common.link_key import load_key
 from common.model import Model
 from common.scenario import Scenario, load_scenario
 from common.stop_signal import SignalFlag
+from common.structured_log import log
 from common.udp import UdpSocket, new_session
 from controller.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
 from controller.operator_input import OperatorInput
@@ -62,7 +62,7 @@ class LiveDevices:
             self._accelerometer.start()
             statement = held_samples_statement(self._accelerometer, self._cycle_s)
             if statement is not None:
-                print(f"stillarm controller: {statement}", file=sys.stderr, flush=True)
+                log("controller", "warning", statement)
         if self._drive is not None:
             self._drive.start()
 

@@ -77,6 +77,7 @@ class SensedRegisters:
         self._phase = 0.0
         self._sequence = 0
         self._count = 0
+        self._without_power = False
         self._power_up()
         self._buffer[PART_AT] = part.number
 
@@ -86,7 +87,11 @@ class SensedRegisters:
         Values beyond the range are clipped to it. Asleep, nothing happens.
         """
         buffer = self._buffer
-        if buffer[_FAILURE_AT] in (Failure.STUCK, Failure.UNPLUGGED):
+        failure = buffer[_FAILURE_AT]
+        if failure == Failure.UNPLUGGED and not self._without_power:
+            self._power_up()
+        self._without_power = failure == Failure.UNPLUGGED
+        if failure in (Failure.STUCK, Failure.UNPLUGGED):
             return
         sensing = self._part.sensing(buffer)
         if sensing is None:
@@ -110,8 +115,6 @@ class SensedRegisters:
 
     def inject(self, failure: Failure) -> None:
         """Make the device fail from now on; Failure.NONE mends it."""
-        if failure == Failure.UNPLUGGED:
-            self._power_up()
         self._buffer[_FAILURE_AT] = failure
 
     def close(self) -> None:
@@ -145,6 +148,10 @@ class SharedRegisters:
     def failure(self) -> int:
         """The injected failure, a value of Failure."""
         return self.buffer[_FAILURE_AT]
+
+    def inject(self, failure: Failure) -> None:
+        """Make the device fail, as SensedRegisters.inject(), from another process than the rig's."""
+        self.buffer[_FAILURE_AT] = failure
 
     def sample(self) -> tuple[int, int, int, int] | None:
         """(count of samples so far, x, y, z in counts), whole; None where the rig died while writing."""
