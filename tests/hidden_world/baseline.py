@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tests.hidden_world.motion import WIDTH
 from tests.hidden_world.rig import Bend, Rig
 from tests.hidden_world.whitened import whitened
-from tests.hidden_world.world import Case, Open, run
+from tests.hidden_world.world import Case, Moved, Open, moved, sensed
 
 Array = NDArray[np.float64]
 Change = Callable[[Rig, float], Rig]
@@ -26,6 +26,8 @@ class Freedom:
     name: str
     step: float
     change: Change | None = None
+    moves: bool = False
+    """Whether the arm moves differently, or is only seen differently."""
     state: int = -1
     blow: int = -1
 
@@ -59,9 +61,18 @@ def freedoms(case: Case, blows: int) -> list[Freedom]:
         ]
     for order in range(len(rig.bends)):
         out += [
-            Freedom(f"hertz_{order}", 1e-6, _bend(order, lambda b, x: replace(b, hertz=b.hertz * (1.0 + x)))),
-            Freedom(f"loss_{order}", 1e-6, _bend(order, lambda b, x: replace(b, loss=b.loss + x))),
-            Freedom(f"share_{order}", 1e-5, _bend(order, lambda b, x: replace(b, share=b.share + x))),
+            Freedom(
+                f"hertz_{order}",
+                1e-6,
+                _bend(order, lambda b, x: replace(b, hertz=b.hertz * (1.0 + x))),
+                moves=True,
+            ),
+            Freedom(
+                f"loss_{order}", 1e-6, _bend(order, lambda b, x: replace(b, loss=b.loss + x)), moves=True
+            ),
+            Freedom(
+                f"share_{order}", 1e-5, _bend(order, lambda b, x: replace(b, share=b.share + x)), moves=True
+            ),
             Freedom(f"start_bend_{order}", 1e-6, state=2 + 2 * order),
             Freedom(f"start_rate_{order}", 1e-5, state=3 + 2 * order),
         ]
@@ -101,20 +112,26 @@ class Baseline:
 
     def moved(self, steps: Array) -> Array:
         """The vector with the freedoms moved by so many steps each, by simulation."""
-        return _vector(self.case, self.command, self.free, steps)
+        return _vector(self.case, self.command, self.free, steps, None)
 
 
 def baseline(case: Case, command: Array, blows: int) -> Baseline:
     """Linearise the case without its effects, given the command that was recorded."""
     bare = replace(case, effects=())
     free = freedoms(bare, blows)
-    at = _vector(bare, command, free, np.zeros(len(free)))
-    jacobian = np.stack([_vector(bare, command, free, row) - at for row in np.eye(len(free))], axis=1)
+    motion = moved(bare, Open(command=command))
+    at = whitened(bare, sensed(bare, motion))
+    columns = []
+    for row, one in zip(np.eye(len(free)), free, strict=True):
+        seen_only = one.change is not None and not one.moves
+        columns.append(_vector(bare, command, free, row, motion if seen_only else None) - at)
+    jacobian = np.stack(columns, axis=1)
     basis, into = np.linalg.qr(jacobian)
     return Baseline(bare, command, free, at, basis, into)
 
 
-def _vector(bare: Case, command: Array, free: list[Freedom], steps: Array) -> Array:
+def _vector(bare: Case, command: Array, free: list[Freedom], steps: Array, motion: Moved | None) -> Array:
+    """With the freedoms moved by so many steps. motion: where they leave it as it was."""
     rig, start = bare.rig, np.zeros(WIDTH)
     blows = sum(f.blow >= 0 for f in free)
     blow = np.zeros(blows)
@@ -127,4 +144,5 @@ def _vector(bare: Case, command: Array, free: list[Freedom], steps: Array) -> Ar
         else:
             blow[one.blow] += amount
     case = replace(bare, rig=rig)
-    return whitened(case, run(case, Open(start=start, blow_change=blow, command=command)))
+    motion = motion or moved(case, Open(start=start, blow_change=blow, command=command))
+    return whitened(case, sensed(case, motion))

@@ -83,7 +83,7 @@ def frames(rig: Rig, effects: tuple[Effect, ...], duration_s: float, seed: int) 
 
 def read_at(arrival: Array) -> Array:
     """The tick at which each is read: the first one after its arrival, one image a tick."""
-    ticks = np.ceil(arrival / TICK_S - 1e-9)
+    ticks = np.asarray(np.ceil(arrival / TICK_S - 1e-9), dtype=np.float64)
     index = np.arange(len(ticks))
     out: Array = (np.maximum.accumulate(ticks - index) + index) * TICK_S
     return out

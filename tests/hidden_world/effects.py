@@ -59,50 +59,50 @@ class Cause:
 
 CAUSES: dict[str, Cause] = {
     "second_bending_mode": Cause(
-        "arm", "participation", 0.002, 0.4, ("frequency_hz", "damping_ratio", "participation"), signed=True
+        "arm", "participation", 0.01, 0.4, ("frequency_hz", "damping_ratio", "participation"), signed=True
     ),
-    "coulomb_damping": Cause("arm", "force_per_mass_m_s2", 0.0005, 1.0, ("force_per_mass_m_s2",)),
-    "quadratic_damping": Cause("arm", "coefficient_per_m", 0.02, 20.0, ("coefficient_per_m",)),
-    "cubic_stiffness": Cause("arm", "coefficient_per_m2", 0.2, 3000.0, ("coefficient_per_m2",), signed=True),
+    "coulomb_damping": Cause("arm", "force_per_mass_m_s2", 0.005, 1.0, ("force_per_mass_m_s2",)),
+    "quadratic_damping": Cause("arm", "coefficient_per_m", 0.05, 20.0, ("coefficient_per_m",)),
+    "cubic_stiffness": Cause("arm", "coefficient_per_m2", 2.0, 3000.0, ("coefficient_per_m2",), signed=True),
     "payload_change": Cause(
-        "arm", "frequency_ratio", 0.0005, 0.25, ("onset_s", "frequency_ratio"), signed=True
+        "arm", "frequency_ratio", 0.002, 0.25, ("onset_s", "frequency_ratio"), signed=True
     ),
     "stiffness_drift": Cause(
-        "arm", "frequency_rate_hz_per_s", 1e-5, 0.02, ("frequency_rate_hz_per_s",), signed=True
+        "arm", "frequency_rate_hz_per_s", 2e-4, 0.02, ("frequency_rate_hz_per_s",), signed=True
     ),
-    "periodic_disturbance": Cause("arm", "amplitude_m_s2", 0.0005, 2.0, ("frequency_hz", "amplitude_m_s2")),
-    "drive_dead_time": Cause("drive", "dead_time_s", 0.0003, 0.03, ("dead_time_s",)),
-    "drive_lag": Cause("drive", "bandwidth_hz", 0.01, 0.7, ("bandwidth_hz",), signed=True, relative=True),
+    "periodic_disturbance": Cause("arm", "amplitude_m_s2", 0.002, 2.0, ("frequency_hz", "amplitude_m_s2")),
+    "drive_dead_time": Cause("drive", "dead_time_s", 0.0005, 0.03, ("dead_time_s",)),
+    "drive_lag": Cause("drive", "bandwidth_hz", 0.03, 0.7, ("bandwidth_hz",), signed=True, relative=True),
     "drive_saturation": Cause(
-        "drive", "max_velocity_rad_s", 0.001, 0.9, ("max_velocity_rad_s",), relative=True
+        "drive", "max_velocity_rad_s", 0.02, 0.9, ("max_velocity_rad_s",), relative=True
     ),
-    "drive_deadband": Cause("drive", "deadband_rad_s", 0.0005, 0.03, ("deadband_rad_s",)),
-    "gear_backlash": Cause("drive", "gap_rad", 0.0001, 0.006, ("gap_rad",)),
-    "joint_friction": Cause("drive", "velocity_loss_rad_s", 0.0002, 0.03, ("velocity_loss_rad_s",)),
-    "accelerometer_bias_drift": Cause("accelerometer", "rate_m_s3", 1e-4, 0.1, ("rate_m_s3",), signed=True),
+    "drive_deadband": Cause("drive", "deadband_rad_s", 0.002, 0.03, ("deadband_rad_s",)),
+    "gear_backlash": Cause("drive", "gap_rad", 0.0002, 0.006, ("gap_rad",)),
+    "joint_friction": Cause("drive", "velocity_loss_rad_s", 0.002, 0.03, ("velocity_loss_rad_s",)),
+    "accelerometer_bias_drift": Cause("accelerometer", "rate_m_s3", 5e-4, 0.1, ("rate_m_s3",), signed=True),
     "accelerometer_sensitivity_drift": Cause(
-        "accelerometer", "rate_per_s", 1e-4, 0.015, ("rate_per_s",), signed=True
+        "accelerometer", "rate_per_s", 2e-4, 0.015, ("rate_per_s",), signed=True
     ),
     "accelerometer_clipping": Cause(
         "accelerometer", "range_m_s2", 0.001, 0.99, ("range_m_s2",), relative=True
     ),
-    "accelerometer_lag": Cause("accelerometer", "delay_s", 0.0002, 0.02, ("delay_s",)),
+    "accelerometer_lag": Cause("accelerometer", "delay_s", 0.0005, 0.02, ("delay_s",)),
     "gravity_leakage": Cause(
-        "accelerometer", "gain_m_s2_per_rad", 0.005, 5.0, ("gain_m_s2_per_rad",), signed=True
+        "accelerometer", "gain_m_s2_per_rad", 0.02, 5.0, ("gain_m_s2_per_rad",), signed=True
     ),
-    "mains_hum": Cause("accelerometer", "amplitude_m_s2", 0.002, 3.0, ("frequency_hz", "amplitude_m_s2")),
+    "mains_hum": Cause("accelerometer", "amplitude_m_s2", 0.005, 3.0, ("frequency_hz", "amplitude_m_s2")),
     "impulse_noise": Cause("accelerometer", "rate_hz", 0.05, 20.0, ("rate_hz", "amplitude_m_s2"), law=True),
-    "tracking_drift": Cause("camera", "rate_px_per_s", 0.0005, 2.0, ("rate_px_per_s",), signed=True),
+    "tracking_drift": Cause("camera", "rate_px_per_s", 0.003, 2.0, ("rate_px_per_s",), signed=True),
     "lens_distortion": Cause(
-        "camera", "coefficient_per_px2", 1e-9, 1e-5, ("coefficient_per_px2",), signed=True
+        "camera", "coefficient_per_px2", 2e-9, 1e-5, ("coefficient_per_px2",), signed=True
     ),
     "camera_tilt_coupling": Cause(
-        "camera", "rotation_px_per_rad", 0.1, 1500.0, ("rotation_px_per_rad",), signed=True
+        "camera", "rotation_px_per_rad", 1.0, 1500.0, ("rotation_px_per_rad",), signed=True
     ),
-    "camera_clock_skew": Cause("timing", "skew_ppm", 5.0, 3000.0, ("skew_ppm",), signed=True),
-    "frame_drops": Cause("timing", "fraction", 0.005, 0.4, ("fraction",), law=True),
-    "delay_bursts": Cause("timing", "delay_s", 0.003, 0.08, ("rate_hz", "duration_s", "delay_s"), law=True),
-    "delay_drift": Cause("timing", "rate_s_per_s", 2e-5, 0.004, ("rate_s_per_s",), signed=True),
+    "camera_clock_skew": Cause("timing", "skew_ppm", 20.0, 3000.0, ("skew_ppm",), signed=True),
+    "frame_drops": Cause("timing", "fraction", 0.01, 0.4, ("fraction",), law=True),
+    "delay_bursts": Cause("timing", "delay_s", 0.005, 0.08, ("rate_hz", "duration_s", "delay_s"), law=True),
+    "delay_drift": Cause("timing", "rate_s_per_s", 1e-4, 0.004, ("rate_s_per_s",), signed=True),
     "stale_frame_buffer": Cause("timing", "frames", 1.0, 3.0, ("onset_s", "frames")),
     "clock_step": Cause("timing", "step_s", 0.01, 0.5, ("onset_s", "step_s"), signed=True),
 }

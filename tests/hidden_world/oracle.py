@@ -18,7 +18,7 @@ from tests.hidden_world.draw import departure_of, sized
 from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect
 from tests.hidden_world.feeler import spikes
 from tests.hidden_world.rig import TICK_S
-from tests.hidden_world.whitened import whitened
+from tests.hidden_world.whitened import by_channel, whitened
 from tests.hidden_world.world import Case, Open, run
 
 Array = NDArray[np.float64]
@@ -55,6 +55,17 @@ class Oracle:
             self._base.command = command
         return self._base
 
+    def by_channel(self, case: Case) -> dict[str, float]:
+        """Where the nats lie, as the linearised baseline tells it. Laws are not counted."""
+        clean = run(case)
+        base = self.base(case, clean.command, len(clean.blow_time))
+        left = base.left(whitened(case, clean) - base.at)
+        out, begin = {}, 0
+        for name, part in by_channel(case, clean).items():
+            out[name] = 0.5 * float(np.sum(left[begin : begin + len(part)] ** 2))
+            begin += len(part)
+        return out
+
     def _mean_nats(self, case: Case, refits: int) -> float:
         clean = run(case)
         base = self.base(case, clean.command, len(clean.blow_time))
@@ -76,12 +87,11 @@ def expected_nats(case: Case) -> float:
     return Oracle(case).nats()
 
 
-def scale_to(case: Case, nats: float, which: int = 0) -> Case:
+def scale_to(case: Case, nats: float, which: int = 0, oracle: Oracle | None = None) -> Case:
     """The case with its effect `which` sized so that it alone is worth about so many nats, as far as is physical."""
-    oracle, effect = Oracle(case), case.effects[which]
+    oracle, effect = oracle or Oracle(case), case.effects[which]
     low, high = UNKNOWN.get(effect.name) or (CAUSES[effect.name].smallest, CAUSES[effect.name].largest)
-    departure = departure_of(effect, case.rig)
-    sign = -1.0 if departure < 0.0 else 1.0
+    sign = -1.0 if departure_of(effect, case.rig) < 0.0 else 1.0
 
     def at(log_size: float) -> tuple[Effect, float]:
         sized_effect = sized(effect, case.rig, sign * exp(log_size))
@@ -91,28 +101,20 @@ def scale_to(case: Case, nats: float, which: int = 0) -> Case:
             return sized_effect, float("inf")
 
     a, b = log(low), log(high)
-    chosen, reached = at(a)
-    if reached < nats:
-        guess, slope_known = 0.5 * (a + b), False
-        low_point = (a, reached)
-        for _ in range(12):
-            chosen, reached = at(guess)
-            if abs(log(max(reached, 1e-12) / nats)) < 0.1 or b - a < 0.02:
-                break
-            if reached > nats:
-                b, slope_known = guess, True
-            else:
-                a, low_point = guess, (guess, reached)
-            step = 0.5 * log(nats / reached) if 0.0 < reached < float("inf") else 0.0
-            aimed = guess + step
-            inside = a < aimed < b
-            guess = aimed if step and inside else (0.5 * (a + b) if slope_known or not step else b)
-        del low_point
+    guess = a
+    for _ in range(14):
+        chosen, reached = at(guess)
+        close = reached > 0.0 and abs(log(min(reached, 1e300) / nats)) < 0.1
+        if close or (guess == a and reached > nats) or (guess == b and reached < nats) or b - a < 0.02:
+            break
+        a, b = (a, guess) if reached > nats else (guess, b)
+        aimed = guess + 0.5 * log(nats / reached) if 0.0 < reached < float("inf") else 0.5 * (a + b)
+        guess = aimed if a < aimed < b else 0.5 * (a + b) if b - a > 0.3 else b if reached < nats else a
     effects = tuple(chosen if place == which else e for place, e in enumerate(case.effects))
     return replace(case, effects=effects)
 
 
-def best_plain(case: Case, which: int = 0, rounds: int = 3) -> Effect:
+def best_plain(case: Case, which: int = 0, rounds: int = 4, oracle: Oracle | None = None) -> Effect:
     """The plain form's parameters that describe the rough effect best, noise apart, beside a refitted baseline.
 
     Gauss-Newton on what the baseline leaves of rough minus plain. Laws: what was drawn, counted.
@@ -125,7 +127,7 @@ def best_plain(case: Case, which: int = 0, rounds: int = 3) -> Effect:
         return effect.plain
     alone = replace(case, effects=(effect,))
     clean = run(alone)
-    base = Oracle(alone).base(alone, clean.command, len(clean.blow_time))
+    base = (oracle or Oracle(alone)).base(alone, clean.command, len(clean.blow_time))
     there = whitened(alone, clean)
     plain = effect.plain
 
@@ -149,10 +151,13 @@ def best_plain(case: Case, which: int = 0, rounds: int = 3) -> Effect:
                 after = left(tried)
             except ValueError:
                 continue
-            if np.sum(after**2) < np.sum(now**2):
+            gained = float(np.sum(now**2) - np.sum(after**2))
+            if gained > 0.0:
                 plain, now = tried, after
                 break
         else:
+            return plain
+        if gained < 0.01:
             return plain
     return plain
 

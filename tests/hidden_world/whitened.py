@@ -17,26 +17,31 @@ _STAMP_S = 5e-5
 
 def whitened(case: Case, clean: Clean) -> Array:
     """Every kept channel in units of its noise, one after the other, in an order that depends on the case alone."""
+    return np.concatenate(list(by_channel(case, clean).values()))
+
+
+def by_channel(case: Case, clean: Clean) -> dict[str, Array]:
+    """The same under the channels' names; `arrival` and `stamp` are the frames' clocks."""
     rig, kept = case.rig, case.kept
     ticks = len(clean.command)
-    parts = []
+    parts = {}
     if "acceleration" in kept:
         noise = float(np.hypot(rig.feeler.hiss, rig.feeler.grain / 12.0**0.5))
-        parts.append(converted(rig, case.effects, clean.acceleration) / noise)
+        parts["acceleration"] = converted(rig, case.effects, clean.acceleration) / noise
     if "angle" in kept:
         noise = float(np.hypot(rig.joint.encoder_noise, rig.joint.encoder_step / 12.0**0.5))
-        parts.append(clean.angle / noise)
+        parts["angle"] = clean.angle / noise
     if "speed" in kept:
-        parts.append(clean.speed / rig.joint.rate_noise)
+        parts["speed"] = clean.speed / rig.joint.rate_noise
     if "gauge" in kept:
-        parts.append(clean.gauge / rig.gauge_noise)
+        parts["gauge"] = clean.gauge / rig.gauge_noise
     if "image" in kept:
         rows = slice(2, max(int((ticks * TICK_S - 0.3) * rig.eye.rate), 2))  # those that surely arrive within
-        parts.append(clean.image[rows] / rig.eye.px_noise)
-        parts.append(_innovations(rig.eye, _read(case, clean)[rows]))
+        parts["image"] = clean.image[rows] / rig.eye.px_noise
+        parts["arrival"] = _innovations(rig.eye, _read(case, clean)[rows])
         if "stamp" in kept and rig.eye.stamped:
-            parts.append(_stamped(case, clean)[rows] / _STAMP_S)
-    return np.concatenate(parts)
+            parts["stamp"] = _stamped(case, clean)[rows] / _STAMP_S
+    return parts
 
 
 def _read(case: Case, clean: Clean) -> Array:

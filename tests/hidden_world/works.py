@@ -111,12 +111,13 @@ def _dead_time(made: Inside, e: Effect) -> None:
 
 
 def _lag(made: Inside, e: Effect) -> None:
-    """The lag's time; a fifth of what departs from the declared one lies in a quick pole of its own."""
+    """Rough: a tenth of what departs differs between up and down, and a fifth of any delay lies in a quick pole."""
     declared, actual = 1.0 / made.works.lag, 1.0 / (2.0 * pi * e["bandwidth_hz"])
     quick = 0.2 * e.detail * max(actual - declared, 0.0)
     quick = quick if quick > 1e-4 else 0.0
     rate = 1.0 / quick if quick else 0.0
-    made.works = made.works._replace(lag=1.0 / (actual - quick), filter_rate=rate)
+    skew = 0.1 * e.detail * abs(actual - declared) / declared
+    made.works = made.works._replace(lag=1.0 / (actual - quick), filter_rate=rate, lag_skew=skew)
 
 
 def _saturation(made: Inside, e: Effect) -> None:

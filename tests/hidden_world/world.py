@@ -74,7 +74,7 @@ class Recording:
     stamp: Array
     image: Array
     truth: dict[str, Array] = field(default_factory=dict)
-    """Never written into a bundle."""
+    """What really happened, and the channels without noise. Never written into a bundle."""
 
 
 @dataclass
@@ -87,9 +87,23 @@ class Open:
     """Replaces the feedback: exactly this command is given."""
 
 
+@dataclass
+class Moved:
+    """The arm's motion, before any sensor sees it."""
+
+    rows: Array
+    command: Array
+    reference: Array
+    blow_time: Array
+
+
 def run(case: Case, changed: Open | None = None) -> Clean:
-    """Simulate a case without noise in its sensors."""
-    changed = changed or Open()
+    """Simulate a case without noise in its sensors. Raises ValueError where an effect tears the arm apart."""
+    return sensed(case, moved(case, changed or Open()))
+
+
+def moved(case: Case, changed: Open) -> Moved:
+    """The motion alone."""
     rig, cycles = case.rig, round(case.duration_s / TICK_S)
     what = plan(case.assumed, case.seed, case.duration_s, case.blows, case.damped)
     within = inside(rig, case.effects, cycles, case.scale_m)
@@ -118,13 +132,19 @@ def run(case: Case, changed: Open | None = None) -> Clean:
         raise ValueError(
             f"the motion of case {case.seed} with {case.effects} diverges: make the effect smaller"
         )
+    return Moved(rows, command, what.reference, what.blow_time)
+
+
+def sensed(case: Case, motion: Moved) -> Clean:
+    """What the sensors and clocks make of a motion, without noise."""
+    rig, rows, cycles = case.rig, motion.rows, len(motion.command)
     timing = frames(rig, case.effects, case.duration_s, case.seed)
     ticks = np.arange(cycles) * FINE
     return Clean(
         rows=rows,
-        command=command,
-        reference=what.reference,
-        blow_time=what.blow_time,
+        command=motion.command,
+        reference=motion.reference,
+        blow_time=motion.blow_time,
         acceleration=felt(rig, case.effects, rows, case.scale_m),
         angle=rows[ticks, 0],
         speed=rows[ticks, 1],
@@ -183,6 +203,10 @@ def make(case: Case) -> Recording:
             "joint_rad": clean.rows[::FINE, 6][:ticks],
             "middle_s": here.middle[arrived],
             "blow_time_s": clean.blow_time,
+            "acceleration": converted(rig, case.effects, clean.acceleration),
+            "angle": clean.angle,
+            "speed": clean.speed,
+            "image": clean.image[arrived],
         },
     )
 

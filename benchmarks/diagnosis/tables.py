@@ -1,0 +1,38 @@
+"""A campaign's result in lines for people."""
+
+from collections.abc import Iterator
+from typing import Any
+
+_RATES = {
+    "naming_rate": ("one cause hidden: named first", ">= 95 %"),
+    "false_alarm_rate": ("nothing hidden: false alarm", "<= 3 %"),
+    "unexplained_rate": ("unknown effect: unexplained", ">= 85 %"),
+    "misnamed_rate": ("unknown effect: confidently misnamed", "<= 5 %"),
+    "two_effects_rate": ("two causes hidden: both named", ">= 85 %"),
+}
+_MEDIANS = {
+    "parameter_error_median": ("error of the size, median", "<= 5 %", 100.0, "%"),
+    "gain_ratio_median": ("gain over the true model's, median", ">= 95 %", 100.0, "%"),
+    "seconds_median": ("seconds a diagnosis, median", "", 1.0, "s"),
+}
+
+
+def lines(result: dict[str, Any]) -> Iterator[str]:
+    """Rates with their intervals, medians, naming against size, every miss with its number."""
+    for key, (words, wanted) in _RATES.items():
+        if result[key] is None:
+            continue
+        hits, of = result["counts"][key]
+        low, high = result["intervals"][key]
+        rate = f"{100 * result[key]:5.1f} %  ({100 * low:.1f} to {100 * high:.1f})"
+        yield f"{words:<40} {rate}  {hits} of {of}, wanted {wanted}"
+    for key, (words, wanted, unit, name) in _MEDIANS.items():
+        value = "-" if result[key] is None else f"{unit * result[key]:.1f} {name}"
+        yield f"{words:<40} {value}" + (f"  wanted {wanted}" if wanted else "")
+    for row in result["by_nats"]:
+        to = "and over" if row["to_nats"] is None else f"to {row['to_nats']:.0f}"
+        yield f"{row['from_nats']:.0f} {to} nats: {row['named']} of {row['trials']} named, {row['detected']} detected"
+    for miss in result["misses"]:
+        hidden = ", ".join(miss["hidden"]) or "nothing"
+        answered = miss["error"] or f"{miss['verdict']} {', '.join(miss['answers'])}".strip()
+        yield f"miss: --seed {result['seed']}, {miss['kind']} {miss['number']}: {hidden}; answered {answered}"

@@ -1,0 +1,103 @@
+"""A blind trial: a bundle that holds no trace of what is hidden in it, and the answer, apart.
+
+`prepare(kind, number, seed, folder)` draws cause, size, sign, onset, arm, manoeuvres and noise from the seed, writes
+fast.csv, frames.csv and model.toml into the folder, and returns the truth as plain values.
+"""
+
+from dataclasses import replace
+from math import exp, log
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tests.hidden_world.bundle import FAST, FRAMES, write_bundle
+from tests.hidden_world.draw import departure_of, draw_case
+from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect
+from tests.hidden_world.oracle import Oracle, best_plain, scale_to
+from tests.hidden_world.world import Case, Recording, make
+
+KINDS = ("one", "none", "unknown", "two")
+CLEAR_NATS = 50.0
+"""What a graded case is worth at least."""
+_MOST_NATS = 800.0
+_REDRAWS = 8
+
+
+def prepare(
+    kind: str, number: int, seed: int, folder: Path, duration_s: float | None = None, cause: str | None = None
+) -> dict[str, Any]:
+    """Write trial `number` of a campaign's seed; returns {kind, seed, hidden: [...], floor, strongest, duration_s}.
+
+    hidden: {cause, parameters (the plain form's best fit), departure, nats} of each effect. floor: what the true
+    model would leave of each channel, rms over its standard deviation. cause: instead of a drawn one, for kind one.
+    """
+    for redraw in range(_REDRAWS):
+        own = int(np.random.default_rng((seed, KINDS.index(kind), number, redraw)).integers(2**31))
+        names = (cause,) if cause else names_of(kind, number, seed + redraw if kind == "two" else seed)
+        case = draw_case(own, names, None, duration_s)
+        oracle = Oracle(case)
+        random = np.random.default_rng((own, 51))
+        for which in range(len(names)):
+            aim = exp(random.uniform(log(1.2 * CLEAR_NATS), log(_MOST_NATS)))
+            case = scale_to(case, aim, which, oracle)
+        alone = [oracle.nats(replace(case, effects=(e,))) for e in case.effects]
+        if all(CLEAR_NATS <= nats < float("inf") for nats in alone):
+            break
+    else:
+        raise ValueError(f"{names}: no draw of seed {seed}, trial {number}, shows it at {CLEAR_NATS} nats")
+    recording = make(case)
+    write_bundle(recording, folder)
+    strongest = max(shown := oracle.by_channel(case), key=shown.__getitem__) if case.effects else None
+    return {
+        "kind": kind,
+        "seed": own,
+        "duration_s": case.duration_s,
+        "damped": case.damped,
+        "hidden": [_told(case, which, alone[which], oracle) for which in range(len(names))],
+        "floor": _floor(recording),
+        "strongest": _COLUMN.get(strongest or ""),
+    }
+
+
+def names_of(kind: str, number: int, seed: int) -> tuple[str, ...]:
+    """What a trial hides: every name once before any comes again, in an order that the seed shuffles.
+
+    Two at once come from different places (arm, drive, accelerometer, camera, timing).
+    """
+    if kind == "none":
+        return ()
+    pool = list(UNKNOWN if kind == "unknown" else CAUSES)
+    turn = np.random.default_rng((seed, 61, number // len(pool)))
+    first = pool[int(turn.permutation(len(pool))[number % len(pool)])]
+    if kind != "two":
+        return (first,)
+    others = [name for name in CAUSES if CAUSES[name].where != CAUSES[first].where]
+    return (first, others[int(np.random.default_rng((seed, 62, number)).integers(len(others)))])
+
+
+_COLUMN = {source: column for column, (source, _) in (FAST | FRAMES).items()}
+
+
+def _told(case: Case, which: int, nats: float, oracle: Oracle) -> dict[str, Any]:
+    effect = case.effects[which]
+    known = effect.name in CAUSES
+    fitted: Effect = best_plain(case, which, oracle=oracle) if known else effect
+    return {
+        "cause": effect.name,
+        "variant": effect.kind,
+        "parameters": dict(fitted.values),
+        "size": CAUSES[effect.name].size if known else "amount",
+        "departure": departure_of(fitted, case.rig),
+        "law": known and CAUSES[effect.name].law,
+        "nats": nats,
+    }
+
+
+def _floor(recording: Recording) -> dict[str, float]:
+    out = {}
+    for source in ("acceleration", "angle", "speed", "image"):
+        measured, clean = getattr(recording, source), recording.truth[source]
+        if source in recording.case.kept and len(measured) > 1:
+            out[_COLUMN[source]] = float(np.sqrt(np.mean((measured - clean) ** 2)) / np.std(measured))
+    return out
