@@ -286,6 +286,10 @@ class FilterBank:
         self.p[:, i, i] += (0.01 * at.w) ** 2
         self.p[:, at.scale, at.scale] += 0.1**2
 
+    def loosen_bias(self, variance: float) -> None:
+        """The accelerometer's bias has changed by about the root of variance, m^2."""
+        self.p[:, self._at.bias, self._at.bias] += variance
+
     def start_anew(
         self, target: int, source: int, shift_s: float, variances: tuple[float, float, float]
     ) -> None:

@@ -89,7 +89,7 @@ class FrameFusion:
         self.blow = False
         self._unused_blocks = 0
         self._blind = False
-        self._shifts: deque[tuple[Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
+        self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
 
     def take_block(self, block: Block) -> None:
         """The oldest block of the accelerometer not yet taken in."""
@@ -101,10 +101,14 @@ class FrameFusion:
             best = self.evidence.best
             value, expected, variance = bank.look_at_block(block, best)
             total = variance + block.variance
-            self._health.compare(value, expected, total)
-            if not self._health.mute:  # what contradicts the images counts less (Huber)
+            health = self._health
+            drifted = health.compare(value, expected, total)
+            if drifted:
+                bank.loosen_bias(drifted)
+            if not health.mute:  # what contradicts the images counts less (Huber)
                 self._unused_blocks = 0
-                bank.take_block(block, block.variance * max(1.0, (value - expected) ** 2 / total / _HUBER))
+                huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
+                bank.take_block(block, block.variance * max(huber, health.doubt))
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
@@ -187,22 +191,25 @@ class FrameFusion:
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
         self._outliers = self._votes = 0
-        self.evidence.weigh(surprise, seen.variance)
+        self.evidence.weigh(surprise, seen.variance, blind=self._blind)
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0))
         self._learn_jitter(own, seen)
         instants = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift] + own
         self._tell_delay(received_s - instants, spread)
         self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
-            self._shifts.append((bank.x[:, at.shift].copy(), bank.p[:, at.shift, at.shift].copy()))
+            shift, variance = bank.x[:, at.shift].copy(), bank.p[:, at.shift, at.shift].copy()
+            self._shifts.append((received_s, shift, variance))
 
     def _go_blind(self, received_s: float) -> None:
         """Notice that the accelerometer has gone, or is back."""
         blind = self._unused_blocks > _BLIND_BLOCKS
         if blind and not self._blind:
             instant = received_s - self.delay_s
-            self.evidence.start_unlikely(self.bank, self.dating, instant, self.delay_std_s)
+            self.evidence.go_blind(self.bank, self.dating, instant, self.delay_std_s)
             self._shifts.clear()
+        elif self._blind and not blind:
+            self.evidence.see_again()
         self._blind = blind
 
     def _explain(
@@ -230,8 +237,8 @@ class FrameFusion:
             self.bank.loosen()  # no blow explains it: the arm or the scene has changed
         size = 1.5 * abs(float(seen.residual[best]))
         if self._blind and self._shifts:
-            shift, variance = self._shifts[0]
-            grown = self._shift_noise * (len(self._shifts) * self._frame_s)
+            then_s, shift, variance = self._shifts[0]
+            grown = self._shift_noise * (received_s - then_s)
             self.bank.forget_phase(max(size, 1.5 * self.amplitude_m), shift, variance + grown)
             self._shifts.clear()
             return True

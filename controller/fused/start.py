@@ -103,6 +103,10 @@ def beliefs(model: Model) -> Array:
     clock = 0.75 if model.camera.mode == "freerun" else 0.1
     rest = (1.0 - clock) / 3.0
     laws = np.log(np.array((clock, 1e-300, rest, rest, rest)))
-    levels = np.log(np.array((0.8, 0.2)))
-    result: Array = (levels[:, None] + laws[None, :]).ravel()
+    result: Array = np.tile(laws, LEVELS) + level_beliefs()
     return result
+
+
+def level_beliefs() -> Array:
+    """Logarithm of the probability of each filter's level of disturbance, (filters,)."""
+    return np.repeat(np.log(np.array((0.8, 0.2))), LAWS)
