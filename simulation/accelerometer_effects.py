@@ -4,6 +4,7 @@ from math import pi, sin
 
 import numpy as np
 
+from common.causes import CAUSES
 from common.effects import Values, effect_of, effects_of
 from common.model import Model
 
@@ -44,6 +45,12 @@ class AccelerometerEffects:
         for impulses in self._impulses:
             added += impulses.sample()
         return added
+
+
+def accelerometer_effects(model: Model, cycle_s: float, seed: int) -> AccelerometerEffects | None:
+    """Those of a model; None where it names none, which saves a microsecond a sample."""
+    named = any(CAUSES[str(effect["cause"])].place == "accelerometer" for effect in model.effects)
+    return AccelerometerEffects(model, cycle_s, seed) if named else None
 
 
 class _Impulses:

@@ -6,8 +6,9 @@
 
 The linear part is solved exactly over each cycle (plant_drive, plant_modes), so neither a high frequency nor
 a short dead time asks for a shorter step; so are backlash (gear_play) and dry friction (dry_friction). Force
-terms that depend on the state (plant_forces) are kicks of half a step before and after it (Strang splitting,
-second order in the step). The effects of the model file are obeyed in so far as they are the plant's.
+terms that depend on the state (plant_forces) are kicks of half a step before and after it (Strang splitting),
+or, beside dry friction, held at their value midway; either is of second order in the step. The effects of the
+model file are obeyed in so far as they are the plant's.
 """
 
 from common.beam import tip_slopes_per_m
@@ -19,6 +20,7 @@ from simulation.effect_clock import EffectClock
 from simulation.frequency_change import FrequencyChange
 from simulation.gear_play import GearPlay
 from simulation.plant_drive import JointDrive
+from simulation.plant_effects import ForceTerm
 from simulation.plant_forces import force_terms
 from simulation.plant_modes import ModalOscillator
 
@@ -67,16 +69,19 @@ class Plant:
             stretches = self._play.follow(motor_rad_s, stretches)
         if self._change is not None:
             self._tune(self._change.ratio(self._effect_time_s(0.5)))
-        if self._forces:
-            self._kick(self._effect_time_s(0.0))
-        for number, (mode, force) in enumerate(zip(self._modes, self.modal_forces_m_s2, strict=True)):
+        forces = self.modal_forces_m_s2
+        if self._friction is not None and self._forces:
+            forces = [forces[0] + self._force_midway(self._friction), *forces[1:]]
+        elif self._forces:
+            self._kick(self._forces, self._effect_time_s(0.0))
+        for mode, force in zip(self._modes, forces, strict=True):
             for stretch in stretches:
-                if self._friction is not None and number == 0:
+                if self._friction is not None and mode is self._modes[0]:
                     self._friction.advance(mode, stretch, force)
                 else:
                     mode.advance(stretch, force)
-        if self._forces:
-            self._kick(self._effect_time_s(0.5))
+        if self._forces and self._friction is None:
+            self._kick(self._forces[::-1], self._effect_time_s(0.5))  # a mirror image: of second order
         self.cycle += 1
 
     def strike(self, mode: int, deflection_m: float) -> None:
@@ -154,11 +159,11 @@ class Plant:
         for mode, force in zip(self._modes, self.modal_forces_m_s2, strict=True):
             total += mode.acceleration_m_s2(joint, force)
         if self._forces:
-            total += self._state_force(self.effect_time_s, 0.0)
+            total += self._present_force()
         if self._friction is not None:
             first = self._modes[0]
             pull = first.acceleration_m_s2(joint, self.modal_forces_m_s2[0])
-            pull += self._state_force(self.effect_time_s, 0.0)
+            pull += self._present_force()
             total += self._friction.acceleration_m_s2(first.rate_m_s, pull)
         return total
 
@@ -177,16 +182,30 @@ class Plant:
             for mode, as_declared in zip(self._modes, self._declared_modes, strict=True):
                 mode.tune(ratio * as_declared.angular_frequency)
 
-    def _kick(self, effect_time_s: float) -> None:
-        duration_s = 0.5 * self.cycle_s
-        self._modes[0].rate_m_s += self._state_force(effect_time_s, duration_s) * duration_s
-
-    def _state_force(self, effect_time_s: float, duration_s: float) -> float:
-        """Mean acceleration that the force terms give the first mode."""
-        mode = self._modes[0]
-        return sum(
-            term.acceleration_m_s2(
+    def _kick(self, terms: tuple[ForceTerm, ...], effect_time_s: float) -> None:
+        mode, duration_s = self._modes[0], 0.5 * self.cycle_s
+        for term in terms:
+            mode.rate_m_s += duration_s * term.acceleration_m_s2(
                 mode.angular_frequency, mode.deflection_m, mode.rate_m_s, effect_time_s, duration_s
             )
-            for term in self._forces
+
+    def _force_midway(self, friction: DryFriction) -> float:
+        """The force terms halfway through the cycle, to hold over it: a kick would tear loose what friction holds."""
+        mode, half_s = self._modes[0], 0.5 * self.cycle_s
+        rate = mode.rate_m_s
+        pull = mode.acceleration_m_s2(self.joint_acceleration_rad_s2, self.modal_forces_m_s2[0])
+        pull += self._present_force()
+        change = pull + friction.acceleration_m_s2(rate, pull)
+        deflection = mode.deflection_m + half_s * rate
+        return self._force_at(deflection, rate + half_s * change, self._effect_time_s(0.5))
+
+    def _present_force(self) -> float:
+        """What the force terms give the first mode."""
+        mode = self._modes[0]
+        return self._force_at(mode.deflection_m, mode.rate_m_s, self.effect_time_s)
+
+    def _force_at(self, deflection_m: float, rate_m_s: float, effect_time_s: float) -> float:
+        w = self._modes[0].angular_frequency
+        return sum(
+            term.acceleration_m_s2(w, deflection_m, rate_m_s, effect_time_s, 0.0) for term in self._forces
         )

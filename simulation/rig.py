@@ -36,7 +36,7 @@ from common.user_error import UserError
 from controller.schedule import CycleClock
 from drivers.emulation.emulated_accelerometer import emulate_accelerometer
 from drivers.mounting import sensed_axes
-from simulation.accelerometer_effects import AccelerometerEffects
+from simulation.accelerometer_effects import accelerometer_effects
 from simulation.accelerometer_model import presented_by, with_device
 from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_process import pose_history_name
@@ -125,7 +125,7 @@ class _PlantProcess:
             model.accelerometer,
             self._cycle_s,
             np.random.default_rng((rig.seed, ACCELEROMETER_STREAM)),
-            AccelerometerEffects(model, self._cycle_s, rig.seed),
+            accelerometer_effects(model, self._cycle_s, rig.seed),
         )
         self._disturbance = Disturbance(
             scenario,

@@ -26,7 +26,7 @@ from controller.exchange import ControllerExchange
 from controller.recorded import estimate_sample, fast_sample, frame_sample
 from controller.step import Controller, CycleInput
 from drivers.shared_memory_camera import ASK_AGAIN_S
-from simulation.accelerometer_effects import AccelerometerEffects
+from simulation.accelerometer_effects import accelerometer_effects
 from simulation.accelerometer_reading import accelerometer_reading
 from simulation.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
 from simulation.camera_timing import AFTER_DELIVERY_S
@@ -182,7 +182,7 @@ def simulate(
         true_model.accelerometer,
         cycle_s,
         np.random.default_rng((run.seed, ACCELEROMETER_STREAM)),
-        AccelerometerEffects(true_model, cycle_s, run.seed),
+        accelerometer_effects(true_model, cycle_s, run.seed),
     )
     clock_steps = ClockSteps(true_model)
     disturbance = Disturbance(

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 from common.model import Arm, Drive, Mode, Model
 from common.user_error import UserError
 from simulation.plant import Plant
-from tests.reference.effects_judge import ringing
+from tests.reference.effects_judge import TOLERANCES, ringing
 
 Array = NDArray[np.float64]
 CYCLE_S = 0.001
@@ -60,6 +61,14 @@ def test_forces_are_those_of_the_catalogue(effect: dict[str, Any], force: Force)
     wanted = ringing(0.02, times, force=force)
     assert np.max(np.abs(found - wanted)) < 1e-4 * 0.02
     assert np.max(np.abs(ringing(0.02, times) - wanted)) > 0.2 * 0.02
+
+
+def test_two_forces_at_once_are_still_of_second_order() -> None:
+    """Their kicks mirror each other across the cycle; in one order both times, the error would be 17 times larger."""
+    effects, forces = zip(FORCES[0], FORCES[2], strict=True)
+    times, found = rings(arm(*effects), 0.02, 250)
+    wanted = ringing(0.02, times, force=lambda *state: sum(force(*state) for force in forces))
+    assert np.max(np.abs(found - wanted)) < 1e-5 * 0.02
 
 
 def test_cubic_stiffness_has_the_known_backbone_curve() -> None:
@@ -129,6 +138,55 @@ def test_coulomb_damping_under_a_moving_joint() -> None:
             rate = 0.0 if rate != 0.0 and new * rate < 0.0 else new
             q += step * rate
         assert plant.deflection_m == pytest.approx(q, abs=2e-6)  # of some 20 mm: the judge is of first order
+
+
+def test_what_friction_holds_stays_where_it_is_and_what_it_does_not_moves() -> None:
+    """A swelling force against dry friction: at rest to the bit below it, and moving above it, as scipy has it."""
+    friction = {"cause": "coulomb_damping", "force_per_mass_m_s2": 0.3}
+    push = {"cause": "periodic_disturbance", "frequency_hz": 0.5, "amplitude_m_s2": 0.29}
+    plant = arm(friction, push)
+    for _ in range(2000):
+        plant.advance(0.0)
+    assert (plant.deflection_m, plant.tip_acceleration_m_s2) == (0.0, 0.0)
+    plant = arm(friction, {**push, "amplitude_m_s2": 0.6})
+    found = []
+    for _ in range(700):
+        plant.advance(0.0)
+        found.append(plant.deflection_m)
+    away = 1000.0 / 6.0  # sin(pi t) reaches 0.3 / 0.6, ms
+    assert set(found[: int(away)]) == {0.0}
+    rising = np.arange(int(away) + 1, 330) * CYCLE_S
+    from_s = away * CYCLE_S
+    wanted = ringing(0.0, rising - from_s, force=lambda t, w, q, v: 0.6 * sin(pi * (t + from_s)) - 0.3)
+    assert np.max(np.abs(np.array(found[int(away) : 329]) - wanted)) < 2e-3 * np.max(np.abs(wanted))
+
+
+def test_dry_friction_beside_the_other_forces() -> None:
+    """With cubic stiffness and quadratic damping, up to the first reversal and on to the second, by scipy."""
+    effects = [dict(effect) for effect, _ in (FORCES[0], FORCES[2])]
+    plant = arm({"cause": "coulomb_damping", "force_per_mass_m_s2": 0.3}, *effects)
+    _, found = rings(plant, 0.02, 250)
+    w = 2.0 * pi * 2.6
+
+    def slope(time: float, state: Array) -> list[float]:
+        q, v = state
+        push = -w * w * q * (1.0 + 900.0 * q * q) - 0.02 * w * v - 8.0 * v * abs(v)
+        return [v, push - 0.3 * direction]
+
+    def reversal(time: float, state: Array) -> float:
+        return float(state[1])
+
+    reversal.terminal = True  # type: ignore[attr-defined]
+    state, begin, end, wanted = np.array([0.0, w * 0.02]), 0.0, 0.25, np.zeros(251)
+    for direction in (1.0, -1.0):
+        reversal.direction = -direction  # type: ignore[attr-defined]
+        solution = solve_ivp(slope, (begin, end), state, events=reversal, dense_output=True, **TOLERANCES)
+        inside = np.arange(251) * CYCLE_S
+        now = (inside >= begin) & (inside <= solution.t[-1])
+        wanted[now] = solution.sol(inside[now])[0]
+        state, begin = np.array([solution.y[0, -1], 0.0]), float(solution.t[-1])
+    assert begin == end
+    assert np.max(np.abs(found - wanted)) < 3e-5 * 0.02
 
 
 def test_a_payload_changes_every_frequency_from_its_onset_on() -> None:
