@@ -1,0 +1,120 @@
+"""What a cause is: its name, what one sees of it, its parameters, and how it enters the simulation."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.fit import Fit
+from diagnosis.world import World
+
+Array = NDArray[np.float64]
+Overrides = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One way to look for a cause.
+
+    shape: quantities set first (a frequency, an onset). columns: each a set of quantities whose effect, beside the
+    shape, is one direction in which the data may depart. one_sided: only a positive amount of it makes sense.
+    options: of the world (an extra mode, a play behind the encoder).
+    """
+
+    shape: Overrides
+    columns: tuple[Overrides, ...]
+    one_sided: bool = False
+    options: tuple[tuple[str, object], ...] = ()
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a cause may look at to choose its trials: the fit so far, and peaks of its residuals' spectra, Hz."""
+
+    fit: Fit
+    peaks_hz: Mapping[str, tuple[float, ...]]
+
+    @property
+    def world(self) -> World:
+        """The world fitted so far."""
+        return self.fit.world
+
+    def value(self, name: str) -> float:
+        """A quantity as fitted."""
+        return self.fit.value(name)
+
+    @property
+    def amplitude_m(self) -> float:
+        """Largest deflection of the first mode."""
+        q = self.fit.predicted.motion.q[:, 0]
+        return float(np.max(np.abs(q))) or 1e-3
+
+    @property
+    def top_command_rad_s(self) -> float:
+        """Largest command."""
+        return float(np.max(np.abs(self.world.measured.command))) if self.world.measured.cycles else 0.0
+
+    def onsets(self, count: int) -> list[float]:
+        """Evenly spread instants at which something may have begun, s."""
+        length = self.world.measured.duration_s
+        return [float(x) for x in np.linspace(0.04 * length, 0.96 * length, count)]
+
+
+Values = dict[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Cause:
+    """How one cause of the catalogue (common/causes.py has its name, equation, parameters) is found and fitted.
+
+    free: quantities of the vector that a refit frees. trials: where to look. parameters_of: the contract's parameters
+    with standard deviations, from a fit. settle: quantities without a smooth derivative, with the first step of a
+    search along them.
+    """
+
+    id: str
+    needs: Callable[[World], bool]
+    trials: Callable[[Context], list[Trial]]
+    free: Callable[[World], tuple[str, ...]]
+    parameters_of: Callable[[Fit], Values]
+    settle: Mapping[str, float] = field(default_factory=dict)
+
+
+def has(*names: str) -> Callable[[World], bool]:
+    """Whether any of the channels was measured."""
+    return lambda world: any(name in world.channels for name in names)
+
+
+def arm_moves(world: World) -> bool:
+    """Whether anything measured shows the arm's bending."""
+    return any(name in world.channels for name in ("acceleration", "deflection", "displacement"))
+
+
+def driven(world: World) -> bool:
+    """Whether the joint was commanded, and anything shows it."""
+    command = world.measured.command
+    moving = bool(np.any(np.abs(np.nan_to_num(command)) > 0.0)) and not world.measured.pair
+    return moving and any(
+        name in world.channels
+        for name in ("acceleration", "displacement", "joint_position", "joint_velocity")
+    )
+
+
+def free_of(*names: str) -> Callable[[World], tuple[str, ...]]:
+    """Always the same quantities."""
+    return lambda world: names
+
+
+def plain(fit: Fit, **names: str) -> Values:
+    """Parameters that are quantities of the vector: parameter=quantity."""
+    return {parameter: (fit.value(name), fit.std.get(name, 0.0)) for parameter, name in names.items()}
+
+
+def size_of_wave(fit: Fit, sine: str, cosine: str) -> tuple[float, float]:
+    """Amplitude of a sine and a cosine part, with its standard deviation."""
+    a, b = fit.value(sine), fit.value(cosine)
+    size = float(np.hypot(a, b))
+    if size == 0.0:
+        return 0.0, 0.0
+    return size, float(np.hypot(a * fit.std.get(sine, 0.0), b * fit.std.get(cosine, 0.0)) / size)

@@ -1,0 +1,17 @@
+"""A stiffness that grows or falls with deflection."""
+
+from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
+
+
+def _trials(context: Context) -> list[Trial]:
+    unit = 1.0 / context.amplitude_m**2
+    return [Trial({}, ({"arm.cubic_per_m2": share * unit},)) for share in (0.003, 0.03, -0.03, 0.2, -0.2)]
+
+
+CAUSE = Cause(
+    id="cubic_stiffness",
+    needs=arm_moves,
+    trials=_trials,
+    free=free_of("arm.cubic_per_m2"),
+    parameters_of=lambda fit: plain(fit, coefficient_per_m2="arm.cubic_per_m2"),
+)

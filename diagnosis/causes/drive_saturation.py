@@ -1,0 +1,21 @@
+"""A drive that cannot go as fast as declared."""
+
+from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
+
+
+def _trials(context: Context) -> list[Trial]:
+    top = context.top_command_rad_s
+    return [
+        Trial({}, ({"drive.max_velocity_rad_s": share * top},), one_sided=True)
+        for share in (0.98, 0.93, 0.85, 0.75, 0.65, 0.5, 0.35)
+    ]
+
+
+CAUSE = Cause(
+    id="drive_saturation",
+    needs=driven,
+    trials=_trials,
+    free=free_of("drive.max_velocity_rad_s"),
+    parameters_of=lambda fit: plain(fit, max_velocity_rad_s="drive.max_velocity_rad_s"),
+    settle={"drive.max_velocity_rad_s": 0.01},
+)

@@ -1,0 +1,24 @@
+"""Play in the gear."""
+
+from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
+
+
+def _trials(context: Context) -> list[Trial]:
+    sides = [False]
+    if {"joint_position", "joint_velocity"} & set(context.world.channels):
+        sides.append(True)
+    return [
+        Trial({}, ({"drive.gap_rad": gap},), one_sided=True, options=(("behind_encoder", behind),))
+        for behind in sides
+        for gap in (0.0003, 0.001, 0.003, 0.01, 0.03)
+    ]
+
+
+CAUSE = Cause(
+    id="gear_backlash",
+    needs=driven,
+    trials=_trials,
+    free=free_of("drive.gap_rad"),
+    parameters_of=lambda fit: plain(fit, gap_rad="drive.gap_rad"),
+    settle={"drive.gap_rad": 0.0005},
+)

@@ -1,0 +1,19 @@
+"""Damping by the square of the speed."""
+
+from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
+
+
+def _trials(context: Context) -> list[Trial]:
+    return [
+        Trial({}, ({"arm.quadratic_per_m": share / context.amplitude_m},), one_sided=True)
+        for share in (0.002, 0.02, 0.1)
+    ]
+
+
+CAUSE = Cause(
+    id="quadratic_damping",
+    needs=arm_moves,
+    trials=_trials,
+    free=free_of("arm.quadratic_per_m"),
+    parameters_of=lambda fit: plain(fit, coefficient_per_m="arm.quadratic_per_m"),
+)

@@ -1,0 +1,62 @@
+"""A second bending mode."""
+
+from math import pi
+
+import numpy as np
+
+from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, plain
+from diagnosis.fit import Fit
+from diagnosis.world import World
+
+
+def _mode(world: World) -> int:
+    return world.modes - 1
+
+
+def _free(world: World) -> tuple[str, ...]:
+    i = _mode(world)
+    names = [f"modes.{i}.frequency_hz", f"modes.{i}.damping_ratio"]
+    if not world.measured.pair:
+        names.append(f"modes.{i}.participation")
+    for j in range(len(world.impacts) + 1):
+        names += [f"jump.{j}.{i}.q", f"jump.{j}.{i}.v"]
+    return tuple(names)
+
+
+def _trials(context: Context) -> list[Trial]:
+    world = context.world
+    first = context.value("modes.0.frequency_hz")
+    top = min(0.3 / world.measured.cycle_s, 40.0 * first)
+    peaks = {f for channel in context.peaks_hz.values() for f in channel}
+    grid = np.geomspace(1.3 * first, top, 14) if top > 1.5 * first else np.empty(0)
+    trials = []
+    i = world.modes
+    for f in sorted({*peaks, *(float(x) for x in grid)}):
+        if not 0.2 * first < f < 0.45 / world.measured.cycle_s:
+            continue
+        known = [context.value(f"modes.{j}.frequency_hz") for j in range(world.modes)]
+        if any(abs(f - one) < 0.03 * one for one in known):
+            continue
+        size = 0.01 * context.amplitude_m
+        columns: list[dict[str, float]] = [] if world.measured.pair else [{f"modes.{i}.participation": 0.01}]
+        for j in range(len(world.impacts) + 1):
+            columns.append({f"jump.{j}.{i}.q": size})
+            columns.append({f"jump.{j}.{i}.v": size * 2.0 * pi * f})
+        shape = {f"modes.{i}.frequency_hz": f, f"modes.{i}.damping_ratio": 0.01}
+        trials.append(Trial(shape, tuple(columns), options=(("extra_modes", 1),)))
+    return trials
+
+
+def _values(fit: Fit) -> Values:
+    i = _mode(fit.world)
+    names = ("frequency_hz", "damping_ratio", "participation")
+    return plain(fit, **{name: f"modes.{i}.{name}" for name in names})
+
+
+CAUSE = Cause(
+    id="second_bending_mode",
+    needs=arm_moves,
+    trials=_trials,
+    free=_free,
+    parameters_of=_values,
+)

@@ -1,0 +1,25 @@
+"""A buffer that hands over old images."""
+
+from diagnosis.cause import Cause, Context, Trial, Values, free_of, has, plain
+from diagnosis.fit import Fit
+
+
+def _trials(context: Context) -> list[Trial]:
+    return [
+        Trial({"timing.stale_onset_s": onset}, ({"timing.stale_frames": 1.0},))
+        for onset in context.onsets(24)
+    ]
+
+
+def _values(fit: Fit) -> Values:
+    return plain(fit, onset_s="timing.stale_onset_s", frames="timing.stale_frames")
+
+
+CAUSE = Cause(
+    id="stale_frame_buffer",
+    needs=has("displacement"),
+    trials=_trials,
+    free=free_of("timing.stale_frames"),
+    parameters_of=_values,
+    settle={"timing.stale_onset_s": 0.5},
+)

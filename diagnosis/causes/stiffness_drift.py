@@ -1,0 +1,26 @@
+"""A stiffness that drifts."""
+
+from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, free_of
+from diagnosis.fit import Fit
+
+
+def _trials(context: Context) -> list[Trial]:
+    turn = 1.0 / (context.value("modes.0.frequency_hz") * context.world.measured.duration_s**2)
+    return [
+        Trial({}, ({"arm.frequency_rate_per_s": share * turn},)) for share in (0.02, 0.5, -0.5, 2.0, -2.0)
+    ]
+
+
+def _values(fit: Fit) -> Values:
+    name = "arm.frequency_rate_per_s"
+    f = fit.value("modes.0.frequency_hz")
+    return {"frequency_rate_hz_per_s": (f * fit.value(name), f * fit.std.get(name, 0.0))}
+
+
+CAUSE = Cause(
+    id="stiffness_drift",
+    needs=arm_moves,
+    trials=_trials,
+    free=free_of("arm.frequency_rate_per_s"),
+    parameters_of=_values,
+)

@@ -1,0 +1,122 @@
+"""One call: measured data in, diagnosis out. docs/diagnosis.md tells how it decides."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import tomli_w
+
+from common.model import Model, check_model
+from common.recording.reader import Recording, open_recording
+from common.typed_toml import parse_toml
+from common.user_error import UserError
+from diagnosis import verdict as say
+from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
+from diagnosis.fit import Split
+from diagnosis.impacts import fit_with_impacts
+from diagnosis.measured import Measured, read_measured, reclocked
+from diagnosis.search import Found, search
+from diagnosis.split import interleaved, stated
+from diagnosis.verdict import Judged
+from diagnosis.world import World
+
+Tick = Callable[[float, str], None]
+
+_RECLOCKED_NATS = 10.0
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The result: `table` is what diagnosis.json holds; the rest is for the report."""
+
+    table: dict[str, Any]
+    found: Found
+    judged: Judged
+    split: Split
+    model: Model
+    extended: Model
+
+
+def model_of(recording: Recording) -> Model:
+    """The model that the recording carries. Raises UserError."""
+    text = recording.header.model
+    if not text.strip():
+        return Model()
+    return check_model(
+        parse_toml(text, Model, f"{recording.path} (its model)"), f"{recording.path} (its model)"
+    )
+
+
+def diagnose(
+    path: str | Path,
+    model: Model | None = None,
+    hold_out: Sequence[tuple[float, float]] = (),
+    tick: Tick = lambda done, what: None,
+) -> Diagnosis:
+    """Diagnose one recording. Raises UserError where it holds too little."""
+    recording = open_recording(path)
+    model = model or model_of(recording)
+    tick(0.02, "reading")
+    measured = read_measured(recording, model)
+    if measured.duration_s < 3.0 and not measured.pair:
+        raise UserError(
+            f"{path}: {measured.duration_s:.1f} s are too short for a diagnosis; record 20 s or more"
+        )
+    return diagnose_measured(measured, model, hold_out, tick)
+
+
+def diagnose_measured(
+    measured: Measured,
+    model: Model,
+    hold_out: Sequence[tuple[float, float]] = (),
+    tick: Tick = lambda done, what: None,
+) -> Diagnosis:
+    """Diagnose data that are already in memory."""
+    world = World(measured, model)
+    if not world.channels:
+        raise UserError(
+            f"{measured.name}: no measured channel (acceleration, joint motion, deflection, displacement) has "
+            "enough values; see the columns of fast.csv and frames.csv"
+        )
+    split = (
+        stated(hold_out, measured.origin_s, measured.duration_s)
+        if hold_out
+        else interleaved(measured.duration_s)
+    )
+    tick(0.05, "baseline")
+    baseline = fit_with_impacts(world, split)
+    found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what))
+    tick(0.92, "what is left")
+    judged = say.judge(found, split)
+    extended = refitted_model(model, found.final)
+    effects = [*model.effects, *(effect_of(one, found.final) for one in found.findings)]
+    extended = msgspec.structs.replace(extended, effects=effects)
+    table = {
+        "verdict": judged.verdict,
+        "channels": say.channel_table(found, judged, split),
+        "findings": say.findings(found, split),
+        "unexplained": say.unexplained(judged),
+        "events": say.events(found),
+        "baseline_changes": baseline_changes(model, found.final),
+        "extended_model": "extended.toml",
+    }
+    return Diagnosis(table, found, judged, split, model, extended)
+
+
+def model_text(model: Model) -> str:
+    """A model file's text."""
+    return tomli_w.dumps(_present(msgspec.to_builtins(model)))
+
+
+def _present(value: Any) -> Any:
+    """Without what is None: TOML has no such value."""
+    if isinstance(value, dict):
+        return {key: _present(one) for key, one in value.items() if one is not None}
+    if isinstance(value, list):
+        return [_present(one) for one in value]
+    return value
+
+
+__all__ = ["Diagnosis", "diagnose", "diagnose_measured", "model_of", "model_text", "reclocked"]

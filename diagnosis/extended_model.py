@@ -1,0 +1,109 @@
+"""The model file with what was fitted and what was found: simulate, replay and the demo run it."""
+
+from math import atan2
+
+import msgspec
+
+from common.causes import CAUSES
+from common.model import EffectValue, Model
+from diagnosis.fit import Fit
+from diagnosis.search import Candidate
+
+
+def refitted_model(model: Model, final: Fit) -> Model:
+    """The model with the baseline's parameters as fitted; noise levels too."""
+    if final.world.measured.pair:
+        return model
+    replace = msgspec.structs.replace
+    has = final.world.channels
+    modes = [
+        replace(
+            mode,
+            frequency_hz=final.value(f"modes.{i}.frequency_hz"),
+            damping_ratio=final.value(f"modes.{i}.damping_ratio"),
+            participation=final.value(f"modes.{i}.participation"),
+        )
+        for i, mode in enumerate(model.arm.modes)
+    ]
+    sensor, camera, timing = model.accelerometer, model.camera, model.timing
+    if "acceleration" in has:
+        sensor = replace(
+            sensor,
+            bias_m_s2=final.value("accelerometer.bias_m_s2"),
+            noise_std_m_s2=final.sigma["acceleration"],
+        )
+    if "displacement" in has:
+        camera = replace(
+            camera,
+            scale_px_per_m=final.value("camera.scale_px_per_m"),
+            noise_std_px=final.sigma["displacement"]
+            if final.world.frame_clock.counted
+            else camera.noise_std_px,
+        )
+        timing = replace(timing, capture_delay_s=max(0.0, final.value("timing.capture_delay_s")))
+    return replace(
+        model, arm=replace(model.arm, modes=modes), accelerometer=sensor, camera=camera, timing=timing
+    )
+
+
+def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:
+    """A finding as an entry of [[effects]], its values those of the last fit."""
+    from diagnosis.catalogue import CAUSES as SEARCHED
+
+    values = one.values
+    if one.law is None and one.cause in SEARCHED:
+        values = SEARCHED[one.cause].parameters_of(final)
+    effect: dict[str, EffectValue] = {"cause": one.cause}
+    for parameter in CAUSES[one.cause].parameters:
+        if parameter.name not in values:
+            continue
+        value = values[parameter.name][0]
+        if parameter.kind == "whole":
+            effect[parameter.name] = round(value)
+        else:
+            effect[parameter.name] = float(min(max(value, parameter.lowest), parameter.highest))
+    for cause, prefix in (("periodic_disturbance", "arm.periodic"), ("mains_hum", "accelerometer.hum")):
+        if one.cause == cause:  # sine and cosine parts as one phase
+            effect["phase_rad"] = atan2(final.value(f"{prefix}_cos"), final.value(f"{prefix}_sin"))
+    if one.cause == "gear_backlash":
+        effect["behind_encoder"] = final.world.behind_encoder
+    if one.cause == "clock_step" and one.note:
+        effect["clock"] = "camera" if "captured_s" in one.note else "all"
+    return effect
+
+
+def baseline_changes(model: Model, final: Fit) -> dict[str, dict[str, float]]:
+    """Model-file parameters that were simply off: by more than three deviations and a thousandth."""
+    world = final.world
+    has = world.channels
+    pairs: list[tuple[str, float, str]] = []
+    for i, mode in enumerate(model.arm.modes):
+        key = f"arm.modes[{i}]"
+        pairs += [
+            (f"{key}.frequency_hz", mode.frequency_hz, f"modes.{i}.frequency_hz"),
+            (f"{key}.damping_ratio", mode.damping_ratio, f"modes.{i}.damping_ratio"),
+            (f"{key}.participation", mode.participation, f"modes.{i}.participation"),
+        ]
+    if "acceleration" in has:
+        pairs.append(("accelerometer.bias_m_s2", model.accelerometer.bias_m_s2, "accelerometer.bias_m_s2"))
+    if "displacement" in has:
+        pairs.append(("camera.scale_px_per_m", model.camera.scale_px_per_m, "camera.scale_px_per_m"))
+        pairs.append(("timing.capture_delay_s", model.timing.capture_delay_s, "timing.capture_delay_s"))
+    found: dict[str, dict[str, float]] = {}
+    for key, configured, name in pairs:
+        if name not in final.free:
+            continue
+        fitted, std = final.value(name), final.std[name]
+        if abs(fitted - configured) > max(3.0 * std, 1e-3 * abs(configured)):
+            found[key] = {"configured": configured, "fitted": fitted, "std": std}
+    levels = []
+    if "acceleration" in has:
+        levels.append(("accelerometer.noise_std_m_s2", model.accelerometer.noise_std_m_s2, "acceleration"))
+    if "displacement" in has and world.frame_clock.counted:
+        levels.append(("camera.noise_std_px", model.camera.noise_std_px, "displacement"))
+    for key, configured, channel in levels:
+        fitted = final.sigma[channel]
+        count = max(len(world.channels[channel]), 2)
+        if abs(fitted - configured) > 0.1 * max(configured, 1e-9):
+            found[key] = {"configured": configured, "fitted": fitted, "std": fitted / (2.0 * count) ** 0.5}
+    return found

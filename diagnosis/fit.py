@@ -1,0 +1,281 @@
+"""Maximum likelihood in free run: Gauss-Newton with derivatives by differences, noise levels learnt on the way."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.noise import (
+    HUBER,
+    LEAST,
+    Colour,
+    DoubtColour,
+    doubt_colour,
+    level,
+    log_likelihood,
+    wander_colour,
+)
+from diagnosis.world import Predicted, World
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Colours = dict[str, Colour | DoubtColour]
+
+POOL = ThreadPoolExecutor(
+    2, thread_name_prefix="simulate"
+)  # the compiled loop lets go of the interpreter's lock
+_WANDER_S = 15.0
+_SETTLED_NATS = 0.02
+
+
+@dataclass(frozen=True)
+class Split:
+    """Which part of the time is held out. held: (blocks, 2) from and to, s; none: nothing is held out."""
+
+    edges_s: Array
+    held: Mask
+
+    def blocks_of(self, time_s: Array) -> NDArray[np.int64]:
+        """Number of the block of each time."""
+        return np.clip(np.searchsorted(self.edges_s, time_s, side="right") - 1, 0, len(self.held) - 1)
+
+
+@dataclass
+class Fit:
+    """A fitted world. free: names that were fitted; std: their standard deviations; sigma: noise level of each channel.
+
+    held_nats: log-likelihood of each held-out block; train_nats: of all the rest; residuals: per channel, whitened
+    over sigma not applied; NaN where unmeasured.
+    """
+
+    world: World
+    vector: Array
+    free: tuple[str, ...]
+    std: dict[str, float]
+    sigma: dict[str, float]
+    colour: Colours
+    residuals: dict[str, Array]
+    predicted: Predicted
+    train_nats: float
+    held_nats: Array
+    covariance: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+    def value(self, name: str) -> float:
+        """A quantity's value."""
+        return float(self.vector[self.world.space.place[name]])
+
+
+@dataclass(frozen=True)
+class Data:
+    """A world's channels as one problem: which samples train, which are held out, and in which block."""
+
+    world: World
+    split: Split
+    train: dict[str, Mask]
+    held: dict[str, Mask]
+    blocks: dict[str, NDArray[np.int64]]
+
+
+def make_data(world: World, split: Split) -> Data:
+    """Mark the samples."""
+    train, held, blocks = {}, {}, {}
+    grid = world.cycle_times
+    for name, values in world.channels.items():
+        time = world.measured.frames.received_s if name in ("displacement", "arrival") else grid
+        block = split.blocks_of(time)
+        known = np.isfinite(values)
+        held[name] = known & split.held[block]
+        train[name] = known & ~split.held[block]
+        blocks[name] = block
+    return Data(world, split, train, held, blocks)
+
+
+def residuals_of(world: World, predicted: Predicted, colour: Colours) -> dict[str, Array]:
+    """Measured less predicted, whitened where a channel has colour."""
+    found = {}
+    for name, values in world.channels.items():
+        residual = values - predicted.channels[name]
+        found[name] = colour[name].whiten(residual) if name in colour else residual
+    return found
+
+
+def _levels(data: Data, residuals: dict[str, Array]) -> dict[str, float]:
+    found = {}
+    for name, residual in residuals.items():
+        mask = data.train[name]
+        found[name] = level(residual[mask], least_level(data.world, name))
+    return found
+
+
+def least_level(world: World, name: str) -> float:
+    """Below this a channel's noise level is never taken to be: what the simulation itself may be off."""
+    if name == "deflection":
+        return 1e-6 * float(np.nanstd(world.channels[name]))
+    return LEAST[name]
+
+
+def _nats(data: Data, residuals: dict[str, Array], sigma: dict[str, float]) -> tuple[float, Array]:
+    """Training log-likelihood, and that of each held-out block."""
+    train = 0.0
+    held = np.zeros(len(data.split.held))
+    for name, residual in residuals.items():
+        level_now = sigma[name]
+        one = log_likelihood(residual / level_now, level_now)
+        train += float(one[data.train[name]].sum())
+        mask = data.held[name]
+        held += np.bincount(data.blocks[name][mask], one[mask], len(held))
+    return train, held
+
+
+def jacobian(
+    world: World,
+    vector: Array,
+    names: Sequence[str],
+    base: dict[str, Array],
+    colour: Colours,
+    pool: Executor = POOL,
+) -> dict[str, Array]:
+    """Derivative of each channel's (whitened) prediction by each named quantity, (samples, names)."""
+    steps = []
+    for name in names:
+        quantity, at = world.space[name], world.space.place[name]
+        step = quantity.step
+        if vector[at] + step > quantity.high:
+            step = -step
+        moved = vector.copy()
+        moved[at] += step
+        steps.append((moved, step))
+    found = {name: np.empty((len(values), len(names))) for name, values in world.channels.items()}
+
+    def column(index: int) -> None:
+        moved, step = steps[index]
+        predicted = world.predict(moved).channels
+        for channel, columns in found.items():
+            slope = (predicted[channel] - base[channel]) / step
+            columns[:, index] = colour[channel].whiten(slope) if channel in colour else slope
+
+    list(pool.map(column, range(len(names))))
+    return found
+
+
+def colours(data: Data, vector: Array) -> Colours:
+    """Colour of what the delay's law makes of the residuals: arrivals in freerun, images of a triggered camera."""
+    world = data.world
+    predicted = world.predict(vector)
+    found: Colours = {}
+    if "arrival" in world.channels:
+        residual = world.channels["arrival"] - predicted.channels["arrival"]
+        frames = _WANDER_S * world.model.camera.frame_rate_hz
+        found["arrival"] = wander_colour(residual[data.train["arrival"]], frames)
+    if "displacement" in world.channels and world.frame_clock.arrival:
+        residual = world.channels["displacement"] - predicted.channels["displacement"]
+        found["displacement"] = doubt_colour(
+            residual,
+            predicted.rate_px_s,
+            world.measured.frames.received_s,
+            max(world.model.camera.noise_std_px, LEAST["displacement"]),
+            world.model.timing.capture_delay_std_s,
+        )
+    return found
+
+
+def fit(  # noqa: PLR0915  (one loop over what belongs together)
+    data: Data,
+    start: Array,
+    free: Sequence[str],
+    *,
+    iterations: int = 12,
+    colour: Colours | None = None,
+    prior: Array | None = None,
+    tick: Callable[[], None] = lambda: None,
+) -> Fit:
+    """Fit the free quantities to the training samples from `start`.
+
+    prior: vector about which the quantities' prior deviations count (default: the space's own start values).
+    """
+    world = data.world
+    space = world.space
+    free = tuple(free)
+    places = np.array([space.place[name] for name in free], dtype=np.int64)
+    prior_std = np.array([space[name].prior_std for name in free])
+    centre = (space.vector() if prior is None else prior)[places]
+    precision = np.where(np.isfinite(prior_std), 1.0 / prior_std**2, 0.0)
+    vector = space.clipped(start)
+    if colour is None:
+        colour = colours(data, vector)
+    predicted = world.predict(vector)
+    residuals = residuals_of(world, predicted, colour)
+    sigma = _levels(data, residuals)
+    train, held = _nats(data, residuals, sigma)
+
+    def penalty(candidate: Array) -> float:
+        return float(0.5 * np.sum(precision * (candidate[places] - centre) ** 2))
+
+    cost = -train + penalty(vector)
+    normal = np.zeros((len(free), len(free)))
+    damping = 1e-4
+    for _ in range(iterations):
+        if not free:
+            break
+        slopes = jacobian(world, vector, free, predicted.channels, colour)
+        normal = np.zeros((len(free), len(free)))
+        right = np.zeros(len(free))
+        for name, slope in slopes.items():
+            mask = data.train[name]
+            spread = sigma[name]
+            u = residuals[name] / spread
+            weight = np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12))
+            weight = np.where(mask, weight / spread**2, 0.0)
+            weighted = slope * weight[:, None]
+            normal += weighted.T @ slope
+            right += weighted[mask].T @ residuals[name][mask]
+        right -= precision * (vector[places] - centre)
+        normal += np.diag(precision)
+        scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        scaled = normal / np.outer(scale, scale)
+        improved = False
+        for _ in range(6):
+            step = np.linalg.solve(scaled + damping * np.eye(len(free)), right / scale) / scale
+            moved = vector.copy()
+            moved[places] += step
+            moved = space.clipped(moved)
+            new_predicted = world.predict(moved)
+            new_residuals = residuals_of(world, new_predicted, colour)
+            if all(np.isfinite(new_predicted.channels[c]).all() for c in new_predicted.channels):
+                new_sigma = _levels(data, new_residuals)
+                new_train, new_held = _nats(data, new_residuals, new_sigma)
+                new_cost = -new_train + penalty(moved)
+                if new_cost < cost:
+                    improved = True
+                    break
+            damping = max(10.0 * damping, 1e-3)
+        tick()
+        if not improved:
+            break
+        gained = cost - new_cost
+        vector, predicted, residuals = moved, new_predicted, new_residuals
+        sigma, train, held, cost = new_sigma, new_train, new_held, new_cost
+        damping = max(damping / 10.0, 1e-9)
+        if gained < _SETTLED_NATS:
+            break
+    covariance = _covariance(normal)
+    std = {name: sqrt(max(covariance[i, i], 0.0)) for i, name in enumerate(free)}
+    return Fit(world, vector, free, std, sigma, colour, residuals, predicted, train, held, covariance)
+
+
+def _covariance(normal: Array) -> Array:
+    if not normal.size:
+        return normal
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-12, hermitian=True)
+    result: Array = inverse / np.outer(scale, scale)
+    return result
+
+
+def without_split(data: Data) -> Data:
+    """The same problem with nothing held out."""
+    split = replace(data.split, held=np.zeros_like(data.split.held))
+    return make_data(data.world, split)

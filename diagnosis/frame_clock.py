@@ -1,0 +1,83 @@
+"""Which exposure each frame was: the grid on which a camera's frames lie, apart from when they arrived.
+
+Freerun: frame k was exposed at t0 + n_k T, whatever happened to it afterwards. n_k is the counter's where that counts
+exposures; a counter of arrivals does not tell of lost frames, but they leave the arrivals late by whole frames for
+good. Triggered with stamps: the stamps are the grid. Triggered without: the arrivals themselves, less the delay.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.model import Model
+from diagnosis.measured import Frames
+
+Array = NDArray[np.float64]
+
+_WINDOW = 25  # frames on each side of a suspected loss
+_LARGEST_STEP = 200  # frames: a counter that jumps further was reset
+
+
+@dataclass(frozen=True)
+class FrameClock:
+    """grid_s: instant of each frame on its own clock, s, zero at the middle frame; NaN for one without.
+
+    counted: freerun, instants follow from counts; arrival: instants are only known as arrival minus delay.
+    lost: frames that were exposed and never came; exposed: how many were.
+    arrival_s: received_s - grid_s, about its mean where counted (what the delay's law is seen in).
+    """
+
+    grid_s: Array
+    counts: NDArray[np.int64]
+    counted: bool
+    arrival: bool
+    lost: int
+    exposed: int
+
+
+def frame_clock(frames: Frames, model: Model) -> FrameClock:
+    """Work out the grid of the frames."""
+    camera = model.camera
+    period = 1.0 / camera.frame_rate_hz
+    counts = exposure_counts(frames, period)
+    lost = int(np.sum(np.diff(counts) - 1)) if len(counts) > 1 else 0
+    exposed = int(counts[-1] - counts[0] + 1) if len(counts) else 0
+    if camera.mode == "freerun":
+        middle = counts[len(counts) // 2] if len(counts) else 0
+        return FrameClock((counts - middle) * period, counts, True, False, max(lost, 0), exposed)
+    stamped = np.isfinite(frames.captured_s)
+    if len(frames) and stamped.mean() > 0.8:
+        grid = frames.captured_s - np.nanmedian(frames.captured_s)
+        grid = (
+            grid
+            + float(np.nanmedian(frames.received_s - frames.captured_s))
+            + float(np.nanmedian(frames.captured_s))
+        )
+        return FrameClock(grid, counts, False, False, 0, exposed)
+    return FrameClock(frames.received_s.copy(), counts, False, True, 0, exposed)
+
+
+def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
+    """Number of the exposure of each frame: the counter, mended where arrivals prove it a counter of arrivals."""
+    counter, received = frames.counter, frames.received_s
+    n = len(counter)
+    if n < 2:
+        return counter.copy()
+    step = np.diff(counter)
+    passed = np.diff(received) / period_s
+    bad = (step < 1) | (step > _LARGEST_STEP) | (step > 4 * passed + 20)
+    step = np.where(bad, np.maximum(1, np.rint(passed)).astype(np.int64), step)
+    counts: NDArray[np.int64] = np.concatenate(([0], np.cumsum(step))) + counter[0]
+    # a counter of arrivals: behind a gap all later frames are late by whole periods for good
+    for i in np.flatnonzero(passed - step > 0.7):
+        late = received - counts * period_s
+        before = late[max(0, i + 1 - _WINDOW) : i + 1]
+        after = late[i + 1 : i + 1 + _WINDOW]
+        if len(before) < 3 or len(after) < 3:
+            continue
+        missing = int(np.rint((np.median(after) - np.median(before)) / period_s))
+        direct = int(np.rint(passed[i] - step[i]))
+        if missing >= 1 and abs(missing - direct) <= 1:
+            counts[i + 1 :] += missing
+    return counts

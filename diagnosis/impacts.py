@@ -1,0 +1,188 @@
+"""Blows that no sensor measured: where the free vibration's phasor jumps.
+
+Over one period before and one after each instant, the residual's phasor at the first mode's frequency; a blow is a
+jump between the two that stands out of the usual ones. It opens a new segment with its own state.
+"""
+
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.fit import Data, Fit, Split, fit, make_data
+from diagnosis.world import World
+
+Array = NDArray[np.float64]
+
+_GRID_S = 0.01
+_OUTSTANDING = 9.0  # times the usual jump
+_FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
+_LEAST_SHARE = 0.01  # of the arm's largest vibration
+_MOST = 40
+_SIGNIFICANT = 6.0
+
+
+def _series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> tuple[Array, Array] | None:
+    """Times and residual as deflection, m, of the channel that shows the vibration with the least noise."""
+    choices = []
+    grid = world.cycle_times
+    for name, per in (
+        ("deflection", 1.0),
+        ("acceleration", -w * w * last.value("accelerometer.scale")),
+        ("displacement", -last.value("camera.scale_px_per_m")),
+    ):
+        if name not in world.channels or per == 0.0:
+            continue
+        values = residuals[name] / per
+        time = world.instants(last.vector) if name == "displacement" else grid
+        known = np.isfinite(values)
+        if known.sum() < 50:
+            continue
+        quiet = 1.4826 * np.median(np.abs(np.diff(values[known]))) / np.sqrt(2.0)
+        rate = known.sum() / world.measured.duration_s
+        choices.append((quiet / np.sqrt(rate), time[known], values[known]))
+    if not choices:
+        return None
+    _, time, values = min(choices, key=lambda choice: choice[0])
+    return time, values
+
+
+def _phasor(time: Array, values: Array, w: float, start: Array, end: Array) -> tuple[Array, Array]:
+    """Phasor of the values at w over each window, its mean taken off; and how many samples it has."""
+    turn = np.exp(-1j * w * time)
+    sums = [np.concatenate(([0.0], np.cumsum(one))) for one in (values * turn, turn, values)]
+    first, last = np.searchsorted(time, start), np.searchsorted(time, end)
+    count = np.maximum(last - first, 1)
+    moved, plain, mean = (one[last] - one[first] for one in sums)
+    return 2.0 * (moved - mean / count * plain) / count, (last - first).astype(float)
+
+
+def find_jumps(last: Fit, share: float) -> list[float]:
+    """Times, s, at which the vibration jumps by more than `share` of the residual's largest and the usual."""
+    world = last.world
+    w = 2.0 * pi * last.value("modes.0.frequency_hz")
+    residuals = {name: values - last.predicted.channels[name] for name, values in world.channels.items()}
+    series = _series(world, residuals, w, last)
+    if series is None:
+        return []
+    time, values = series
+    period = 2.0 * pi / w
+    at = np.arange(time[0] + period, time[-1] - period, max(_GRID_S, 0.02 * period))
+    if len(at) < 10:
+        return []
+    before, n_before = _phasor(time, values, w, at - period, at)
+    after, n_after = _phasor(time, values, w, at, at + period)
+    jump = np.abs(after - before)
+    full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
+    jump[~full] = 0.0
+    usual = _OUTSTANDING * float(np.median(jump[full])) if full.any() else 0.0
+    swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
+    threshold = max(usual, share * float(np.max(np.abs(after))), swing)
+    found: list[float] = []
+    for i in np.argsort(-jump):
+        if jump[i] < threshold or len(found) >= _MOST:
+            break
+        if all(abs(at[i] - other) > 1.2 * period for other in found):
+            found.append(float(at[i]))
+    return sorted(found)
+
+
+def _refined(last: Fit, number: int) -> float:
+    """By how much later the blow number `number` was: a pure jump of the rate leaves the deflection alone."""
+    q, v = last.value(f"jump.{number}.0.q"), last.value(f"jump.{number}.0.v")
+    w = 2.0 * pi * last.value("modes.0.frequency_hz")
+    if v == 0.0:
+        return 0.0
+    phase = float(np.arctan(w * q / v))
+    return -phase / w
+
+
+def fit_with_impacts(world: World, split: Split) -> Fit:
+    """The baseline's fit, with as many segments as there were blows."""
+    data = make_data(world, split)
+    last = fit(data, world.space.vector(), (), iterations=0)
+    impacts: set[int] = set(world.impacts)
+    for turn in range(5):
+        share = _FIRST_SHARE if turn == 0 else _SHARE
+        cycle_s = world.measured.cycle_s
+        period = 1.0 / last.value("modes.0.frequency_hz")
+        new = {round(t / cycle_s) for t in find_jumps(last, share)}
+        new = {k for k in new if all(abs(k - old) * cycle_s > 0.6 * period for old in impacts)}
+        if turn and not new:
+            break
+        impacts |= new
+        last = refit_with(last, split, tuple(sorted(impacts)))
+        last, impacts = _sharpened(last, split)
+    last = pruned(last, split)
+    # the noise laws as they are now, rather than as they seemed at the start
+    return refit_with(last, split, last.world.impacts)
+
+
+def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = ()) -> Fit:
+    """Fit again with these segments, from what is known."""
+    old = last.world
+    world = World(old.measured, old.model, impacts, old.extra_modes, old.behind_encoder, old.clock_stepped)
+    start = carried(last, world)
+    free = tuple(dict.fromkeys((*world.baseline_names(), *extra)))
+    return fit(make_data(world, split), start, free)
+
+
+def carried(last: Fit, world: World) -> Array:
+    """The values of a fit in another world's vector, as far as it has them; segments are matched by their cycle."""
+    start = world.space.vector()
+    old = last.world
+    cycle_of_old = (0, *old.impacts)
+    cycle_of_new = (0, *world.impacts)
+    for name, place in world.space.place.items():
+        source = name
+        if name.startswith("jump."):
+            _, j, mode, part = name.split(".")
+            cycle = cycle_of_new[int(j)]
+            near = [
+                k for k, other in enumerate(cycle_of_old) if abs(other - cycle) * old.measured.cycle_s < 0.15
+            ]
+            if int(j) == 0:
+                near = [0]
+            if not near or (near[0] == 0) != (int(j) == 0):
+                continue
+            source = f"jump.{near[0]}.{mode}.{part}"
+        if source in old.space.place:
+            start[place] = last.value(source)
+    return start
+
+
+def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
+    """Blows moved to where they leave the deflection without a jump."""
+    world = last.world
+    cycle_s = world.measured.cycle_s
+    for _ in range(2):
+        moved = []
+        for j, cycle in enumerate(world.impacts, start=1):
+            shift = min(max(_refined(last, j), -0.12), 0.12)
+            moved.append(min(max(cycle + round(shift / cycle_s), 1), world.measured.cycles - 2))
+        moved = sorted(set(moved))
+        if tuple(moved) == world.impacts:
+            break
+        last = refit_with(last, split, tuple(moved))
+        world = last.world
+    return last, set(world.impacts)
+
+
+def pruned(last: Fit, split: Split, extra: tuple[str, ...] = ()) -> Fit:
+    """Without the blows that have turned out to be none."""
+    world = last.world
+    kept = []
+    for j, cycle in enumerate(world.impacts, start=1):
+        size = 0.0
+        for part in ("q", "v"):
+            name = f"jump.{j}.0.{part}"
+            std = last.std.get(name, 0.0)
+            size = max(size, abs(last.value(name)) / std if std > 0.0 else np.inf)
+        if size > _SIGNIFICANT:
+            kept.append(cycle)
+    if len(kept) == len(world.impacts):
+        return last
+    return refit_with(last, split, tuple(kept), extra)
+
+
+__all__ = ["Data", "carried", "find_jumps", "fit_with_impacts", "pruned", "refit_with"]

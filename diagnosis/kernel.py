@@ -1,0 +1,249 @@
+"""The arm and its drive in free run, compiled: the simulation that every fit and every candidate cause runs.
+
+Equations as in docs/causes.md. Each cycle of length dt holds its command; the joint's lag and the modes are solved
+exactly over it, the joint's acceleration entering the modes as its mean over the cycle; terms that depend on the
+state are kicks of half a step before and after (Strang splitting, second order in the step).
+"""
+
+from enum import IntEnum
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class K(IntEnum):
+    """Places in the vector of constants that `run` takes."""
+
+    LENGTH = 0
+    RATE = 1  # 2 pi bandwidth, 1/s
+    DEAD_S = 2
+    MAX_VELOCITY = 3
+    MAX_ACCELERATION = 4
+    LOWEST = 5
+    HIGHEST = 6
+    DEADBAND = 7
+    LOSS = 8
+    GAP = 9
+    COULOMB = 10
+    QUADRATIC = 11
+    CUBIC = 12
+    ONSET_S = 13
+    RATIO = 14
+    DRIFT = 15  # relative frequency of all modes per second
+    PERIODIC_W = 16
+    PERIODIC_SIN = 17
+    PERIODIC_COS = 18
+    THETA0 = 19
+    OMEGA0 = 20
+    FORCE_GAIN = 21  # of the force input on the first mode
+    SIZE = 22
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _obeyed(command: float, limit: float, deadband: float, loss: float) -> float:
+    c = min(max(command, -limit), limit)
+    if abs(c) <= deadband:
+        return 0.0
+    if loss > 0.0:
+        return max(c - loss, 0.0) if c > 0.0 else min(c + loss, 0.0)
+    return c
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _kick(
+    v: Array,
+    q: Array,
+    w2: Array,
+    constants: Array,
+    now: float,
+    gain: float,
+    force: Array,
+    place: int,
+    h: float,
+) -> None:
+    """Half a step of what depends on the first mode's state or on time; dry friction stops a motion, no more."""
+    kick = -constants[11] * v[0] * abs(v[0]) - w2[0] * constants[12] * q[0] ** 3
+    kick += constants[17] * np.sin(constants[16] * now) + constants[18] * np.cos(constants[16] * now)
+    if force.size:
+        kick += gain * force[place]
+    v[0] += 0.5 * h * kick
+    slow = 0.5 * h * constants[10]
+    v[0] = v[0] - slow if v[0] > slow else (v[0] + slow if v[0] < -slow else 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _tabulate(table: Array, spans: Array, rate: float, sig: Array, wd: Array) -> None:
+    """What each kind of stretch turns each mode by: decay cos, decay sin; last row: what is left of theta''."""
+    for kind in range(spans.shape[0]):
+        span = spans[kind]
+        for i in range(sig.shape[0]):
+            decay = np.exp(-sig[i] * span)
+            table[kind, i, 0] = decay * np.cos(wd[i] * span)
+            table[kind, i, 1] = decay * np.sin(wd[i] * span)
+            table[kind, i, 2] = np.exp(-rate * span)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _move(
+    q: Array,
+    v: Array,
+    i: int,
+    push: float,
+    sig: float,
+    wd: float,
+    w2: float,
+    start: float,
+    fade: float,
+    turn: Array,
+) -> None:
+    """Mode i over one stretch, under theta'' = start exp(-fade t): its particular solution, and free about that."""
+    level = -push * start / (fade * fade - 2.0 * sig * fade + w2)
+    x = q[i] - level
+    y = (v[i] + fade * level + sig * x) / wd
+    a = x * turn[0] + y * turn[1]
+    b = y * turn[0] - x * turn[1]
+    faded = level * turn[2] if fade > 0.0 else level
+    q[i] = a + faded
+    v[i] = wd * b - sig * a - fade * faded
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much as the cycle)
+    command: Array,
+    force: Array,
+    dt: float,
+    substeps: int,
+    constants: Array,
+    modes: Array,
+    jump_cycles: NDArray[np.int64],
+    jumps: Array,
+    out_joint: Array,
+    out_motor: Array,
+    out_q: Array,
+    out_qdd: Array,
+) -> None:
+    """Free run over all cycles.
+
+    command: (n,) rad/s held over each cycle; force: (n * substeps + 1,) force input, or length 0 for none.
+    modes: (m, 3) frequency_hz, damping_ratio, participation. jump_cycles: (j,) ascending; jumps: (j, m, 2) added to
+    q_i and q_i' at the start of that cycle; the first is the initial state.
+    Fills out_joint (n, 3): theta, theta', theta'' of the joint; out_motor (n, 2): of the motor; out_q (n, m) and
+    out_qdd (n, m): q_i and q_i'' at the start of each cycle.
+    """
+    n, m = command.shape[0], modes.shape[0]
+    length, rate, dead = constants[0], constants[1], constants[2]
+    limit, max_acceleration = constants[3], constants[4]
+    lowest, highest = constants[5], constants[6]
+    deadband, loss, gap = constants[7], constants[8], constants[9]
+    coulomb, quadratic, cubic = constants[10], constants[11], constants[12]
+    onset, ratio, drift = constants[13], constants[14], constants[15]
+    pw, ps, pc = constants[16], constants[17], constants[18]
+    theta_m, omega_m = constants[19], constants[20]
+    gain = constants[21]
+    theta, omega, alpha = theta_m, omega_m, 0.0
+    whole = int(np.floor(dead / dt + 1e-9))
+    fraction = min(max(dead / dt - whole, 0.0), 1.0)
+    stay_early, stay_late = np.exp(-rate * fraction * dt), np.exp(-rate * (1.0 - fraction) * dt)
+    starts, fades, kinds = np.zeros(2), np.zeros(2), np.zeros(2, np.int64)
+    lengths = np.array(
+        [fraction * dt, (1.0 - fraction) * dt, dt / substeps]
+    )  # kinds of stretches; the last: a substep
+    table = np.zeros((3, m, 3))
+    h = dt / substeps
+    nonlinear = coulomb != 0.0 or quadratic != 0.0 or cubic != 0.0 or ps != 0.0 or pc != 0.0 or force.size > 0
+    q, v = np.zeros(m), np.zeros(m)
+    wd, sig, w2 = np.zeros(m), np.zeros(m), np.zeros(m)
+    scale_before = -1.0
+    next_jump = 0
+    for k in range(n):
+        t = k * dt
+        while next_jump < jump_cycles.shape[0] and jump_cycles[next_jump] <= k:
+            for i in range(m):
+                q[i] += jumps[next_jump, i, 0]
+                v[i] += jumps[next_jump, i, 1]
+            next_jump += 1
+        # relative frequency now: payload from its onset on, and drift
+        blend = min(max((t + dt - onset) / dt, 0.0), 1.0)
+        scale = (1.0 + (ratio - 1.0) * blend) * max(0.1, 1.0 + drift * t)
+        if scale != scale_before:
+            scale_before = scale
+            for i in range(m):
+                w = 2.0 * np.pi * modes[i, 0] * scale
+                sig[i] = modes[i, 1] * w
+                wd[i] = w * np.sqrt(max(1e-12, 1.0 - modes[i, 1] ** 2))
+                w2[i] = w * w
+            _tabulate(table, lengths, rate, sig, wd)
+        # what the sensors see at the start of the cycle
+        out_joint[k, 0], out_joint[k, 1], out_joint[k, 2] = theta, omega, alpha
+        out_motor[k, 0], out_motor[k, 1] = theta_m, omega_m
+        for i in range(m):
+            qdd = -2.0 * sig[i] * v[i] - w2[i] * q[i] - modes[i, 2] * length * alpha
+            if i == 0 and nonlinear:
+                qdd += -quadratic * v[0] * abs(v[0]) - w2[0] * cubic * q[0] ** 3
+                if v[0] != 0.0:
+                    qdd -= coulomb * np.sign(v[0])
+                qdd += ps * np.sin(pw * t) + pc * np.cos(pw * t)
+                if force.size:
+                    qdd += gain * force[k * substeps]
+            out_q[k, i] = q[i]
+            out_qdd[k, i] = qdd
+        # the joint over the cycle: two stretches where the dead time is no whole number of cycles
+        newer, older = k - whole, k - whole - 1
+        count = 0
+        for half in range(2):
+            if half == 0:
+                if fraction <= 1e-6:
+                    continue
+                span, stay, index = fraction * dt, stay_early, max(older, 0)
+            else:
+                span, stay, index = (1.0 - fraction) * dt, stay_late, max(newer, 0)
+            if span <= 0.0:
+                continue
+            target = _obeyed(command[index], limit, deadband, loss)
+            error = target - omega_m
+            start = rate * error
+            if abs(start) > max_acceleration:
+                start = max_acceleration if start > 0.0 else -max_acceleration
+                change = start * span
+                if abs(change) > abs(error):
+                    change = error
+                theta_m += span * (omega_m + 0.5 * change)
+                fade = 0.0
+            else:
+                change = error * (1.0 - stay)
+                theta_m += target * span - error * (1.0 - stay) / rate
+                fade = rate
+            omega_m += change
+            alpha_m = min(max(rate * (target - omega_m), -max_acceleration), max_acceleration)
+            if theta_m > highest or theta_m < lowest:
+                theta_m = min(max(theta_m, lowest), highest)
+                start, fade = -(omega_m - change) / span, 0.0
+                omega_m, alpha_m = 0.0, 0.0
+            starts[count], fades[count], kinds[count] = start, fade, half
+            count += 1
+        if gap > 0.0:
+            before = theta
+            theta = min(max(theta, theta_m - 0.5 * gap), theta_m + 0.5 * gap)
+            moved = (theta - before) / dt
+            starts[0], fades[0], kinds[0] = (moved - omega) / dt, 0.0, 2
+            count = 1
+            alpha = alpha_m if theta != before else 0.0
+            omega = moved
+        else:
+            theta, omega, alpha = theta_m, omega_m, alpha_m
+        if substeps > 1:  # a pair of input and output: no joint
+            count, kinds[0], starts[0], fades[0] = 1, 2, 0.0, 0.0
+        # the modes over the cycle, exactly; forces that depend on the state as kicks before and after
+        for part in range(substeps):
+            now = t + part * h
+            if nonlinear:
+                _kick(v, q, w2, constants, now, gain, force, k * substeps + part, h)
+            for j in range(count):
+                for i in range(m):
+                    push = modes[i, 2] * length
+                    _move(q, v, i, push, sig[i], wd[i], w2[i], starts[j], fades[j], table[kinds[j], i])
+            if nonlinear:
+                _kick(v, q, w2, constants, now + h, gain, force, k * substeps + part + 1, h)

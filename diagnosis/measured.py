@@ -1,0 +1,224 @@
+"""Measured data on the controller's grid: what a diagnosis works on, whatever it was recorded with."""
+
+from dataclasses import dataclass, replace
+from math import nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.model import Model
+from common.recording.reader import Recording
+from common.user_error import UserError
+from common.visual_sample import TrackingStatus
+
+Array = NDArray[np.float64]
+
+_STEP_CYCLES = 1.5  # a gap in time_s longer than this may be lost rows, or a clock that stepped
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Visual samples, in the order in which they were read; times in s from the start of the fast data.
+
+    counter: as recorded. displacement_px: NaN where not measured. captured_s: camera's stamp or NaN.
+    """
+
+    counter: NDArray[np.int64]
+    received_s: Array
+    started_s: Array
+    displacement_px: Array
+    captured_s: Array
+
+    def __len__(self) -> int:
+        return len(self.received_s)
+
+
+@dataclass(frozen=True)
+class ClockGap:
+    """A place where time_s does not go on by one cycle: at row's place `cycle`, by `extra_s` too much or too little."""
+
+    cycle: int
+    extra_s: float
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One recording: a uniform grid of n cycles with NaN where nothing was measured, and the frames.
+
+    origin_s: time_s of the first row. command: rad/s, held over gaps; none: neither command nor joint motion known.
+    force: input of a pair (one input, one output), in its own unit; empty otherwise.
+    backward: clock steps back, already taken out (time cannot go back); gaps: forward jumps, taken as lost rows.
+    """
+
+    name: str
+    cycle_s: float
+    origin_s: float
+    command: Array
+    reference: Array
+    acceleration: Array
+    position: Array
+    velocity: Array
+    joint_age_s: Array
+    deflection: Array
+    frames: Frames
+    force: Array
+    pair: bool = False
+    backward: tuple[ClockGap, ...] = ()
+    gaps: tuple[ClockGap, ...] = ()
+
+    @property
+    def cycles(self) -> int:
+        """Length of the grid."""
+        return len(self.command)
+
+    @property
+    def duration_s(self) -> float:
+        """Time that the grid spans, s."""
+        return self.cycles * self.cycle_s
+
+    def channel(self, name: str) -> Array:
+        """A fast channel's samples on the grid."""
+        return {
+            "acceleration": self.acceleration,
+            "joint_position": self.position,
+            "joint_velocity": self.velocity,
+            "deflection": self.deflection,
+        }[name]
+
+
+def read_measured(recording: Recording, model: Model) -> Measured:
+    """The recording's channels. Raises UserError where there is nothing to diagnose."""
+    if recording.counts.get("/pair"):
+        return _pair(recording)
+    if not recording.counts.get("/fast"):
+        raise UserError(
+            f"{recording.path}: holds no cycles (/fast) and no pair of input and output; "
+            "`stillarm import` brings measured data in"
+        )
+    fast = recording.columns("/fast")
+    cycle_s = model.timing.cycle_s
+    time, backward, gaps = _unrolled(fast["time_s"], cycle_s)
+    origin = float(fast["time_s"][0])
+    place = np.rint((time - time[0]) / cycle_s).astype(np.int64)
+    n = int(place[-1]) + 1
+    if n > 40 * len(time) + 100_000:
+        raise UserError(
+            f"{recording.path}: /fast: {len(time)} rows span {n * cycle_s:.0f} s at timing.cycle_s = {cycle_s}; "
+            "give the model the cycle of the recording"
+        )
+
+    def grid(values: Array) -> Array:
+        out = np.full(n, nan)
+        out[place] = values
+        return out
+
+    reference = _held(grid(fast["joint_velocity_reference_rad_s"]))
+    command = _held(grid(fast["joint_velocity_command_rad_s"]))
+    if np.isnan(command).all():
+        command = reference
+    return Measured(
+        name=str(recording.path),
+        cycle_s=cycle_s,
+        origin_s=origin,
+        command=command,
+        reference=reference,
+        acceleration=grid(fast["acceleration_m_s2"]),
+        position=grid(fast["joint_position_rad"]),
+        velocity=grid(fast["joint_velocity_rad_s"]),
+        joint_age_s=np.nan_to_num(grid(fast["joint_age_s"])),
+        deflection=grid(fast["deflection_m"]),
+        frames=_frames(recording, origin, backward),
+        force=np.empty(0),
+        backward=backward,
+        gaps=gaps,
+    )
+
+
+def reclocked(measured: Measured, gap: ClockGap) -> Measured:
+    """The same data if the gap is no loss of rows but a clock that stepped on by gap.extra_s."""
+    shift = round(gap.extra_s / measured.cycle_s)
+    keep = np.ones(measured.cycles, dtype=bool)
+    keep[gap.cycle - shift : gap.cycle] = False
+    frames = measured.frames
+    at = gap.cycle * measured.cycle_s
+    late = np.where(frames.received_s >= at - 0.5 * measured.cycle_s, shift * measured.cycle_s, 0.0)
+    begun = np.where(frames.started_s >= at - 0.5 * measured.cycle_s, shift * measured.cycle_s, 0.0)
+    moved = replace(frames, received_s=frames.received_s - late, started_s=frames.started_s - begun)
+    others = tuple(
+        ClockGap(one.cycle - (shift if one.cycle > gap.cycle else 0), one.extra_s)
+        for one in measured.gaps
+        if one != gap
+    )
+    return replace(
+        measured,
+        command=measured.command[keep],
+        reference=measured.reference[keep],
+        acceleration=measured.acceleration[keep],
+        position=measured.position[keep],
+        velocity=measured.velocity[keep],
+        joint_age_s=measured.joint_age_s[keep],
+        deflection=measured.deflection[keep],
+        frames=moved,
+        gaps=others,
+    )
+
+
+def _unrolled(time: Array, cycle_s: float) -> tuple[Array, tuple[ClockGap, ...], tuple[ClockGap, ...]]:
+    """Row times with steps back taken out; where they were, and where the clock jumped forward."""
+    step = np.diff(time)
+    usual = float(np.median(step)) if len(step) else cycle_s
+    out = time.copy()
+    backward, gaps = [], []
+    for i in np.flatnonzero(step < 0.25 * min(usual, cycle_s)):
+        extra = float(step[i]) - usual
+        out[i + 1 :] -= extra
+        backward.append((i + 1, extra))
+    for i in np.flatnonzero(step > usual + (_STEP_CYCLES - 0.5) * max(usual, cycle_s)):
+        gaps.append((i + 1, float(step[i]) - usual))
+    place = np.rint((out - out[0]) / cycle_s).astype(np.int64)
+    return (
+        out,
+        tuple(ClockGap(int(place[i]), extra) for i, extra in backward),
+        tuple(ClockGap(int(place[i]), extra) for i, extra in gaps),
+    )
+
+
+def _held(values: Array) -> Array:
+    """Each missing value is the last one before it (the first ones: the first there is)."""
+    known = np.flatnonzero(~np.isnan(values))
+    if not len(known):
+        return values
+    place = np.maximum.accumulate(np.where(np.isnan(values), -1, np.arange(len(values))))
+    return values[np.where(place < 0, known[0], place)]
+
+
+def _frames(recording: Recording, origin_s: float, backward: tuple[ClockGap, ...]) -> Frames:
+    if not recording.counts.get("/frames"):
+        empty = np.empty(0)
+        return Frames(np.empty(0, np.int64), empty, empty, empty, empty)
+    found = recording.columns("/frames")
+    seen = np.isin(found["status"], (TrackingStatus.MEASURED,))
+    displacement = np.where(seen, found["displacement_px"], nan)
+    received, started = found["received_s"] - origin_s, found["started_s"] - origin_s
+    if backward:  # frames' clock stepped back with the rows'
+        step = np.diff(received)
+        for i, gap in zip(
+            np.flatnonzero(step < -0.5 * min(-gap.extra_s for gap in backward)), backward, strict=False
+        ):
+            received[i + 1 :] -= gap.extra_s
+            started[i + 1 :] -= gap.extra_s
+    return Frames(found["frame"].astype(np.int64), received, started, displacement, found["captured_s"])
+
+
+def _pair(recording: Recording) -> Measured:
+    found = recording.columns("/pair")
+    rate = float(recording.header.notes["rate_hz"])
+    n = len(found["input"])
+    none = np.full(n, nan)
+    empty = np.empty(0)
+    frames = Frames(np.empty(0, np.int64), empty, empty, empty, empty)
+    force = np.nan_to_num(found["input"])
+    return Measured(
+        str(recording.path), 1.0 / rate, 0.0, np.zeros(n), np.zeros(n), none, none, none,
+        np.zeros(n), found["output"], frames, force, pair=True,
+    )  # fmt: skip

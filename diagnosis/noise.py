@@ -1,0 +1,183 @@
+"""Noise laws of the channels: level, and for arrivals colour, so that a slow wander of the delay is no discovery."""
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+Array = NDArray[np.float64]
+
+HUBER = 4.0
+_LOG_2PI = log(2.0 * pi)
+LEAST = {
+    "acceleration": 1e-3,
+    "joint_position": 2e-5,
+    "joint_velocity": 2e-4,
+    "deflection": 0.0,
+    "displacement": 2e-3,
+    "arrival": 2e-5,
+}
+
+
+@dataclass(frozen=True)
+class Colour:
+    """First-order wander plus white noise, as the filter that whitens it: e_k = r_k - stay r_{k-1} + moving e_{k-1}."""
+
+    stay: float = 0.0
+    moving: float = 0.0
+
+    def whiten(self, residual: Array) -> Array:
+        """Innovations of a residual; missing ones are taken as zero on the way and stay missing."""
+        if self.stay == 0.0:
+            return residual
+        filled = np.nan_to_num(residual)
+        white: Array = lfilter([1.0, -self.stay], [1.0, -self.moving], filled)
+        white[0] = filled[0] * sqrt(max(1e-9, 1.0 - self.stay**2))
+        return np.where(np.isnan(residual), np.nan, white)
+
+
+def wander_colour(residual: Array, longest_frames: float) -> Colour:
+    """Colour of an arrival residual from its first autocovariances, its straight trend and its outliers taken off.
+
+    longest_frames: a wander may last so long, not longer: what lasts longer is a drift.
+    """
+    r = residual[np.isfinite(residual)]
+    if len(r) < 60:
+        return Colour()
+    x = np.arange(len(r)) - 0.5 * len(r)
+    r = r - np.median(r)
+    r = r - x * (x @ r) / (x @ x)
+    limit = 4.0 * 1.4826 * float(np.median(np.abs(r))) + 1e-12
+    r = np.clip(r - r.mean(), -limit, limit)
+    n = len(r)
+    g = [float(r[: n - lag] @ r[lag:]) / n for lag in (0, 1, 2, 4, 8)]
+    if g[1] <= 0.05 * g[0] or g[4] <= 0.0:
+        return Colour()
+    stay = (g[4] / g[1]) ** (1.0 / 7.0)
+    stay = min(max(stay, 0.0), 1.0 - 1.0 / longest_frames)
+    if stay <= 0.0:
+        return Colour()
+    wander = min(g[1] / stay, g[0])
+    white = max(g[0] - wander, 0.02 * g[0])
+    # steady state of the scalar Riccati equation of wander in white noise
+    drive = wander * (1.0 - stay**2)
+    b = white * (1.0 - stay**2) - drive
+    p = 0.5 * (-b + sqrt(b * b + 4.0 * white * drive))
+    gain = p / (p + white)
+    return Colour(stay, stay * (1.0 - gain))
+
+
+@njit(cache=True, nogil=True)
+def _doubt_gains(
+    rate: Array,
+    gap_s: Array,
+    noise: float,
+    wander: float,
+    white: float,
+    per_s: float,
+    gains: Array,
+    stds: Array,
+) -> None:
+    """Gains and innovation deviations of a scalar Kalman filter: wander seen through rate, in noise."""
+    p = wander
+    for k in range(rate.shape[0]):
+        if k:
+            stay = np.exp(-gap_s[k] * per_s)
+            p = stay * stay * p + wander * (1.0 - stay * stay)
+        v = rate[k]
+        s = v * v * (p + white) + noise
+        gains[k] = p * v / s
+        stds[k] = np.sqrt(s)
+        p -= gains[k] * v * p
+
+
+@njit(cache=True, nogil=True)
+def _doubt_innovations(
+    values: Array, rate: Array, gap_s: Array, per_s: float, gains: Array, out: Array
+) -> None:
+    late = 0.0
+    for k in range(values.shape[0]):
+        if k:
+            late *= np.exp(-gap_s[k] * per_s)
+        if np.isnan(values[k]):
+            out[k] = np.nan
+            continue
+        out[k] = values[k] - rate[k] * late
+        late += gains[k] * out[k]
+
+
+class DoubtColour:
+    """Displacement of a triggered camera: each frame's instant is off by a delay that wanders and scatters.
+
+    r_k = rate_k (wander_k + white_k) + noise. Innovations are scaled to the deviation that they would have at rest,
+    so that one level describes them all.
+    """
+
+    def __init__(
+        self,
+        rate_px_s: Array,
+        received_s: Array,
+        noise_px: float,
+        spread_s: float,
+        share: float,
+        time_s: float,
+    ) -> None:
+        """share: of the delay's variance that wanders; time_s: its correlation time."""
+        self._rate = rate_px_s
+        self._gap = np.concatenate(([0.0], np.maximum(np.diff(received_s), 0.0)))
+        self._per_s = 1.0 / time_s
+        n = len(rate_px_s)
+        self._gains, self.stds = np.empty(n), np.empty(n)
+        self.noise_px = noise_px
+        _doubt_gains(
+            rate_px_s, self._gap, noise_px**2, share * spread_s**2, (1.0 - share) * spread_s**2, self._per_s,
+            self._gains, self.stds,
+        )  # fmt: skip
+
+    def whiten(self, residual: Array) -> Array:
+        """Scaled innovations of a residual, or of a change of the prediction."""
+        out = np.empty(len(residual))
+        _doubt_innovations(
+            np.ascontiguousarray(residual), self._rate, self._gap, self._per_s, self._gains, out
+        )
+        return out * (self.noise_px / self.stds)
+
+
+def doubt_colour(
+    residual: Array, rate_px_s: Array, received_s: Array, noise_px: float, spread_s: float
+) -> DoubtColour:
+    """The likeliest share and correlation time of the delay's wander, its spread at most as stated."""
+    known = np.isfinite(residual)
+    best: tuple[float, DoubtColour] | None = None
+    for size in (0.3, 0.6, 1.0, 1.3):
+        for share in (0.0, 0.4, 0.8, 0.97):
+            for time_s in (0.3, 1.0, 3.0, 10.0, 30.0) if share else (1.0,):
+                one = DoubtColour(rate_px_s, received_s, noise_px, size * spread_s, share, time_s)
+                scaled = one.whiten(residual)[known] / noise_px
+                short = np.minimum(scaled * scaled, 25.0)
+                cost = float(0.5 * np.sum(short) + np.sum(np.log(one.stds[known])))
+                if best is None or cost < best[0]:
+                    best = (cost, one)
+    assert best is not None
+    return best[1]
+
+
+def level(residual: Array, least: float) -> float:
+    """Standard deviation of a residual, its outliers bounded."""
+    if not len(residual):
+        return max(least, 1e-12)
+    power = float(np.sqrt(np.mean(residual * residual)))
+    limit = HUBER * max(1.4826 * float(np.median(np.abs(residual))), least, 0.2 * power)
+    short = np.clip(residual, -limit, limit)
+    return max(float(np.sqrt(np.mean(short * short))), least, 1e-12)
+
+
+def log_likelihood(u: Array, std: float) -> Array:
+    """Per sample: normal in the middle, with Huber's tails; u: residual over its standard deviation `std`."""
+    size = np.abs(u)
+    cost = np.where(size < HUBER, 0.5 * u * u, HUBER * size - 0.5 * HUBER**2)
+    result: Array = -cost - log(std) - 0.5 * _LOG_2PI
+    return result

@@ -1,0 +1,268 @@
+"""Which causes could explain what is left: score tests with the baseline's parameters projected out.
+
+Each trial of each cause gives one or a few directions in which the data would depart. What the residual holds along
+them, after the fitted parameters have had their share, predicts the log-likelihood to be gained. The same directions
+applied to simulated white residuals give the law of the largest of all gains when nothing is wrong.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.cause import Cause, Context, Trial
+from diagnosis.fit import POOL, Data, Fit, jacobian, least_level
+from diagnosis.impacts import carried
+from diagnosis.noise import HUBER
+from diagnosis.world import World
+
+Array = NDArray[np.float64]
+
+_DRAWS = 48
+_SEED = 20240229
+_PEAKS = 6
+_BUNDLE = 8
+_EULER = 0.5772156649
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A cause by its best trial. nats: predicted gain. amounts: of each column. start: vector in its world."""
+
+    cause: Cause
+    trial: Trial
+    nats: float
+    amounts: Array
+    world: World
+    start: Array
+
+
+@dataclass(frozen=True)
+class Screening:
+    """Scored trials, best first, and the gain that one recording in a hundred without an effect would exceed."""
+
+    scored: list[Scored]
+    threshold_nats: float
+
+
+class _Whitened:
+    """The training residual as one vector, the baseline's directions taken out of whatever is asked."""
+
+    def __init__(self, data: Data, last: Fit) -> None:
+        self.data, self.last = data, last
+        world = last.world
+        self.weights: dict[str, Array] = {}
+        parts, self.spans = [], {}
+        self._bundle = {name: _BUNDLE if name.startswith("joint") else 1 for name in last.residuals}
+        at = 0
+        for name, residual in last.residuals.items():
+            std = last.sigma[name]
+            u = residual / std
+            weight = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12))) / std
+            mask = data.train[name]
+            self.weights[name] = weight[mask]
+            part = self._bundled(
+                name, (u * np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12))))[mask]
+            )
+            parts.append(part)
+            self.spans[name] = slice(at, at + len(part))
+            at += len(part)
+        self.residual = np.concatenate(parts)
+        slopes = jacobian(world, last.vector, last.free, last.predicted.channels, last.colour)
+        stacked = np.concatenate(
+            [self._bundled(n, slopes[n][data.train[n]] * self.weights[n][:, None]) for n in slopes]
+        )
+        norms = np.linalg.norm(stacked, axis=0)
+        keep = norms > 1e-12
+        scaled = stacked[:, keep] / norms[keep]
+        # an orthonormal basis by the eigenvectors of the small Gram matrix
+        values, vectors = np.linalg.eigh(scaled.T @ scaled)
+        good = values > 1e-9 * values[-1] if len(values) else np.empty(0, bool)
+        self.basis = scaled @ (vectors[:, good] / np.sqrt(values[good]))
+        self.residual = self.residual - self.basis @ (self.basis.T @ self.residual)
+
+    def direction(self, change: dict[str, Array]) -> Array:
+        """A change of the predictions, weighted, without the baseline's directions."""
+        colour = self.last.colour
+        parts = []
+        for name, weight in self.weights.items():
+            values = colour[name].whiten(change[name]) if name in colour else change[name]
+            parts.append(self._bundled(name, values[self.data.train[name]] * weight))
+        whole: Array = np.concatenate(parts)
+        size = float(whole @ whole)
+        for _ in range(2):  # again where rounding may exceed what the first time leaves
+            whole = whole - self.basis @ (self.basis.T @ whole)
+            if float(whole @ whole) > 1e-6 * size:
+                break
+        return whole
+
+    def _bundled(self, name: str, values: Array) -> Array:
+        """Neighbouring samples of the joint's channels as one: nothing they show changes within milliseconds."""
+        step = self._bundle[name]
+        if step == 1:
+            return values
+        count = len(values) // step
+        whole = values[: count * step].reshape(count, step, *values.shape[1:]).sum(axis=1)
+        bundled: Array = whole / np.sqrt(step)
+        return bundled
+
+    def gain(self, explained: Array) -> float:
+        """Log-likelihood gained by taking `explained` off the residual, each channel's level learnt anew."""
+        total = 0.0
+        for name, span in self.spans.items():
+            rest = self.residual[span] - explained[span]
+            least = (least_level(self.last.world, name) / self.last.sigma[name]) ** 2
+            total += _profile(rest, least) - _profile(self.residual[span], least)
+        return total
+
+
+def _profile(residual: Array, least: float) -> float:
+    """Log-likelihood of a whitened residual at its own level, which is not below `least` (variance)."""
+    n = len(residual)
+    power = float(residual @ residual)
+    variance = max(power / max(n, 1), least, 1e-30)
+    return -0.5 * n * float(np.log(variance)) - 0.5 * power / variance
+
+
+def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
+    """Frequencies, Hz, of the largest peaks of each channel's residual spectrum."""
+    world = last.world
+    found: dict[str, tuple[float, ...]] = {}
+    for name in ("acceleration", "displacement", "deflection"):
+        if name not in world.channels:
+            continue
+        residual = np.nan_to_num(world.channels[name] - last.predicted.channels[name])
+        if name == "displacement":
+            step = 1.0 / world.model.camera.frame_rate_hz
+            instants = world.instants(last.vector)
+            good = np.isfinite(instants)
+            grid = np.arange(instants[good][0], instants[good][-1], step)
+            residual = np.interp(grid, instants[good], residual[good])
+        else:
+            step = world.measured.cycle_s
+        length = 4 * len(residual)
+        power = np.abs(np.fft.rfft((residual - residual.mean()) * np.hanning(len(residual)), n=length)) ** 2
+        hz = np.fft.rfftfreq(length, step)
+        power[hz < 0.1] = 0.0
+        # against the level around each line, so that a slope of the spectrum is no peak
+        width = max(length // 200, 8)
+        level = np.convolve(power, np.ones(2 * width + 1) / (2 * width + 1), "same")
+        peaks: list[float] = []
+        for order in (power.copy(), power / np.maximum(level, 1e-30)):
+            for _ in range(_PEAKS):
+                i = int(np.argmax(order))
+                if order[i] <= 0.0:
+                    break
+                peaks.append(float(hz[i]))
+                order[max(0, i - 10) : i + 11] = 0.0
+        found[name] = tuple(dict.fromkeys(peaks))
+    return found
+
+
+def screen(
+    data: Data,
+    last: Fit,
+    causes: list[Cause],
+    tick: Callable[[float], None] = lambda done: None,
+    threshold_nats: float | None = None,
+) -> Screening:
+    """Score every trial of every cause against the fit so far. threshold_nats: known from an earlier round."""
+    white = _Whitened(data, last)
+    noise = None
+    if threshold_nats is None:
+        noise = np.random.default_rng(_SEED).standard_normal((len(white.residual), _DRAWS), dtype=np.float32)
+    largest = np.zeros(_DRAWS)
+    context = Context(last, residual_peaks(last))
+    worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, dict[str, Array]]] = {}
+    scored: list[Scored] = []
+    for index, cause in enumerate(causes):
+        tick(index / len(causes))
+        if not cause.needs(last.world):
+            continue
+        trials = cause.trials(context)
+        for trial in trials:
+            if trial.options not in worlds:
+                world = variant(last.world, dict(trial.options))
+                start = carried(last, world)
+                worlds[trial.options] = (world, start, world.predict(start).channels)
+
+        def score(trial: Trial, cause: Cause = cause) -> tuple[Scored | None, Array]:
+            return _score(white, cause, trial, worlds[trial.options], noise)
+
+        best: list[Scored] = []
+        for one, chance in POOL.map(score, trials):
+            np.maximum(largest, chance, out=largest)
+            if one is not None:
+                best.append(one)
+        best.sort(key=lambda item: -item.nats)
+        scored += best[:3]
+    scored.sort(key=lambda item: -item.nats)
+    if threshold_nats is not None:
+        return Screening(scored, threshold_nats)
+    # Gumbel's law of a maximum, from the draws' mean and spread
+    beta = float(np.std(largest)) * np.sqrt(6.0) / np.pi
+    mode = float(np.mean(largest)) - _EULER * beta
+    return Screening(scored, mode - beta * float(np.log(-np.log(0.99))))
+
+
+def variant(world: World, options: dict[str, object]) -> World:
+    """The same recording in a world of other structure."""
+    extra = int(options.get("extra_modes", 0))  # type: ignore[call-overload]
+    return World(
+        world.measured,
+        world.model,
+        world.impacts,
+        world.extra_modes + extra,
+        bool(options.get("behind_encoder", world.behind_encoder)),
+        world.clock_stepped,
+    )
+
+
+def _score(
+    white: _Whitened,
+    cause: Cause,
+    trial: Trial,
+    at: tuple[World, Array, dict[str, Array]],
+    noise: NDArray[np.float32] | None,
+) -> tuple[Scored | None, Array]:
+    world, start, base = at
+    nothing = np.zeros(_DRAWS)
+    shaped = start.copy()
+    for name, value in trial.shape.items():
+        shaped[world.space.place[name]] = value
+    directions = []
+    for column in trial.columns:
+        moved = shaped.copy()
+        for name, value in column.items():
+            moved[world.space.place[name]] = value
+        predicted = world.predict(world.space.clipped(moved)).channels
+        change = {name: predicted[name] - base[name] for name in predicted}
+        if all(np.isfinite(values).all() for values in change.values()):
+            directions.append(white.direction(change))
+    if len(directions) != len(trial.columns):
+        return None, nothing
+    d = np.stack(directions, axis=1)
+    norms = np.linalg.norm(d, axis=0)
+    if not (norms > 1e-6).any():
+        return None, nothing
+    unit = d[:, norms > 1e-6] / norms[norms > 1e-6]
+    values, vectors = np.linalg.eigh(unit.T @ unit)
+    good = values > 1e-8
+    q = unit @ (vectors[:, good] / np.sqrt(values[good]))
+    share = q.T @ white.residual
+    chance = nothing if noise is None else 0.5 * np.sum((q.T.astype(np.float32) @ noise) ** 2, axis=0)
+    amounts = np.zeros(len(norms))
+    amounts[norms > 1e-6] = (vectors[:, good] / np.sqrt(values[good])) @ share / norms[norms > 1e-6]
+    if trial.one_sided and amounts[0] <= 0.0:
+        return None, chance
+    nats = white.gain(q @ share)
+    for column, amount in zip(trial.columns, amounts, strict=True):
+        bounded = min(max(amount, 0.3), 2.5) if trial.one_sided else amount
+        for name, value in column.items():
+            place = world.space.place[name]
+            shaped[place] = start[place] + bounded * (value - start[place])
+    if trial.one_sided and cause.settle:  # a threshold: its value is the trial's own
+        for name, value in trial.columns[0].items():
+            shaped[world.space.place[name]] = value
+    return Scored(cause, trial, nats, amounts, world, world.space.clipped(shaped)), chance

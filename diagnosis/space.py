@@ -1,0 +1,55 @@
+"""The vector of everything the simulation can be told: the model's parameters, initial states, causes' parameters."""
+
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One place of the vector.
+
+    start: value where nothing is known better. low, high: bounds of a fit. step: for a derivative by differences.
+    prior_std: how far it may lie from start before that counts against it (inf: anywhere).
+    """
+
+    name: str
+    start: float
+    low: float = -inf
+    high: float = inf
+    step: float = 1e-6
+    prior_std: float = inf
+
+
+@dataclass
+class Space:
+    """Quantities by name and place."""
+
+    quantities: list[Quantity] = field(default_factory=list)
+    place: dict[str, int] = field(default_factory=dict)
+
+    def add(self, quantity: Quantity) -> None:
+        """One more place."""
+        self.place[quantity.name] = len(self.quantities)
+        self.quantities.append(quantity)
+
+    def vector(self) -> Array:
+        """Start values."""
+        return np.array([quantity.start for quantity in self.quantities])
+
+    def names(self, prefix: str) -> list[str]:
+        """All names that begin so."""
+        return [quantity.name for quantity in self.quantities if quantity.name.startswith(prefix)]
+
+    def __getitem__(self, name: str) -> Quantity:
+        return self.quantities[self.place[name]]
+
+    def clipped(self, vector: Array) -> Array:
+        """Within all bounds."""
+        low = np.array([quantity.low for quantity in self.quantities])
+        high = np.array([quantity.high for quantity in self.quantities])
+        return np.clip(vector, low, high)

@@ -1,0 +1,417 @@
+"""From the vector to what each channel should have shown: the simulation of a recording, in free run.
+
+Channels: acceleration, joint_position, joint_velocity, deflection (on the controller's grid); displacement (per frame);
+arrival (per frame: when it was read, less when it was exposed).
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.beam import tip_slopes_per_m
+from common.model import Model
+from diagnosis.frame_clock import FrameClock, frame_clock
+from diagnosis.kernel import K, run
+from diagnosis.measured import Measured
+from diagnosis.space import Quantity, Space
+
+Array = NDArray[np.float64]
+
+FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection")
+FRAME_CHANNELS = ("displacement", "arrival")
+NEVER_S = 1e9
+UNLIMITED = 1e9
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the arm did: arrays over the grid. tip: s, m; tip_acceleration: s'', m/s^2; slope: tip angle, rad."""
+
+    joint: Array
+    motor: Array
+    q: Array
+    deflection: Array
+    tip: Array
+    tip_acceleration: Array
+    tip_angle: Array
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """What each channel should show, by name, and displacement's rate at the frames, px/s (for doubt of instants)."""
+
+    channels: dict[str, Array]
+    rate_px_s: Array
+    motion: Motion
+
+
+class World:
+    """A recording's inputs and the model's structure; `predict` is a pure function of the vector.
+
+    modes: bending modes, the model's and `extra_modes` more. impacts: cycles at which a blow opens a new segment.
+    """
+
+    def __init__(
+        self,
+        measured: Measured,
+        model: Model,
+        impacts: tuple[int, ...] = (),
+        extra_modes: int = 0,
+        behind_encoder: bool = False,
+        clock: str = "frames",
+    ) -> None:
+        """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: which one steps."""
+        self.measured, self.model = measured, model
+        self.impacts, self.extra_modes = impacts, extra_modes
+        self.behind_encoder, self.clock_stepped = behind_encoder, clock
+        self.frame_clock: FrameClock = frame_clock(measured.frames, model)
+        self.modes = len(model.arm.modes) + extra_modes
+        self.length = 0.0 if measured.pair else (model.arm.length_m or 1.0)
+        self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
+        self.substeps = 4 if measured.pair else 1
+        self._force = _upsampled(measured.force, self.substeps) if measured.pair else np.empty(0)
+        self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
+        self._command = np.nan_to_num(measured.command)
+        self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
+        self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
+        self.channels = self._present_channels()
+        self.space = self._layout()
+
+    def _present_channels(self) -> dict[str, Array]:
+        found: dict[str, Array] = {}
+        for name in FAST_CHANNELS:
+            values = self.measured.channel(name)
+            if np.isfinite(values).sum() > 50:
+                found[name] = values
+        frames = self.measured.frames
+        if np.isfinite(frames.displacement_px).sum() > 20:
+            found["displacement"] = frames.displacement_px
+        if len(frames) > 20 and not self.frame_clock.arrival:
+            found["arrival"] = frames.received_s
+        return found
+
+    def _layout(self) -> Space:
+        model, space, measured = self.model, Space(), self.measured
+        joint = measured.position[np.isfinite(measured.position)]
+        swift = measured.velocity[np.isfinite(measured.velocity)]
+        space.add(Quantity("start.theta", float(joint[0]) if len(joint) else 0.0, step=1e-5, prior_std=1.0))
+        space.add(Quantity("start.omega", float(swift[0]) if len(swift) else 0.0, step=1e-4, prior_std=0.5))
+        scale = float(np.nanstd(measured.deflection)) if measured.pair else 0.01
+        scale = scale or 0.01
+        for i in range(self.modes):
+            known = i < len(model.arm.modes)
+            mode = model.arm.modes[i] if known else None
+            f = mode.frequency_hz if mode else 50.0
+            z = mode.damping_ratio if mode else 0.01
+            p = mode.participation if mode else 0.0
+            top = 0.49 / measured.cycle_s
+            space.add(
+                Quantity(f"modes.{i}.frequency_hz", f, 0.02, top, 1e-5 * f, 0.3 * f if mode else np.inf)
+            )
+            space.add(Quantity(f"modes.{i}.damping_ratio", z, 0.0, 0.9, 1e-5, max(0.05, 5 * z)))
+            space.add(Quantity(f"modes.{i}.participation", p, -50.0, 50.0, 1e-4, 2.0))
+            w = 2 * pi * f
+            for j in range(len(self._jump_cycles)):
+                space.add(Quantity(f"jump.{j}.{i}.q", 0.0, step=1e-3 * scale, prior_std=30 * scale))
+                space.add(Quantity(f"jump.{j}.{i}.v", 0.0, step=1e-3 * w * scale, prior_std=30 * w * scale))
+        drive, sensor, camera, timing = model.drive, model.accelerometer, model.camera, model.timing
+        for name, start, low, high, step in (
+            ("drive.bandwidth_hz", drive.bandwidth_hz, 0.1, 2000.0, 1e-3 * drive.bandwidth_hz),
+            ("drive.dead_time_s", drive.dead_time_s, 0.0, 1.0, 1e-5),
+            ("drive.max_velocity_rad_s", drive.max_velocity_rad_s, 1e-4, UNLIMITED, 1e-4),
+            ("drive.deadband_rad_s", 0.0, 0.0, 10.0, 1e-4),
+            ("drive.velocity_loss_rad_s", 0.0, 0.0, 10.0, 1e-5),
+            ("drive.gap_rad", 0.0, 0.0, 1.0, 1e-5),
+            ("arm.coulomb_m_s2", 0.0, 0.0, 1e3, 1e-5),
+            ("arm.quadratic_per_m", 0.0, -1e6, 1e6, 1e-4),
+            ("arm.cubic_per_m2", 0.0, -1e9, 1e9, 1e-2),
+            ("arm.onset_s", NEVER_S, 0.0, NEVER_S, measured.cycle_s),
+            ("arm.frequency_ratio", 1.0, 0.2, 5.0, 1e-5),
+            ("arm.frequency_rate_per_s", 0.0, -0.2, 0.2, 1e-7),
+            ("arm.periodic_hz", 0.0, 0.0, 500.0, 1e-5),
+            ("arm.periodic_sin", 0.0, -1e4, 1e4, 1e-5),
+            ("arm.periodic_cos", 0.0, -1e4, 1e4, 1e-5),
+            ("accelerometer.scale", sensor.scale, -1e6, 1e6, 1e-4),
+            ("accelerometer.bias_m_s2", sensor.bias_m_s2, -1e3, 1e3, 1e-4),
+            ("accelerometer.rate_m_s3", 0.0, -1e3, 1e3, 1e-5),
+            ("accelerometer.rate_per_s", 0.0, -1.0, 1.0, 1e-6),
+            ("accelerometer.range_m_s2", sensor.range_m_s2, 1e-3, UNLIMITED, 1e-3),
+            ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
+            ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),
+            ("accelerometer.hum_hz", 0.0, 0.0, 5000.0, 1e-5),
+            ("accelerometer.hum_sin", 0.0, -1e3, 1e3, 1e-5),
+            ("accelerometer.hum_cos", 0.0, -1e3, 1e3, 1e-5),
+            ("camera.scale_px_per_m", camera.scale_px_per_m, -1e7, 1e7, 1e-5 * abs(camera.scale_px_per_m)),
+            ("camera.offset_px", 0.0, -1e6, 1e6, 1e-3),
+            ("camera.rotation_px_per_rad", camera.rotation_px_per_rad, -1e7, 1e7, 1e-2),
+            ("camera.rate_px_per_s", 0.0, -1e4, 1e4, 1e-4),
+            ("camera.lens_per_px2", 0.0, -0.1, 0.1, 1e-9),
+            ("timing.capture_delay_s", timing.capture_delay_s, -0.5, 3.0, 1e-5),
+            ("timing.arrival_s", 0.0, -1e4, 1e4, 1e-5),
+            ("timing.skew_ppm", 0.0, -1e4, 1e4, 0.1),
+            ("timing.delay_rate", 0.0, -0.1, 0.1, 1e-7),
+            ("timing.stale_onset_s", NEVER_S, 0.0, NEVER_S, measured.cycle_s),
+            ("timing.stale_frames", 0.0, -8.0, 8.0, 1e-3),
+            ("timing.step_onset_s", NEVER_S, 0.0, NEVER_S, measured.cycle_s),
+            ("timing.step_s", 0.0, -10.0, 10.0, 1e-5),
+            ("pair.gain", 1.0, -1e12, 1e12, 1e-3),
+            ("pair.offset", 0.0, -1e9, 1e9, 1e-6),
+        ):  # fmt: skip
+            space.add(Quantity(name, start, low, high, step))
+        return self._with_starts(space)
+
+    def _with_starts(self, space: Space) -> Space:
+        """Start values that the data give at once: image zero, mean arrival, a pair's gain."""
+        measured, frames = self.measured, self.measured.frames
+        sets: dict[str, tuple[float, float]] = {
+            "timing.capture_delay_s": (self.model.timing.capture_delay_s, 0.3)
+        }
+        sets["camera.scale_px_per_m"] = (
+            self.model.camera.scale_px_per_m,
+            2.0 * abs(self.model.camera.scale_px_per_m),
+        )
+        sets["accelerometer.bias_m_s2"] = (self.model.accelerometer.bias_m_s2, 10.0)
+        if "displacement" in self.channels:
+            seen = frames.displacement_px[np.isfinite(frames.displacement_px)]
+            theta = space["start.theta"].start
+            sets["camera.offset_px"] = (
+                float(np.median(seen)) + self.model.camera.scale_px_per_m * self.length * theta, 1e4,
+            )  # fmt: skip
+        if "arrival" in self.channels:
+            late = frames.received_s - self.frame_clock.grid_s
+            sets["timing.arrival_s"] = (float(np.nanmedian(late)), 1.0)
+        if measured.pair:
+            w = 2 * pi * self.model.arm.modes[0].frequency_hz
+            out = float(np.nanstd(measured.deflection))
+            sets["pair.gain"] = (w * w * out / (float(np.std(measured.force)) or 1.0), np.inf)
+            sets["pair.offset"] = (float(np.nanmean(measured.deflection)), 100.0 * out)
+        for name, (start, std) in sets.items():
+            at = space.place[name]
+            old = space.quantities[at]
+            step = old.step if name != "pair.gain" else 1e-4 * abs(start)
+            step = step if name != "pair.offset" else 1e-4 * float(np.nanstd(measured.deflection))
+            space.quantities[at] = Quantity(name, start, old.low, old.high, step, std)
+        return space
+
+    def baseline_names(self) -> list[str]:
+        """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
+        has = self.channels
+        names: list[str] = []
+        for i in range(len(self.model.arm.modes)):
+            names += [f"modes.{i}.frequency_hz", f"modes.{i}.damping_ratio"]
+            if not self.measured.pair:
+                names.append(f"modes.{i}.participation")
+            for j in range(len(self._jump_cycles)):
+                names += [f"jump.{j}.{i}.q", f"jump.{j}.{i}.v"]
+        if self.measured.pair:
+            return [*names, "pair.gain", "pair.offset"]
+        if "joint_position" in has:
+            names.append("start.theta")
+        if "joint_velocity" in has or "joint_position" in has:
+            names.append("start.omega")
+        if "acceleration" in has:
+            names.append("accelerometer.bias_m_s2")
+        if "displacement" in has:
+            names += ["camera.scale_px_per_m", "camera.offset_px", "timing.capture_delay_s"]
+        if "arrival" in has:
+            names.append("timing.arrival_s")
+        return names
+
+    def move(self, vector: Array) -> Motion:
+        """The arm's motion under the recorded inputs."""
+        at, n, m = self.space.place, self.measured.cycles, self.modes
+        constants = np.zeros(K.SIZE)
+        drive = self.model.drive
+        constants[K.LENGTH] = self.length
+        constants[K.RATE] = 2.0 * pi * vector[at["drive.bandwidth_hz"]]
+        constants[K.DEAD_S] = vector[at["drive.dead_time_s"]]
+        constants[K.MAX_VELOCITY] = vector[at["drive.max_velocity_rad_s"]]
+        constants[K.MAX_ACCELERATION] = drive.max_acceleration_rad_s2
+        constants[K.LOWEST], constants[K.HIGHEST] = drive.min_position_rad, drive.max_position_rad
+        constants[K.DEADBAND] = vector[at["drive.deadband_rad_s"]]
+        constants[K.LOSS] = vector[at["drive.velocity_loss_rad_s"]]
+        constants[K.GAP] = vector[at["drive.gap_rad"]]
+        constants[K.COULOMB] = vector[at["arm.coulomb_m_s2"]]
+        constants[K.QUADRATIC] = vector[at["arm.quadratic_per_m"]]
+        constants[K.CUBIC] = vector[at["arm.cubic_per_m2"]]
+        constants[K.ONSET_S] = vector[at["arm.onset_s"]]
+        constants[K.RATIO] = vector[at["arm.frequency_ratio"]]
+        constants[K.DRIFT] = vector[at["arm.frequency_rate_per_s"]]
+        constants[K.PERIODIC_W] = 2.0 * pi * vector[at["arm.periodic_hz"]]
+        constants[K.PERIODIC_SIN] = vector[at["arm.periodic_sin"]]
+        constants[K.PERIODIC_COS] = vector[at["arm.periodic_cos"]]
+        constants[K.THETA0], constants[K.OMEGA0] = vector[at["start.theta"]], vector[at["start.omega"]]
+        constants[K.FORCE_GAIN] = vector[at["pair.gain"]]
+        modes = np.empty((m, 3))
+        jumps = np.empty((len(self._jump_cycles), m, 2))
+        for i in range(m):
+            first = at[f"modes.{i}.frequency_hz"]
+            modes[i] = vector[first : first + 3]
+            count = len(self._jump_cycles)
+            jumps[:, i, :] = vector[first + 3 : first + 3 + 2 * count].reshape(count, 2)
+        joint, motor = np.empty((n, 3)), np.empty((n, 2))
+        q, qdd = np.empty((n, m)), np.empty((n, m))
+        run(
+            self._command, self._force, self.measured.cycle_s, self.substeps, constants, modes,
+            self._jump_cycles, jumps, joint, motor, q, qdd,
+        )  # fmt: skip
+        deflection = q.sum(axis=1)
+        return Motion(
+            joint, motor, q, deflection,
+            self.length * joint[:, 0] + deflection,
+            self.length * joint[:, 2] + qdd.sum(axis=1),
+            joint[:, 0] + q @ self._slopes,
+        )  # fmt: skip
+
+    def predict(self, vector: Array) -> Predicted:
+        """All channels that were measured."""
+        motion, at = self.move(vector), self.space.place
+        found: dict[str, Array] = {}
+        rate = np.empty(0)
+        if "joint_position" in self.channels:
+            found["joint_position"] = self._reported(motion, 0)
+        if "joint_velocity" in self.channels:
+            found["joint_velocity"] = self._reported(motion, 1)
+        if "deflection" in self.channels:
+            found["deflection"] = motion.deflection + vector[at["pair.offset"]]
+        if "acceleration" in self.channels:
+            found["acceleration"] = self._acceleration(motion, vector)
+        if "displacement" in self.channels:
+            found["displacement"], rate = self._displacement(motion, vector)
+        if "arrival" in self.channels:
+            found["arrival"] = self._arrivals(vector)
+        return Predicted(found, rate, motion)
+
+    def _reported(self, motion: Motion, which: int) -> Array:
+        """Joint position (0) or velocity (1) as the drive reports it, joint_age_s old."""
+        value = (motion.motor if self.behind_encoder else motion.joint)[:, which]
+        if not self._aged:
+            return value
+        return np.interp(self.cycle_times - self.measured.joint_age_s, self.cycle_times, value)
+
+    def _acceleration(self, motion: Motion, vector: Array) -> Array:
+        at = self.space.place
+        t = self.cycle_times
+        value = motion.tip_acceleration
+        cycles = vector[at["accelerometer.delay_s"]] / self.measured.cycle_s
+        if cycles > 0.0:
+            value = _late(value, cycles)
+        gain = vector[at["accelerometer.scale"]] * (1.0 + vector[at["accelerometer.rate_per_s"]] * t)
+        value = (
+            gain * value + vector[at["accelerometer.bias_m_s2"]] + vector[at["accelerometer.rate_m_s3"]] * t
+        )
+        value = value + vector[at["accelerometer.gravity_m_s2_per_rad"]] * motion.tip_angle
+        sine, cosine = vector[at["accelerometer.hum_sin"]], vector[at["accelerometer.hum_cos"]]
+        if sine or cosine:
+            phase = 2.0 * pi * vector[at["accelerometer.hum_hz"]] * t
+            value = value + sine * np.sin(phase) + cosine * np.cos(phase)
+        most = vector[at["accelerometer.range_m_s2"]]
+        shown: Array = np.clip(value, -most, most)
+        return shown
+
+    def instants(self, vector: Array) -> Array:
+        """Mid-exposure of each frame as the vector has it, s."""
+        at, clock = self.space.place, self.frame_clock
+        frames = self.measured.frames
+        delay = vector[at["timing.capture_delay_s"]]
+        if clock.arrival:
+            stepped = frames.received_s >= vector[at["timing.step_onset_s"]]
+            instants = frames.received_s - delay - np.where(stepped, vector[at["timing.step_s"]], 0.0)
+            instants = instants - vector[at["timing.delay_rate"]] * frames.received_s
+        else:
+            skew = 1.0 + 1e-6 * vector[at["timing.skew_ppm"]]
+            instants = clock.grid_s * skew + vector[at["timing.arrival_s"]] - delay
+        frames_late = vector[at["timing.stale_frames"]]
+        if frames_late:
+            period = 1.0 / self.model.camera.frame_rate_hz
+            stale = frames.received_s >= vector[at["timing.stale_onset_s"]]
+            instants = instants - np.where(stale, frames_late * period, 0.0)
+        known: Array = instants
+        return known
+
+    def _arrivals(self, vector: Array) -> Array:
+        at, clock, frames = self.space.place, self.frame_clock, self.measured.frames
+        skew = 1.0 + 1e-6 * vector[at["timing.skew_ppm"]]
+        middle = 0.5 * self.measured.duration_s
+        due = clock.grid_s * skew + vector[at["timing.arrival_s"]]
+        due = due + vector[at["timing.delay_rate"]] * (frames.received_s - middle)
+        stepped = frames.received_s >= vector[at["timing.step_onset_s"]]
+        known: Array = due + np.where(stepped, vector[at["timing.step_s"]], 0.0)
+        return known
+
+    def _displacement(self, motion: Motion, vector: Array) -> tuple[Array, Array]:
+        at, frames = self.space.place, self.measured.frames
+        scene = (
+            -vector[at["camera.scale_px_per_m"]] * motion.tip
+            - vector[at["camera.rotation_px_per_rad"]] * motion.tip_angle
+        )
+        instants = self.instants(vector)
+        value = _exposed(scene, instants, self.model.camera.exposure_s, self.measured.cycle_s)
+        h = 0.002
+        ahead = np.interp(instants + h, self.cycle_times, scene)
+        rate = (ahead - np.interp(instants - h, self.cycle_times, scene)) / (2.0 * h)
+        value = (
+            value + vector[at["camera.offset_px"]] + vector[at["camera.rate_px_per_s"]] * frames.received_s
+        )
+        bend = vector[at["camera.lens_per_px2"]]
+        if bend:
+            value = value * (1.0 + bend * value * value)
+        return value, rate
+
+
+def _late(values: Array, cycles: float) -> Array:
+    """Values `cycles` earlier, by Lagrange's cubic; before the first sample the first."""
+    n = len(values)
+    whole = int(np.floor(cycles))
+    f = cycles - whole
+    padded = np.concatenate((np.full(whole + 2, values[0]), values, (values[-1],)))
+    base = np.arange(n) + 2  # of values[k - whole] in padded: k - whole + whole + 2
+    newer, now, older, oldest = padded[base + 1], padded[base], padded[base - 1], padded[base - 2]
+    between: Array = (
+        newer * (-f * (1.0 - f) * (2.0 - f) / 6.0)
+        + now * ((1.0 + f) * (1.0 - f) * (2.0 - f) / 2.0)
+        + older * ((1.0 + f) * f * (2.0 - f) / 2.0)
+        - oldest * ((1.0 + f) * f * (1.0 - f) / 6.0)
+    )
+    return between
+
+
+def _exposed(scene: Array, instants: Array, exposure_s: float, cycle_s: float) -> Array:
+    """Mean of the scene's place over each exposure."""
+    times = np.arange(len(scene)) * cycle_s
+    if exposure_s < cycle_s:
+        return np.interp(instants, times, scene)
+    way = np.concatenate(([0.0], np.cumsum(0.5 * (scene[1:] + scene[:-1])))) * cycle_s
+    start, end = instants - 0.5 * exposure_s, instants + 0.5 * exposure_s
+    inside = (start >= 0.0) & (end <= times[-1])
+    mean = (_integral(way, scene, end, cycle_s) - _integral(way, scene, start, cycle_s)) / exposure_s
+    return np.where(inside, mean, np.interp(instants, times, scene))
+
+
+def _integral(way: Array, scene: Array, t: Array, cycle_s: float) -> Array:
+    """Integral of the scene's piecewise linear place from 0 to t."""
+    x = np.clip(t / cycle_s, 0.0, len(scene) - 1.0)
+    k = np.minimum(x.astype(np.int64), len(scene) - 2)
+    f = x - k
+    way_there: Array = way[k] + cycle_s * f * (scene[k] + 0.5 * f * (scene[k + 1] - scene[k]))
+    return way_there
+
+
+def _upsampled(force: Array, factor: int) -> Array:
+    """Band-limited interpolation of an input that was sampled, `factor` values a sample and one at the end.
+
+    Taking it as held between samples would delay it by half a sample and hide a small nonlinearity. The ends are
+    mirrored, so that they do not ring into each other.
+    """
+    n = len(force)
+    pad = min(n - 1, 512)
+    # odd reflection about both ends
+    head = 2.0 * force[0] - force[pad:0:-1]
+    tail = 2.0 * force[-1] - force[-2 : -pad - 2 : -1]
+    whole = np.concatenate((head, force, tail))
+    spectrum = np.fft.rfft(whole)
+    fine = np.fft.irfft(spectrum, n=len(whole) * factor) * factor
+    out = fine[pad * factor : (pad + n) * factor]
+    return np.concatenate((out, [force[-1]]))

@@ -1,0 +1,114 @@
+"""`stillarm diagnose`: what the simulation gets wrong, why, and what mending it gains."""
+
+import argparse
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from common.output_folder import make_folder
+from common.user_error import UserError
+
+if TYPE_CHECKING:
+    from diagnosis.diagnose import Diagnosis
+
+
+def _span(text: str) -> tuple[float, float]:
+    try:
+        start, end = (float(part) for part in text.split(":"))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: write FROM_S:TO_S, such as 10:15") from None
+    if not (math.isfinite(start) and math.isfinite(end) and start < end):
+        raise argparse.ArgumentTypeError(f"{text!r}: FROM_S must lie before TO_S")
+    return start, end
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument(
+        "recordings", type=Path, nargs="+", metavar="REC", help="recordings (MCAP), each by itself"
+    )
+    parser.add_argument(
+        "--model", type=Path, metavar="FILE", help="model file (default: the recording's own)"
+    )
+    parser.add_argument(
+        "--hold-out",
+        type=_span,
+        action="append",
+        default=[],
+        metavar="FROM_S:TO_S",
+        help="time that no fit may use, may be repeated (default: every third of up to thirty blocks)",
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path("diagnosis"), metavar="DIR", help="folder for the results"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Diagnose each recording; with several, each has a folder of its own name."""
+    from common.model import load_model
+    from diagnosis.diagnose import diagnose
+    from stillarm.progress import progress_bar
+
+    model = load_model(arguments.model) if arguments.model else None
+    several = len(arguments.recordings) > 1
+    stems = [path.stem for path in arguments.recordings]
+    if len(set(stems)) < len(stems):
+        raise UserError("diagnose: two recordings have the same name, and so would their folders; rename one")
+    for path in arguments.recordings:
+        with progress_bar(f"diagnose {path.name}") as progress:
+            result = diagnose(path, model, arguments.hold_out, lambda done, what: progress(done))
+        folder = make_folder(arguments.out / path.stem if several else arguments.out)
+        write(result, folder)
+        print(f"{path}: {sentence(result.table)}")
+        print(f"{folder / 'report.html'} shows it; {folder / 'extended.toml'} is the model that has it")
+    return 0
+
+
+def write(result: "Diagnosis", folder: Path) -> None:
+    """diagnosis.json, extended.toml, report.html."""
+    from diagnosis.diagnose import model_text
+    from diagnosis.report.page import report_page
+
+    (folder / "diagnosis.json").write_text(json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n")
+    (folder / "extended.toml").write_text(model_text(result.extended))
+    (folder / "report.html").write_text(report_page(result))
+
+
+def _plain(value: Any) -> Any:
+    """Numbers as JSON has them: null for what is not finite."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, bool) or value is None or isinstance(value, str):
+        return value
+    if hasattr(value, "item"):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def sentence(table: dict[str, Any]) -> str:
+    """The verdict in one sentence."""
+    parts = []
+    for finding in table["findings"]:
+        numbers = finding["parameters"].items()
+        values = ", ".join(f"{name} = {one['value']:.4g} +- {one['std']:.2g}" for name, one in numbers)
+        near = finding["indistinguishable_from"]
+        name = " or ".join([finding["cause"], *near])
+        cut = 100.0 * finding["held_out"]["reduction"]
+        parts.append(f"{name} ({values}; cuts the held-out error by {cut:.0f} %)")
+    blows = f"; {len(table['events'])} blows that no sensor measured" if table["events"] else ""
+    if table["verdict"] == "none":
+        return f"nothing wrong with the simulation beyond its parameters{blows}"
+    if table["verdict"] == "named":
+        return f"{'; then '.join(parts)}{blows}"
+    left = table["unexplained"]
+    low, high = left["band_hz"]
+    rest = (
+        f"{left['channel']} holds structure at {low:.3g} to {high:.3g} Hz that no known cause explains "
+        f"(depends on: {left['dependence']})"
+    )
+    return "; ".join([*parts, rest]) + blows
