@@ -102,28 +102,40 @@ class SineRegression:
 
     def _fit(self, offset_m: float) -> None:
         self._reference = self._times[-1]
-        t = np.array(self._times) - self._reference
-        values = np.array(self._values) - offset_m
         if self._exact is not None:
-            return self._take(self._exact.fit(t, values))
-        decay = np.exp(-self._zeta_w * t)
-        c, s = decay * np.cos(self._wd * t), decay * np.sin(self._wd * t)
-        cc, ss, cs = float(c @ c), float(s @ s), float(c @ s)
-        if len(t) < _FEW:
-            ridge = self._ridge(float(np.max(np.abs(values))))
+            t = np.array(self._times) - self._reference
+            return self._take(self._exact.fit(t, np.array(self._values) - offset_m))
+        values = [value - offset_m for value in self._values]
+        waves = [self._wave(time_s - self._reference) for time_s in self._times]
+        cc = ss = cs = cy = sy = 0.0  # numbers, not arrays: these are too short to be worth numpy's calls
+        for (c, s), y in zip(waves, values, strict=True):
+            cc += c * c
+            ss += s * s
+            cs += c * s
+            cy += c * y
+            sy += s * y
+        if len(values) < _FEW:
+            ridge = self._ridge(max(map(abs, values)))
             cc, ss = cc + ridge, ss + ridge
         determinant = max(cc * ss - cs * cs, 1e-9 * cc * cc)
-        cy, sy = float(c @ values), float(s @ values)
-        self._a = (ss * cy - cs * sy) / determinant
-        self._b = (cc * sy - cs * cy) / determinant
-        residual = values - self._a * c - self._b * s
+        a = self._a = (ss * cy - cs * sy) / determinant
+        b = self._b = (cc * sy - cs * cy) / determinant
+        squares = 0.0
+        for (c, s), y in zip(waves, values, strict=True):
+            residual = y - a * c - b * s
+            squares += residual * residual
         least = self._noise
-        if len(t) < _FEW:  # too few to tell their own scatter
-            least = hypot(least, self._w * self._dating * hypot(self._a, self._b) / sqrt(2.0))
-        variance = max(float(residual @ residual) / max(1, len(t) - 2), least * least) / determinant
+        if len(values) < _FEW:  # too few to tell their own scatter
+            least = hypot(least, self._w * self._dating * hypot(a, b) / sqrt(2.0))
+        variance = max(squares / max(1, len(values) - 2), least * least) / determinant
         self._covariance = (ss * variance, cc * variance, -cs * variance)
         self.ready = True
         return None
+
+    def _wave(self, t: float) -> tuple[float, float]:
+        """The two decaying waves at a time, counted from the newest sample."""
+        decay, angle = exp(-self._zeta_w * t), self._wd * t
+        return decay * cos(angle), decay * sin(angle)
 
     def _ridge(self, largest_m: float) -> float:
         """A prior on a and b, for windows so short that samples dated almost alike would leave their slope open.
