@@ -2,11 +2,6 @@
 
 from common.configuration import AccelerometerDevice
 from drivers.accelerometer import Accelerometer
-from drivers.accelerometer_tables import TABLES
-from drivers.i2c_accelerometer import I2cAccelerometer
-from drivers.iio_accelerometer import IioAccelerometer
-from drivers.serial_accelerometer import SerialAccelerometer
-from drivers.serial_devices import SERIAL_DEVICES
 
 _ENOUGH = 0.99  # of the loop's rate: a device's clock may be off by as much
 
@@ -18,10 +13,19 @@ def open_accelerometer(config: AccelerometerDevice, *, wait_s: float = 10.0) -> 
     """
     if config.driver == "none":
         return None
+    # Each imports what it needs only where it is named: the daemons start sooner.
     if config.driver == "iio":
+        from drivers.iio_accelerometer import IioAccelerometer
+
         return IioAccelerometer(config, wait_s=wait_s)
-    if config.driver in SERIAL_DEVICES:
+    if config.driver in ("witmotion", "xsens", "vectornav", "microcontroller"):
+        from drivers.serial_accelerometer import SerialAccelerometer
+        from drivers.serial_devices import SERIAL_DEVICES
+
         return SerialAccelerometer(config, SERIAL_DEVICES[config.driver], wait_s=wait_s)
+    from drivers.accelerometer_tables import TABLES
+    from drivers.i2c_accelerometer import I2cAccelerometer
+
     return I2cAccelerometer(config, TABLES[config.driver], wait_s=wait_s)
 
 

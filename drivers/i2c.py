@@ -6,8 +6,8 @@ import fcntl
 import smbus2
 
 from common.user_error import UserError
-from drivers.emulation.memory_bus import PREFIX, open_memory_bus
 
+MEMORY_PREFIX = "memory:"
 _I2C_TIMEOUT = 0x0702
 _TIMEOUT_10_MS = 1  # the kernel counts it in tens of milliseconds
 
@@ -19,7 +19,9 @@ def open_bus(name: str, *, wait_s: float = 0.0, key: str = "accelerometer.bus") 
     wait_s: how long to wait for an emulator's registers to appear; a real bus is there or not. key: the
     configuration's key, for the message. Raises UserError.
     """
-    if name.startswith(PREFIX):
+    if name.startswith(MEMORY_PREFIX):
+        from drivers.emulation.memory_bus import open_memory_bus  # on hardware no emulator is loaded
+
         try:
             return open_memory_bus(name, wait_s)
         except UserError:

@@ -15,8 +15,9 @@ import smbus2.smbus2
 
 from drivers.emulation.i2c_adapter import I2cAdapter
 from drivers.emulation.parts import open_part
+from drivers.i2c import MEMORY_PREFIX
 
-PREFIX = "memory:"
+PREFIX = MEMORY_PREFIX
 
 _adapters: dict[int, I2cAdapter] = {}
 _waiting: dict[str, float] = {}

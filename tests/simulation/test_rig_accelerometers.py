@@ -1,0 +1,64 @@
+"""The rig as a process, presenting itself through accelerometers of each kind; the driver in this one reads it."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from math import isfinite
+from pathlib import Path
+
+import pytest
+
+from common.configuration import AccelerometerDevice
+from drivers.accelerometer import SampleStatus
+from drivers.accelerometer_factory import open_accelerometer
+
+pytestmark = pytest.mark.realtime
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.mark.parametrize("name", ["lis3dh", "adxl355", "icm20948", "witmotion", "xsens", "microcontroller"])
+def test_the_driver_reads_the_rig_s_emulated_device(tmp_path: Path, name: str) -> None:
+    """At rest: noise about zero along the arm, gravity across, and samples that go on coming."""
+    place = f"test-rig-{os.getpid()}-{name}"
+    (tmp_path / "model.toml").write_text("[arm]\nlength_m = 2.0\n[accelerometer]\nnoise_std_m_s2 = 0.1\n")
+    path = tmp_path / "rig.toml"
+    path.write_text(
+        f'[accelerometer]\nbus = "memory:{place}"\nport = "pty:{place}"\n'
+        f'[camera]\ndriver = "shared_memory"\ndevice = "{place}-camera"\n'
+        f"[drive]\ngateway_port = {free_port()}\n"
+    )
+    command = [sys.executable, "-m", "stillarm", "rig", "--config", str(path), "--accelerometer", name]
+    rig = subprocess.Popen(command, stderr=subprocess.PIPE, cwd=Path(__file__).parents[2])
+    driver = open_accelerometer(
+        AccelerometerDevice(driver=name, bus=f"memory:{place}", port=f"pty:{place}"),  # type: ignore[arg-type]
+        wait_s=30.0,
+    )
+    assert driver is not None
+    try:
+        driver.start()
+        values, gravities = [], []
+        give_up = time.monotonic() + 30.0
+        while len(values) < 100 and time.monotonic() < give_up:
+            value = driver.read()
+            reading = driver.last_reading()
+            if reading.status == SampleStatus.FRESH:
+                values.append(value)
+                gravities.append(reading.acceleration_xyz_m_s2[2])
+            time.sleep(0.0005)
+        assert len(values) == 100
+        assert all(isfinite(value) and abs(value) < 2.0 for value in values)
+        assert len(set(values)) > 10
+        assert sum(gravities) / 100 == pytest.approx(9.80665, abs=0.1)
+    finally:
+        driver.close()
+        rig.send_signal(signal.SIGTERM)
+        _, said = rig.communicate(timeout=30.0)
+    assert rig.returncode == 0, said
