@@ -13,6 +13,7 @@ COMMANDS = {
     "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",
     "controller": "the 1 ms cycle, as a daemon",
     "latency": "wake-up and compute latency of this machine's loop, beside a floor",
+    "check": "preflight of the machine and the rig; moves nothing",
     "operate": "arm, disarm, clear or stop a running controller",
     "supervisor": "frame capture and tracking, as a daemon",
     "rig": "the simulated rig that stands in for the hardware, as a daemon",

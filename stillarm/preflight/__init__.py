@@ -1,0 +1,1 @@
+"""The preflight: what is wrong with a machine and a rig, found without moving anything, and what to do about it."""

@@ -1,0 +1,80 @@
+"""The machine: privileges, kernel, processor governor."""
+
+import os
+import platform
+from dataclasses import dataclass
+from pathlib import Path
+
+from controller.realtime import missing_privileges
+from stillarm.preflight.verdict import Verdict, fail, ok, warn
+
+_WHERE = "machine"
+_GOVERNORS = "devices/system/cpu/cpu*/cpufreq/scaling_governor"
+
+
+@dataclass(frozen=True)
+class MachineFacts:
+    """missing: privileges that the controller lacks, each with how to grant it. governors: of the processors; empty
+    where the machine has none.
+    """
+
+    missing: tuple[str, ...]
+    kernel: str
+    preempt_rt: bool
+    governors: frozenset[str]
+    processors: int
+
+
+def look_at_machine(sys_folder: Path = Path("/sys")) -> MachineFacts:
+    """Ask the kernel; changes nothing."""
+    realtime = sys_folder / "kernel" / "realtime"
+    flagged = realtime.read_text().strip() == "1" if realtime.exists() else False
+    governors = set()
+    for path in sys_folder.glob(_GOVERNORS):
+        try:
+            governors.add(path.read_text().strip())
+        except OSError:  # a processor that is switched off
+            continue
+    return MachineFacts(
+        tuple(str(missing) for missing in missing_privileges()),
+        platform.release(),
+        flagged or "PREEMPT_RT" in platform.version(),
+        frozenset(governors),
+        len(os.sched_getaffinity(0)),
+    )
+
+
+def judge_machine(facts: MachineFacts, *, emulated: bool) -> list[Verdict]:
+    """emulated: whether the rig is a simulated one, where real time is not asked for."""
+    verdicts = [
+        warn(_WHERE, f"{missing}; the controller then needs --allow-non-realtime")
+        if emulated
+        else fail(_WHERE, f"{missing}; the controller does not start without")
+        for missing in facts.missing
+    ] or [ok(_WHERE, "all privileges for real-time operation are granted")]
+    if facts.preempt_rt:
+        verdicts.append(ok(_WHERE, f"kernel {facts.kernel} with PREEMPT_RT"))
+    else:
+        verdicts.append(
+            warn(
+                _WHERE,
+                f"kernel {facts.kernel} without PREEMPT_RT: wake-ups may be milliseconds late under load; "
+                "`stillarm latency` measures it; install a real-time kernel (Debian: linux-image-rt-amd64)",
+            )
+        )
+    slow = facts.governors - {"performance"}
+    if slow:
+        verdicts.append(
+            warn(
+                _WHERE,
+                f"processor governor {', '.join(sorted(slow))}: the clock sags between cycles; "
+                "`cpupower frequency-set -g performance`",
+            )
+        )
+    elif facts.governors:
+        verdicts.append(ok(_WHERE, "processor governor performance"))
+    if facts.processors < 2:
+        verdicts.append(
+            warn(_WHERE, "one processor only: the loop shares it with all else; give it one of its own")
+        )
+    return verdicts

@@ -1,0 +1,145 @@
+"""The walk over machine, bus, sensor, camera, link, drive, in that order: looks, judges, and moves nothing."""
+
+from collections.abc import Iterator
+from math import nan
+from pathlib import Path
+
+import cv2
+
+from common.configuration import Configuration, load_assumed_model, load_configuration
+from common.model import Model
+from common.user_error import UserError
+from drivers.accelerometer_factory import open_accelerometer
+from drivers.camera_factory import open_camera
+from drivers.emulation.memory_bus import PREFIX as MEMORY
+from stillarm.preflight.camera import CameraFacts, judge_camera, watch_camera
+from stillarm.preflight.drive import judge_drive, probe_drive
+from stillarm.preflight.link import (
+    LinkFacts,
+    ask_itself,
+    ask_supervisor,
+    is_here,
+    judge_key,
+    judge_link,
+    port_is_free,
+)
+from stillarm.preflight.machine import judge_machine, look_at_machine
+from stillarm.preflight.sensor import could_not_start, declared_bus_hz, judge_bus, judge_sensor, read_sensor
+from stillarm.preflight.verdict import Verdict, fail, ok, warn
+
+SENSOR_S, CAMERA_S, LINK_S, DRIVE_S = 0.6, 1.5, 1.5, 0.3
+
+
+def walk(path: Path) -> Iterator[Verdict]:
+    """The verdicts, as they come. Raises UserError for a configuration or model that cannot be read."""
+    configuration = load_configuration(path)
+    model = load_assumed_model(configuration, path)
+    yield from judge_machine(look_at_machine(), emulated=is_emulated(configuration))
+    link = configuration.link
+    controls, sees = is_here(link.controller_host), is_here(link.supervisor_host)
+    if controls:
+        yield from look_at_sensor(configuration, model)
+    else:
+        yield ok("sensor", f"hangs on {link.controller_host}: run this there, too")
+    key, verdict = judge_key(link)
+    facts: LinkFacts | None = None
+    refused: Verdict | None = None
+    supervisor_runs = not sees or not port_is_free(link.supervisor_host, link.supervisor_port)
+    if key is not None and controls:
+        try:
+            facts = (
+                ask_supervisor(configuration, key, LINK_S, model.timing.cycle_s)
+                if supervisor_runs
+                else ask_itself(configuration, key)
+            )
+        except UserError as error:
+            refused = fail("link", f"{error} (does a controller run? stop it for the check)")
+    yield from _camera(configuration, model, facts, here=sees, supervisor_runs=supervisor_runs)
+    yield verdict
+    if facts is not None:
+        yield judge_link(facts, link)
+    elif refused is not None:
+        yield refused
+    if not controls or configuration.drive.driver == "none":
+        yield ok("drive", "none here")
+    elif key is None:
+        yield warn("drive", "not looked at without a key")
+    elif refused is not None:
+        yield warn("drive", "not looked at while another process holds the controller's port")
+    else:
+        yield from look_at_drive(configuration, model, key)
+
+
+def is_emulated(configuration: Configuration) -> bool:
+    """Whether the rig is a simulated one."""
+    return configuration.camera.driver == "shared_memory" or configuration.accelerometer.bus.startswith(
+        MEMORY
+    )
+
+
+def look_at_sensor(configuration: Configuration, model: Model) -> Iterator[Verdict]:
+    """Bus and sensor."""
+    device = configuration.accelerometer
+    try:
+        accelerometer = open_accelerometer(device, wait_s=1.0)
+        if accelerometer is None:
+            yield ok("sensor", "none configured")
+            return
+        accelerometer.start()
+    except UserError as error:
+        yield could_not_start(error)
+        return
+    try:
+        facts = read_sensor(accelerometer, model.timing.cycle_s, SENSOR_S)
+    finally:
+        accelerometer.close()
+    if device.bus.startswith("/dev/i2c-") and device.driver not in _SERIAL:
+        yield judge_bus(device.bus, declared_bus_hz(device.bus), facts.fastest_read_s, model.timing.cycle_s)
+    else:
+        yield ok("bus", f"no I2C bus of this computer's; a read takes {1e6 * facts.fastest_read_s:.0f} us")
+    yield from judge_sensor(facts, device, model)
+
+
+def _camera(
+    configuration: Configuration, model: Model, link: LinkFacts | None, *, here: bool, supervisor_runs: bool
+) -> Iterator[Verdict]:
+    """By its images where it hangs here and nobody else has it; else by what its supervisor sends."""
+    if not supervisor_runs and here:
+        yield from look_at_camera(configuration, model)
+    elif link is not None and link.samples:
+        images = [(arrived, sample) for arrived, sample in link.samples if sample.frame >= 0]
+        facts = CameraFacts(
+            tuple(arrived for arrived, _ in images), tuple(sample for _, sample in images), nan, counted=True
+        )
+        yield from judge_camera(facts, configuration.camera, model)
+    else:
+        yield warn("camera", "not looked at: its supervisor does not answer (see link)")
+
+
+def look_at_camera(configuration: Configuration, model: Model) -> Iterator[Verdict]:
+    """Open the camera and watch it."""
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
+    camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)
+    try:
+        camera.start()
+    except UserError as error:
+        yield fail("camera", str(error))
+        return
+    try:
+        facts = watch_camera(camera, configuration.supervisor.tracker, CAMERA_S)
+    finally:
+        camera.close()
+    yield from judge_camera(facts, configuration.camera, model)
+
+
+def look_at_drive(configuration: Configuration, model: Model, key: bytes) -> Iterator[Verdict]:
+    """Ask the drive who and where it is."""
+    try:
+        probe = probe_drive(configuration.drive, key, DRIVE_S)
+    except UserError as error:
+        yield fail("drive", str(error))
+        return
+    yield from judge_drive(probe, configuration.drive, model)
+
+
+_SERIAL = ("witmotion", "xsens", "vectornav", "microcontroller", "iio")
