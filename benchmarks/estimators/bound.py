@@ -27,6 +27,7 @@ _MEAN, _WALK_OF_DELAY = 9, 10  # of the delay
 _AHEAD = 11  # by how much n_i precedes mid-exposure
 _STAMP_ZERO, _STAMP_RATE = 12, 13
 _STATES = 14
+_STEP_S = 1e-5  # of a difference quotient
 _WIDE_S = 0.1  # against milliseconds: nothing is known beforehand
 
 
@@ -52,7 +53,7 @@ def bound(data: Data) -> Bound:
         while struck < len(blows) and blows[struck] < read * CYCLE_S:
             at = int(blows[struck] / CYCLE_S)
             covariance = _informed(covariance, sums[at] - sums[cycle])
-            covariance = _struck(covariance, data, float(blows[struck]))
+            covariance = _struck(covariance, data, struck)
             cycle, struck = at, struck + 1
         covariance = _informed(covariance, sums[read] - sums[cycle])
         cycle = int(read)
@@ -144,7 +145,7 @@ def _free_motion(data: Data, time_s: Values) -> Values:
 def _acceleration_information(data: Data) -> Values:
     """Fisher information on the mode's state in the cycles before each one, summed: shape (cycles + 1, 2, 2).
 
-    What the sensor shows during a blow tells of the blow, whose force is unknown, and is left out.
+    What the sensor shows during a blow tells of the blow (_struck), and is left out here.
     """
     arm = data.arm
     w = arm.angular_frequency
@@ -166,14 +167,29 @@ def _informed(covariance: Values, information: Values) -> Values:
     return 0.5 * (reduced + reduced.T)
 
 
-def _struck(covariance: Values, data: Data, blow_s: float) -> Values:
-    """The covariance behind a blow of known instant and unknown size."""
+def _struck(covariance: Values, data: Data, blow: int) -> Values:
+    """The covariance behind a blow, which the accelerometer has shown while it lasted.
+
+    Its samples give the size, to the noise of their sum. The instant they give to a cycle at best: a constant force
+    that lasts a whole number of cycles may begin anywhere within one without any sample being another.
+    """
     copy = np.eye(_STATES)
     copy[_BEFORE, _BEFORE], copy[_BEFORE, _NOW] = 0.0, np.eye(2)
     covariance = copy @ covariance @ copy.T
-    kick = np.linalg.inv(_free_motion(data, np.array([blow_s]))[0])[:, 1] * data.arm.blow_std_m_s
-    covariance[_NOW, _NOW] += np.outer(kick, kick)
+    arm, blow_s = data.arm, float(data.motion.blows_s[blow])
+    noise = data.noise * arm.angular_frequency**2 * arm.amplitude_m
+    shown = noise**2 * CYCLE_S * arm.blow_s
+    size = 1.0 / (1.0 / arm.blow_std_m_s**2 + 1.0 / shown)
+    before, kick, behind = (_kick(data, blow_s + step) for step in (-_STEP_S, 0.0, _STEP_S))
+    by_instant = (behind - before) / (2.0 * _STEP_S) * data.motion.blow_velocity_m_s[blow]
+    covariance[_NOW, _NOW] += size * np.outer(kick, kick)
+    covariance[_NOW, _NOW] += CYCLE_S**2 / 12.0 * np.outer(by_instant, by_instant)
     return covariance
+
+
+def _kick(data: Data, time_s: float) -> Values:
+    """What a unit of velocity added at that time is to the state at time zero, shape (2,)."""
+    return np.asarray(np.linalg.inv(_free_motion(data, np.array([time_s]))[0])[:, 1])
 
 
 def _measured(covariance: Values, row: Values, variance: float) -> Values:

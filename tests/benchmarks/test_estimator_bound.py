@@ -130,3 +130,33 @@ def test_lost_frames_cost_only_what_they_would_have_told() -> None:
     whole, holed = bound(data).delay_std_s[~lost], bound(data.with_frames_lost(lost)).delay_std_s
     assert np.all(holed >= whole * (1.0 - 1e-6))
     assert holed[-1] < 1.3 * whole[-1]
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.3])
+def test_nothing_tells_a_blows_instant_within_its_cycle(noise: float) -> None:
+    """Its samples moved on by 0.9 ms, behind the first one it touched, are the same; by 1.1 ms they are not.
+
+    Hence the instant's variance of a cycle squared over twelve; its size they show to the noise of their sum.
+    """
+    data = generate(REGIMES["freerun constant"], noise, (5,), 6.0, Arm())
+    start = np.floor(data.motion.blows_s[0] / CYCLE_S) * CYCLE_S
+    time = start + CYCLE_S * np.arange(-20, 20)
+
+    def shown(begun_s: float) -> np.ndarray:
+        return np.asarray((time > begun_s) & (time <= begun_s + data.arm.blow_s), dtype=float)
+
+    assert np.array_equal(shown(start + 0.00005), shown(start + 0.00095))
+    assert not np.array_equal(shown(start + 0.00005), shown(start + 0.00115))
+    assert shown(start + 0.0005).sum() == 6
+
+
+def test_behind_a_blow_the_deflection_is_as_uncertain_as_the_blows_own_samples_leave_it() -> None:
+    """A quarter period behind it, where its velocity has become deflection: beside what was uncertain before."""
+    data = generate(REGIMES["freerun drift"], 0.3, (1,), 12.0, Arm())
+    limit, arm = bound(data).deflection_std_m, data.arm
+    read = data.frames.read_cycle * CYCLE_S
+    for blow in data.motion.blows_s:
+        before, behind = np.searchsorted(read, blow) - 1, np.searchsorted(read, blow + 0.09)
+        size = 0.3 * arm.angular_frequency**2 * arm.amplitude_m * np.sqrt(6.0) * CYCLE_S
+        assert limit[behind] < 1.3 * np.hypot(limit[before], size / arm.angular_frequency)
+        assert limit[behind] > 0.5 * size / arm.angular_frequency
