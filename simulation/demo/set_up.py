@@ -2,6 +2,7 @@
 
 import secrets
 import socket
+import tomllib
 from pathlib import Path
 
 import msgspec
@@ -103,9 +104,11 @@ def write_demo_configuration(
     if accelerometer is not None:
         _write_models_of(configuration.accelerometer, directory)
     if hide is not None:
-        true_text = model_text if accelerometer is None else (directory / RIG_MODEL_NAME).read_text()
-        effect = tomli_w.dumps(draw_effect(hide, duration_s))
-        (directory / RIG_MODEL_NAME).write_text(f"{true_text}\n[[effects]]\n{effect}")
+        true = tomllib.loads(
+            model_text if accelerometer is None else (directory / RIG_MODEL_NAME).read_text()
+        )
+        true["effects"] = [draw_effect(hide, duration_s)]
+        (directory / RIG_MODEL_NAME).write_text(tomli_w.dumps(true))
     return path, configuration, scenario
 
 

@@ -13,6 +13,7 @@ from common.user_error import UserError
 from simulation.demo.demo import run_demo
 from simulation.demo.hidden_effect import draw_effect, revealing_moves
 from simulation.demo.set_up import write_demo_configuration
+from simulation.simulated_recording import default_simulation_configuration
 from stillarm.progress import progress_bar
 
 DURATION_S = 60.0
@@ -70,6 +71,16 @@ def test_only_the_rigs_model_differs_from_one_hidden_effect_to_another(tmp_path:
         ]
 
     assert lines(first["config.toml"]) == lines(second["config.toml"])
+
+
+def test_an_effect_hides_behind_another_accelerometer_too(tmp_path: Path) -> None:
+    """The device goes into both models, the effect into the rig's alone."""
+    write_demo_configuration(tmp_path, DURATION_S, 3, "adxl355", hide=4)
+    assumed, true = (load_model(tmp_path / name) for name in ("model.toml", "rig_model.toml"))
+    assert (assumed.effects, true.effects) == ([], [draw_effect(4, DURATION_S)])
+    plain = load_model(default_simulation_configuration().with_name("model.toml"))
+    assert true.accelerometer.noise_std_m_s2 == assumed.accelerometer.noise_std_m_s2
+    assert true.accelerometer.noise_std_m_s2 != plain.accelerometer.noise_std_m_s2
 
 
 @pytest.mark.parametrize("duration_s", [30.0, 60.0, 123.0])
