@@ -10,17 +10,19 @@ from typing import Any
 _LONGEST_S = 600.0
 
 
-def ask(bundle: Path, work: Path) -> dict[str, Any]:
+def ask(bundle: Path, work: Path, hold_out: list[list[float]]) -> dict[str, Any]:
     """{"seconds", "answer": the content of diagnosis.json, or None and "error"} for a bundle; `work` takes the files.
 
-    seconds: wall clock of `stillarm diagnose` alone, from cold.
+    hold_out: [from, to] in s, chosen by the judge, so that the gain can be held against the true model's on the same
+    samples. seconds: wall clock of `stillarm diagnose` alone, from cold.
     """
     recording, out = work / "recording.mcap", work / "out"
     problem = _stillarm("import", str(bundle), "-o", str(recording))
     if problem is not None:
         return {"seconds": None, "answer": None, "error": f"import: {problem}"}
     began = time.perf_counter()
-    problem = _stillarm("diagnose", str(recording), "--out", str(out))
+    windows = [word for begin, end in hold_out for word in ("--hold-out", f"{begin}:{end}")]
+    problem = _stillarm("diagnose", str(recording), "--out", str(out), *windows)
     seconds = time.perf_counter() - began
     if problem is not None:
         return {"seconds": seconds, "answer": None, "error": f"diagnose: {problem}"}

@@ -18,7 +18,7 @@ from benchmarks.diagnosis.picture import draw_confusion
 from benchmarks.diagnosis.summary import summary
 from common.user_error import UserError
 
-Ask = Callable[[Path, Path], dict[str, Any]]
+Ask = Callable[[Path, Path, list[list[float]]], dict[str, Any]]
 
 
 def schedule(trials: int) -> list[tuple[str, int]]:
@@ -63,7 +63,7 @@ def _trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> 
     work = Path(tempfile.mkdtemp(prefix="stillarm_trial_"))
     try:
         truth = prepare(kind, number, seed, work / "data") | {"number": number}
-        return mark(truth, answer(work / "data", work))
+        return mark(truth, answer(work / "data", work, truth["hold_out"]))
     finally:
         shutil.rmtree(work, ignore_errors=True)
 

@@ -31,6 +31,7 @@ def truth(kind: str = "one", hidden: list[dict[str, Any]] | None = None) -> dict
         "number": 0,
         "duration_s": 20.0,
         "hidden": [HIDDEN] if hidden is None else hidden,
+        "hold_out": [[1.0, 2.0]],
         "floor": {"acceleration_m_s2": 0.3},
         "strongest": "acceleration_m_s2",
     }
@@ -144,8 +145,8 @@ def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
         made.append((kind, number))
         return truth(kind, [] if kind == "none" else [HIDDEN, HIDDEN] if kind == "two" else [HIDDEN])
 
-    def answer(bundle: Path, work: Path) -> dict[str, Any]:
-        assert bundle.name == "data"
+    def answer(bundle: Path, work: Path, hold_out: list[list[float]]) -> dict[str, Any]:
+        assert bundle.name == "data" and hold_out == [[1.0, 2.0]]
         return asked(finding("drive_dead_time"))
 
     with pytest.raises(KeyboardInterrupt):
@@ -163,7 +164,7 @@ def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
 def test_a_folder_of_other_files_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("x")
     with pytest.raises(UserError, match="other files"):
-        run(1, 0, tmp_path, prepare=lambda *a: {}, answer=lambda b, w: {})
+        run(1, 0, tmp_path, prepare=lambda *a: {}, answer=lambda b, w, h: {})
 
 
 def test_the_hidden_world_is_found_in_the_source_tree_or_said_to_be_missing(

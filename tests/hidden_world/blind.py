@@ -15,6 +15,7 @@ from tests.hidden_world.bundle import FAST, FRAMES, write_bundle
 from tests.hidden_world.draw import departure_of, draw_case
 from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect
 from tests.hidden_world.oracle import Oracle, best_plain, scale_to
+from tests.hidden_world.rig import TICK_S
 from tests.hidden_world.world import Case, Recording, make
 
 KINDS = ("one", "none", "unknown", "two")
@@ -27,10 +28,11 @@ _REDRAWS = 8
 def prepare(
     kind: str, number: int, seed: int, folder: Path, duration_s: float | None = None, cause: str | None = None
 ) -> dict[str, Any]:
-    """Write trial `number` of a campaign's seed; returns {kind, seed, hidden: [...], floor, strongest, duration_s}.
+    """Write trial `number` of a campaign's seed; returns the truth as plain values.
 
-    hidden: {cause, parameters (the plain form's best fit), departure, nats} of each effect. floor: what the true
-    model would leave of each channel, rms over its standard deviation. cause: instead of a drawn one, for kind one.
+    hidden: {cause, parameters (the plain form's best fit), departure, nats} of each effect. hold_out: [from, to] in
+    s, which no fit may use. floor: what the true model would leave of each channel there, rms over its standard
+    deviation. strongest: the channel that shows it most. cause: instead of a drawn one, for kind one.
     """
     for redraw in range(_REDRAWS):
         own = int(np.random.default_rng((seed, KINDS.index(kind), number, redraw)).integers(2**31))
@@ -55,6 +57,7 @@ def prepare(
         "duration_s": case.duration_s,
         "damped": case.damped,
         "hidden": [_told(case, which, alone[which], oracle) for which in range(len(names))],
+        "hold_out": hold_out(case.duration_s),
         "floor": _floor(recording),
         "strongest": _COLUMN.get(strongest or ""),
     }
@@ -94,10 +97,24 @@ def _told(case: Case, which: int, nats: float, oracle: Oracle) -> dict[str, Any]
     }
 
 
+def hold_out(duration_s: float) -> list[list[float]]:
+    """Every third of thirty blocks."""
+    block = duration_s / 30.0
+    return [[round(k * block, 3), round((k + 1) * block, 3)] for k in range(1, 30, 3)]
+
+
 def _floor(recording: Recording) -> dict[str, float]:
-    out = {}
+    """A triggered exposure's instant is known to the tick only: what that leaves is part of the floor."""
+    out, case = {}, recording.case
     for source in ("acceleration", "angle", "speed", "image"):
+        at = recording.received if source == "image" else recording.time
+        held = np.any([(at >= begin) & (at < end) for begin, end in hold_out(case.duration_s)], axis=0)
         measured, clean = getattr(recording, source), recording.truth[source]
-        if source in recording.case.kept and len(measured) > 1:
-            out[_COLUMN[source]] = float(np.sqrt(np.mean((measured - clean) ** 2)) / np.std(measured))
+        if source not in case.kept or np.sum(held) < 2:
+            continue
+        left = float(np.mean((measured - clean)[held] ** 2))
+        if source == "image" and not case.rig.eye.free:
+            rate = np.gradient(clean, recording.truth["middle_s"])
+            left += float(np.mean(rate[held] ** 2)) * TICK_S**2 / 12.0
+        out[_COLUMN[source]] = float(np.sqrt(left) / np.std(measured[held]))
     return out

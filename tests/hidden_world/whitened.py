@@ -37,11 +37,22 @@ def by_channel(case: Case, clean: Clean) -> dict[str, Array]:
         parts["gauge"] = clean.gauge / rig.gauge_noise
     if "image" in kept:
         rows = slice(2, max(int((ticks * TICK_S - 0.3) * rig.eye.rate), 2))  # those that surely arrive within
-        parts["image"] = clean.image[rows] / rig.eye.px_noise
+        parts["image"] = clean.image[rows] / image_noise(case, clean)[rows]
         parts["arrival"] = _innovations(rig.eye, _read(case, clean)[rows])
         if "stamp" in kept and rig.eye.stamped:
             parts["stamp"] = _stamped(case, clean)[rows] / _STAMP_S
     return parts
+
+
+def image_noise(case: Case, clean: Clean) -> Array:
+    """px, of each image. When an exposure is triggered, its instant is known to the tick only, which is noise too
+    while the joint moves; its planned speed stands for what the image does, so that no effect changes the weights."""
+    eye = case.rig.eye
+    if eye.free:
+        return np.full(len(clean.image), eye.px_noise)
+    ticks = np.minimum((clean.frames.middle / TICK_S).astype(int), len(clean.reference) - 1)
+    speed = eye.px_per_m * case.rig.reach * clean.reference[ticks]
+    return np.asarray(np.hypot(eye.px_noise, speed * TICK_S / 12.0**0.5))
 
 
 def _read(case: Case, clean: Clean) -> Array:
