@@ -1,7 +1,7 @@
 """The driver of every serial accelerometer: it reads a table of drivers/serial_devices.
 
 In a cycle it takes what has arrived, never more than 1 KiB, and gives the newest sample. A port that goes away is
-looked for and opened again; a device that falls silent is set up again, one command a read.
+looked for and opened again; a device that falls silent, or slow, is set up again, one command a read.
 """
 
 import time
@@ -21,7 +21,7 @@ _KEY = "accelerometer.port"
 _MOST_BYTES = 1024  # a read: 40 ms of the longest stream; what is older is of no use to the loop
 _STALE_PERIODS = 3.0
 _STALE_S = 0.006
-_SILENT_S = 0.5
+_WATCHED_S, _ENOUGH = 0.5, 0.4  # a device of half the rate is not set up over and over
 _LOOK_AGAIN_S = 0.25
 _POLL_S = 0.001
 _NO_NUMBERS = (nan, nan, nan)
@@ -58,6 +58,7 @@ class SerialAccelerometer:
         self._started = False
         self._commands_left = 0
         self._not_before_s = 0.0
+        self._watched_since_s, self._watched_samples = 0.0, 0
         self._bytes = 0
         self._newest: SerialSample | None = None
         self._arrived_s = self._read_s = nan
@@ -136,14 +137,12 @@ class SerialAccelerometer:
         data = self._port.read()
         self._bytes += len(data)
         samples = self._decoder.feed(data[-_MOST_BYTES:]) if data else []
-        if self._commands_left == 0 and now - max(self._arrived_s, self._not_before_s) > _SILENT_S:
-            self._commands_left = len(self._device.set_up)
-            self._not_before_s = now
+        self._watch_rate(len(samples), now)
         if self._commands_left and now >= self._not_before_s:
             command = self._device.set_up[-self._commands_left]
             self._port.write(command.data)
             self._commands_left -= 1
-            self._not_before_s = now + command.wait_s
+            self._not_before_s = self._watched_since_s = now + command.wait_s
         told = self._decoder.description
         if told is not None:
             self._decoder.description = None
@@ -151,13 +150,28 @@ class SerialAccelerometer:
             self.delay_s = told.delay_s + self._device.delay_s
         return samples
 
+    def _watch_rate(self, samples: int, now: float) -> None:
+        """Set the device up again when it gives too few of its samples: it lost its power, and its settings."""
+        if self._commands_left:
+            self._watched_samples = 0
+            return
+        self._watched_samples += samples
+        watched_s = now - self._watched_since_s
+        if watched_s < _WATCHED_S:
+            return
+        if self._watched_samples < _ENOUGH * watched_s * self.rate_hz:
+            self._commands_left = len(self._device.set_up)
+            self._not_before_s = now
+        self._watched_since_s, self._watched_samples = now, 0
+
     def _open(self) -> None:
         """Open the port; what lies in it from before is thrown away, read by read. Raises UserError."""
         self._port = SerialPort(self._config.port, self._config.baud or self._device.baud, _KEY)
         self._decoder.clear()
         self._newest = None
         self._commands_left = len(self._device.set_up)
-        self._arrived_s = self._not_before_s = self._clock()
+        self._arrived_s = self._not_before_s = self._watched_since_s = self._clock()
+        self._watched_samples = 0
 
     def _reopened(self, now: float) -> bool:
         if now < self._not_before_s:

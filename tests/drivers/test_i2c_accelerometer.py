@@ -197,6 +197,27 @@ def test_a_read_never_makes_more_than_one_transfer(
 
 
 @pytest.mark.parametrize("part", PARTS)
+@settings(max_examples=15, deadline=None)
+@given(
+    troubles=st.lists(
+        st.tuples(st.sampled_from([f for f in Failure if f != Failure.LATE]), st.integers(1, 120)), max_size=6
+    )
+)
+def test_after_any_row_of_failures_it_comes_back(part: str, troubles: list[tuple[Failure, int]]) -> None:
+    made = Rig(part)
+    try:
+        made.driver.start()
+        for failure, cycles in troubles:
+            made.registers.inject(failure)
+            for value in made.cycles(1.0, cycles):
+                assert isnan(value) or abs(value) <= made.driver.range_m_s2
+        made.registers.inject(Failure.NONE)
+        assert made.cycles(1.5, 250)[-1] == pytest.approx(1.5, abs=COUNT_M_S2[part])
+    finally:
+        made.close()
+
+
+@pytest.mark.parametrize("part", PARTS)
 def test_garbage_never_leaves_the_range(rig: Callable[..., Rig], part: str) -> None:
     made = rig(part)
     made.registers.inject(Failure.GARBAGE)

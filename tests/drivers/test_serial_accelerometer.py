@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 
 from common.configuration import AccelerometerDevice
 from common.user_error import UserError
@@ -109,6 +111,33 @@ def test_a_device_that_went_away_comes_back_by_itself(
     back = made.cycles(3.0, 1500)
     assert back[-1] == pytest.approx(3.0, abs=SLOWEST_M_S2)
     assert all(not isnan(value) for value in back[-200:])
+
+
+@EVERY
+@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    troubles=st.lists(
+        st.tuples(
+            st.sampled_from([Failure.STUCK, Failure.GARBAGE, Failure.LATE, Failure.UNPLUGGED, Failure.NONE]),
+            st.integers(1, 400),
+        ),
+        max_size=4,
+    )
+)
+@example(
+    troubles=[(Failure.UNPLUGGED, 57), (Failure.STUCK, 196)]
+)  # deaf while it was set up: slow afterwards
+def test_after_any_row_of_failures_it_comes_back(name: str, troubles: list[tuple[Failure, int]]) -> None:
+    made = Rig(name)
+    try:
+        made.driver.start()
+        for failure, cycles in troubles:
+            made.device.inject(failure)
+            made.cycles(1.0, cycles)
+        made.device.inject(Failure.NONE)
+        assert made.cycles(1.5, 1600)[-1] == pytest.approx(1.5, abs=SLOWEST_M_S2)
+    finally:
+        made.close()
 
 
 @EVERY
