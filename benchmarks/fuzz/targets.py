@@ -1,0 +1,148 @@
+"""The decoders that read what others send, each as a function of bytes that may do anything but misbehave.
+
+Fuzzed by tests/fuzz with hypothesis, and coverage-guided by `python -m benchmarks.fuzz.coverage_guided TARGET`.
+A target raises AssertionError when what it read is not what it promises; every other exception is a finding as well.
+"""
+
+import contextlib
+import tempfile
+from collections.abc import Callable
+from hashlib import blake2s
+from math import isfinite
+from pathlib import Path
+
+import msgpack
+
+from common.configuration import Configuration
+from common.csv_bundle.bundle_import import import_bundle
+from common.datagram import BODY_FIELDS, DEMO_KEY, MAX_DATAGRAM_BYTES, TAG_BYTES, Datagram, Kind, decode
+from common.mapped_data import import_mapped
+from common.model import Model, check_model
+from common.recording.reader import open_recording
+from common.scenario import Scenario
+from common.typed_toml import parse_toml
+from common.user_error import UserError
+from controller.exchange import ControllerExchange, ReferenceExchange
+from drivers.drive_gateway import DriveGateway
+from drivers.odrive_lines import LineReader
+from drivers.serial_decoders.framing import FrameDecoder
+from drivers.serial_devices import SERIAL_DEVICES
+from supervisor.exchange import SupervisorExchange
+
+_OWN, _PEER = 11, 12
+
+
+def _signed(payload: bytes) -> bytes:
+    return payload + blake2s(payload, key=DEMO_KEY, digest_size=TAG_BYTES).digest()
+
+
+def datagram(data: bytes) -> None:
+    """Bytes as they come, and the same bytes signed: what a holder of the key could send by mistake."""
+    for candidate in (data, _signed(data)):
+        got = decode(DEMO_KEY, candidate)
+        if isinstance(got, Datagram):
+            assert len(candidate) <= MAX_DATAGRAM_BYTES
+            assert len(got.body) == BODY_FIELDS[Kind(got.kind)] and got.session > 0 and got.sequence > 0
+
+
+def exchanges(data: bytes) -> None:
+    """A signed body of every kind, echo and session right: what reaches the innermost checks."""
+    try:
+        body = msgpack.unpackb(data, use_list=True, strict_map_key=False)
+    except (ValueError, TypeError, RecursionError, msgpack.exceptions.UnpackException):
+        return
+    fields = body if isinstance(body, list) else [body]
+    controller = ControllerExchange(DEMO_KEY, _OWN)
+    supervisor = SupervisorExchange(DEMO_KEY, _OWN, 2)
+    reference = ReferenceExchange(DEMO_KEY, _OWN)
+    gateway = DriveGateway(DEMO_KEY, _OWN)
+    for kind in Kind:
+        padded = (fields + [0] * 20)[: BODY_FIELDS[kind]]
+        try:
+            signed = _signed(msgpack.packb((2, int(kind), _PEER, _OWN, 1, *padded)))
+        except (ValueError, TypeError, OverflowError):
+            return
+        for sample in controller.take([signed], 100, 0.5):
+            assert 0 <= sample.started_cycle <= 100
+        supervisor.take([signed], 0.5)
+        reference.take([signed], 0.5)
+        gateway.receive(signed, 0.5)
+    velocity, _ = reference.reference(0.5)
+    assert isfinite(velocity) and isfinite(gateway.velocity_command(0.5))
+    assert supervisor.latest.cycle >= -1
+
+
+def _toml(structure: type[Configuration] | type[Model] | type[Scenario]) -> Callable[[bytes], None]:
+    def target(data: bytes) -> None:
+        try:
+            read = parse_toml(data.decode("utf-8", "replace"), structure, "fuzz.toml")
+            if isinstance(read, Model):
+                check_model(read, "fuzz.toml")
+        except UserError as error:
+            _one_line(error)
+
+    return target
+
+
+def _file(name: str, read: Callable[[Path], object]) -> Callable[[bytes], None]:
+    def target(data: bytes) -> None:
+        with tempfile.TemporaryDirectory(prefix="stillarm-fuzz-") as folder:
+            path = Path(folder) / name
+            path.write_bytes(data)
+            try:
+                read(path)
+            except UserError as error:
+                _one_line(error)
+
+    return target
+
+
+def _one_line(error: UserError) -> None:
+    text = str(error)
+    assert text and "\n" not in text, f"not one line: {text!r}"
+
+
+def _read_recording(path: Path) -> None:
+    recording = open_recording(path)
+    for topic in recording.counts:
+        with contextlib.suppress(UserError):
+            for _ in recording.messages(topic):
+                pass
+
+
+def _frames(name: str) -> Callable[[bytes], None]:
+    framing = SERIAL_DEVICES[name].framing
+
+    def target(data: bytes) -> None:
+        whole, parts = FrameDecoder(framing), FrameDecoder(framing)
+        samples = whole.feed(data)
+        cut = [s for i in range(0, len(data), 7) for s in parts.feed(data[i : i + 7])]
+        assert repr(samples) == repr(cut), "the chunks make a difference"
+        assert len(samples) <= whole.frames
+
+    return target
+
+
+def _odrive(data: bytes) -> None:
+    whole, parts = LineReader(), LineReader()
+    lines = whole.feed(data)
+    cut = [line for i in range(0, len(data), 5) for line in parts.feed(data[i : i + 5])]
+    assert lines == cut
+
+
+TARGETS: dict[str, Callable[[bytes], None]] = {
+    "datagram": datagram,
+    "exchanges": exchanges,
+    "configuration": _toml(Configuration),
+    "model": _toml(Model),
+    "scenario": _toml(Scenario),
+    "fast_csv": _file("fast.csv", lambda path: import_bundle(path.parent, path.with_name("out.mcap"))),
+    "mapped_csv": _file(
+        "data.csv",
+        lambda path: import_mapped(path, {"input": "1", "output": "2"}, 100.0, path.with_name("out.mcap")),
+    ),
+    "recording": _file("recording.mcap", _read_recording),
+    "odrive": _odrive,
+    **{name: _frames(name) for name in SERIAL_DEVICES},
+}
+"""By name."""
