@@ -102,6 +102,18 @@ class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     fade_s: Annotated[float, Meta(gt=0.0, le=0.05)] = 0.04
 
 
+class Dither(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """A small sine of the joint that dates the camera's images after the accelerometer's death, while damping is on.
+
+    amplitude_rad bounds the joint's departure. fade_s: how long it takes to rise and to fall.
+    """
+
+    enabled: bool = False
+    amplitude_rad: Annotated[float, Meta(gt=0.0, le=0.02)] = 0.002
+    frequency_hz: Annotated[float, Meta(gt=0.0, le=20.0)] = 1.0
+    fade_s: Annotated[float, Meta(ge=0.5, le=30.0)] = 3.0
+
+
 class Safety(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """What must hold before the joint may move, and the emergency stop. docs/safety.md has the states.
 
@@ -130,6 +142,7 @@ class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     kalman: Kalman = Kalman()
     fused: Fused = Fused()
     damping: Damping = Damping()
+    dither: Dither = Dither()
     safety: Safety = Safety()
 
 

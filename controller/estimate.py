@@ -47,7 +47,8 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
 
     deflection_m (sum of the modes, zero-mean) and deflection_rate_m_s at the observation's time; NaN when unknown.
     deflection_std_m: its standard deviation. status: that of the deflection. reason: why the delay or the deflection is
-    no better than it is, or which sensor is at fault; empty for nothing to be said.
+    no better than it is, or which sensor is at fault; empty for nothing to be said. accelerometer_lost: the method does
+    without it, as it is dead or shows no vibration.
     """
 
     delay: DelayEstimate
@@ -56,6 +57,7 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
     deflection_std_m: float = nan
     status: Status = Status.UNESTIMATED
     reason: str = ""
+    accelerometer_lost: bool = False
 
 
 class Method(Protocol):

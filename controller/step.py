@@ -11,6 +11,7 @@ from common.effects import declared
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.damping import DampingStatus, JointDamping
+from controller.dither import STILL, check_dither, dither_on
 from controller.estimate import Estimate, Observation
 from controller.joint_motion import JointMotion
 from controller.limits import CommandLimits
@@ -75,6 +76,8 @@ class Controller:
         self._damping = JointDamping(model, settings.damping, model_name)
         self._motion = Motion(model, settings.reference_shaping)
         self._limits = CommandLimits(model.drive, self._cycle_s)
+        check_dither(settings.dither, model)
+        self._dither_settings, self._dither = settings.dither, STILL
         self._cycle: int | None = None
 
     def step(self, read: CycleInput) -> CycleOutput:
@@ -109,6 +112,10 @@ class Controller:
             estimate, time_s, read.damping_allowed and allowed.may_damp, joint.position_rad, read.joint_age_s
         )
         wanted = reference + velocity
+        if self._dither_settings.enabled:
+            wanted += self._dither_rad_s(
+                estimate.accelerometer_lost and status is DampingStatus.ACTIVE, elapsed, allowed.may_move
+            )
         command = self._limits.bound(wanted, joint.position_rad)
         joint.send(command)
         moved = read.joint_velocity_rad_s
@@ -125,3 +132,13 @@ class Controller:
         return CycleOutput(
             command, velocity, status, estimate, damping.predicted_m(estimate), allowed.state, allowed.reason
         )
+
+    def _dither_rad_s(self, wanted: bool, elapsed: int, may_move: bool) -> float:
+        """The dither's part of the command. Where the joint may not move it ends at once."""
+        if not may_move:
+            self._dither = STILL
+            return 0.0
+        self._dither, velocity = dither_on(
+            self._dither, wanted, elapsed * self._cycle_s, self._dither_settings
+        )
+        return velocity

@@ -201,6 +201,11 @@ class FrameFusion:
             shift, variance = bank.x[:, at.shift].copy(), bank.p[:, at.shift, at.shift].copy()
             self._shifts.append((received_s, shift, variance))
 
+    @property
+    def blind(self) -> bool:
+        """Whether the images are all there is: nothing of the accelerometer has been of use for a while."""
+        return self._blind
+
     def _go_blind(self, received_s: float) -> None:
         """Notice that the accelerometer has gone, or is back."""
         blind = self._unused_blocks > _BLIND_BLOCKS

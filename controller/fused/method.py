@@ -320,4 +320,4 @@ class FusedMethod:
             status, self.reason = Status.HELD, "no images"
         delay = DelayEstimate(frames.delay_s, frames.delay_std_s, status)
         of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
-        return Estimate(delay, deflection, rate, std, of_deflection, self.reason)
+        return Estimate(delay, deflection, rate, std, of_deflection, self.reason, frames.blind)
