@@ -20,6 +20,7 @@ _FEWEST_FRAMES = 5
 _RATE_OFF = 0.05
 _DARK, _BRIGHT = 20.0, 235.0  # mean grey levels
 _MEASURED_SHARE = 0.9
+_WANDER = 3.0  # times the model's noise: an image out of focus, or a rig that rings
 _LONGER = 1.02  # than the period, an exposure
 _CAUSES = {
     TrackingStatus.DARK: "the image is dark: take the cap off, add light, or lengthen camera.exposure_s",
@@ -91,7 +92,7 @@ def judge_camera(facts: CameraFacts, device: CameraDevice, model: Model) -> list
     else:
         verdicts += [_judge_rate(facts, model), _judge_counters(facts), _judge_exposure(facts, device, model)]
         verdicts.append(_judge_stamps(facts))
-    return [*verdicts, *_judge_images(facts)]
+    return [*verdicts, *_judge_images(facts, model)]
 
 
 def _period_s(facts: CameraFacts) -> float:
@@ -171,7 +172,7 @@ def _judge_exposure(facts: CameraFacts, device: CameraDevice, model: Model) -> V
     return ok("camera", f"exposure {1e3 * exposure:.1f} ms")
 
 
-def _judge_images(facts: CameraFacts) -> list[Verdict]:
+def _judge_images(facts: CameraFacts, model: Model) -> list[Verdict]:
     measured = [sample for sample in facts.samples if sample.measured]
     share = len(measured) / len(facts.samples)
     if share < _MEASURED_SHARE:
@@ -181,11 +182,21 @@ def _judge_images(facts: CameraFacts) -> list[Verdict]:
         cause = _CAUSES.get(TrackingStatus(status), "the tracker gives no measurement")
         if facts.grey < _DARK:
             cause = _CAUSES[TrackingStatus.DARK]
+        elif facts.grey > _BRIGHT:
+            cause = _CAUSES[TrackingStatus.SATURATED]
         return [fail("camera", f"{100.0 * share:.0f} % of the images could be tracked: {cause}")]
     if facts.grey < _DARK or facts.grey > _BRIGHT:
         word = "dark: add light" if facts.grey < _DARK else "bright: shorten camera.exposure_s"
         return [warn("camera", f"mean grey level {facts.grey:.0f} of 255: {word}")]
     features = int(np.median([sample.features for sample in measured]))
     inliers = int(np.median([sample.inliers for sample in measured]))
-    moved = np.array([sample.displacement_x_px for sample in measured])
-    return [ok("camera", f"{features} features, {inliers} agree; at rest within {np.std(moved):.3f} px")]
+    wander = float(np.std([sample.displacement_x_px for sample in measured]))
+    if wander > _WANDER * model.camera.noise_std_px:
+        return [
+            fail(
+                "camera",
+                f"the image wanders by {wander:.2f} px (the model says {model.camera.noise_std_px:g}): is the rig at "
+                "rest? else focus the lens, add light, or put something with edges into view",
+            )
+        ]
+    return [ok("camera", f"{features} features, {inliers} agree; at rest within {wander:.3f} px")]

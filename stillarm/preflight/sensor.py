@@ -96,10 +96,15 @@ def read_sensor(
         elif reading.status != SampleStatus.HELD:
             missing += 1
         sleep(max(0.0, begun + reads * cycle_s - clock()))
+    span_s = clock() - begun
+    try:
+        identity = accelerometer.identify()
+    except OSError:  # gone meanwhile; the missing samples tell
+        identity = ""
     return SensorFacts(
-        accelerometer.identify(),
+        identity,
         np.array(samples, dtype=np.float64).reshape(-1, 3),
-        clock() - begun,
+        span_s,
         reads,
         missing,
         accelerometer.rate_hz,

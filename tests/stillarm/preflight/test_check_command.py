@@ -1,0 +1,92 @@
+"""`stillarm check` against a rig that runs: it passes, moves nothing, and tells what is wrong with a configuration."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from common.recording.reader import open_recording
+
+ROOT = Path(__file__).parents[3]
+CONFIG = """
+model = "model.toml"
+[link]
+controller_port = {ports[0]}
+supervisor_port = {ports[1]}
+reference_port = {ports[2]}
+[supervisor]
+cycles_in_flight = 4
+[accelerometer]
+bus = "memory:{name}-i2c"
+[camera]
+driver = "shared_memory"
+device = "{name}-camera"
+[drive]
+gateway_port = {ports[3]}
+local_port = {ports[4]}
+[telemetry]
+enabled = false
+"""
+
+
+def free_ports(count: int) -> list[int]:
+    import socket
+
+    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
+    for held in sockets:
+        held.bind(("127.0.0.1", 0))
+    ports = [int(held.getsockname()[1]) for held in sockets]
+    for held in sockets:
+        held.close()
+    return ports
+
+
+def stillarm(*words: str) -> list[str]:
+    return [sys.executable, "-P", "-m", "stillarm", *words]
+
+
+@pytest.mark.realtime
+def test_a_running_rig_passes_and_a_mistake_is_named(tmp_path: Path) -> None:
+    name = f"check-{os.getpid()}"
+    (tmp_path / "model.toml").write_text((ROOT / "configs" / "model.toml").read_text())
+    good, bad = tmp_path / "rig.toml", tmp_path / "mistake.toml"
+    text = CONFIG.format(name=name, ports=free_ports(5))
+    good.write_text(text)
+    bad.write_text(text.replace(f'"memory:{name}-i2c"', f'"memory:{name}-i2c"\naxis = "z"'))
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    truth = tmp_path / "truth.mcap"
+    rig = subprocess.Popen(stillarm("rig", "--config", str(good), "--truth", str(truth)), env=environment)
+    try:
+        until = time.monotonic() + 20.0
+        while not Path(f"/dev/shm/stillarm-{name}-camera").exists() and time.monotonic() < until:
+            time.sleep(0.05)
+        runs = [
+            subprocess.run(
+                stillarm("check", "--config", str(path)),
+                capture_output=True,
+                text=True,
+                timeout=60,
+                env=environment,
+                check=False,
+            )
+            for path in (good, bad)
+        ]
+    finally:
+        rig.send_signal(signal.SIGTERM)
+        rig.wait(20)
+    passed, failed = runs
+    assert passed.returncode == 0, passed.stdout + passed.stderr
+    assert passed.stdout.splitlines()[-1].endswith("0 failed: ready")
+    assert [line.split()[0] for line in passed.stdout.splitlines()[:-1]] == sorted(
+        (line.split()[0] for line in passed.stdout.splitlines()[:-1]),
+        key=["machine", "bus", "sensor", "camera", "link", "drive"].index,
+    )
+    assert failed.returncode == 1
+    (line,) = (line for line in failed.stdout.splitlines() if "FAIL" in line)
+    assert "accelerometer.axis = 'z' carries" in line
+    position = open_recording(truth).columns("/truth/state")["joint_position_rad"]
+    assert (position == 0.0).all()  # nothing moved
