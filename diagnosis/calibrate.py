@@ -1,0 +1,190 @@
+"""The model's parameters from a recording, with uncertainties: modes, drive, signs and scales, delay, noise levels.
+
+The same simulation and the same likelihood as the diagnosis, with more set free, and started where the data point:
+the frequency from the residual's spectrum, the capture delay from a grid, signs and scales by being linear.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from common.model import Model
+from common.user_error import UserError
+from diagnosis.extended_model import refitted_model
+from diagnosis.fit import Data, Fit, Split, fit, make_data
+from diagnosis.impacts import fit_with_impacts, refit_with
+from diagnosis.measured import Measured
+from diagnosis.screen import residual_peaks
+from diagnosis.world import World
+
+Array = NDArray[np.float64]
+
+_DELAYS_S = (0.02, 0.05, 0.08, 0.11, 0.14, 0.17)
+_PEAKS = 4
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The model found, and its parameters with standard deviations: model key -> (value, std)."""
+
+    model: Model
+    parameters: dict[str, tuple[float, float]]
+    nrmse: dict[str, float]
+    fit: Fit
+
+
+def calibrate(
+    measured: Measured, model: Model, tick: Callable[[float, str], None] = lambda done, what: None
+) -> Calibration:
+    """Find the parameters. Raises UserError for a recording that shows too little of the arm."""
+    world = World(measured, model)
+    if not {"acceleration", "displacement", "deflection"} & set(world.channels):
+        raise UserError(
+            f"{measured.name}: no channel shows the arm (acceleration, displacement or deflection); record one of them"
+        )
+    split = Split(np.array([0.0, measured.duration_s]), np.zeros(1, dtype=bool))
+    tick(0.05, "frequency and delay")
+    start = _first(make_data(world, split))
+    tick(0.4, "all parameters")
+    modes = [
+        msgspec.structs.replace(model.arm.modes[0], frequency_hz=start.value("modes.0.frequency_hz")),
+        *model.arm.modes[1:],
+    ]
+    begun = msgspec.structs.replace(
+        model,
+        arm=msgspec.structs.replace(model.arm, modes=modes),
+        accelerometer=msgspec.structs.replace(model.accelerometer, scale=start.value("accelerometer.scale")),
+        camera=msgspec.structs.replace(model.camera, scale_px_per_m=start.value("camera.scale_px_per_m")),
+        timing=msgspec.structs.replace(
+            model.timing, capture_delay_s=max(0.0, start.value("timing.capture_delay_s"))
+        ),
+    )
+    last = fit_with_impacts(World(measured, begun), split)
+    tick(0.7, "drive")
+    last = refit_with(last, split, last.world.impacts, _more(last.world))
+    tick(0.95, "noise")
+    return Calibration(_model(model, last), _parameters(last), _errors(last), last)
+
+
+def _more(world: World) -> tuple[str, ...]:
+    """What calibration frees beyond the diagnosis' baseline."""
+    names: list[str] = []
+    moved = bool(np.any(np.abs(np.nan_to_num(world.measured.command)) > 0.0))
+    if moved:
+        names += ["drive.bandwidth_hz", "drive.dead_time_s"]
+    if "acceleration" in world.channels and ({"displacement", "deflection"} & set(world.channels) or moved):
+        names.append("accelerometer.scale")
+    return tuple(names)
+
+
+def _first(data: Data) -> Fit:
+    """The best of many starts: frequency at each large peak of the spectrum, delays over a grid."""
+    world = data.world
+    plain = fit(data, world.space.vector(), (), iterations=0)
+    named = world.model.arm.modes[0].frequency_hz
+    found = [f for peaks in residual_peaks(plain).values() for f in peaks[:_PEAKS] if 0.3 < f < 40.0]
+    frequencies = list(dict.fromkeys([named, *found]))
+    linear = _linear(world)
+    best: Fit | None = None
+    place = world.space.place
+    delays = _DELAYS_S if "displacement" in world.channels else (world.model.timing.capture_delay_s,)
+    for frequency in frequencies:
+        for delay in delays:
+            start = world.space.vector()
+            start[place["modes.0.frequency_hz"]] = frequency
+            start[place["timing.capture_delay_s"]] = delay
+            one = fit(data, start, linear, iterations=2, prior=start)
+            if best is None or one.train_nats > best.train_nats:
+                best = one
+    assert best is not None
+    free = (*linear, "modes.0.frequency_hz", "modes.0.damping_ratio")
+    free = (*free, "timing.capture_delay_s") if "displacement" in world.channels else free
+    return fit(data, best.vector, free, iterations=12, prior=best.vector)
+
+
+def _linear(world: World) -> tuple[str, ...]:
+    """Quantities on which the channels depend linearly, so that any start will do."""
+    names = ["jump.0.0.q", "jump.0.0.v", "modes.0.participation"]
+    has = world.channels
+    if "joint_position" in has:
+        names.append("start.theta")
+    if "joint_position" in has or "joint_velocity" in has:
+        names.append("start.omega")
+    if "acceleration" in has:
+        names += ["accelerometer.bias_m_s2", "accelerometer.scale"]
+    if "displacement" in has:
+        names += ["camera.scale_px_per_m", "camera.offset_px"]
+    if "arrival" in has:
+        names.append("timing.arrival_s")
+    return tuple(names)
+
+
+def _model(model: Model, last: Fit) -> Model:
+    found = refitted_model(model, last)
+    drive, sensor = found.drive, found.accelerometer
+    if "drive.bandwidth_hz" in last.free:
+        drive = msgspec.structs.replace(
+            drive,
+            bandwidth_hz=last.value("drive.bandwidth_hz"),
+            dead_time_s=last.value("drive.dead_time_s"),
+        )
+    if "accelerometer.scale" in last.free:
+        sensor = msgspec.structs.replace(sensor, scale=last.value("accelerometer.scale"))
+    timing = found.timing
+    if "displacement" in last.world.channels:
+        timing = msgspec.structs.replace(timing, capture_delay_std_s=_delay_spread(last))
+    return msgspec.structs.replace(found, drive=drive, accelerometer=sensor, timing=timing)
+
+
+def _delay_spread(last: Fit) -> float:
+    """Spread of the capture delay: of the arrivals about the camera's clock, where it has one."""
+    world = last.world
+    if "arrival" not in world.channels:
+        return world.model.timing.capture_delay_std_s
+    late = world.channels["arrival"] - last.predicted.channels["arrival"]
+    return float(np.std(late[np.isfinite(late)]))
+
+
+_KEYS = {
+    "accelerometer.scale": "accelerometer.scale",
+    "accelerometer.bias_m_s2": "accelerometer.bias_m_s2",
+    "camera.scale_px_per_m": "camera.scale_px_per_m",
+    "timing.capture_delay_s": "timing.capture_delay_s",
+    "drive.bandwidth_hz": "drive.bandwidth_hz",
+    "drive.dead_time_s": "drive.dead_time_s",
+}
+
+
+def _parameters(last: Fit) -> dict[str, tuple[float, float]]:
+    found: dict[str, tuple[float, float]] = {}
+    for i in range(len(last.world.model.arm.modes)):
+        for name in ("frequency_hz", "damping_ratio", "participation"):
+            found[f"arm.modes[{i}].{name}"] = (last.value(f"modes.{i}.{name}"), last.std[f"modes.{i}.{name}"])
+    for name, key in _KEYS.items():
+        if name in last.free:
+            found[key] = (last.value(name), last.std[name])
+    for channel, key in (
+        ("acceleration", "accelerometer.noise_std_m_s2"),
+        ("displacement", "camera.noise_std_px"),
+    ):
+        if channel in last.world.channels:
+            count = int(np.isfinite(last.world.channels[channel]).sum())
+            level = last.sigma[channel]
+            found[key] = (level, level / (2.0 * max(count, 1)) ** 0.5)
+    return found
+
+
+def _errors(last: Fit) -> dict[str, float]:
+    """Free-run error of each channel as a part of its variation."""
+    found = {}
+    for name, values in last.world.channels.items():
+        residual = values - last.predicted.channels[name]
+        spread = float(np.nanstd(values - (last.world.frame_clock.grid_s if name == "arrival" else 0.0)))
+        found[name] = float(np.sqrt(np.nanmean(residual**2))) / (spread or 1.0)
+    return found
+
+
+__all__ = ["Calibration", "calibrate"]
