@@ -1,4 +1,4 @@
-"""Memory shared between processes by name: a plain block, a record under a sequence lock, and a byte ring.
+"""Memory shared between processes by name: a plain block, and a byte ring.
 
 The blocks are files in /dev/shm (elsewhere the directory for temporary files), mapped. They outlive a killed
 process, so that whoever reads them can finish, and are removed by whoever made them.
@@ -127,45 +127,6 @@ class SharedBlock:
 def word_at(buffer: memoryview, offset: int) -> memoryview:
     """The 8-byte word at an offset (a multiple of 8) of a buffer, as item 0 of a view: read and stored whole."""
     return buffer[offset : offset + 8].cast("Q")
-
-
-class SharedRecord:
-    """One record of fixed size under a sequence lock: one writer, any number of readers, the newest value
-    only.
-    """
-
-    def __init__(self, name: str, layout: struct.Struct, *, create: bool, wait_s: float = 0.0) -> None:
-        """Make or open the record `layout`; opening waits up to `wait_s` for it to appear."""
-        self.block = SharedBlock(name, layout.size, create=create, wait_s=wait_s)
-        self._layout = layout
-        self._sequence = self.block.words[1] & ~1
-
-    def write(self, *values: object) -> None:
-        """Publish a new value."""
-        words = self.block.words
-        words[1] = self._sequence + 1
-        self._layout.pack_into(self.block.buffer, 0, *values)
-        self._sequence += 2
-        words[1] = self._sequence
-
-    def read(self, attempts: int = 50) -> tuple[object, ...] | None:
-        """The newest whole value; None before the first write, or when the writer died in the
-        middle of one.
-        """
-        words, buffer = self.block.words, self.block.buffer
-        for _ in range(attempts):
-            before = words[1]
-            if before == 0:
-                return None
-            if before & 1 == 0:
-                values = self._layout.unpack_from(buffer, 0)
-                if words[1] == before:
-                    return values
-        return None
-
-    def close(self) -> None:
-        """Release the memory."""
-        self.block.close()
 
 
 class SharedRing:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from common.configuration import load_assumed_model, load_configuration, model_path
 from common.effects import not_used_by_controller
+from common.left_behind import remove_left_blocks
 from common.recording.header import live_header
 from common.recording.recorder_client import RECORDING_CUT, RecorderClient
 from common.service_notify import notify
@@ -40,6 +41,7 @@ def run(
         log("controller", "warning", unused)
     controller = Controller(model, configuration.controller, model_name)
     hold_instance("controller", configuration.link.controller_port)
+    remove_left_blocks()
     devices = LiveDevices(configuration, model, SignalFlag(signal.SIGUSR1))
     stop = StopSignal()
     log_start("controller", configuration, configuration_path)

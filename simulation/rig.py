@@ -23,6 +23,7 @@ import numpy as np
 
 from common.configuration import Configuration, Rig, load_configuration, load_true_model, true_model_path
 from common.effects import declared
+from common.left_behind import remove_left_blocks
 from common.link_key import load_key
 from common.model import Model, length_of
 from common.priority import raise_priority, run_fifo
@@ -85,6 +86,7 @@ def run(
         model = msgspec.structs.replace(model, accelerometer=with_device(model.accelerometer, device))
     # What the camera's process would refuse, while there is one to say so.
     CameraTiming(model.camera, model.timing, rig, rig.seed, origin_s=0.0, after_delivery_s=AFTER_DELIVERY_S)
+    remove_left_blocks()
     raise_priority(_NICENESS)
     stop = StopSignal()
     recorder = None

@@ -1,7 +1,6 @@
 """Memory between processes: whole values only, whole messages in order, nothing left behind."""
 
 import os
-import struct
 import subprocess
 import sys
 from collections import deque
@@ -12,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from common.shared_memory import SharedBlock, SharedRecord, SharedRing, block_path
+from common.shared_memory import SharedBlock, SharedRing, block_path
 from common.user_error import UserError
 
 ROOT = Path(__file__).parents[2]
@@ -67,48 +66,6 @@ def test_a_ring_outlives_a_killed_writer(name: str) -> None:
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == -9
     assert [ring.get() for _ in range(1001)] == [*(str(i).encode() for i in range(1000)), None]
     ring.close()
-
-
-LAYOUT = struct.Struct("<qqqq")
-
-
-def test_a_record_is_never_torn(name: str) -> None:
-    record = SharedRecord(name, LAYOUT, create=True)
-    assert record.read() is None
-    code = (
-        "import struct; from common.shared_memory import SharedRecord\n"
-        f"record = SharedRecord({name!r}, struct.Struct('<qqqq'), create=False)\n"
-        "print('ready', flush=True)\n"
-        "i = 0\n"
-        "while True: i += 1; record.write(i, i, i, i)"
-    )
-    writer = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE)
-    try:
-        assert writer.stdout is not None and writer.stdout.readline() == b"ready\n"
-        last = 0
-        while last < 20_000:
-            values = record.read()
-            if values is not None:
-                assert len(set(values)) == 1 and isinstance(values[0], int) and values[0] >= last
-                last = values[0]
-    finally:
-        writer.kill()
-        writer.communicate()
-        record.close()
-
-
-def test_a_writer_that_died_in_the_middle_gives_nothing(name: str) -> None:
-    record = SharedRecord(name, LAYOUT, create=True)
-    record.write(1, 2, 3, 4)
-    assert record.read() == (1, 2, 3, 4)
-    sequence = record.block.header[8]
-    record.block.header[8] = sequence + 1
-    assert record.read() is None
-    again = SharedRecord(name, LAYOUT, create=False)  # its successor goes on
-    again.write(5, 6, 7, 8)
-    assert record.read() == (5, 6, 7, 8)
-    again.close()
-    record.close()
 
 
 def test_a_block_made_anew_is_noticed(name: str) -> None:
