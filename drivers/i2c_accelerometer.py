@@ -31,6 +31,7 @@ _STALE_AFTER_READS = 5
 _LOST_AFTER_READS = 50
 _LOOK_AGAIN_S = 0.010
 _LATE_S = 0.002  # twice a cycle: longer than any healthy transfer
+_LATE_IN_A_ROW = 3
 _LATE_SHARE = 0.05  # of the time, at most, goes into transfers that are late
 _POLL_S = 0.001
 _NO_NUMBERS = (nan, nan, nan)
@@ -79,6 +80,7 @@ class I2cAccelerometer:
         self._read_s = nan
         self._without_data = 0
         self._lost = False
+        self._late_in_a_row = 0
         self._not_before_s = 0.0
 
     def start(self) -> None:
@@ -221,9 +223,10 @@ class I2cAccelerometer:
         return self._missing(SampleStatus.SETTING_UP)
 
     def _spare_the_loop(self, started_s: float) -> None:
-        """After a transfer that took too long, leave the bus alone for a while."""
+        """After transfers that took too long, leave the bus alone for a while; one may be this process's own delay."""
         took = self._clock() - started_s
-        if took > _LATE_S:
+        self._late_in_a_row = self._late_in_a_row + 1 if took > _LATE_S else 0
+        if self._late_in_a_row >= _LATE_IN_A_ROW:
             self._not_before_s = started_s + took / _LATE_SHARE
 
     def _plausible(self, counts: tuple[int, int, int]) -> bool:

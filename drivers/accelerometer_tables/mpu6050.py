@@ -1,10 +1,18 @@
 """TDK InvenSense MPU-6050: 16 bit, 2 to 16 g, a FIFO of 1024 bytes. Also on boards named GY-521.
 
-Bandwidths and delays: the register map's table of DLPF_CFG, the same in three public drivers. Its first setting
-states 260 Hz and 0 ms; the rate divider then counts 8 kHz.
+Bandwidths and delays: the register map's table of DLPF_CFG, the same in three public drivers. For its first setting it
+states 260 Hz and 0 ms, which no filter of 260 Hz can have: a first-order lag's is taken. The rate divider then counts
+8 kHz.
 """
 
-from drivers.accelerometer_tables.register_table import Fifo, FilterSetting, FullScale, RegisterTable, Write
+from drivers.accelerometer_tables.register_table import (
+    Fifo,
+    FilterSetting,
+    FullScale,
+    RegisterTable,
+    Write,
+    first_order_delay_s,
+)
 from drivers.accelerometer_tables.words import big_words
 
 _DIVIDER, _CONFIG, _ACCEL_CONFIG, _FIFO_EN, _INT_ENABLE = 0x19, 0x1A, 0x1C, 0x23, 0x38
@@ -39,7 +47,7 @@ MPU6050 = RegisterTable(
     },
     filters=(
         _filter(1, 184.0, 2.0e-3),
-        _filter(0, 260.0, 0.0),
+        _filter(0, 260.0, first_order_delay_s(260.0)),
         _filter(2, 94.0, 3.0e-3),
         _filter(3, 44.0, 4.9e-3),
     ),

@@ -20,8 +20,8 @@ class Write:
 class FilterSetting:
     """One setting of the low-pass filter. bits: what it adds to the registers that set_up writes.
 
-    bandwidth_hz: where it has fallen by 3 dB. delay_s: its group delay at low frequency. count_step: counts are multiples
-    of it, where the samples' words are left-justified.
+    bandwidth_hz: where it has fallen by 3 dB. delay_s: its group delay at low frequency. count_step: counts are
+    multiples of it, where the samples' words are left-justified.
     """
 
     bandwidth_hz: float
@@ -65,10 +65,10 @@ class Fifo:
 class RegisterTable:
     """An accelerometer. Registers are written in the order of set_up, each with the bits of range and filter added.
 
-    addresses: the usual one first. before_identity: writes that make the identity register visible.
-    filters: the default first. status_register and data_register are read in one transfer: as one span where they lie
-    close together. ready_mask, overrun_mask: bits of the status (0: it does not tell). max_rate_hz: by bus speed in Hz, where the part has such a limit.
-    noise_m_s2_per_sqrt_hz: white noise of one axis.
+    addresses: the usual one first. before_identity: writes that make the identity register visible. filters: the
+    default first. status_register and data_register are read in one transfer: as one span where they lie close
+    together. ready_mask, overrun_mask: bits of the status (0: it does not tell). max_rate_hz: by bus speed in Hz, where
+    the part has such a limit. noise_m_s2_per_sqrt_hz: white noise of one axis.
     """
 
     name: str

@@ -242,6 +242,25 @@ def test_a_bus_that_is_late_takes_a_twentieth_of_the_time(rig: Callable[..., Rig
     assert reads > 0.3 / LATE_S * 2
 
 
+def test_a_delay_of_the_process_is_not_taken_for_the_bus_s(rig: Callable[..., Rig]) -> None:
+    """Twice late, then in time: no read is left out."""
+    made = rig("lis3dh")
+    made.cycles(1.0, 3)
+    delays = iter([0.005, 0.005, 0.0, 0.005, 0.005, 0.0])
+    started = iter([True, False] * 6)
+    here = made.now_s
+
+    def clock() -> float:
+        nonlocal here
+        here += 0.001 if next(started) else next(delays)
+        return here
+
+    made.driver._clock = clock
+    for _ in range(6):
+        made.feel(2.0)
+        assert made.driver.read() == pytest.approx(2.0, abs=COUNT_M_S2["lis3dh"])
+
+
 def test_a_device_that_lost_its_power_is_set_up_again(rig: Callable[..., Rig]) -> None:
     made = rig("lis3lv02dq")
     made.cycles(1.0, 1)
