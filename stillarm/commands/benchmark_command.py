@@ -84,10 +84,14 @@ def _vision(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 def _hardware(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     from benchmarks.hardware import run as run_hardware
+    from benchmarks.hardware_drives import camera_rows, drive_rows
 
     with progress_bar("benchmark hardware"):
         result = run_hardware(trials, arguments.seed)
-    print_rows(result["rows"])
+        result |= {"drives": drive_rows(trials), "cameras": camera_rows()}
+    for table in ("rows", "drives", "cameras"):
+        print_rows(result[table])
+        print()
     return result
 
 
