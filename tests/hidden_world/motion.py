@@ -79,7 +79,9 @@ class Works(NamedTuple):
 
 @njit(cache=True)
 def _between(values: Array, t: float) -> float:
-    """Linear interpolation on the fine grid."""
+    """Linear interpolation on the fine grid; a single value is a constant."""
+    if len(values) == 1:
+        return float(values[0])
     x = t / STEP_S
     i = int(x)
     if i >= len(values) - 1:
@@ -185,20 +187,25 @@ def _stride(
     m: Works,
 ) -> None:
     """One Runge-Kutta step of length h from x at t into out. k: scratch, (5, WIDTH)."""
+    plain = m.filter_rate == 0.0 and m.play == 0.0 and m.hysteresis == 0.0 and m.creep == 0.0
+    width = 7 if plain else WIDTH  # what no effect uses stays as it is
+    k[4] = x
     a, b, c = t, t + 0.5 * h, t + h
     fa, fb, fc = _between(pitch, a), _between(pitch, b), _between(pitch, c)
     pa, pb, pc = _between(push, a), _between(push, b), _between(push, c)
     _slope(x, k[0], held, modes, fa, pa, m)
-    for i in range(WIDTH):
+    for i in range(width):
         k[4, i] = x[i] + 0.5 * h * k[0, i]
     _slope(k[4], k[1], held, modes, fb, pb, m)
-    for i in range(WIDTH):
+    for i in range(width):
         k[4, i] = x[i] + 0.5 * h * k[1, i]
     _slope(k[4], k[2], held, modes, fb, pb, m)
-    for i in range(WIDTH):
+    for i in range(width):
         k[4, i] = x[i] + h * k[2, i]
     _slope(k[4], k[3], held, modes, fc, pc, m)
-    for i in range(WIDTH):
+    for i in range(width, WIDTH):
+        out[i] = x[i]
+    for i in range(width):
         out[i] = x[i] + h / 6.0 * (k[0, i] + 2.0 * k[1, i] + 2.0 * k[2, i] + k[3, i])
 
 

@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Inside:
-    """The motion's numbers: `pitch` is the factor on the first bend's frequency and `push` its disturbance, m/s^2,
-    both on the fine grid; `hold_up` the drive's dead time of each cycle, s; `scale_m` a typical bending."""
+    """The motion's numbers. pitch: factor on the first bend's frequency, and push: its disturbance, m/s^2, both on the
+    fine grid or a single value. hold_up: the drive's dead time of each cycle, s. scale_m: a usual bending."""
 
     works: Works
     pitch: Array
@@ -46,8 +46,8 @@ def inside(rig: Rig, effects: tuple[Effect, ...], cycles: int, scale_m: float) -
     fine = cycles * FINE + 1
     made = Inside(
         works,
-        np.ones(fine),
-        np.zeros(fine),
+        np.ones(1),
+        np.zeros(1),
         np.full(cycles, joint.hold_up_s, dtype=np.float64),
         np.arange(fine, dtype=np.float64) * STEP_S,
         scale_m,
@@ -88,11 +88,13 @@ def _cubic(made: Inside, e: Effect) -> None:
 def _payload(made: Inside, e: Effect) -> None:
     closing = 0.15 * e.detail + 1e-9
     risen = np.clip((made.time - e["onset_s"]) / closing, 0.0, 1.0)
-    made.pitch *= 1.0 + (e["frequency_ratio"] - 1.0) * risen * risen * (3.0 - 2.0 * risen)
+    made.pitch = made.pitch * (1.0 + (e["frequency_ratio"] - 1.0) * risen * risen * (3.0 - 2.0 * risen))
 
 
 def _stiffness(made: Inside, e: Effect) -> None:
-    made.pitch *= 1.0 + rough_ramp(e, made.time, e["frequency_rate_hz_per_s"] * 2.0 * pi / made.works.w1)
+    made.pitch = made.pitch * (
+        1.0 + rough_ramp(e, made.time, e["frequency_rate_hz_per_s"] * 2.0 * pi / made.works.w1)
+    )
 
 
 def _periodic(made: Inside, e: Effect) -> None:
@@ -101,7 +103,7 @@ def _periodic(made: Inside, e: Effect) -> None:
     turn = 2.0 * pi * e["frequency_hz"] * made.time
     swell = 1.0 + 0.1 * e.detail * np.sin(2.0 * pi * made.time / 7.3 + beat)
     wave = np.sin(turn + phase) + 0.06 * e.detail * np.sin(2.0 * turn + beat)
-    made.push += e["amplitude_m_s2"] * swell * wave
+    made.push = made.push + e["amplitude_m_s2"] * swell * wave
 
 
 def _dead_time(made: Inside, e: Effect) -> None:
@@ -163,7 +165,7 @@ def _gusts(made: Inside, e: Effect) -> None:
     random, count = e.chance(), len(made.time) // 50 + 2
     step = 50 * STEP_S
     force = wander(random, count, 0.4, step) * np.exp(0.7 * wander(random, count, 4.0, step))
-    made.push += e["amount"] * np.interp(made.time, np.arange(count) * step, force)
+    made.push = made.push + e["amount"] * np.interp(made.time, np.arange(count) * step, force)
 
 
 _CHANGES: dict[str, Callable[[Inside, Effect], None]] = {
