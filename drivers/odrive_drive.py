@@ -5,6 +5,7 @@ firmware does not take `v` for a sign of life), and reads its state. What has ar
 has two numbers, an answer to a read one.
 """
 
+import os
 import time
 from collections.abc import Callable
 from math import inf, isfinite, nan, pi
@@ -13,9 +14,10 @@ from common.configuration import DriveDevice
 from common.user_error import UserError
 from drivers.drive import DriveProbe, JointState
 from drivers.odrive_lines import LineReader, checked_line
-from drivers.serial_port import PortLost, SerialPort
+from drivers.serial_port import PortLost, SerialPort, port_path
 
 WATCHDOG_S = 0.1
+_LEAST_BAUD = 460_800
 CLOSED_LOOP = 8  # axis state
 _IDLE = 1
 _VELOCITY_CONTROL, _PASSTHROUGH = 2, 1
@@ -126,7 +128,9 @@ class OdriveDrive:
                 f"axis {self._axis} reports error {int(error):#x}; `odrivetool` and dump_errors() tell what it is"
                 for error in errors
             )
-            return DriveProbe(identity, self.reports - before, span_s, self._position, notes)
+            return DriveProbe(
+                identity, self.reports - before, span_s, self._position, notes + self._too_slow()
+            )
         finally:
             self._drop()
 
@@ -139,6 +143,18 @@ class OdriveDrive:
             )
         self._running = False
         self._drop()
+
+    def _too_slow(self) -> tuple[str, ...]:
+        """A note for a UART that cannot carry a cycle's lines; over USB (ttyACM) the rate has no meaning."""
+        uart = (
+            "ttyACM" not in os.path.realpath(port_path(self._config.port)) and "pty" not in self._config.port
+        )
+        if not uart or self._config.baud >= _LEAST_BAUD:
+            return ()
+        return (
+            f"drive.odrive.baud = {self._config.baud}: an error for a 1 ms cycle, which needs {_LEAST_BAUD}; raise it "
+            "here and in the ODrive's config.uart_a_baudrate, or use USB",
+        )
 
     @property
     def _place(self) -> str:

@@ -133,8 +133,9 @@ def judge_sensor(facts: SensorFacts, device: AccelerometerDevice, model: Model) 
 
 def _judge_rate(facts: SensorFacts, cycle_s: float) -> Verdict:
     reached = len(facts.acceleration_m_s2) / facts.span_s
-    possible = min(facts.rate_hz, facts.reads / facts.span_s)
-    text = f"{reached:.0f} fresh samples a second (set to {facts.rate_hz:g})"
+    asked = facts.reads / facts.span_s
+    possible = min(facts.rate_hz, asked)
+    text = f"{reached:.0f} fresh samples in {asked:.0f} reads a second (set to {facts.rate_hz:g})"
     if facts.missing > 0.02 * facts.reads:
         return fail(
             "sensor",

@@ -2,6 +2,7 @@
 
 from math import inf, isnan, pi
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -204,6 +205,14 @@ def test_a_line_is_found_whatever_came_before_and_however_it_is_cut(garbage, cut
     data = garbage + b"\n" + checked_line("0.5 1.25")
     texts = [t for i in range(0, len(data), cut) for t in reader.feed(data[i : i + cut])]
     assert texts[-1] == "0.5 1.25"
+
+
+def test_a_uart_that_is_too_slow_is_told(bench):
+    slow = msgspec.structs.replace(bench.config.odrive, port="/dev/ttyS7", baud=115200)
+    (note,) = OdriveDrive(DriveDevice(driver="odrive", odrive=slow))._too_slow()
+    assert note.startswith("drive.odrive.baud = 115200: an error")
+    usb = msgspec.structs.replace(slow, port="/dev/ttyACM0")
+    assert OdriveDrive(DriveDevice(driver="odrive", odrive=usb))._too_slow() == ()
 
 
 def test_state_before_a_report_is_unknown(bench):
