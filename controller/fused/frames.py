@@ -16,6 +16,7 @@ from controller.fused.bank import FILTERS, LAWS, FilterBank, Law, Seen
 from controller.fused.blocks import Block, Jump
 from controller.fused.dating import Dating
 from controller.fused.evidence import Evidence
+from controller.fused.joint_date import JointDate
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.sensor_health import AccelerometerHealth
@@ -75,7 +76,9 @@ class FrameFusion:
         self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
         self._state_noise = start.state_noise(settings, at)
         self._phasor_share = start.phasor_share(settings)
-        self._least_jitter = 0.5 * self.bank.jitter
+        self._least_jitter = np.where(_LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
+        self._joint_date = JointDate()
+        self._cycle_s = model.timing.cycle_s
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
         spread = start.spread_s(model)
         self._spread = [ArrivalSpread(self._frame_s, spread, model.timing.cycle_s) for _ in range(2)]
@@ -141,20 +144,31 @@ class FrameFusion:
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2
                 self._spread[law].restart()
+                self._joint_date.restart()
         if dating.stamped and not self.evidence.stamps_admitted:
             self.evidence.admit_stamps(bank, dating)
             self._spread[Law.STAMPS].restart()
-        self._take_arrival(received_s)
+        self._take_arrival(sample, received_s)
         return True
 
-    def _take_arrival(self, received_s: float) -> None:
+    def _take_arrival(self, sample: VisualSample, received_s: float) -> None:
         late = received_s - self._model_delay_s - self.dating.nominal
         noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
             spread = self._spread[law]
             spread.add(float(late[law]))
             noise[law], walk[law] = spread.white, spread.walk * self.dating.elapsed[law]
+        self.dating.nominal[Law.JITTER] += self._joint_correction_s(sample, received_s)
         self.bank.take_arrival(late[_LAW_OF], noise[_LAW_OF], np.where(_CLOCKED, walk[_LAW_OF], 0.0))
+
+    def _joint_correction_s(self, sample: VisualSample, received_s: float) -> float:
+        """What n_i and the frame's number add to the arrival, s."""
+        spread = self._spread[Law.CLOCK]
+        gain = min(max(sqrt(0.5 * spread.walk * self._frame_s / spread.white), 0.005), 0.3)
+        started_s = sample.started_cycle * self._cycle_s - received_s
+        return self._joint_date.correction_s(
+            started_s, float(self.dating.nominal[Law.CLOCK]) - received_s, gain
+        )
 
     def take(
         self,
@@ -234,6 +248,7 @@ class FrameFusion:
         if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * self._frame_s:
             self.dating.nominal[Law.CLOCK] += self._voted * self._frame_s
             self._spread[Law.CLOCK].restart()
+            self._joint_date.restart()
             return True
         self.blow = True
         best = self.evidence.best
