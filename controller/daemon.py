@@ -55,7 +55,7 @@ def run(
         recorder = RecorderClient.start(
             record, header, telemetry=configuration.telemetry, process_name="controller"
         )
-        statistics = start_statistics(block.name)
+        statistics = start_statistics(block.name, recorder.process_id)
         warm_up(model, configuration.controller, model_name)
         if missing := realtime.enter():
             log("controller", "warning", "not real-time", missing=[str(each) for each in missing])
@@ -68,7 +68,7 @@ def run(
     finally:
         devices.close()
         realtime.leave()
-        if recorder is not None and not recorder.close():
+        if recorder is not None and not recorder.close() and record is not None:
             log("controller", "error", RECORDING_CUT, recording=str(record), lost=recorder.lost)
         if statistics is not None:
             stop_statistics(statistics)

@@ -18,18 +18,33 @@ from controller.histogram import percentiles_us
 from controller.loop_block import LoopBlock, Overrun
 from controller.overrun import REMEDY, Cause, overrun_cause
 
+RECORDER_ENDED = (
+    "damping goes on; nothing more is recorded or sent as telemetry until the controller starts again; "
+    "mend the recording with `stillarm recover`"
+)
 _PERIOD_S = 1.0
 _POLL_S = 0.1
 _SLOW = 0.7  # of the highest clock: slowed down
 _PROCESS = "controller"
 
 
-def start_statistics(block_name: str) -> subprocess.Popen[bytes]:
-    """Start it for the block that this process has made; in a session of its own, where no Ctrl-C reaches it."""
+def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
+    """Start it for the block that this process has made; in a session of its own, where no Ctrl-C reaches it.
+
+    recorder: the number of the recorder's process, whose end it tells.
+    """
     root = str(Path(__file__).resolve().parents[1])
     search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
     return subprocess.Popen(
-        [sys.executable, "-P", "-m", "controller.statistics_process", block_name, str(os.getpid())],
+        [
+            sys.executable,
+            "-P",
+            "-m",
+            "controller.statistics_process",
+            block_name,
+            str(os.getpid()),
+            str(recorder),
+        ],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         start_new_session=True,
@@ -141,7 +156,15 @@ def _number(path: Path) -> int:
         return 0
 
 
-def main(block_name: str, loop_process: int) -> int:
+def _runs(process: int) -> bool:
+    """Whether a process is there and has not ended."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except (OSError, IndexError):
+        return False
+
+
+def main(block_name: str, loop_process: int, recorder: int) -> int:
     """Run until the loop has ended or is gone."""
     stop = StopSignal()
     with contextlib.suppress(OSError):
@@ -153,6 +176,7 @@ def main(block_name: str, loop_process: int) -> int:
         return 1
     statistics, throttling = Statistics(block), Throttling()
     due = time.monotonic() + _PERIOD_S
+    recording = True
     while not (stop or block.ended) and os.getppid() == loop_process:
         time.sleep(_POLL_S)
         if time.monotonic() < due:
@@ -160,6 +184,9 @@ def main(block_name: str, loop_process: int) -> int:
         due += _PERIOD_S
         if block.cycles:
             log(_PROCESS, "info", "loop", **statistics.line())
+        if recording and not _runs(recorder) and not block.ended:
+            recording = False
+            log(_PROCESS, "error", "the recorder's process has ended", remedy=RECORDER_ENDED)
         if (warning := statistics.overruns(throttling.seen())) is not None:
             log(_PROCESS, "warning", "cycles missed", **warning)
     if os.getppid() != loop_process and not block.ended:
@@ -170,4 +197,4 @@ def main(block_name: str, loop_process: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], int(sys.argv[2])))
+    sys.exit(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3])))

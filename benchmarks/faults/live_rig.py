@@ -67,6 +67,13 @@ class LiveRig:
         )
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self.recordings = 0
+        try:
+            self._start_all()
+        except BaseException:
+            self.close()
+            raise
+
+    def _start_all(self) -> None:
         self.start("rig")
         deadline = time.monotonic() + _READY_WITHIN_S
         while not block_path(self._camera).exists():

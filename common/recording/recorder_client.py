@@ -87,6 +87,11 @@ class RecorderClient:
         """How many messages found no room."""
         return self._ring.lost
 
+    @property
+    def process_id(self) -> int:
+        """The number of the recorder's process."""
+        return self._process.pid
+
     def alive(self) -> bool:
         """Whether the recorder still runs; never waits."""
         return self._process.poll() is None

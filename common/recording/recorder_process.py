@@ -19,7 +19,7 @@ from common.recording.writer import RecordingWriter
 from common.service_notify import Watchdog, watchdog_period_s
 from common.shared_memory import SharedRing
 from common.stop_signal import StopSignal
-from common.structured_log import log_line
+from common.structured_log import log, log_line
 from common.telemetry import TelemetryBatches, telemetry_sender
 from common.user_error import UserError
 
@@ -97,8 +97,7 @@ class Drain:
 
 
 def _say(line: str) -> None:
-    with contextlib.suppress(OSError):  # the terminal may be gone with the daemon
-        print(f"stillarm recorder: {line}", file=sys.stderr, flush=True)
+    log("recorder", "error", line)
 
 
 def _shown(order: RecorderOrder, batches: TelemetryBatches | None) -> Callable[[str, msgspec.Struct], None]:

@@ -1,6 +1,8 @@
 """The recorder outlives whoever puts messages, and completes the file in every case."""
 
 import contextlib
+import errno
+import io
 import os
 import resource
 import signal
@@ -9,12 +11,14 @@ import sys
 import time
 from pathlib import Path
 
+import msgspec
 import pytest
 from mcap.reader import make_reader
 
 from common.recording.header import RecordingHeader
 from common.recording.reader import open_recording
 from common.recording.recorder_process import Drain, RecorderClient
+from common.recording.recover import recover
 from common.recording.topics import TOPIC_INDEX, FastSample, LogLine
 from common.recording.writer import RecordingWriter
 from common.shared_memory import SharedRing, block_path
@@ -183,3 +187,46 @@ def test_a_recorder_that_crashes_at_its_start_is_said(
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(UserError, match="ended before it began"):
         RecorderClient.start(tmp_path / "a.mcap", HEADER)
+
+
+class FullDisk(io.BytesIO):
+    """A file on a disk with so much room, then ENOSPC; a write that does not fit writes what fits, as write(2)."""
+
+    def __init__(self, room: int) -> None:
+        super().__init__()
+        self.room = room
+
+    def write(self, data: object) -> int:
+        """Up to the room that is left."""
+        view = memoryview(data)[: max(0, self.room - self.tell())]  # type: ignore[arg-type]
+        if not view:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return super().write(view)
+
+
+@pytest.mark.parametrize("room", [3_000, 20_000, 60_000])
+def test_a_disk_that_fills_up_keeps_all_but_the_last_half_second(tmp_path: Path, room: int) -> None:
+    """And it is said, once, with what can be read; `recover` makes a complete file of it."""
+    disk, said = FullDisk(room), list[str]()
+    ring = SharedRing(f"test-full-{os.getpid()}", 1 << 20, create=True)
+    drain = Drain(ring, RecordingWriter(disk, HEADER), said.append)
+    failed_at = None
+    for i in range(20_000):
+        ring.put(bytes([FAST]) + msgspec.msgpack.encode(FastSample(i * 0.001, i, i / 7)))
+        if i % 30 == 29:
+            drain.drain()
+        if i % 500 == 499:
+            drain.flush()
+        if drain.failed and failed_at is None:
+            failed_at = i
+    drain.finish()
+    ring.close()
+    assert failed_at is not None and len(said) == 1 and "no space left" in said[0]
+    cut, mended = tmp_path / "cut.mcap", tmp_path / "mended.mcap"
+    cut.write_bytes(disk.getvalue())
+    recover(cut, mended)
+    after = open_recording(mended)
+    assert not after.cut
+    kept = [message.cycle for message in after.messages("/fast")] if after.counts.get("/fast") else []
+    assert kept == list(range(len(kept)))
+    assert failed_at - len(kept) <= 1000
