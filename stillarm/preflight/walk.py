@@ -37,7 +37,10 @@ def walk(path: Path) -> Iterator[Verdict]:
     yield from judge_machine(look_at_machine(), emulated=is_emulated(configuration))
     link = configuration.link
     controls, sees = is_here(link.controller_host), is_here(link.supervisor_host)
-    if controls:
+    busy = controls and not port_is_free(link.controller_host, link.controller_port)
+    if busy:  # setting the sensor up would disturb it
+        yield warn("sensor", "not looked at while a controller runs (see link)")
+    elif controls:
         yield from look_at_sensor(configuration, model)
     else:
         yield ok("sensor", f"hangs on {link.controller_host}: run this there, too")

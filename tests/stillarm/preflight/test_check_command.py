@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 from common.recording.reader import open_recording
+from stillarm.preflight import walk
+from stillarm.preflight.verdict import Level
 
 ROOT = Path(__file__).parents[3]
 CONFIG = """
@@ -90,3 +92,26 @@ def test_a_running_rig_passes_and_a_mistake_is_named(tmp_path: Path) -> None:
     assert "accelerometer.axis = 'z' carries" in line
     position = open_recording(truth).columns("/truth/state")["joint_position_rad"]
     assert (position == 0.0).all()  # nothing moved
+
+
+def test_nothing_is_touched_while_a_controller_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import socket
+
+    def never(*arguments: object, **named: object) -> None:
+        raise AssertionError("touched")
+
+    for name in ("look_at_sensor", "look_at_drive", "look_at_camera", "ask_itself"):
+        monkeypatch.setattr(walk, name, never)
+    (tmp_path / "model.toml").write_text((ROOT / "configs" / "model.toml").read_text())
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as controller,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as supervisor,
+    ):
+        for held in (controller, supervisor):
+            held.bind(("127.0.0.1", 0))
+        ports = [controller.getsockname()[1], supervisor.getsockname()[1], *free_ports(3)]
+        path = tmp_path / "rig.toml"
+        path.write_text(CONFIG.format(name="check-nobody", ports=ports))
+        verdicts = list(walk.walk(path))
+    assert [v.where for v in verdicts if v.level == Level.FAIL] == ["link"]
+    assert any("does a controller run? stop it" in v.text for v in verdicts)
