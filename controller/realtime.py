@@ -122,8 +122,10 @@ class RealTime:
         return missing
 
     def leave(self) -> None:
-        """Be an ordinary process again, as far as the processor's sleep and the collector go; may be called twice."""
+        """Be an ordinary process again but for scheduling and place; may be called twice."""
         gc.enable()
+        gc.unfreeze()
+        ctypes.CDLL(None, use_errno=True).munlockall()
         if self._latency >= 0:
             os.close(self._latency)
             self._latency = -1
