@@ -15,7 +15,7 @@ from common.user_error import UserError
 
 REFUSED = [
     (Model, '[camera]\nmode = "free"', ["camera.mode = 'free'", '"freerun" or "triggered"']),
-    (Configuration, '[drive]\ndriver = "odrive"', ["drive.driver = 'odrive'", '"udp_gateway"', '"none"']),
+    (Configuration, '[drive]\ndriver = "servo"', ["drive.driver = 'servo'", '"udp_gateway"', '"none"']),
     (
         Configuration,
         "[accelerometer]\nfull_scale_g = 3",
