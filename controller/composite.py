@@ -9,6 +9,7 @@ from math import exp, isfinite, pi
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
+from common.user_error import UserError
 from common.visual_sample import VisualSample
 from controller.estimate import Estimate, Status
 from controller.history import CycleHistory
@@ -17,6 +18,7 @@ from controller.joint_motion import HISTORY_S, JointMotion
 _ZERO_PERIODS = 3.0  # the image's zero is the mean over the first periods
 _JUMP_RAD = 0.02  # from one image to the next: the image has another zero
 _LONGEST_STEP_S = 0.1
+_STABLE = 2.0  # gain margin of the slow loop
 
 
 class CompositeControl:
@@ -25,6 +27,13 @@ class CompositeControl:
     def __init__(self, model: Model, length_m: float, gain: float, return_time_s: float) -> None:
         """gain: joint velocity for a deflection, rad/s per metre. return_time_s: time constant of the slow part."""
         mode, camera, cycle_s = model.arm.modes[0], model.camera, model.timing.cycle_s
+        late_s = model.timing.capture_delay_s + 1.0 / mode.frequency_hz
+        if return_time_s < _STABLE * 2.0 / pi * late_s:
+            raise UserError(
+                f'controller.damping.return_time_s = {return_time_s:g}: with law = "composite" the image comes back '
+                f"{late_s:.2g} s late, which makes so fast a return unstable; choose at least "
+                f"{_STABLE * 2.0 / pi * late_s:.2g}"
+            )
         self._gain = gain
         self._return_time_s = return_time_s
         self._lag_s = 1.0 / (2.0 * pi * model.drive.bandwidth_hz)

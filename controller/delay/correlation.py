@@ -6,6 +6,7 @@ Where the paper is silent or biased, this is what is done (../docs/methods.md gi
   instants of arrival only: an image held until the next one would look half a frame later than it is.
 - Mean and power are carried along with the product, at each lag, so that what is maximised is the correlation
   coefficient r(m). By the Cauchy-Schwarz inequality its maximum lies at the true delay for every window and offset.
+- The force of a blow is no vibration, and is much larger while it lasts: its samples are left out (blow_samples.py).
 - x is averaged over 2 J + 1 cycles, a pure delay of J, so that all of the accelerometer's samples count, not just
   those that happen to lie at arrivals.
 - Lags are searched within less than half a period of the prior, never at both ends of a periodic function. Each
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from common.configuration import Correlation
 from common.model import Model
 from common.visual_sample import VisualSample
+from controller.delay.blow_samples import BlowSamples
 from controller.delay.moving_average import MovingAverage
 from controller.estimate import DelayEstimate, Status
 from controller.history import CycleHistory
@@ -57,6 +59,12 @@ class CorrelationDelay:
         self._wait = max(0, -self._first)  # until the accelerometer's samples of all lags are there
         self._waiting: deque[tuple[int, float]] = deque()
         self._average = MovingAverage(2 * self._half_width + 1)
+        sensor = model.accelerometer
+        self._blows = BlowSamples(
+            sensor.noise_std_m_s2 / abs(sensor.scale) / mode.angular_frequency**2,
+            self._half_width,
+            self._angle_per_cycle,
+        )
         self._remembered = self._wait + self._last + 64
         self._smooth = CycleHistory(self._remembered)
         self._cycle: int | None = None
@@ -94,7 +102,9 @@ class CorrelationDelay:
         for missed in range(cycle - skipped, cycle):
             self._smooth.write(missed, self._average.add(nan))
         self._cycle = cycle
-        self._smooth.write(cycle, self._average.add(vibration))
+        mean = self._average.add(self._blows.without(vibration))
+        self._blows.see_average(mean)
+        self._smooth.write(cycle, mean)
         while self._waiting and self._waiting[0][0] <= cycle - self._wait:
             arrival, deflection = self._waiting.popleft()
             self._correlate(arrival, deflection, cycle - arrival)

@@ -8,7 +8,9 @@ import pytest
 from common.configuration import Controller as Settings
 from common.configuration import Damping
 from common.model import Arm, Drive, Mode, Model
+from common.user_error import UserError
 from common.visual_sample import VisualSample
+from controller.composite import CompositeControl
 from controller.step import Controller, CycleInput
 from tests.reference.arm_world import Trace, constant, run_world
 
@@ -106,3 +108,11 @@ def test_an_image_with_another_zero_is_no_motion_of_the_joint() -> None:
     a = run(11.0, change_input=jump).arrays()
     quiet = ((a["time"] > 6.0) & (a["time"] < 7.0)) | (a["time"] > 9.0)
     assert np.max(np.abs(a["joint"][quiet])) < 3e-3
+
+
+def test_a_return_faster_than_the_image_allows_is_refused() -> None:
+    """An integrator behind a delay of 0.46 s is unstable below 0.29 s; with a gain margin of two, below 0.59 s."""
+    model = Model(arm=Arm(length_m=2.0))
+    CompositeControl(model, 2.0, 1.0, 0.6)
+    with pytest.raises(UserError, match=r"return_time_s = 0\.3"):
+        CompositeControl(model, 2.0, 1.0, 0.3)

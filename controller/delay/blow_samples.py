@@ -1,0 +1,44 @@
+"""Samples of the accelerometer that a blow's own force has made, to be left out of a correlation.
+
+A vibration of known frequency follows from two of its earlier averages; what lies far from that for a few samples is a
+force. Left in, blows that come at the same side of the vibration pull the delay: by 0.8 ms in the benchmark.
+"""
+
+from collections import deque
+from math import isfinite, nan, pi, sin
+
+_STDS, _OF_AMPLITUDE = 4.0, 0.5
+_SIZE_MEMORY_CYCLES = 1000.0
+_MOST_RUNNING = 40  # cycles: what lasts longer is no blow
+
+
+class BlowSamples:
+    """Knows a blow's samples by their distance from what the last averages foretell."""
+
+    def __init__(self, noise_m: float, half_width: int, angle_per_cycle: float) -> None:
+        """noise_m: of a sample, as deflection; averages are over 2 half_width + 1 cycles, half_width cycles old."""
+        near = half_width * angle_per_cycle
+        far = 3.0 * near
+        self._near, self._far = sin(far) / sin(far - near), -sin(near) / sin(far - near)
+        self._noise_m = noise_m
+        self._needed = 2 * half_width + 1
+        self._averages: deque[float] = deque(maxlen=self._needed)
+        self._size = 0.0
+        self._running = 0
+
+    def see_average(self, mean_m: float) -> None:
+        """The moving average as it now is."""
+        self._averages.append(mean_m)
+
+    def without(self, vibration_m: float) -> float:
+        """The sample, or NaN if a blow has made it."""
+        averages = self._averages
+        if len(averages) < self._needed or not isfinite(vibration_m):
+            return vibration_m
+        foretold = self._near * averages[-1] + self._far * averages[0]
+        self._size += (0.5 * pi * abs(foretold) - self._size) / _SIZE_MEMORY_CYCLES
+        if abs(vibration_m - foretold) <= _STDS * self._noise_m + _OF_AMPLITUDE * self._size:
+            self._running = 0
+            return vibration_m
+        self._running += 1
+        return nan if self._running <= _MOST_RUNNING else vibration_m
