@@ -29,6 +29,7 @@ POOL = ThreadPoolExecutor(
 )  # the compiled loop lets go of the interpreter's lock
 _WANDER_S = 15.0
 _SETTLED_NATS = 0.02
+THIN = {"joint_position": 8, "joint_velocity": 8}
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,26 @@ def make_data(world: World, split: Split) -> Data:
     return Data(world, split, train, held, blocks)
 
 
+def thinned(name: str, values: Array) -> Array:
+    """A channel's samples, those of the joint as means of eight: nothing they show changes within milliseconds."""
+    step = THIN.get(name, 1)
+    if step == 1:
+        return values
+    count = len(values) // step
+    means: Array = values[: count * step].reshape(count, step).mean(axis=1)
+    return means
+
+
+def thinned_mask(name: str, mask: Mask) -> Mask:
+    """Which of the thinned samples are wholly within a mask."""
+    step = THIN.get(name, 1)
+    if step == 1:
+        return mask
+    count = len(mask) // step
+    whole: Mask = np.asarray(mask[: count * step].reshape(count, step).all(axis=1))
+    return whole
+
+
 def residuals_of(world: World, predicted: Predicted, colour: Colours) -> dict[str, Array]:
     """Measured less predicted, whitened where a channel has colour."""
     found = {}
@@ -138,7 +159,7 @@ def jacobian(
     colour: Colours,
     pool: Executor = POOL,
 ) -> dict[str, Array]:
-    """Derivative of each channel's (whitened) prediction by each named quantity, (samples, names)."""
+    """Derivative of each channel's (whitened, thinned) prediction by each named quantity, (samples, names)."""
     steps = []
     for name in names:
         quantity, at = world.space[name], world.space.place[name]
@@ -148,13 +169,16 @@ def jacobian(
         moved = vector.copy()
         moved[at] += step
         steps.append((moved, step))
-    found = {name: np.empty((len(values), len(names))) for name, values in world.channels.items()}
+    found = {
+        name: np.empty((len(values) // THIN.get(name, 1), len(names)), order="F")
+        for name, values in world.channels.items()
+    }
 
     def column(index: int) -> None:
         moved, step = steps[index]
         predicted = world.predict(moved).channels
         for channel, columns in found.items():
-            slope = (predicted[channel] - base[channel]) / step
+            slope = thinned(channel, predicted[channel] - base[channel]) / step
             columns[:, index] = colour[channel].whiten(slope) if channel in colour else slope
 
     list(pool.map(column, range(len(names))))
@@ -224,14 +248,14 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
         normal = np.zeros((len(free), len(free)))
         right = np.zeros(len(free))
         for name, slope in slopes.items():
-            mask = data.train[name]
-            spread = sigma[name]
-            u = residuals[name] / spread
-            weight = np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12))
-            weight = np.where(mask, weight / spread**2, 0.0)
-            weighted = slope * weight[:, None]
-            normal += weighted.T @ slope
-            right += weighted[mask].T @ residuals[name][mask]
+            mask = thinned_mask(name, data.train[name])
+            spread = sigma[name] / THIN.get(name, 1) ** 0.5
+            residual = thinned(name, residuals[name])[mask]
+            size = np.abs(residual) / spread
+            weight = np.sqrt(np.minimum(1.0, HUBER / np.maximum(size, 1e-12))) / spread
+            weighted = slope[mask] * weight[:, None]
+            normal += weighted.T @ weighted
+            right += weighted.T @ (residual * weight)
         right -= precision * (vector[places] - centre)
         normal += np.diag(precision)
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))

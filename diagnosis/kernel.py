@@ -97,15 +97,17 @@ def _move(
     w2: float,
     start: float,
     fade: float,
-    turn: Array,
+    turn_cos: float,
+    turn_sin: float,
+    left: float,
 ) -> None:
     """Mode i over one stretch, under theta'' = start exp(-fade t): its particular solution, and free about that."""
     level = -push * start / (fade * fade - 2.0 * sig * fade + w2)
     x = q[i] - level
     y = (v[i] + fade * level + sig * x) / wd
-    a = x * turn[0] + y * turn[1]
-    b = y * turn[0] - x * turn[1]
-    faded = level * turn[2] if fade > 0.0 else level
+    a = x * turn_cos + y * turn_sin
+    b = y * turn_cos - x * turn_sin
+    faded = level * left if fade > 0.0 else level
     q[i] = a + faded
     v[i] = wd * b - sig * a - fade * faded
 
@@ -244,6 +246,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
             for j in range(count):
                 for i in range(m):
                     push = modes[i, 2] * length
-                    _move(q, v, i, push, sig[i], wd[i], w2[i], starts[j], fades[j], table[kinds[j], i])
+                    c, s, left = table[kinds[j], i, 0], table[kinds[j], i, 1], table[kinds[j], i, 2]
+                    _move(q, v, i, push, sig[i], wd[i], w2[i], starts[j], fades[j], c, s, left)
             if nonlinear:
                 _kick(v, q, w2, constants, now + h, gain, force, k * substeps + part + 1, h)

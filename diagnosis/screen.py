@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.cause import Cause, Context, Trial
-from diagnosis.fit import POOL, Data, Fit, jacobian, least_level
+from diagnosis.fit import POOL, THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask
 from diagnosis.impacts import carried
 from diagnosis.noise import HUBER
 from diagnosis.world import World
@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 _DRAWS = 48
 _SEED = 20240229
 _PEAKS = 6
-_BUNDLE = 8
 _EULER = 0.5772156649
 
 
@@ -54,25 +53,19 @@ class _Whitened:
         world = last.world
         self.weights: dict[str, Array] = {}
         parts, self.spans = [], {}
-        self._bundle = {name: _BUNDLE if name.startswith("joint") else 1 for name in last.residuals}
+        self._masks = {name: thinned_mask(name, data.train[name]) for name in last.residuals}
         at = 0
         for name, residual in last.residuals.items():
-            std = last.sigma[name]
-            u = residual / std
-            weight = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12))) / std
-            mask = data.train[name]
-            self.weights[name] = weight[mask]
-            part = self._bundled(
-                name, (u * np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12))))[mask]
-            )
-            parts.append(part)
-            self.spans[name] = slice(at, at + len(part))
-            at += len(part)
+            std = last.sigma[name] / THIN.get(name, 1) ** 0.5
+            u = thinned(name, residual)[self._masks[name]] / std
+            tail = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12)))
+            self.weights[name] = tail / std
+            parts.append(u * tail)
+            self.spans[name] = slice(at, at + len(u))
+            at += len(u)
         self.residual = np.concatenate(parts)
         slopes = jacobian(world, last.vector, last.free, last.predicted.channels, last.colour)
-        stacked = np.concatenate(
-            [self._bundled(n, slopes[n][data.train[n]] * self.weights[n][:, None]) for n in slopes]
-        )
+        stacked = np.concatenate([slopes[n][self._masks[n]] * self.weights[n][:, None] for n in slopes])
         norms = np.linalg.norm(stacked, axis=0)
         keep = norms > 1e-12
         scaled = stacked[:, keep] / norms[keep]
@@ -87,8 +80,9 @@ class _Whitened:
         colour = self.last.colour
         parts = []
         for name, weight in self.weights.items():
-            values = colour[name].whiten(change[name]) if name in colour else change[name]
-            parts.append(self._bundled(name, values[self.data.train[name]] * weight))
+            values = thinned(name, change[name])
+            values = colour[name].whiten(values) if name in colour else values
+            parts.append(values[self._masks[name]] * weight)
         whole: Array = np.concatenate(parts)
         size = float(whole @ whole)
         for _ in range(2):  # again where rounding may exceed what the first time leaves
@@ -96,16 +90,6 @@ class _Whitened:
             if float(whole @ whole) > 1e-6 * size:
                 break
         return whole
-
-    def _bundled(self, name: str, values: Array) -> Array:
-        """Neighbouring samples of the joint's channels as one: nothing they show changes within milliseconds."""
-        step = self._bundle[name]
-        if step == 1:
-            return values
-        count = len(values) // step
-        whole = values[: count * step].reshape(count, step, *values.shape[1:]).sum(axis=1)
-        bundled: Array = whole / np.sqrt(step)
-        return bundled
 
     def gain(self, explained: Array) -> float:
         """Log-likelihood gained by taking `explained` off the residual, each channel's level learnt anew."""
