@@ -13,6 +13,9 @@ from pathlib import Path
 import pytest
 
 from common.configuration import Configuration
+from common.recording.header import RecordingHeader
+from common.recording.recorder_client import RecorderClient
+from common.recording.topics import TOPIC_INDEX, FastSample
 from common.service_notify import Watchdog, notify
 from common.single_instance import hold_instance
 from common.structured_log import log, log_line, log_start
@@ -25,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 def listener(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[socket.socket]:
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
         receiver.bind(str(tmp_path / "notify"))
-        receiver.settimeout(5.0)
+        receiver.settimeout(30.0)
         monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
         yield receiver
 
@@ -123,3 +126,24 @@ def test_the_units_ask_for_what_the_daemons_need(role: str) -> None:
     assert service["KillMode"] == "mixed"  # SIGTERM to the main process: it fades, then its recorder finishes
     if role == "controller":
         assert service["LimitRTPRIO"] == "99" and service["LimitMEMLOCK"] == "infinity"
+
+
+def test_the_recorders_process_feeds_the_watchdog_while_the_loop_puts_messages(
+    listener: socket.socket, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And no longer than that, though both processes live."""
+    monkeypatch.setenv("WATCHDOG_USEC", "100000")
+    header = RecordingHeader(
+        program_version="0", configuration="", configuration_name="", model="", method="m", kind="live"
+    )
+    client = RecorderClient.start(None, header)
+    try:
+        assert listener.recv(100) == b"WATCHDOG=1"  # it has begun to watch
+        for cycle in range(3):
+            client.put(TOPIC_INDEX["/fast"], FastSample(cycle * 0.001, cycle))
+            assert listener.recv(100) == b"WATCHDOG=1"
+        listener.settimeout(0.7)
+        with pytest.raises(TimeoutError):
+            listener.recv(100)
+    finally:
+        client.close()
