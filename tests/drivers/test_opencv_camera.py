@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
+from common.configuration import CameraDevice
 from common.user_error import UserError
 from drivers.camera_stamps import StampGate
-from drivers.opencv_camera import REOPEN_S, OpenCvCamera
+from drivers.opencv_camera import REOPEN_S, OpenCvCamera, set_capture
 
 
 class FakeCapture:
@@ -130,3 +131,45 @@ def test_stamps_must_be_recent_monotonic_and_rising():
     assert gate.accept(50.0, 100.03) is None  # a play time, or another clock
     assert gate.accept(float("nan"), 100.03) is None
     assert gate.accept(100.01, 100.03) == 100.01
+
+
+def test_exposure_gain_rate_and_buffers_are_set_and_read_back():
+    clock = Clock()
+    capture = FakeCapture(clock)
+    config = CameraDevice(exposure_s=0.005, gain=3.0, frame_rate_hz=60.0, buffers=2)
+    notes, exposure_s = set_capture(capture, config)
+    assert notes == [] and exposure_s == pytest.approx(0.005)
+    assert capture.properties[cv2.CAP_PROP_EXPOSURE] == 50  # V4L2 counts in 100 us
+    assert capture.properties[cv2.CAP_PROP_AUTO_EXPOSURE] == 1  # manual
+    assert capture.properties[cv2.CAP_PROP_FPS] == 60.0
+    assert capture.properties[cv2.CAP_PROP_BUFFERSIZE] == 2
+
+
+def test_what_a_webcam_refuses_is_told_in_one_line_each():
+    capture = FakeCapture(Clock(), fixed=True)
+    notes, exposure_s = set_capture(capture, CameraDevice(exposure_s=0.005, gain=3.0, frame_rate_hz=60.0))
+    assert [note.split(" = ")[0] for note in notes] == [
+        "camera.exposure_s",
+        "camera.gain",
+        "camera.frame_rate_hz",
+    ]
+    assert all("instead" in note and "\n" not in note for note in notes) and exposure_s is None
+
+
+def test_a_backend_that_does_not_say_what_its_exposure_means_is_not_believed():
+    capture = FakeCapture(Clock())
+    capture.backend = "FFMPEG"
+    (note,), exposure_s = set_capture(capture, CameraDevice(exposure_s=0.005))
+    assert "FFMPEG does not say what its exposure means" in note and exposure_s is None
+
+
+def test_a_stamp_is_brought_from_the_start_of_exposure_to_its_middle():
+    clock = Clock()
+    capture = FakeCapture(clock)
+    capture.images = [np.full((48, 64), 77, np.uint8)]
+    config = CameraDevice(exposure_s=0.010)
+    camera = OpenCvCamera("0", config=config, opener=lambda _: capture, clock=clock, sleep=clock.sleep)
+    camera.start()
+    frame = camera.read(0.1)
+    assert frame.exposure_s == pytest.approx(0.010)
+    assert frame.stamp_s == pytest.approx(clock.now - 0.02 + 0.005)
