@@ -205,14 +205,38 @@ class AccelerometerDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=Tru
 
 
 class CameraDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Which camera. opencv: device number or URL in `device`; file: video, folder of images or .cih;
-    shared_memory: NAME.
+    """Which camera. device: for opencv a number, path or URL; for file a video, a folder of images or a .cih; for
+    shared_memory a NAME; for the others a serial number, or a place in the list, from 0.
+
+    width_px, height_px, exposure_s, frame_rate_hz: 0 leaves the camera's own; so does a negative gain, which is in the
+    camera's own unit. buffers: how many images the driver holds; 0: one for opencv, four for others. trigger:
+    "software", one image for each that is asked for; "line", the camera's first input. stamp_reference: what the
+    camera's stamp dates; "auto": as its driver knows. producer: GenICam's transport layer, a .cti file.
     """
 
-    driver: Literal["opencv", "file", "shared_memory"] = "opencv"
+    driver: Literal[
+        "opencv",
+        "file",
+        "shared_memory",
+        "basler",
+        "genicam",
+        "aravis",
+        "ids_peak",
+        "ueye",
+        "libcamera",
+    ] = "opencv"
     device: str = "0"
     width_px: Annotated[int, Meta(ge=0)] = 0
     height_px: Annotated[int, Meta(ge=0)] = 0
+    exposure_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
+    gain: Annotated[float, Meta(ge=-1.0, le=10_000.0)] = -1.0
+    frame_rate_hz: Annotated[float, Meta(ge=0.0, le=1000.0)] = 0.0
+    buffers: Annotated[int, Meta(ge=0, le=64)] = 0
+    trigger: Literal["freerun", "software", "line"] = "freerun"
+    stamp_reference: Literal["auto", "exposure_start", "mid_exposure", "exposure_end", "transfer_end"] = (
+        "auto"
+    )
+    producer: str = ""
 
 
 class OdriveDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):

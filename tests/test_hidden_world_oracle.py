@@ -45,6 +45,15 @@ def test_a_ramp_of_the_bias_is_worth_what_its_mean_leaves() -> None:
     assert 0.9 * worth < expected_nats(case) < 1.001 * worth
 
 
+def test_the_nats_lie_in_the_channel_that_is_touched_and_tell_its_rms() -> None:
+    case = hidden("mains_hum", {"frequency_hz": 50.0, "amplitude_m_s2": 0.02})
+    shown = Oracle(case).by_channel(case)
+    assert max(shown, key=shown.__getitem__) == "acceleration"
+    noise = np.hypot(case.rig.feeler.hiss, case.rig.feeler.grain / 12.0**0.5)
+    assert shown["acceleration"][1] == pytest.approx(0.02 / 2.0**0.5 / noise, rel=0.02)
+    assert sum(nats for nats, _ in shown.values()) == pytest.approx(expected_nats(case), rel=1e-3)
+
+
 def test_what_the_baseline_may_refit_is_worth_nothing() -> None:
     """A bend that is half a per cent faster from the start is a frequency that is off: no cause."""
     case = hidden("payload_change", {"onset_s": -1.0, "frequency_ratio": 1.001})

@@ -41,6 +41,7 @@ def mark(truth: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
         "number": truth["number"],
         "hidden": truth["hidden"],
         "duration_s": truth["duration_s"],
+        "over_noise": truth["over_noise"],
         "seconds": asked["seconds"],
         "error": asked["error"],
         "verdict": None,

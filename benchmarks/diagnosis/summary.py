@@ -78,7 +78,8 @@ def _by_nats(rows: Rows) -> list[dict[str, Any]]:
 
 
 def _by_cause(rows: Rows) -> dict[str, dict[str, Any]]:
-    """For each cause: how often named, and the size from which on 80 % are named, nats (None: at no size tried)."""
+    """For each cause: how often named, and the size from which on 80 % are named (None: at no size tried), in nats
+    and as rms over the noise's in the channel that shows it most."""
     out = {}
     for cause in sorted({r["hidden"][0]["cause"] for r in rows}):
         here = sorted(
@@ -88,12 +89,13 @@ def _by_cause(rows: Rows) -> dict[str, dict[str, Any]]:
         for k in range(len(here)):
             above = here[k:]
             if sum(r["right"] for r in above) >= 0.8 * len(above):
-                least = here[k]["hidden"][0]["nats"]
+                least = here[k]
                 break
         out[cause] = {
             "trials": len(here),
             "named": sum(r["right"] for r in here),
-            "least_nats_80_percent": least,
+            "least_nats_80_percent": None if least is None else least["hidden"][0]["nats"],
+            "least_over_noise_80_percent": None if least is None else least["over_noise"],
         }
     return out
 

@@ -34,6 +34,7 @@ def truth(kind: str = "one", hidden: list[dict[str, Any]] | None = None) -> dict
         "hold_out": [[1.0, 2.0]],
         "floor": {"acceleration_m_s2": 0.3},
         "strongest": "acceleration_m_s2",
+        "over_noise": 0.2,
     }
 
 

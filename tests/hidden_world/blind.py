@@ -32,7 +32,8 @@ def prepare(
 
     hidden: {cause, parameters (the plain form's best fit), departure, nats} of each effect. hold_out: [from, to] in
     s, which no fit may use. floor: what the true model would leave of each channel there, rms over its standard
-    deviation. strongest: the channel that shows it most. cause: instead of a drawn one, for kind one.
+    deviation. strongest: the channel that shows it most, over_noise: its rms there in units of the noise's.
+    cause: instead of a drawn one, for kind one.
     """
     for redraw in range(_REDRAWS):
         own = int(np.random.default_rng((seed, KINDS.index(kind), number, redraw)).integers(2**31))
@@ -50,7 +51,8 @@ def prepare(
         raise ValueError(f"{names}: no draw of seed {seed}, trial {number}, shows it at {CLEAR_NATS} nats")
     recording = make(case)
     write_bundle(recording, folder)
-    strongest = max(shown := oracle.by_channel(case), key=shown.__getitem__) if case.effects else None
+    shown = oracle.by_channel(case) if case.effects else {}
+    strongest = max(shown, key=shown.__getitem__) if shown else None
     return {
         "kind": kind,
         "seed": own,
@@ -60,6 +62,7 @@ def prepare(
         "hold_out": hold_out(case.duration_s),
         "floor": _floor(recording),
         "strongest": _COLUMN.get(strongest or ""),
+        "over_noise": shown[strongest][1] if strongest else 0.0,
     }
 
 

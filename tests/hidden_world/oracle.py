@@ -55,14 +55,16 @@ class Oracle:
             self._base.command = command
         return self._base
 
-    def by_channel(self, case: Case) -> dict[str, float]:
-        """Where the nats lie, as the linearised baseline tells it. Laws are not counted."""
+    def by_channel(self, case: Case) -> dict[str, tuple[float, float]]:
+        """(nats, rms over the noise's) of what is left of each channel, as the linearised baseline tells it. Laws are
+        not counted."""
         clean = run(case)
         base = self.base(case, clean.command, len(clean.blow_time))
         left = base.left(whitened(case, clean) - base.at)
         out, begin = {}, 0
         for name, part in by_channel(case, clean).items():
-            out[name] = 0.5 * float(np.sum(left[begin : begin + len(part)] ** 2))
+            power = float(np.sum(left[begin : begin + len(part)] ** 2))
+            out[name] = (0.5 * power, (power / len(part)) ** 0.5)
             begin += len(part)
         return out
 
