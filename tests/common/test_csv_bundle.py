@@ -151,13 +151,13 @@ def test_clock_steps_are_kept_and_reported(tmp_path: Path) -> None:
 def test_unknown_columns_are_kept_and_reported(tmp_path: Path) -> None:
     folder = bundle(
         tmp_path / "b",
-        "time_s,acceleration_m_s,operator,serial\n0,1.5,Ann,007\n1,,,008\n",
+        "time_s,acceleration_m_s,owner,serial\n0,1.5,Ann,007\n1,,,008\n",
         "received_s,time_s\n0.5,77.5\n",
     )
     report = import_bundle(folder, tmp_path / "a.mcap")
     assert report.unknown == [
         "fast.csv: acceleration_m_s",
-        "fast.csv: operator",
+        "fast.csv: owner",
         "fast.csv: serial",
         "frames.csv: time_s",
     ]
@@ -165,8 +165,8 @@ def test_unknown_columns_are_kept_and_reported(tmp_path: Path) -> None:
     assert "fast.csv: acceleration_m_s2" in report.not_measured and not report.model_given
     recording = open_recording(tmp_path / "a.mcap")
     assert [row.columns for row in recording.messages("/fast/columns")] == [
-        {"acceleration_m_s": 1.5, "operator": "Ann", "serial": "007"},
-        {"acceleration_m_s": None, "operator": None, "serial": "008"},
+        {"acceleration_m_s": 1.5, "owner": "Ann", "serial": "007"},
+        {"acceleration_m_s": None, "owner": None, "serial": "008"},
     ]
     tables = topic_tables(recording)
     assert tables["fast"]["serial"] == ["007", "008"] and tables["frames"]["time_s"] == [77.5]
