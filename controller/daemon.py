@@ -37,14 +37,11 @@ def run(
     model = load_assumed_model(configuration, configuration_path)
     cycle_s = model.timing.cycle_s
     model_name = str(model_path(configuration, configuration_path))
-    if unused := not_used_by_controller(model):
-        log("controller", "warning", unused)
     controller = Controller(model, configuration.controller, model_name)
     hold_instance("controller", configuration.link.controller_port)
     remove_left_blocks()
     devices = LiveDevices(configuration, model, SignalFlag(signal.SIGUSR1))
     stop = StopSignal()
-    log_start("controller", configuration, configuration_path)
     recorder = statistics = None
     block = LoopBlock(f"loop-{os.getpid()}-{secrets.token_hex(4)}", create=True)
     realtime = RealTime()
@@ -57,6 +54,9 @@ def run(
         )
         statistics = start_statistics(block.name, recorder.process_id)
         warm_up(model, configuration.controller, model_name)
+        log_start("controller", configuration, configuration_path)
+        for note in filter(None, (not_used_by_controller(model), *devices.notes)):
+            log("controller", "warning", note)
         if missing := realtime.enter():
             log("controller", "warning", "not real-time", missing=[str(each) for each in missing])
         loop = Loop(controller, devices, recorder, block, clock, cycle_s)

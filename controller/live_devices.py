@@ -9,7 +9,6 @@ from common.link_key import load_key
 from common.model import Model
 from common.scenario import Scenario, load_scenario
 from common.stop_signal import SignalFlag
-from common.structured_log import log
 from common.udp import UdpSocket, new_session
 from controller.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
 from controller.operator_input import OperatorInput
@@ -45,6 +44,8 @@ class LiveDevices:
         self._supervisor = (link.supervisor_host, link.supervisor_port)
         self._limit = link.max_datagrams_per_cycle
         self._sockets: list[UdpSocket] = []
+        self.notes: list[str] = []
+        """What the user is to know of the devices once they are open."""
 
     def start(self) -> None:
         """Open sockets and devices. Moves nothing. Raises UserError with a remedy."""
@@ -62,7 +63,7 @@ class LiveDevices:
             self._accelerometer.start()
             statement = held_samples_statement(self._accelerometer, self._cycle_s)
             if statement is not None:
-                log("controller", "warning", statement)
+                self.notes.append(statement)
         if self._drive is not None:
             self._drive.start()
 

@@ -37,7 +37,6 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     """Run until SIGTERM or SIGINT, or until a file has no more frames. Raises UserError for what the user can mend."""
     configuration = load_configuration(configuration_path)
     hold_instance("supervisor", configuration.link.supervisor_port)
-    log_start("supervisor", configuration, configuration_path)
     raise_priority(_NICENESS)
     cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
     # What OpenCV warns of, the camera's driver says in one line, with the remedy.
@@ -54,6 +53,10 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     try:
         loop = _Loop(configuration, camera, recorder)
         try:
+            loop.start()
+            log_start("supervisor", configuration, configuration_path)
+            for note in camera.notes:
+                log("supervisor", "warning", note)
             loop.run(StopSignal())
         finally:
             notify("STOPPING=1")
@@ -81,12 +84,13 @@ class _Loop:
         self._socket.guard((Kind.TIMESTAMP,), session, _TIMESTAMPS_EXPECTED)
         self._frames = self._measured = self._rounds = 0
 
+    def start(self) -> None:
+        """Open the camera. Raises UserError with a remedy: what cannot start says no more than that."""
+        self._camera.start()
+
     def run(self, stop: StopSignal) -> None:
         """Cycle until asked to stop, or until the stream ends."""
         exchange = self._exchange
-        self._camera.start()
-        for note in self._camera.notes:
-            log("supervisor", "warning", note)
         notify("READY=1")
         watchdog = Watchdog()
         while not stop:
