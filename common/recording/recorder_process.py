@@ -109,7 +109,11 @@ def _shown(order: RecorderOrder, batches: TelemetryBatches | None) -> Callable[[
         if isinstance(message, LogLine):
             with contextlib.suppress(OSError):
                 line = log_line(
-                    order.process_name, message.level, message.text, time.time(), time_s=message.time_s
+                    order.process_name,
+                    message.level,
+                    message.text,
+                    time.time(),
+                    time_s=round(message.time_s, 6),
                 )
                 print(line, file=sys.stderr, flush=True)
 

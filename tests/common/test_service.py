@@ -92,6 +92,38 @@ def test_the_lock_of_a_killed_daemon_is_no_obstacle(tmp_path: Path, monkeypatch:
     assert (tmp_path / "stillarm-supervisor-5.lock").read_text() == f"{os.getpid()}\n"
 
 
+def test_a_daemon_that_ends_removes_its_lock_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """But never one that is another's by now."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    path = tmp_path / "stillarm-controller-5.lock"
+    code = "from common.single_instance import hold_instance\nhold_instance('controller', 5)\n"
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+    assert not path.exists()
+    replaced = code + f"import os; os.unlink({str(path)!r}); open({str(path)!r}, 'w').write('another')"
+    subprocess.run([sys.executable, "-c", replaced], cwd=ROOT, check=True)
+    assert path.read_text() == "another"
+
+
+def test_a_lock_file_removed_while_it_was_being_locked_is_made_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else two daemons would each hold the lock of a file of the same name."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    path = tmp_path / "stillarm-controller-5.lock"
+    locks: list[int] = []
+
+    def remove_then_lock(descriptor: int, how: int) -> None:
+        if not locks:
+            path.unlink()
+        locks.append(how)
+
+    monkeypatch.setattr("common.single_instance.fcntl.flock", remove_then_lock)
+    held = hold_instance("controller", 5)
+    assert len(locks) == 2
+    assert os.fstat(held).st_ino == path.stat().st_ino
+    os.close(held)
+
+
 def test_a_line_is_one_json_object_whatever_is_in_it() -> None:
     line = log_line("controller", "warning", "two\nlines", 0.5, value=float("nan"), nested={"a": [1, "ü"]})
     assert "\n" not in line
