@@ -35,6 +35,7 @@ class OverrunCounters(NamedTuple):
 
     late_s: from when the cycle was due until it began. device_s, computing_s: parts of the cycle.
     run_delay_s: ready to run, but waiting for a processor. throttled: whether the processor was slowed down meanwhile.
+    stolen_s: for how long the machine that runs this one took the processor away, in the second around it.
     """
 
     cycle_s: float
@@ -47,6 +48,7 @@ class OverrunCounters(NamedTuple):
     involuntary_switches: int = 0
     run_delay_s: float = 0.0
     throttled: bool = False
+    stolen_s: float = 0.0
 
 
 def overrun_cause(seen: OverrunCounters) -> Cause:
@@ -54,7 +56,8 @@ def overrun_cause(seen: OverrunCounters) -> Cause:
 
     1. A page that had to come from a disk, or more new pages than a quarter of the missed time needs at 0.5 us each.
     2. A wake-up that came more than half a cycle late, or half of the missed time spent waiting for a processor, or a
-       switch away from the thread during its own computing: somebody else had the processor.
+       processor that was taken away for half of it, or a switch away from the thread during its own computing: somebody
+       else had the processor.
     3. Most of the cycle went into the devices.
     4. The processor ran slower than it can.
     5. What is left: we took too long.
@@ -62,7 +65,7 @@ def overrun_cause(seen: OverrunCounters) -> Cause:
     missed_s = max(seen.late_s + seen.device_s + seen.computing_s, seen.cycle_s)
     if seen.major_faults > 0 or seen.minor_faults * 0.5e-6 > 0.25 * missed_s:
         return Cause.PAGE_FAULT
-    if seen.late_s > 0.5 * seen.cycle_s or seen.run_delay_s > 0.5 * missed_s:
+    if seen.late_s > 0.5 * seen.cycle_s or max(seen.run_delay_s, seen.stolen_s) > 0.5 * missed_s:
         return Cause.NO_CPU
     if seen.device_s > 0.5 * missed_s and seen.device_s > seen.computing_s:
         return Cause.SLOW_BUS

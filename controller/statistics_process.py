@@ -11,12 +11,14 @@ import sys
 import time
 from pathlib import Path
 
+from common.service_notify import Watchdog
 from common.stop_signal import StopSignal
 from common.structured_log import log
 from common.user_error import UserError
 from controller.histogram import percentiles_us
 from controller.loop_block import LoopBlock, Overrun
-from controller.overrun import REMEDY, Cause, overrun_cause
+from controller.overrun import REMEDY, OverrunCounters, overrun_cause
+from controller.processor_watch import Stolen, Throttling
 
 RECORDER_ENDED = (
     "damping goes on; nothing more is recorded or sent as telemetry until the controller starts again; "
@@ -24,7 +26,6 @@ RECORDER_ENDED = (
 )
 _PERIOD_S = 1.0
 _POLL_S = 0.1
-_SLOW = 0.7  # of the highest clock: slowed down
 _PROCESS = "controller"
 
 
@@ -97,14 +98,21 @@ class Statistics:
         self._cycles, self._misses, self._samples = cycles, misses, samples
         return fields
 
-    def overruns(self, throttled: bool) -> dict[str, object] | None:
-        """The fields of a warning about the overruns since the last call; None where there were none."""
+    def overruns(self, throttled: bool, stolen_s: float) -> dict[str, object] | None:
+        """The fields of a warning about the overruns since the last call; None where there were none.
+
+        throttled, stolen_s: what befell the processor meanwhile.
+        """
         self._overruns, found = self._block.overruns(self._overruns)
         if not found:
             return None
         worst = max(found, key=lambda overrun: overrun.missed)
-        causes = [_cause_of(overrun, throttled) for overrun in found]
-        cause = _cause_of(worst, throttled)
+
+        def seen(overrun: Overrun) -> OverrunCounters:
+            return overrun.counters._replace(throttled=throttled, stolen_s=stolen_s)
+
+        causes = [overrun_cause(seen(overrun)) for overrun in found]
+        cause = overrun_cause(seen(worst))
         return {
             "overruns": len(found),
             "missed": sum(overrun.missed for overrun in found),
@@ -113,47 +121,13 @@ class Statistics:
             "worst_missed": worst.missed,
             "cause": str(cause),
             "remedy": REMEDY[cause],
-            "counters": worst.counters._asdict(),
+            "counters": seen(worst)._asdict(),
         }
-
-
-def _cause_of(overrun: Overrun, throttled: bool) -> Cause:
-    return overrun_cause(overrun.counters._replace(throttled=throttled))
 
 
 def _percentiles(counts: list[int]) -> dict[str, float]:
     p50, p99, greatest = percentiles_us(counts, (0.5, 0.99, 1.0))
     return {"p50": p50, "p99": p99, "max": greatest}
-
-
-class Throttling:
-    """Whether a processor was slowed down: by its count of thermal events, or by its present clock."""
-
-    def __init__(self, root: Path = Path("/sys/devices/system/cpu")) -> None:
-        """Processors without such files are taken for never slowed down."""
-        self._counts = sorted(root.glob("cpu[0-9]*/thermal_throttle/core_throttle_count"))
-        self._clocks = sorted(root.glob("cpu[0-9]*/cpufreq"))
-        self._last = self._events()
-
-    def _events(self) -> int:
-        return sum(_number(path) for path in self._counts)
-
-    def seen(self) -> bool:
-        """Since the last call, or now."""
-        events = self._events()
-        risen, self._last = events > self._last, events
-        slow = any(
-            0 < _number(clock / "scaling_cur_freq") < _SLOW * _number(clock / "cpuinfo_max_freq")
-            for clock in self._clocks
-        )
-        return risen or slow
-
-
-def _number(path: Path) -> int:
-    try:
-        return int(path.read_text())
-    except (OSError, ValueError):
-        return 0
 
 
 def _runs(process: int) -> bool:
@@ -162,6 +136,14 @@ def _runs(process: int) -> bool:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
     except (OSError, IndexError):
         return False
+
+
+def _still_records(recorder: int, block: LoopBlock, loop_process: int) -> bool:
+    """Whether the recorder runs; says so when it does not, though the loop does: after the loop it ends by itself."""
+    if _runs(recorder) or block.ended or os.getppid() != loop_process:
+        return True
+    log(_PROCESS, "error", "the recorder's process has ended", remedy=RECORDER_ENDED)
+    return False
 
 
 def main(block_name: str, loop_process: int, recorder: int) -> int:
@@ -174,20 +156,22 @@ def main(block_name: str, loop_process: int, recorder: int) -> int:
     except UserError as error:
         log(_PROCESS, "error", str(error))
         return 1
-    statistics, throttling = Statistics(block), Throttling()
+    statistics, throttling, stolen = Statistics(block), Throttling(), Stolen(loop_process)
+    watchdog = Watchdog()  # besides the recorder's: that one may be lost without harm to the damping
     due = time.monotonic() + _PERIOD_S
     recording = True
-    while not (stop or block.ended) and os.getppid() == loop_process:
+    while not (stop or block.ended):
         time.sleep(_POLL_S)
+        if os.getppid() != loop_process:
+            break
+        watchdog.feed(block.cycles, time.monotonic())
         if time.monotonic() < due:
             continue
         due += _PERIOD_S
         if block.cycles:
             log(_PROCESS, "info", "loop", **statistics.line())
-        if recording and not _runs(recorder) and not block.ended:
-            recording = False
-            log(_PROCESS, "error", "the recorder's process has ended", remedy=RECORDER_ENDED)
-        if (warning := statistics.overruns(throttling.seen())) is not None:
+        recording = recording and _still_records(recorder, block, loop_process)
+        if (warning := statistics.overruns(throttling.seen(), stolen.passed_s())) is not None:
             log(_PROCESS, "warning", "cycles missed", **warning)
     if os.getppid() != loop_process and not block.ended:
         log(_PROCESS, "error", "the loop is gone", **statistics.line())

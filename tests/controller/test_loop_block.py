@@ -2,14 +2,13 @@
 
 import secrets
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from controller.loop_block import LoopBlock
 from controller.overrun import Cause
 from controller.states.table import Event, State
-from controller.statistics_process import Statistics, Throttling
+from controller.statistics_process import Statistics
 
 
 @pytest.fixture
@@ -49,17 +48,17 @@ def test_overruns_come_with_their_cause_once(sides: tuple[LoopBlock, LoopBlock])
     """The worst one's cause and counters; more than the ring holds are counted all the same."""
     writer, reader = sides
     statistics = Statistics(reader)
-    assert statistics.overruns(False) is None
+    assert statistics.overruns(False, 0.0) is None
     writer.note_overrun(17, 3, (0.001, 0.0035, 1e-4, 1e-4), (0, 0, 5, 0, 0))
     writer.note_overrun(40, 1, (0.001, 1e-5, 0.0021, 1e-4), (0, 0, 5, 0, 0))
-    told = statistics.overruns(False)
+    told = statistics.overruns(False, 0.0)
     assert told is not None
     assert told["causes"] == {Cause.NO_CPU: 1, Cause.SLOW_BUS: 1}
     assert (told["worst_cycle"], told["worst_missed"], told["cause"]) == (17, 3, "no CPU")
-    assert statistics.overruns(False) is None
+    assert statistics.overruns(False, 0.0) is None
     for cycle in range(200):
         writer.note_overrun(cycle, 1, (0.001, 1e-5, 1e-4, 0.0015), (0, 0, 0, 0, 0))
-    told = statistics.overruns(True)
+    told = statistics.overruns(True, 0.0)
     assert told is not None and told["cause"] == "throttling"
     assert told["overruns"] == 64
     assert reader.misses == 204
@@ -86,22 +85,3 @@ def test_changes_of_state_are_kept_in_order(sides: tuple[LoopBlock, LoopBlock]) 
     assert not reader.ended
     writer.end()
     assert reader.ended
-
-
-def test_throttling_is_seen_by_count_or_clock(tmp_path: Path) -> None:
-    """Files as Linux has them; none of them means never."""
-    assert not Throttling(tmp_path).seen()
-    count = tmp_path / "cpu0" / "thermal_throttle" / "core_throttle_count"
-    clock = tmp_path / "cpu0" / "cpufreq"
-    count.parent.mkdir(parents=True)
-    clock.mkdir()
-    count.write_text("3\n")
-    (clock / "cpuinfo_max_freq").write_text("3000000\n")
-    (clock / "scaling_cur_freq").write_text("2900000\n")
-    throttling = Throttling(tmp_path)
-    assert not throttling.seen()
-    count.write_text("4\n")
-    assert throttling.seen()
-    assert not throttling.seen()
-    (clock / "scaling_cur_freq").write_text("1200000\n")
-    assert throttling.seen()

@@ -29,6 +29,8 @@ def seen(**changes: object) -> OverrunCounters:
         (seen(involuntary_switches=1), Cause.NO_CPU),
         (seen(device_s=0.003, computing_s=2e-4), Cause.SLOW_BUS),
         (seen(device_s=0.003, computing_s=2e-4, run_delay_s=0.0028), Cause.NO_CPU),
+        (seen(device_s=0.003, computing_s=2e-4, stolen_s=0.01), Cause.NO_CPU),
+        (seen(device_s=0.03, computing_s=2e-4, stolen_s=0.01), Cause.SLOW_BUS),
         (seen(voluntary_switches=1000), Cause.OWN_COMPUTING),
     ],
 )
