@@ -1,7 +1,7 @@
 """One daemon of a kind on its ports: a lock file that names the process, held as long as that lives.
 
-The kernel releases the lock with the process, however it ended: the file that a killed one leaves is no obstacle, and no
-process number is ever trusted.
+The kernel releases the lock with the process, however it ended: the file that a killed one leaves is no obstacle, and
+no process number is ever trusted.
 """
 
 import atexit
