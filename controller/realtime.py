@@ -44,8 +44,7 @@ MEMORY = Missing(
 )
 CPU_LATENCY = Missing(
     f"{_CPU_LATENCY} cannot be opened, so the processor may sleep deeply",
-    f"DeviceAllow={_CPU_LATENCY} rw {_UNIT}, with a udev rule "
-    'KERNEL=="cpu_dma_latency", GROUP="realtime", MODE="0660"',
+    'a udev rule KERNEL=="cpu_dma_latency", GROUP="realtime", MODE="0660", and the user in that group',
 )
 PINNED = Missing(
     "the thread is not pinned to a processor", f"AllowedCPUs= {_UNIT} with at least one processor"

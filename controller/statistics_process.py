@@ -72,6 +72,7 @@ class Statistics:
         self._lateness, self._compute = block.lateness.counts(), block.compute.counts()
         self._cycles, self._misses, self._samples = block.cycles, block.misses, block.samples
         self._overruns, _ = block.overruns(block.cycles + 1)
+        self._missed_before = block.misses
         self._changes, _ = block.changes(block.cycles + 1)
 
     def line(self) -> dict[str, object]:
@@ -101,11 +102,14 @@ class Statistics:
     def overruns(self, throttled: bool, stolen_s: float) -> dict[str, object] | None:
         """The fields of a warning about the overruns since the last call; None where there were none.
 
-        throttled, stolen_s: what befell the processor meanwhile.
+        throttled, stolen_s: what befell the processor meanwhile. Of very many, the causes are those of the last ones.
         """
-        self._overruns, found = self._block.overruns(self._overruns)
+        count, found = self._block.overruns(self._overruns)
         if not found:
             return None
+        new, self._overruns = count - self._overruns, count
+        misses = self._block.misses
+        missed, self._missed_before = misses - self._missed_before, misses
         worst = max(found, key=lambda overrun: overrun.missed)
 
         def seen(overrun: Overrun) -> OverrunCounters:
@@ -114,8 +118,8 @@ class Statistics:
         causes = [overrun_cause(seen(overrun)) for overrun in found]
         cause = overrun_cause(seen(worst))
         return {
-            "overruns": len(found),
-            "missed": sum(overrun.missed for overrun in found),
+            "overruns": new,
+            "missed": missed,
             "causes": {str(each): causes.count(each) for each in dict.fromkeys(causes)},
             "worst_cycle": worst.cycle,
             "worst_missed": worst.missed,

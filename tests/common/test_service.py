@@ -20,6 +20,7 @@ from common.service_notify import Watchdog, notify
 from common.single_instance import hold_instance
 from common.structured_log import log, log_line, log_start
 from common.user_error import UserError
+from controller.realtime import CPU_LATENCY
 
 ROOT = Path(__file__).parents[2]
 
@@ -158,6 +159,16 @@ def test_the_units_ask_for_what_the_daemons_need(role: str) -> None:
     assert service["KillMode"] == "mixed"  # SIGTERM to the main process: it fades, then its recorder finishes
     if role == "controller":
         assert service["LimitRTPRIO"] == "99" and service["LimitMEMLOCK"] == "infinity"
+
+
+def test_the_units_user_is_made_and_may_hold_the_processors_latency() -> None:
+    """Without, the controller would refuse to start as a service."""
+    users = (ROOT / "deploy" / "sysusers" / "stillarm.conf").read_text().splitlines()
+    rule = (ROOT / "deploy" / "udev" / "80-stillarm.rules").read_text()
+    unit = (ROOT / "deploy" / "systemd" / "stillarm-controller.service").read_text()
+    assert "User=stillarm" in unit and "m stillarm realtime" in users
+    assert CPU_LATENCY.grant.removeprefix("a udev rule ").split(", and ")[0] in rule
+    assert "DeviceAllow" not in unit  # it would close all other devices, and opens none
 
 
 def test_the_recorders_process_feeds_the_watchdog_while_the_loop_puts_messages(
