@@ -14,9 +14,9 @@ energy that is there.
 Without an accelerometer, or where the drive turns against its own report or the model against the arm, growth alone is
 left: an amplitude that rises by a fifth in each of four or more periods running, to three and a half times what it was
 before them and to twice the largest of the last minute. The sum counts more than each period, because an estimate made
-with a model that is wrong swings by 15 %. No blow does that. Ten simulated hours each of white disturbance and of random
-blows (every 0.5, 1, 3 s), at damping ratios of 0.02, 0.05 and 0.13 each, held 8 false alarms in 120 hours, all under a
-blow every second or half second.
+with a model that is wrong swings by 15 %. No blow does that. Ten simulated hours each of white disturbance and of
+random blows (every 0.5, 1, 3 s), at damping ratios of 0.02, 0.05 and 0.13 each, held 8 false alarms in 120 hours, all
+under a blow every second or half second.
 """
 
 from cmath import exp as cexp
