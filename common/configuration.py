@@ -343,6 +343,11 @@ class Configuration(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     telemetry: Telemetry = Telemetry()
 
 
+def is_simulated_rig(configuration: Configuration) -> bool:
+    """Whether the simulated rig stands in for the hardware: it alone has such a camera."""
+    return configuration.camera.driver == "shared_memory"
+
+
 def default_configuration_path() -> Path:
     """configs/default.toml as it came with the program."""
     return Path(__file__).parent.parent / "configs" / "default.toml"

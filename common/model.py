@@ -94,6 +94,18 @@ class Timing(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 EffectValue = str | float | int | bool
 
 
+class Commissioned(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """By what the file's parameters were identified on the rig itself, and how well.
+
+    date: day of the recording. std: standard deviations, by the parameters' keys (arm.modes[0].frequency_hz), in their
+    units.
+    """
+
+    date: str
+    recording: str
+    std: dict[str, NonNegative] = {}
+
+
 class Model(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The whole model file. A key that is left out takes the default shown in its section's class."""
 
@@ -103,6 +115,12 @@ class Model(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     camera: Camera = Camera()
     timing: Timing = Timing()
     effects: list[dict[str, EffectValue]] = []
+    commissioned: Commissioned | msgspec.UnsetType = msgspec.UNSET
+
+    @property
+    def identified(self) -> bool:
+        """Whether `stillarm commission` or `calibrate` made this file."""
+        return self.commissioned is not msgspec.UNSET
 
 
 def load_model(path: str | Path) -> Model:

@@ -6,7 +6,7 @@ import signal
 import time
 from pathlib import Path
 
-from common.configuration import load_assumed_model, load_configuration, model_path
+from common.configuration import is_simulated_rig, load_assumed_model, load_configuration, model_path
 from common.effects import not_used_by_controller
 from common.left_behind import remove_left_blocks
 from common.recording.header import live_header
@@ -37,7 +37,9 @@ def run(
     model = load_assumed_model(configuration, configuration_path)
     cycle_s = model.timing.cycle_s
     model_name = str(model_path(configuration, configuration_path))
-    controller = Controller(model, configuration.controller, model_name)
+    controller = Controller(
+        model, configuration.controller, model_name, identified_only=not is_simulated_rig(configuration)
+    )
     hold_instance("controller", configuration.link.controller_port)
     remove_left_blocks()
     devices = LiveDevices(configuration, model, SignalFlag(signal.SIGUSR1))

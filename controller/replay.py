@@ -15,6 +15,7 @@ from controller.estimate import Estimate, Observation
 from controller.joint_motion import JointMotion
 from controller.methods import make_method
 from controller.recorded import RecordedCycle, estimate_sample, fast_sample, recorded_cycles
+from controller.states.table import Event
 from controller.step import Controller
 
 _REPORT_EVERY = 1000  # cycles
@@ -105,7 +106,13 @@ def replay_method(
 
 def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = None) -> LiveComparison:
     """Run the recorded controller again and compare every estimate, prediction and command with what it did."""
-    controller = Controller(run.model, settings or run.configuration.controller, f"{run.name} (model)")
+    refused = any(estimate.reason == Event.UNCOMMISSIONED for estimate in run.estimates)
+    controller = Controller(
+        run.model,
+        settings or run.configuration.controller,
+        f"{run.name} (model)",
+        identified_only=refused,  # as it was live: older recordings of a rig were not
+    )
     comparison = LiveComparison()
     recorded = {estimate.cycle: estimate for estimate in run.estimates}
     for read, _, row, _ in run.cycles():

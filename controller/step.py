@@ -65,14 +65,24 @@ class CycleOutput:
 class Controller:
     """Takes off the joint's own motion, estimates, asks what is allowed, predicts, damps, limits: once a cycle."""
 
-    def __init__(self, model: Model, settings: ControllerSettings, model_name: str = "model") -> None:
-        """For a model of the rig. Raises UserError for an unknown method or a model without length."""
+    def __init__(
+        self,
+        model: Model,
+        settings: ControllerSettings,
+        model_name: str = "model",
+        *,
+        identified_only: bool = False,
+    ) -> None:
+        """For a model of the rig. identified_only: damp by no model but one that the rig itself has given.
+
+        Raises UserError for an unknown method or a model without length.
+        """
         model = declared(model)
         self._cycle_s = model.timing.cycle_s
         length = length_of(model, model_name)
         self.joint = JointMotion(model, length)
         self.method = make_method(settings.method, model, settings, model_name)
-        self._supervision = Supervision(model, settings, length)
+        self._supervision = Supervision(model, settings, length, identified_only=identified_only)
         self._damping = JointDamping(model, settings.damping, model_name)
         self._motion = Motion(model, settings.reference_shaping)
         self._limits = CommandLimits(model.drive, self._cycle_s)

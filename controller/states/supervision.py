@@ -19,8 +19,10 @@ _AT_REST = frozenset({State.PREFLIGHT, State.IDLE})
 class Supervision:
     """Sees to it that nothing moves without grounds."""
 
-    def __init__(self, model: Model, settings: ControllerSettings, length_m: float) -> None:
-        """For the model's drive and first mode."""
+    def __init__(
+        self, model: Model, settings: ControllerSettings, length_m: float, *, identified_only: bool = False
+    ) -> None:
+        """For the model's drive and first mode. identified_only: whether a model that no rig has given is refused."""
         cycle_s, safety = model.timing.cycle_s, settings.safety
         self._drive = model.drive
         self._w = model.arm.modes[0].angular_frequency
@@ -35,6 +37,7 @@ class Supervision:
         self._quiet_after_cycles = round(1.0 / model.arm.modes[0].frequency_hz / cycle_s)
         self._quiet_cycles = 0
         self._found = 0
+        self._refused = 0 if model.identified or not identified_only else _UNCOMMISSIONED
         self._damped = False
 
     def see_image(self, time_s: float) -> None:
@@ -54,7 +57,9 @@ class Supervision:
         """Where the controller stands in this cycle, and what it may do."""
         machine = self._machine
         missing = (
-            self._health.missing(time_s, elapsed, acceleration_m_s2, joint_age_s, estimate) | self._found
+            self._health.missing(time_s, elapsed, acceleration_m_s2, joint_age_s, estimate)
+            | self._found
+            | self._refused
         )
         before = machine.state
         ready = before in _AT_REST and self._ready(missing, joint_position_rad)
@@ -104,3 +109,4 @@ class Supervision:
 
 
 _GROWING, _SATURATED = BIT_OF[Event.GROWING], BIT_OF[Event.SATURATED]
+_UNCOMMISSIONED = BIT_OF[Event.UNCOMMISSIONED]

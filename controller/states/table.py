@@ -40,6 +40,7 @@ class Event(StrEnum):
     DEADLINES_MISSED = "deadlines missed"
     VISION_STALE = "vision stale"
     ACCELEROMETER_DEAD = "accelerometer dead"
+    UNCOMMISSIONED = "uncommissioned"
 
 
 class Operator(IntFlag):
@@ -129,6 +130,11 @@ GROUNDS = (
         "the accelerometer gives no samples; damping goes on with the capture delay known last",
         "check its bus and power; without it for long, set controller.method to one that needs none",
     ),
+    Ground(
+        Event.UNCOMMISSIONED, False, Reaction.ZERO, 0.001, 0.04,
+        "the model file was not identified on this rig: it is not damped",
+        "`stillarm commission --config FILE -o MODEL` identifies it; name MODEL as the configuration's model",
+    ),
 )  # fmt: skip
 GROUND_OF = {ground.event: ground for ground in GROUNDS}
 BIT_OF = {ground.event: 1 << place for place, ground in enumerate(GROUNDS)}
@@ -152,6 +158,7 @@ loop stalled        .          .          degraded   degraded   .          .
 deadlines missed    .          .          degraded   degraded   .          .
 vision stale        .          .          degraded   degraded   .          .
 accelerometer dead  .          .          degraded   degraded   .          .
+uncommissioned      .          .          degraded   degraded   .          .
 """
 
 

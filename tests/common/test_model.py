@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from common.configuration import default_configuration_path
@@ -66,3 +67,20 @@ def test_a_length_that_is_needed_is_asked_for(tmp_path: Path) -> None:
     assert length_of(model(tmp_path, "[arm]\nlength_m = 1.5"), "m.toml") == 1.5
     with pytest.raises(UserError, match=r"m\.toml: arm\.length_m.*calibrate"):
         length_of(Model(), "m.toml")
+
+
+def test_the_mark_of_commissioning_is_read_kept_and_left_out_where_there_is_none(tmp_path: Path) -> None:
+    read = model(
+        tmp_path,
+        '[commissioned]\ndate = "2026-01-31"\nrecording = "r.mcap"\n'
+        '[commissioned.std]\n"arm.modes[0].frequency_hz" = 0.001\n',
+    )
+    assert read.identified and not Model().identified
+    assert read.commissioned.std == {"arm.modes[0].frequency_hz": 0.001}  # type: ignore[union-attr]
+    assert "commissioned" not in msgspec.to_builtins(Model())
+    assert msgspec.to_builtins(read)["commissioned"]["recording"] == "r.mcap"
+
+
+def test_a_mark_without_a_recording_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"commissioned\.recording: required key is missing"):
+        model(tmp_path, '[commissioned]\ndate = "2026-01-31"\n')

@@ -12,7 +12,7 @@ import pytest
 
 from common.configuration import Controller as Settings
 from common.configuration import Damping, Safety
-from common.model import Arm, Mode, Model
+from common.model import Arm, Commissioned, Mode, Model
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
 from controller.states.table import GROUND_OF, Event, Operator, State
 from controller.step import Controller, CycleInput
@@ -301,3 +301,17 @@ def test_checks_before_arming() -> None:
     assert trace.outputs[50].state is State.PREFLIGHT and trace.outputs[200].state is not State.PREFLIGHT
     blind = Controller(MODEL, needs)
     assert {blind.step(CycleInput(k, 0.0, 0.0, 0.0, 0.0)).state for k in range(300)} == {State.PREFLIGHT}
+
+
+def test_a_model_that_no_rig_has_given_moves_and_is_not_damped() -> None:
+    """On hardware; with the mark it is, and in a simulation the mark does not matter."""
+    marked = msgspec.structs.replace(MODEL, commissioned=Commissioned("2026-01-31", "recording.mcap"))
+    controller = Controller(MODEL, SETTINGS, identified_only=True)
+    refused = run(lambda read: None, controller=controller)
+    assert states(refused, 0.1, 3.0) == {(State.DEGRADED, Event.UNCOMMISSIONED)}
+    assert all(output.damping_rad_s == 0.0 for output in refused.outputs)
+    assert max(output.command_rad_s for output in refused.outputs) == pytest.approx(0.05)
+    for model, only in ((marked, True), (MODEL, False)):
+        damped = run(lambda read: None, controller=Controller(model, SETTINGS, identified_only=only))
+        assert (State.DAMPING, None) in states(damped, 1.0, 3.0)
+        assert not any(output.reason is Event.UNCOMMISSIONED for output in damped.outputs)

@@ -30,6 +30,7 @@ for moving in (State.ARMED, State.DAMPING, State.DEGRADED):
 for moving in (State.ARMED, State.DAMPING):
     for passing in (
         Event.DRIVE_SILENT, Event.LOOP_STALLED, Event.DEADLINES_MISSED, Event.VISION_STALE, Event.ACCELEROMETER_DEAD,
+        Event.UNCOMMISSIONED,
     ):  # fmt: skip
         EXPECTED[moving, passing] = State.DEGRADED
 
