@@ -150,6 +150,11 @@ class LiveRig:
             self.proxy.pump(0.02)
         return status
 
+    def stop(self, name: str) -> None:
+        """Ask a process to stop, and wait until it has. Raises UserError when it does not."""
+        self.signal(name, signal.SIGTERM)
+        self.wait(name)
+
     def running(self, name: str) -> bool:
         """Whether a process runs."""
         return self._processes[name].poll() is None

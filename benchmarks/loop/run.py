@@ -77,18 +77,19 @@ def run(
             processes.stop_all()
 
 
+def block_name(controller: int) -> str | None:
+    """The name of the counters of the controller with that process number; None before it has made them."""
+    pattern = block_path(f"loop-{controller}-x").name[:-1] + "*"
+    found = next(iter(block_path("x").parent.glob(pattern)), None)
+    return None if found is None else found.name.removeprefix("stillarm-")
+
+
 def _measure(
     duration_s: float, processes: DemoProcesses, progress: Callable[[float], None]
 ) -> dict[str, Any]:
-    found: list[Path] = []
-    pattern = block_path(f"loop-{processes.process_id('controller')}-x").name[:-1]
-
-    def begun() -> bool:
-        found[:] = block_path("x").parent.glob(pattern + "*")
-        return bool(found)
-
-    _wait(begun, processes)
-    block = LoopBlock(found[0].name.removeprefix("stillarm-"), create=False)
+    controller = processes.process_id("controller")
+    _wait(lambda: block_name(controller) is not None, processes)
+    block = LoopBlock(block_name(controller) or "", create=False)
     floor = LoopBlock(f"floor-{os.getpid()}-{secrets.token_hex(4)}", create=True)
     timer = None
     try:

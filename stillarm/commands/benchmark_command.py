@@ -14,18 +14,21 @@ DEFAULT_TRIALS = {
     "estimators": 20,
     "vision": 3,
     "faults": 12,
+    "flood": 1,
     "soak": 1,
     "hardware": 2,
     "diagnosis": 200,
     "loop": 60,
 }
 BENCHMARKS = tuple(DEFAULT_TRIALS)
+DEFAULT_DURATION_S = {"loop": 60.0, "flood": 10.0, "soak": 1800.0}
 _ESTIMATOR_ONLY = ("out", "methods", "quick")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     defaults = ", ".join(f"{name} {trials}" for name, trials in DEFAULT_TRIALS.items())
+    durations = ", ".join(f"{name} {duration_s:g}" for name, duration_s in DEFAULT_DURATION_S.items())
     parser.add_argument("name", choices=BENCHMARKS, metavar="NAME", help=f"one of: {', '.join(BENCHMARKS)}")
     parser.add_argument(
         "--trials", type=int, metavar="N", help=f"trials of each row; loop: seconds ({defaults})"
@@ -42,7 +45,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="diagnosis: keep each trial here, and go on with what is there",
     )
     parser.add_argument(
-        "--duration-s", type=seconds, default=1800.0, metavar="S", help="soak: for so long (1800)"
+        "--duration-s",
+        type=seconds,
+        metavar="S",
+        help=f"measure for so long, instead of trials ({durations})",
     )
     parser.add_argument("--methods", metavar="A,B", help="estimators: only these methods (all)")
     parser.add_argument(
@@ -59,10 +65,13 @@ def run(arguments: argparse.Namespace) -> int:
         for option in _ESTIMATOR_ONLY:
             if getattr(arguments, option):
                 raise UserError(f"--{option}: only for `benchmark estimators`; leave it out")
+    if arguments.duration_s is not None and arguments.name not in DEFAULT_DURATION_S:
+        raise UserError(f"--duration-s: only for {', '.join(DEFAULT_DURATION_S)}; leave it out")
     if arguments.resume is not None and arguments.name != "diagnosis":
         raise UserError("--resume: only for `benchmark diagnosis`; leave it out")
     result = _RUN[arguments.name](arguments, trials)
-    print(f"seed {arguments.seed}, {trials} trials")
+    of_time = arguments.name in DEFAULT_DURATION_S
+    print(f"seed {arguments.seed}" if of_time else f"seed {arguments.seed}, {trials} trials")
     if arguments.json is not None:
         try:
             arguments.json.write_text(json.dumps(result, indent=2, allow_nan=False) + "\n")
@@ -150,11 +159,28 @@ def _faults(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     return result
 
 
+def _flood(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.faults.flood import run as run_flood
+
+    with progress_bar("benchmark flood") as progress:
+        result = run_flood(_duration_s(arguments), arguments.seed, progress)
+    print_rows(result["rows"])
+    print()
+    print_rows(result["asked"])
+    refused = ", ".join(f"{name} {count}" for name, count in result["refused"].items())
+    print(f"{result['sent']} forged datagrams, {result['rate_hz']:.0f} a second; not taken: {refused}")
+    return result
+
+
+def _duration_s(arguments: argparse.Namespace) -> float:
+    return float(arguments.duration_s or DEFAULT_DURATION_S[arguments.name])
+
+
 def _soak(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     from benchmarks.soak import run as run_soak
 
     with progress_bar("benchmark soak") as progress:
-        result = run_soak(arguments.duration_s, arguments.seed, progress)
+        result = run_soak(_duration_s(arguments), arguments.seed, progress)
     print_rows([{"process": name, **values} for name, values in result["processes"].items()])
     print(
         f"soak, {result['duration_s']:g} s: {'; '.join(result['problems']) or 'nothing grows, nothing drifts'}"
@@ -168,7 +194,8 @@ def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     from stillarm.commands.latency_command import print_latency
 
     with progress_bar("benchmark loop") as progress:
-        result = run_loop(float(trials), arguments.seed, progress)
+        duration_s = _duration_s(arguments) if arguments.trials is None else float(trials)
+        result = run_loop(duration_s, arguments.seed, progress)
     print_latency(result)
     print()
     print_rows(verdict(result))
@@ -212,6 +239,7 @@ _RUN: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
     "vision": _vision,
     "loop": _loop,
     "faults": _faults,
+    "flood": _flood,
     "soak": _soak,
     "diagnosis": _diagnosis,
     "hardware": _hardware,

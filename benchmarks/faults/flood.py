@@ -1,0 +1,148 @@
+"""`benchmark flood`: the controller under a flood of forged datagrams, between two quiet stretches of the same run."""
+
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from benchmarks.faults.faulty_link import forged
+from benchmarks.faults.live_rig import LiveRig
+from benchmarks.loop.run import Window, block_name
+from common.recording.reader import Recording, open_recording
+from common.user_error import UserError
+from controller.loop_block import LoopBlock
+
+RATE_HZ = 20_000
+_KINDS_OF_FORGERY = 2000
+_SETTLE_S = 2.0
+_REFUSED = ("forged", "malformed", "foreign_version", "unexpected", "unproven", "duplicate", "shed")
+
+
+def run(
+    duration_s: float, seed: int, progress: Callable[[float], None] = lambda done: None
+) -> dict[str, Any]:
+    """Half of `duration_s` quiet, all of it flooded, half of it quiet; raises UserError when the rig does not run."""
+    with tempfile.TemporaryDirectory(prefix="stillarm-flood-") as folder:
+        rig = LiveRig(Path(folder), seed)
+        try:
+            rows, sent = _measure(rig, duration_s, seed, progress)
+            rig.stop("controller")
+            recording = open_recording(rig.recording)
+            for row in rows:
+                row["damping_share"] = damping_share(recording, row.pop("from_s"), row.pop("to_s"))
+            refused = refused_counts(recording)
+        finally:
+            rig.close()
+    return {
+        "rate_hz": sent / duration_s,
+        "sent": sent,
+        "rows": rows,
+        "refused": refused,
+        "asked": verdict(rows),
+    }
+
+
+def _measure(
+    rig: LiveRig, duration_s: float, seed: int, progress: Callable[[float], None]
+) -> tuple[list[dict[str, Any]], int]:
+    name = block_name(rig.process_id("controller"))
+    if name is None:
+        raise UserError("benchmark flood: the controller shows no counters; does another version run?")
+    block = LoopBlock(name, create=False)
+    try:
+        rig.proxy.pump(_SETTLE_S)
+        before = _window("quiet before", rig, block, duration_s / 2.0)
+        progress(0.25)
+        flooding = _start_flood(rig, duration_s, seed)
+        during = _window("flood", rig, block, duration_s)
+        told = flooding.communicate(timeout=30.0)[0]
+        if flooding.returncode != 0:
+            raise UserError("benchmark flood: the sender failed; what it said on standard error tells why")
+        sent = json.loads(told)["sent"]
+        progress(0.75)
+        after = _window("quiet after", rig, block, duration_s / 2.0)
+        progress(1.0)
+    finally:
+        block.close()
+    return [before, during, after], sent
+
+
+def _window(name: str, rig: LiveRig, block: LoopBlock, duration_s: float) -> dict[str, Any]:
+    window, from_s = Window(block), time.monotonic()
+    rig.proxy.pump(duration_s)
+    to_s, found = time.monotonic(), window.result()
+    return {
+        "stretch": name,
+        "cycles": found["cycles"],
+        "missed": found["deadline_misses"],
+        "wakeup_p99_us": found["wakeup_latency_us"]["p99"],
+        "compute_p99_us": window.compute_us()["p99"],
+        "from_s": from_s,
+        "to_s": to_s,
+    }
+
+
+def _start_flood(rig: LiveRig, duration_s: float, seed: int) -> "subprocess.Popen[bytes]":
+    """With what someone on the path would make: noise, other keys, true beginnings with false tags, changed bytes."""
+    rng, true = random.Random(seed), list(rig.proxy.up.past)
+    datagrams = [forged(rng.choice(true), rng) for _ in range(_KINDS_OF_FORGERY)]
+    root = str(Path(__file__).resolve().parents[2])
+    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
+    words = ("127.0.0.1", str(rig.controller_port), str(RATE_HZ), str(duration_s))
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "benchmarks.faults.flood_sender", *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": search},
+    )
+    assert process.stdin is not None
+    with process.stdin as stdin:
+        stdin.write(msgspec.msgpack.encode(datagrams))
+    process.stdin = None
+    return process
+
+
+def damping_share(recording: Recording, from_s: float, to_s: float) -> float:
+    """Share of a span of monotonic time's recorded cycles in which the damping acted; 0 without cycles."""
+    estimates, origin_s = recording.columns("/estimate"), recording.header.origin_monotonic_s
+    times = np.asarray(estimates["time_s"]) + origin_s
+    status = np.asarray(estimates["damping_status"])[(times >= from_s) & (times < to_s)]
+    return float(np.mean(status == "active")) if len(status) else 0.0
+
+
+def refused_counts(recording: Recording) -> dict[str, int]:
+    """What became of all that was not taken in the whole run, by name; the last second of the run is not in it."""
+    link = recording.columns("/link")
+    return {name: int(link[name][-1]) for name in _REFUSED if len(link[name])}
+
+
+def verdict(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Misses of the flood at most twice those of as long a quiet time; damping goes on as it does in the quiet."""
+    before, during, after = rows
+    asked = (
+        ("missed in the flood", during["missed"], 2 * (before["missed"] + after["missed"]), True),
+        (
+            "share damped in the flood",
+            during["damping_share"],
+            0.9 * min(before["damping_share"], after["damping_share"]),
+            False,
+        ),
+    )
+    return [
+        {
+            "asked": name,
+            "found": found,
+            "bound": bound,
+            "kept": "yes" if (found <= bound if most else found >= bound) else "no",
+        }
+        for name, found, bound, most in asked
+    ]
