@@ -32,6 +32,7 @@ class VisualSample(msgspec.Struct, frozen=True, gc=False):
     captured_s: the camera's own stamp, converted to mid-exposure as far as known, on its own clock; NaN if
     none
     started_cycle: n_i, the controller's timestamp when the supervisor cycle began; -1 before the first one
+    restarted: the first of a supervisor that was started anew: from here on "the first frame" is another one
     """
 
     frame: int
@@ -48,6 +49,7 @@ class VisualSample(msgspec.Struct, frozen=True, gc=False):
     exposure_s: float = nan
     features: int = 0
     inliers: int = 0
+    restarted: bool = False
 
     @property
     def measured(self) -> bool:

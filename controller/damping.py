@@ -68,6 +68,12 @@ class JointDamping:
         """To zero at once, and in again gently."""
         self._weight = 0.0
 
+    def begin_anew(self) -> None:
+        """The image has another zero: out at once, and in gently when that is known."""
+        self.cut()
+        if self._composite is not None:
+            self._composite.restart()
+
     def anchor(self, joint_position_rad: float) -> None:
         """Where the joint is now is where the reference has led it: it was not moved by the reference so far."""
         self._anchored = True

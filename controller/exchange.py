@@ -34,6 +34,7 @@ class ControllerExchange:
         self._session = session
         self._sequence = 0
         self._peer = Peer(key, (Kind.VISUAL,), session)
+        self._restarted = False
         self.clock = ClockOffset()
         """The supervisor's clock against this one's."""
 
@@ -71,6 +72,7 @@ class ControllerExchange:
                 continue
             if self._peer.counts.sessions != sessions:
                 self.clock.reset()
+                self._restarted = sessions > 0
             read = read_visual_body(datagram.body)
             if read is None:
                 self._peer.counts.malformed += 1
@@ -79,9 +81,16 @@ class ControllerExchange:
             elif cycle - read[1].started_cycle > self._oldest_cycles:
                 self._peer.counts.overdue += 1
             else:
-                samples.append(read[1])
+                samples.append(self._marked(read[1]))
                 self.clock.add(read[2], received_s)
         return samples
+
+    def _marked(self, sample: VisualSample) -> VisualSample:
+        """The sample; marked where it is the first one of a supervisor that was started anew."""
+        if not self._restarted:
+            return sample
+        self._restarted = False
+        return msgspec.structs.replace(sample, restarted=True)
 
 
 class ReferenceExchange:

@@ -69,6 +69,7 @@ def frame_sample(sample: VisualSample, cycle: int, cycle_s: float) -> FrameSampl
         exposure_s=sample.exposure_s,
         features=sample.features,
         inliers=sample.inliers,
+        restarted=sample.restarted,
     )
 
 
@@ -89,6 +90,7 @@ def visual_sample(frame: FrameSample) -> VisualSample:
         frame.exposure_s,
         frame.features,
         frame.inliers,
+        frame.restarted,
     )
 
 

@@ -15,6 +15,7 @@ from controller.estimate import Estimate, Observation
 from controller.joint_motion import JointMotion
 from controller.methods import make_method
 from controller.recorded import RecordedCycle, estimate_sample, fast_sample, recorded_cycles
+from controller.restarted_vision import MethodAcrossRestarts
 from controller.states.table import Event
 from controller.step import Controller
 
@@ -85,7 +86,7 @@ def replay_method(
     """Run a method over recorded measurements and commands. Raises UserError for an unknown method or no length."""
     name = f"{run.name} (model)"
     model = declared(run.model)
-    estimator = make_method(method, model, run.configuration.controller, name)
+    estimator = MethodAcrossRestarts(lambda: make_method(method, model, run.configuration.controller, name))
     joint = JointMotion(model, length_of(model, name))
     result = MethodRun(method)
     for count, cycle in enumerate(run.cycles()):

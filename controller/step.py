@@ -12,11 +12,12 @@ from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.damping import DampingStatus, JointDamping
 from controller.dither import STILL, check_dither, dither_on
-from controller.estimate import Estimate, Observation
+from controller.estimate import Estimate, Method, Observation
 from controller.joint_motion import JointMotion
 from controller.limits import CommandLimits
 from controller.methods import make_method
 from controller.motion import Motion
+from controller.restarted_vision import MethodAcrossRestarts
 from controller.states.supervision import Supervision
 from controller.states.table import Event, State
 
@@ -81,7 +82,9 @@ class Controller:
         self._cycle_s = model.timing.cycle_s
         length = length_of(model, model_name)
         self.joint = JointMotion(model, length)
-        self.method = make_method(settings.method, model, settings, model_name)
+        self.method: Method = MethodAcrossRestarts(
+            lambda: make_method(settings.method, model, settings, model_name)
+        )
         self._supervision = Supervision(model, settings, length, identified_only=identified_only)
         self._damping = JointDamping(model, settings.damping, model_name)
         self._motion = Motion(model, settings.reference_shaping)
@@ -101,6 +104,8 @@ class Controller:
             Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
         )
         for sample in read.samples:
+            if sample.restarted:
+                damping.begin_anew()
             if sample.measured:
                 damping.see_sample(time_s)
                 supervision.see_image(time_s)

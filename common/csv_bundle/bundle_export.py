@@ -121,6 +121,7 @@ def _frames_table(table: Table, cycle_s: float) -> Table:
         "status": [int(status_of(value)) for value in table["displacement_px"]],
         "features": [0] * len(started),
         "inliers": [0] * len(started),
+        "restarted": [False] * len(started),
     }
     left_out = {name for name, values in derived.items() if table[name] == values}
     table["frame"] = [None if frame == UNCOUNTED else frame for frame in table["frame"]]

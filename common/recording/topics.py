@@ -36,7 +36,8 @@ class FrameSample(msgspec.Struct, frozen=True, gc=False):
     """/frames, one for each visual sample that the controller read. Names are those of frames.csv.
 
     cycle: the one that read it; received_s = cycle * cycle_s. started_cycle: n_i; started_s = n_i * cycle_s.
-    status: common.visual_sample.TrackingStatus. displacement_px is the image's x axis.
+    status: common.visual_sample.TrackingStatus. displacement_px is the image's x axis. restarted: the first of a
+    supervisor that was started anew, from which on displacements have another zero.
     """
 
     time_s: float
@@ -57,6 +58,7 @@ class FrameSample(msgspec.Struct, frozen=True, gc=False):
     exposure_s: float = nan
     features: int = 0
     inliers: int = 0
+    restarted: bool = False
 
 
 class EstimateSample(msgspec.Struct, frozen=True, gc=False):
