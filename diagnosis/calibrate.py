@@ -1,7 +1,8 @@
 """The model's parameters from a recording, with uncertainties: modes, drive, signs and scales, delay, noise levels.
 
-The same simulation and the same likelihood as the diagnosis, with more set free, and started where the data point:
-the frequency from the residual's spectrum, the capture delay from a grid, signs and scales by being linear.
+The same simulation and the same likelihood as the diagnosis, with more set free, and started where the data point
+(diagnosis.start_values), whatever the model says; where the joint has not moved, or what it did explains too little,
+from a grid of frequencies and capture delays, signs and scales being linear.
 """
 
 from collections.abc import Callable
@@ -13,17 +14,22 @@ from numpy.typing import NDArray
 
 from common.model import Model
 from common.user_error import UserError
+from diagnosis.delay_spread import DelaySpread, delay_spread
 from diagnosis.extended_model import refitted_model
 from diagnosis.fit import Data, Fit, Split, fit, make_data
 from diagnosis.impacts import fit_with_impacts, refit_with
 from diagnosis.measured import Measured
 from diagnosis.screen import residual_peaks
+from diagnosis.start_values import start_values
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
 
 _DELAYS_S = (0.02, 0.05, 0.08, 0.11, 0.14, 0.17)
 _PEAKS = 4
+_SHOWING = ("acceleration", "displacement", "deflection")
+_SCALES = ("modes.0.participation", "accelerometer.scale", "camera.scale_px_per_m")
+_FOLLOWED = 0.7  # of a channel's variation left: blows that nobody has told of may be there, too
 
 
 @dataclass(frozen=True)
@@ -46,27 +52,50 @@ def calibrate(
             f"{measured.name}: no channel shows the arm (acceleration, displacement or deflection); record one of them"
         )
     split = Split(np.array([0.0, measured.duration_s]), np.zeros(1, dtype=bool))
-    tick(0.05, "frequency and delay")
-    start = _first(make_data(world, split))
-    tick(0.4, "all parameters")
-    modes = [
-        msgspec.structs.replace(model.arm.modes[0], frequency_hz=start.value("modes.0.frequency_hz")),
-        *model.arm.modes[1:],
-    ]
-    begun = msgspec.structs.replace(
-        model,
-        arm=msgspec.structs.replace(model.arm, modes=modes),
-        accelerometer=msgspec.structs.replace(model.accelerometer, scale=start.value("accelerometer.scale")),
-        camera=msgspec.structs.replace(model.camera, scale_px_per_m=start.value("camera.scale_px_per_m")),
-        timing=msgspec.structs.replace(
-            model.timing, capture_delay_s=max(0.0, start.value("timing.capture_delay_s"))
-        ),
-    )
+    tick(0.05, "frequency, signs, delay")
+    begun = _begun(measured, model, split, tick)
+    tick(0.5, "all parameters")
     last = fit_with_impacts(World(measured, begun), split)
-    tick(0.7, "drive")
+    tick(0.75, "drive, camera's clock")
     last = refit_with(last, split, last.world.impacts, _more(last.world))
     tick(0.95, "noise")
     return Calibration(_model(model, last), _parameters(last), _errors(last), last)
+
+
+def _begun(measured: Measured, model: Model, split: Split, tick: Callable[[float, str], None]) -> Model:
+    """A model from which a fit in small steps gets there."""
+    start = start_values(measured, model)
+    if start is not None:
+        model = start.model
+        if start.moved and _explains(World(measured, model), split):
+            return model
+    tick(0.1, "frequencies and delays")
+    best = _first(make_data(World(measured, model), split))
+    modes = [
+        msgspec.structs.replace(model.arm.modes[0], frequency_hz=best.value("modes.0.frequency_hz")),
+        *model.arm.modes[1:],
+    ]
+    return msgspec.structs.replace(
+        model,
+        arm=msgspec.structs.replace(model.arm, modes=modes),
+        accelerometer=msgspec.structs.replace(model.accelerometer, scale=best.value("accelerometer.scale")),
+        camera=msgspec.structs.replace(model.camera, scale_px_per_m=best.value("camera.scale_px_per_m")),
+        timing=msgspec.structs.replace(
+            model.timing, capture_delay_s=max(0.0, best.value("timing.capture_delay_s"))
+        ),
+    )
+
+
+def _explains(world: World, split: Split) -> bool:
+    """Whether the free run from this start follows the motion that the moves have made."""
+    last = fit(make_data(world, split), world.space.vector(), _constants(world), iterations=2)
+    shown = [error for name, error in _errors(last).items() if name in _SHOWING]
+    return bool(shown) and min(shown) < _FOLLOWED
+
+
+def _constants(world: World) -> tuple[str, ...]:
+    """What no start value tells: where each channel's zero lies, and the arm's state at the beginning."""
+    return tuple(name for name in _linear(world) if name not in _SCALES)
 
 
 def _more(world: World) -> tuple[str, ...]:
@@ -77,6 +106,8 @@ def _more(world: World) -> tuple[str, ...]:
         names += ["drive.bandwidth_hz", "drive.dead_time_s"]
     if "acceleration" in world.channels and ({"displacement", "deflection"} & set(world.channels) or moved):
         names.append("accelerometer.scale")
+    if "arrival" in world.channels and world.frame_clock.counted:
+        names.append("timing.skew_ppm")
     return tuple(names)
 
 
@@ -133,19 +164,31 @@ def _model(model: Model, last: Fit) -> Model:
         )
     if "accelerometer.scale" in last.free:
         sensor = msgspec.structs.replace(sensor, scale=last.value("accelerometer.scale"))
-    timing = found.timing
-    if "displacement" in last.world.channels:
-        timing = msgspec.structs.replace(timing, capture_delay_std_s=_delay_spread(last))
-    return msgspec.structs.replace(found, drive=drive, accelerometer=sensor, timing=timing)
+    timing, camera = found.timing, found.camera
+    if (spread := _delay_spread(last)) is not None:
+        timing = msgspec.structs.replace(timing, capture_delay_std_s=spread.std_s)
+    if "timing.skew_ppm" in last.free:
+        rate, _ = _frame_rate(last)
+        camera = msgspec.structs.replace(
+            camera, frame_rate_hz=rate, exposure_s=min(camera.exposure_s, 1.0 / rate)
+        )
+    return msgspec.structs.replace(found, drive=drive, accelerometer=sensor, timing=timing, camera=camera)
 
 
-def _delay_spread(last: Fit) -> float:
+def _delay_spread(last: Fit) -> DelaySpread | None:
     """Spread of the capture delay: of the arrivals about the camera's clock, where it has one."""
     world = last.world
     if "arrival" not in world.channels:
-        return world.model.timing.capture_delay_std_s
+        return None
     late = world.channels["arrival"] - last.predicted.channels["arrival"]
-    return float(np.std(late[np.isfinite(late)]))
+    return delay_spread(late, 1.0 / world.model.camera.frame_rate_hz, world.measured.duration_s)
+
+
+def _frame_rate(last: Fit) -> tuple[float, float]:
+    """The camera's frame rate on the controller's clock, Hz, and its deviation."""
+    counted = last.world.model.camera.frame_rate_hz
+    rate = counted / (1.0 + 1e-6 * last.value("timing.skew_ppm"))
+    return rate, 1e-6 * last.std["timing.skew_ppm"] * rate
 
 
 _KEYS = {
@@ -166,6 +209,12 @@ def _parameters(last: Fit) -> dict[str, tuple[float, float]]:
     for name, key in _KEYS.items():
         if name in last.free:
             found[key] = (last.value(name), last.std[name])
+    if "timing.skew_ppm" in last.free:
+        found["camera.frame_rate_hz"] = _frame_rate(last)
+    if (spread := _delay_spread(last)) is not None:
+        delay, std = found["timing.capture_delay_s"]
+        found["timing.capture_delay_s"] = delay, max(std, spread.mean_std_s)
+        found["timing.capture_delay_std_s"] = spread.std_s, spread.std_of_std_s
     for channel, key in (
         ("acceleration", "accelerometer.noise_std_m_s2"),
         ("displacement", "camera.noise_std_px"),

@@ -1,0 +1,1 @@
+"""Commissioning: small moves of the joint, watched, and the model that they identify."""

@@ -1,0 +1,107 @@
+"""The procedure from the first nudge to the model: decides; what runs the moves and records them is handed in.
+
+The same on a rig and in virtual time. Damping is off throughout: no scenario of the plan has a window in which it may
+act.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from common.model import Model, length_of
+from common.scenario import Scenario
+from common.user_error import UserError
+from diagnosis.calibrate import Calibration, calibrate
+from diagnosis.commissioning.expect import fitted_to
+from diagnosis.commissioning.plan import Limits, moves, probe, stages, within
+from diagnosis.commissioning.verdict import CommissioningVerdict, judge
+from diagnosis.commissioning.watch import Bounds, Growth, bounds_of, growth
+from diagnosis.measured import Frames, Measured
+from diagnosis.start_values import Start, start_values
+
+_LEAST_SIGNAL = 0.3  # power of the ringing over that of the noise
+
+Recorder = Callable[[str, Scenario, Bounds], Measured]
+"""Runs a scenario under a name, ends it where the bounds are exceeded, and gives what was recorded."""
+
+
+@dataclass(frozen=True)
+class Commissioning:
+    """What was done, and what came of it."""
+
+    grown: Growth
+    rough: Start
+    plan: Scenario
+    measured: Measured
+    found: Calibration
+    verdict: CommissioningVerdict
+
+
+def commission(
+    record: Recorder,
+    model: Model,
+    limits: Limits,
+    *,
+    strike_s: float = 0.0,
+    tell: Callable[[str], None] = lambda line: None,
+    tick: Callable[[float, str], None] = lambda done, what: None,
+) -> Commissioning:
+    """Probe, plan, move, fit, judge. Raises UserError where the rig shows too little, or where a bound ends the moves.
+
+    model: what is declared (length, the drive's limits, the sensors' ranges); its parameters may be badly wrong.
+    strike_s: rest at the end in which the operator strikes the arm.
+    """
+    length_of(model, "model")
+    limits = within(limits, model.drive)
+    bounds = bounds_of(limits, model.accelerometer.range_m_s2)
+    probed = record("probe", probe(limits), bounds)
+    grown = growth(probed, stages(limits), bounds)
+    if grown.velocity_rad_s == 0.0:
+        raise UserError(
+            f"commission: even the smallest move ({stages(limits)[0].velocity_rad_s:g} rad/s) was too much or was cut "
+            f"short: {grown.ended_by or 'the recording ends before it'}; `stillarm check` looks at sensor, camera and "
+            "drive"
+        )
+    ended = f", ended by: {grown.ended_by}" if grown.ended_by else ""
+    tell(f"moves up to {grown.velocity_rad_s:.3g} rad/s are safe{ended}")
+    safe = [stage for stage in stages(limits) if stage.velocity_rad_s <= grown.velocity_rad_s]
+    rough = start_values(until(probed, safe[-1].end_s), model)
+    if rough is None or not rough.moved or rough.signal < _LEAST_SIGNAL:
+        raise UserError(
+            "commission: the moves left no vibration that the sensors show; see that the arm is free, that the drive "
+            "moves it, and allow more (--max-velocity-rad-s, --max-angle-rad)"
+        )
+    mode = rough.model.arm.modes[0]
+    tell(f"first mode near {mode.frequency_hz:.2f} Hz, damping near {100.0 * mode.damping_ratio:.1f} %")
+    plan = fitted_to(moves(limits, grown.velocity_rad_s, mode, strike_s), rough.model, bounds)
+    measured = record("moves", plan, bounds)
+    if measured.duration_s < plan.duration_s - 1.0:
+        raise UserError(
+            f"commission: the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s; the recording is "
+            "kept, the model is not made"
+        )
+    found = calibrate(measured, model, tick)
+    return Commissioning(grown, rough, plan, measured, found, judge(found, measured))
+
+
+def until(measured: Measured, end_s: float) -> Measured:
+    """The recording's beginning."""
+    n = min(measured.cycles, round(end_s / measured.cycle_s))
+    frames = measured.frames
+    seen = frames.received_s < n * measured.cycle_s
+    return replace(
+        measured,
+        command=measured.command[:n],
+        reference=measured.reference[:n],
+        acceleration=measured.acceleration[:n],
+        position=measured.position[:n],
+        velocity=measured.velocity[:n],
+        joint_age_s=measured.joint_age_s[:n],
+        deflection=measured.deflection[:n],
+        frames=Frames(
+            frames.counter[seen],
+            frames.received_s[seen],
+            frames.started_s[seen],
+            frames.displacement_px[seen],
+            frames.captured_s[seen],
+        ),
+    )
