@@ -1,28 +1,20 @@
 """`benchmark flood`: the controller under a flood of forged datagrams, between two quiet stretches of the same run."""
 
-import json
-import os
-import random
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 
-from benchmarks.faults.faulty_link import forged
+from benchmarks.faults.flood_sender import RATE_HZ, sent_by, start_flood
 from benchmarks.faults.live_rig import LiveRig
 from benchmarks.loop.run import Window, block_name
 from common.recording.reader import Recording, open_recording
 from common.user_error import UserError
 from controller.loop_block import LoopBlock
 
-RATE_HZ = 20_000
-_KINDS_OF_FORGERY = 2000
 _SETTLE_S = 2.0
 _REFUSED = ("forged", "malformed", "foreign_version", "unexpected", "unproven", "duplicate", "shed")
 
@@ -62,12 +54,9 @@ def _measure(
         rig.proxy.pump(_SETTLE_S)
         before = _window("quiet before", rig, block, duration_s / 2.0)
         progress(0.25)
-        flooding = _start_flood(rig, duration_s, seed)
+        flooding = start_flood(rig.proxy.up.past, rig.controller_port, RATE_HZ, duration_s, seed)
         during = _window("flood", rig, block, duration_s)
-        told = flooding.communicate(timeout=30.0)[0]
-        if flooding.returncode != 0:
-            raise UserError("benchmark flood: the sender failed; what it said on standard error tells why")
-        sent = json.loads(told)["sent"]
+        sent = sent_by(flooding)
         progress(0.75)
         after = _window("quiet after", rig, block, duration_s / 2.0)
         progress(1.0)
@@ -89,26 +78,6 @@ def _window(name: str, rig: LiveRig, block: LoopBlock, duration_s: float) -> dic
         "from_s": from_s,
         "to_s": to_s,
     }
-
-
-def _start_flood(rig: LiveRig, duration_s: float, seed: int) -> "subprocess.Popen[bytes]":
-    """With what someone on the path would make: noise, other keys, true beginnings with false tags, changed bytes."""
-    rng, true = random.Random(seed), list(rig.proxy.up.past)
-    datagrams = [forged(rng.choice(true), rng) for _ in range(_KINDS_OF_FORGERY)]
-    root = str(Path(__file__).resolve().parents[2])
-    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    words = ("127.0.0.1", str(rig.controller_port), str(RATE_HZ), str(duration_s))
-    process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "benchmarks.faults.flood_sender", *words],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": search},
-    )
-    assert process.stdin is not None
-    with process.stdin as stdin:
-        stdin.write(msgspec.msgpack.encode(datagrams))
-    process.stdin = None
-    return process
 
 
 def damping_share(recording: Recording, from_s: float, to_s: float) -> float:

@@ -2,13 +2,53 @@
 
 import json
 import os
+import random
 import socket
+import subprocess
 import sys
 import time
+from pathlib import Path
 
 import msgspec
 
+from benchmarks.faults.faulty_link import forged
+from common.user_error import UserError
+
+RATE_HZ = 20_000
+_FORGERIES = 2000
 _PAUSE_S = 0.0005
+
+
+def start_flood(
+    true: list[bytes], port: int, rate_hz: float, duration_s: float, seed: int
+) -> "subprocess.Popen[bytes]":
+    """Flood a port of this computer, with what someone who has seen the `true` datagrams makes of them: noise, other
+    keys, true beginnings with false tags, changed bytes.
+    """
+    rng = random.Random(seed)
+    datagrams = [forged(rng.choice(true), rng) for _ in range(_FORGERIES)]
+    root = str(Path(__file__).resolve().parents[2])
+    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
+    words = ("127.0.0.1", str(port), str(rate_hz), str(duration_s))
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "benchmarks.faults.flood_sender", *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": search},
+    )
+    assert process.stdin is not None
+    with process.stdin as stdin:
+        stdin.write(msgspec.msgpack.encode(datagrams))
+    process.stdin = None
+    return process
+
+
+def sent_by(process: "subprocess.Popen[bytes]", timeout_s: float = 30.0) -> int:
+    """Wait until the flood has ended; how many datagrams it was. Raises UserError when its process failed."""
+    told = process.communicate(timeout=timeout_s)[0]
+    if process.returncode != 0:
+        raise UserError("the flood's sender failed; what it said on standard error tells why")
+    return int(json.loads(told)["sent"])
 
 
 def send(address: tuple[str, int], datagrams: list[bytes], rate_hz: float, duration_s: float) -> int:

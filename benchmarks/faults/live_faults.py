@@ -3,12 +3,12 @@
 import random
 import resource
 import signal
-import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from benchmarks.faults.faulty_link import PERFECT, LinkFault, forged
+from benchmarks.faults.faulty_link import PERFECT, LinkFault
+from benchmarks.faults.flood_sender import RATE_HZ, sent_by, start_flood
 from benchmarks.faults.judge import Verdict, judge
 from benchmarks.faults.live_rig import LiveRig
 from common.recording.reader import open_recording
@@ -16,7 +16,8 @@ from common.user_error import UserError
 from drivers.emulation.shared_registers import Failure
 
 LAST_SECOND_S = 1.0
-_FLOOD_HZ = 20_000
+_FLOOD_S = 2.0
+_AFTER_S = 1.0  # what follows the first command is judged, too
 _BACK_WITHIN_S = 12.0  # a process that starts anew loads its libraries first
 
 Act = Callable[[LiveRig], None]
@@ -71,16 +72,12 @@ def _full_disk(rig: LiveRig) -> None:
 
 
 def _flood(rig: LiveRig) -> None:
-    rng, address = random.Random(5), ("127.0.0.1", rig.controller_port)
-    seen = [forged(data, rng) for data in rig.proxy.up.past[:200] for _ in range(5)]
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        began = time.monotonic()
-        sent = 0
-        while (passed := time.monotonic() - began) < 2.0:
-            while sent < passed * _FLOOD_HZ:
-                sender.sendto(seen[sent % len(seen)], address)
-                sent += 1
-            rig.proxy.pump(0.0005)
+    rig.flood = start_flood(rig.proxy.up.past, rig.controller_port, RATE_HZ, _FLOOD_S, 5)
+
+
+def _flooded(rig: LiveRig) -> None:
+    if rig.flood is not None:
+        sent_by(rig.flood)
 
 
 _CUT = LinkFault(drop=1.0)
@@ -92,7 +89,7 @@ FAULTS: dict[str, LiveFault] = {
     "live: link bad in every way": LiveFault(*_links(up=_BAD, down=_BAD)),
     "live: drive link cut": LiveFault(*_links(commands=_CUT, states=_CUT), groundless=True),
     "live: drive link bad in every way": LiveFault(*_links(commands=_BAD, states=_BAD)),
-    "live: flood of 20 000 datagrams/s": LiveFault(_flood, _nothing, lasts_s=(0.0, 0.0)),
+    "live: flood of 20 000 datagrams/s": LiveFault(_flood, _flooded, lasts_s=(_FLOOD_S, _FLOOD_S)),
     "live: supervisor stopped": LiveFault(*_stopped("supervisor"), groundless=True),
     "live: supervisor killed": LiveFault(*_killed("supervisor"), groundless=True, restart="supervisor"),
     "live: camera stopped": LiveFault(*_stopped("rig/camera"), groundless=True),
@@ -140,6 +137,7 @@ def run_live_fault(kind: str, rig: LiveRig, rng: random.Random) -> Verdict:
         rig.start(fault.restart or "controller")
     try:
         rig.await_command(_BACK_WITHIN_S)
+        rig.proxy.pump(_AFTER_S)
     except UserError as error:
         problems.append(f"not back: {error}")
     verdict = judge(

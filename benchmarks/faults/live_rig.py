@@ -14,6 +14,7 @@ import tomli_w
 from benchmarks.faults.judge import Trace
 from benchmarks.faults.udp_proxy import UdpProxy
 from common.model import load_model
+from common.priority import run_fifo
 from common.shared_memory import SharedBlock, block_path
 from common.user_error import UserError
 from drivers.drive_gateway import DEAD_MAN_S
@@ -25,6 +26,7 @@ _STRIKE_EVERY_S = 0.4
 _LONGEST_S = 3600.0
 _READY_WITHIN_S = 40.0
 _STOP_WITHIN_S = 20.0
+_PROXY_PRIORITY = 20  # far below the controller's
 
 
 class LiveRig:
@@ -66,7 +68,10 @@ class LiveRig:
             f"duration_s = {_LONGEST_S}\nstrikes = [{strikes}]\ndamping = [{{on_s = 0.0, off_s = {2 * _LONGEST_S}}}]\n"
         )
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        # What passes datagrams on must not be what delays them; the processes that it starts are ordinary ones.
+        run_fifo(_PROXY_PRIORITY)
         self.recordings = 0
+        self.flood: subprocess.Popen[bytes] | None = None
         try:
             self._start_all()
         except BaseException:
@@ -93,6 +98,7 @@ class LiveRig:
         """Start a process, as its service would."""
         words = [name, "--config", str(self.folder / f"{name}.toml")]
         if name == "controller":
+            self.proxy.forget()
             self.recordings += 1
             words += ["--record", str(self.recording), "--allow-non-realtime"]
         root = str(Path(__file__).resolve().parents[2])
@@ -196,6 +202,8 @@ class LiveRig:
 
     def close(self) -> None:
         """Stop everything."""
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         for name in ("controller", "supervisor", "rig"):
             process = self._processes.get(name)
             if process is None or process.poll() is not None:

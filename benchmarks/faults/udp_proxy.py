@@ -1,5 +1,6 @@
 """A proxy on the real links, between the processes: spoils what passes, and notes what is commanded."""
 
+import contextlib
 import heapq
 import random
 import select
@@ -60,6 +61,14 @@ class UdpProxy:
                 wait = min(wait, max(0.0, self._flying[0][0] - now))
             for ready in select.select(list(self._ways), [], [], wait)[0]:
                 self._take(self._ways[ready])
+
+    def forget(self) -> None:
+        """Drop whatever waits to be passed on: of a process that has ended, and is about to be started again."""
+        self._flying.clear()
+        for way in self._ways.values():
+            with contextlib.suppress(BlockingIOError, ConnectionError):
+                while True:
+                    way.into.recv(2000)
 
     def _take(self, way: _Way) -> None:
         for _ in range(64):
