@@ -157,6 +157,24 @@ class FilterBank:
         self.x += gain * (difference_s - self.x[:, t] - self.x[:, late])[:, None]
         self.p -= gain[:, :, None] * ph[:, None, :]
 
+    def take_started(self, difference_s: Array, noise: Array, walk: Array) -> None:
+        """n_i plus a frame minus nominal instant (filters,) = shift - ahead + noise, variance in s^2.
+
+        walk: growth of the variance of ahead since the last frame, s^2.
+        """
+        t, ahead = self._at.shift, self._at.ahead
+        self.p[:, ahead, ahead] += walk
+        ph = self.p[:, :, t] - self.p[:, :, ahead]
+        gain = ph / (ph[:, t] - ph[:, ahead] + noise)[:, None]
+        self.x += gain * (difference_s - self.x[:, t] + self.x[:, ahead])[:, None]
+        self.p -= gain[:, :, None] * ph[:, None, :]
+
+    def forget_started(self, variance: float) -> None:
+        """n_i has jumped: by how much it is ahead is unknown, variance in s^2."""
+        ahead = self._at.ahead
+        self.p[:, ahead, :] = self.p[:, :, ahead] = 0.0
+        self.p[:, ahead, ahead] = variance
+
     def look(
         self,
         value_m: float,

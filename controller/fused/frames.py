@@ -32,9 +32,13 @@ _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was n
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
 _SLOPE_S = 0.002  # the joint's rate is taken over twice this
+_OF_STARTED = 0.01  # of the wander between arrival and n_i is n_i's own, at the least
+_STRANGE, _STRANGE_FRAMES = (
+    36.0,
+    10,
+)  # of an n_i: normalised innovation squared, and for how long it is left out
 _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _LAW_OF = np.arange(FILTERS) % LAWS
-_CLOCKED = (_LAW_OF == Law.CLOCK) | (_LAW_OF == Law.STAMPS)
 
 
 class Merged(NamedTuple):
@@ -82,6 +86,9 @@ class FrameFusion:
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
         spread = start.spread_s(model)
         self._spread = [ArrivalSpread(self._frame_s, spread, model.timing.cycle_s) for _ in range(2)]
+        self._started = [ArrivalSpread(self._frame_s, self._frame_s, model.timing.cycle_s) for _ in range(2)]
+        self._strange = 0
+        self._between = ArrivalSpread(self._frame_s, self._frame_s, model.timing.cycle_s)
         self.delay_s = self._model_delay_s
         self.delay_std_s = start.first_shift_s(model)
         self._arrival_mean, self._arrival_variance = self.delay_s, self.delay_std_s**2
@@ -93,6 +100,8 @@ class FrameFusion:
         self._unused_blocks = 0
         self._blind = False
         self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
+        self._taken: tuple[Array, Seen] | None = None
+        self._received_s = 0.0
 
     def take_block(self, block: Block) -> None:
         """The oldest block of the accelerometer not yet taken in."""
@@ -132,6 +141,7 @@ class FrameFusion:
 
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
+        self.settle()
         first = not self.dating.started
         if not self.dating.accept(sample, received_s):
             return False
@@ -144,22 +154,60 @@ class FrameFusion:
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2
                 self._spread[law].restart()
+                self._started[law].restart()
                 self._joint_date.restart()
         if dating.stamped and not self.evidence.stamps_admitted:
             self.evidence.admit_stamps(bank, dating)
             self._spread[Law.STAMPS].restart()
+            self._started[Law.STAMPS].restart()
         self._take_arrival(sample, received_s)
         return True
 
     def _take_arrival(self, sample: VisualSample, received_s: float) -> None:
-        late = received_s - self._model_delay_s - self.dating.nominal
+        nominal, elapsed = self.dating.nominal, self.dating.elapsed
+        late = received_s - self._model_delay_s - nominal
         noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
             spread = self._spread[law]
             spread.add(float(late[law]))
-            noise[law], walk[law] = spread.white, spread.walk * self.dating.elapsed[law]
+            noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
+        started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
         self.dating.nominal[Law.JITTER] += self._joint_correction_s(sample, received_s)
-        self.bank.take_arrival(late[_LAW_OF], noise[_LAW_OF], np.where(_CLOCKED, walk[_LAW_OF], 0.0))
+        self.bank.take_arrival(late[_LAW_OF], noise[_LAW_OF], walk[_LAW_OF])
+        self._take_started(started)
+
+    def _take_started(self, started: Array) -> None:
+        """n_i plus a frame less each law's nominal instant, (laws,), s: followed once it is known how well it may be."""
+        elapsed, between = self.dating.elapsed, self._between
+        noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
+        for law in (Law.CLOCK, Law.STAMPS):
+            spread = self._started[law]
+            spread.add(float(started[law]))
+            if spread.known:
+                noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
+        between.add(float(started[Law.STEADY]))
+        if not between.known:
+            return
+        noise[Law.STEADY] = noise[Law.DRIFT] = between.white
+        own = 0.5 * (between.walk + self._started[Law.CLOCK].walk - self._spread[Law.CLOCK].walk)
+        walk[Law.STEADY] = between.walk * elapsed[Law.STEADY]
+        walk[Law.DRIFT] = max(own, _OF_STARTED * between.walk) * elapsed[Law.DRIFT]
+        self._strange = self._strange + 1 if self._is_strange(started, noise) else 0
+        if self._strange == 0:
+            self.bank.take_started(started[_LAW_OF], noise[_LAW_OF], walk[_LAW_OF])
+        elif self._strange > _STRANGE_FRAMES:
+            self._strange = 0
+            self.bank.forget_started((start.AHEAD_FRAMES * self._frame_s) ** 2)
+            for spread in (*self._started, between):
+                spread.restart()
+
+    def _is_strange(self, started: Array, noise: Array) -> bool:
+        """Whether n_i has jumped, by the most likely filter."""
+        best, at = self.evidence.best, self._at
+        x, p, law = self.bank.x[best], self.bank.p[best], best % LAWS
+        variance = p[at.shift, at.shift] + p[at.ahead, at.ahead] - 2.0 * p[at.shift, at.ahead] + noise[law]
+        off = started[law] - x[at.shift] + x[at.ahead]
+        return bool(off * off > _STRANGE * variance)
 
     def _joint_correction_s(self, sample: VisualSample, received_s: float) -> float:
         """What n_i and the frame's number add to the arrival, s."""
@@ -207,13 +255,22 @@ class FrameFusion:
         self._outliers = self._votes = 0
         self.evidence.weigh(surprise, seen.variance, blind=self._blind)
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0))
-        self._learn_jitter(own, seen)
+        self._taken = own, seen
         instants = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift] + own
         self._tell_delay(received_s - instants, spread)
-        self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
+        self._received_s = received_s
+
+    def settle(self) -> None:
+        """What the image taken in last leaves to do before the next one, if anything."""
+        if self._taken is None:
+            return
+        own, seen = self._taken
+        self._taken = None
+        bank, t = self.bank, self._at.shift
+        self._learn_jitter(own, seen)
+        self.evidence.respawn(bank, self.dating, self._received_s - self.delay_s, self.delay_std_s)
         if self._blind:
-            shift, variance = bank.x[:, at.shift].copy(), bank.p[:, at.shift, at.shift].copy()
-            self._shifts.append((received_s, shift, variance))
+            self._shifts.append((self._received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
 
     @property
     def blind(self) -> bool:
@@ -248,6 +305,7 @@ class FrameFusion:
         if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * self._frame_s:
             self.dating.nominal[Law.CLOCK] += self._voted * self._frame_s
             self._spread[Law.CLOCK].restart()
+            self._started[Law.CLOCK].restart()
             self._joint_date.restart()
             return True
         self.blow = True
@@ -286,13 +344,9 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
-        at, n = self._at, FILTERS
-        position = image.joint_input.positions_at(np.concatenate((times, times + _SLOPE_S, times - _SLOPE_S)))
-        sums = image.joint_input.sums_at(np.concatenate((times, (self.bank.edge_s,))))
-        rate = (position[n : 2 * n] - position[2 * n :]) * (at.lever / (2.0 * _SLOPE_S))
-        return self.bank.look(
-            image.value_m, times, position[:n] * at.lever, rate, sums[:n] - sums[n], image.noise
-        )
+        lever = self._at.lever
+        theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times, _SLOPE_S)
+        return self.bank.look(image.value_m, times, theta * lever, rate * lever, step, image.noise)
 
     def _learn_jitter(self, own: Array, seen: Seen) -> None:
         """Expectation maximisation: the second moment of each frame's own shift after its image, slowly averaged."""

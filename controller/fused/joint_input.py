@@ -74,12 +74,23 @@ class JointInput:
         result: Array = before + fraction * (self._position[(low + 1) % _HELD] - before)
         return result
 
-    def sums_at(self, times_s: Array) -> ComplexArray:
-        """G of all modes at k instants of the last second, (k, m)."""
-        low, fraction = self._places(times_s)
-        before = self._held[low % _HELD]
-        result: ComplexArray = before + fraction[:, None] * (self._held[(low + 1) % _HELD] - before)
-        return result
+    def seen_from(self, edge_s: float, times_s: Array, slope_s: float) -> tuple[Array, Array, ComplexArray]:
+        """At k instants of the last second: theta, theta' over twice slope_s, and what G has grown by since edge_s.
+
+        Shapes (k,), (k,), (k, m).
+        """
+        k = len(times_s)
+        low, fraction = self._places(
+            np.concatenate((times_s, (edge_s,), times_s + slope_s, times_s - slope_s))
+        )
+        here, there = low % _HELD, (low + 1) % _HELD
+        before = self._position[here]
+        theta = before + fraction * (self._position[there] - before)
+        here, there = here[: k + 1], there[: k + 1]
+        held = self._held[here]
+        sums = held + fraction[: k + 1, None] * (self._held[there] - held)
+        rate = (theta[k + 1 : 2 * k + 1] - theta[2 * k + 1 :]) * (0.5 / slope_s)
+        return theta[:k], rate, sums[:k] - sums[k]
 
     def _places(self, times_s: Array) -> tuple[NDArray[np.int64], Array]:
         newest = 0 if self._cycle is None else self._cycle

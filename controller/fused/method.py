@@ -26,6 +26,7 @@ _SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
 _ALARM_S = 0.6
 _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
 _STRIKE_FLOOR = 0.003  # of a strike: nothing is better known
+_AHEAD_FRAMES = 0.9  # of an image are blocks taken in
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
 
 
@@ -253,13 +254,14 @@ class FusedMethod:
     def _work_off(self, time_s: float) -> None:
         """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
         if self._work is _Work.MERGE:
+            self.frames.settle()
             self._merge(time_s)
             self._work = _Work.PRESENT
         elif self._work is _Work.PRESENT:
             self._restart_present(time_s)
             self._work = _Work.BLOCKS
         elif self._work is _Work.BLOCKS:
-            if self._blocks and self._blocks[0].end_s <= self._last_instant_s + 0.5 * self._frame_s:
+            if self._blocks and self._blocks[0].end_s <= self._last_instant_s + _AHEAD_FRAMES * self._frame_s:
                 self._take_oldest_block()
             else:
                 self._work = _Work.NONE
