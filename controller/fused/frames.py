@@ -177,7 +177,7 @@ class FrameFusion:
         self._take_started(started)
 
     def _take_started(self, started: Array) -> None:
-        """n_i plus a frame less each law's nominal instant, (laws,), s: followed once it is known how well it may be."""
+        """n_i plus a frame less each law's nominal instant, (laws,), s: followed once its wander is known."""
         elapsed, between = self.dating.elapsed, self._between
         noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
