@@ -1,14 +1,48 @@
-"""report.html, put together from its sections."""
+"""report.html: one page that stands alone, readable on paper and in dark mode."""
 
-import html
-import json
+from html import escape
+from importlib.resources import files
+from pathlib import Path
 
+from common.recording.header import program_version
 from diagnosis.diagnose import Diagnosis
+from diagnosis.report import sections
+from diagnosis.report.words import verdict_sentence
 
 
 def report_page(result: Diagnosis) -> str:
     """The page's text; nothing in it is loaded from elsewhere."""
-    body = html.escape(json.dumps(result.table, indent=2, default=float))
+    measured = result.found.final.world.measured
+    name = Path(measured.name).name
+    style = files("diagnosis.report").joinpath("style.css").read_text()
+    held = sum(
+        float(end - start)
+        for start, end, out in zip(
+            result.split.edges_s[:-1], result.split.edges_s[1:], result.split.held, strict=True
+        )
+        if out
+    )
+    about = (
+        f"{name}, {measured.duration_s:.1f} s at {1.0 / measured.cycle_s:g} Hz, {len(measured.frames)} frames; "
+        f"{held:.1f} s of it held out of every fit; stillarm {program_version()}"
+    )
+    body = "".join(
+        (
+            sections.findings(result),
+            sections.gains(result),
+            sections.what_next(result),
+            sections.baseline(result),
+            sections.considered(result),
+            sections.residuals(result),
+        )
+    )
+    verdict = str(result.table["verdict"])
     return (
-        f"<!doctype html><html lang=en><meta charset=utf-8><title>Diagnosis</title><pre>{body}</pre></html>\n"
+        "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"
+        "<meta name=viewport content='width=device-width, initial-scale=1'>"
+        f"<title>{escape(name)}: {escape(verdict)}</title><style>{style}</style></head><body><main>"
+        f"<header><p class=about>Diagnosis of {escape(about)}</p>"
+        f"<h1 class='{escape(verdict)}'>{escape(verdict_sentence(result))}</h1></header>{body}"
+        "<footer>Written by <code>stillarm diagnose</code>. docs/diagnosis.md tells how it decides; "
+        "diagnosis.json holds the same numbers; extended.toml the model.</footer></main></body></html>\n"
     )

@@ -1,0 +1,119 @@
+"""Figures as inline SVG whose colours are the page's, so that they follow dark mode and paper."""
+
+import io
+import re
+from collections.abc import Callable, Sequence
+from itertools import count
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+INK, MEASURED, BEFORE, AFTER, FLOOR, SHADE = (
+    "#010101",
+    "#020202",
+    "#030303",
+    "#040404",
+    "#050505",
+    "#060606",
+)
+"""Stand-ins that `svg` turns into the page's variables."""
+
+_VARIABLES = {
+    INK: "--ink",
+    MEASURED: "--measured",
+    BEFORE: "--before",
+    AFTER: "--after",
+    FLOOR: "--floor",
+    SHADE: "--shade",
+}
+_STYLE: Any = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "stillarm",
+    "font.family": "sans-serif",
+    "font.size": 9.5,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.titlesize": 10.0,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "legend.frameon": False,
+    "lines.linewidth": 1.3,
+    "axes.formatter.limits": (-3, 4),
+    "path.simplify_threshold": 0.5,
+}
+_MOST_POINTS = 1500
+
+Draw = Callable[[Axes], None]
+
+
+def svg(panels: Sequence[Draw], label: str, *, panel_in: tuple[float, float] = (4.6, 2.9)) -> str:
+    """One row of panels. label: what a reader who cannot see it is told."""
+    with rc_context(_STYLE):
+        figure = Figure(figsize=(panel_in[0] * len(panels), panel_in[1]), layout="constrained")
+        FigureCanvasSVG(figure)
+        figure.patch.set_alpha(0.0)
+        axes = figure.subplots(1, len(panels), squeeze=False)[0]
+        for one, draw in zip(axes, panels, strict=True):
+            one.patch.set_alpha(0.0)
+            draw(one)
+        out = io.StringIO()
+        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    return _embedded(out.getvalue(), label)
+
+
+_numbers = count()
+
+
+def _embedded(text: str, label: str) -> str:
+    """Without the file's head; ids of its own, colours by variable."""
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
+    for stand_in, variable in _VARIABLES.items():
+        text = text.replace(stand_in, f"var({variable})")
+    mark = f"f{next(_numbers)}-"
+    text = re.sub(r'\bid="', f'id="{mark}', text)
+    text = re.sub(r'href="#', f'href="#{mark}', text)
+    text = re.sub(r"url\(#", f"url(#{mark}", text)
+    text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
+    return text.replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
+
+
+def few(*arrays: Array) -> tuple[Array, ...]:
+    """The same arrays with at most so many points as a line needs."""
+    step = max(1, -(-len(arrays[0]) // _MOST_POINTS))
+    return tuple(one[::step] for one in arrays)
+
+
+def outline(time: Array, values: Array, columns: int = 500) -> tuple[Array, Array, Array]:
+    """A long series as its least and largest value in each of so many stretches."""
+    known = np.isfinite(values)
+    time, values = time[known], values[known]
+    size = max(1, len(values) // columns)
+    n = len(values) // size * size
+    pieces = values[:n].reshape(-1, size)
+    return time[:n].reshape(-1, size).mean(axis=1), pieces.min(axis=1), pieces.max(axis=1)
+
+
+def legend(axes: Axes) -> None:
+    """A legend out of the lines' way."""
+    axes.legend(
+        loc="upper left",
+        bbox_to_anchor=(-0.02, -0.19),
+        ncols=4,
+        fontsize=8.5,
+        handlelength=1.3,
+        columnspacing=1.1,
+    )

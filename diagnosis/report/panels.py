@@ -1,0 +1,370 @@
+"""Single panels: each takes a case and returns what draws it on one pair of axes."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from diagnosis.fit import Fit
+from diagnosis.report.case import Case
+from diagnosis.report.drawing import AFTER, BEFORE, FLOOR, INK, MEASURED, SHADE, Draw, few, legend, outline
+from diagnosis.report.views import (
+    arm_frequency,
+    binned,
+    lateness,
+    ringing_freely,
+    sample_times,
+    sensitivity,
+    swing,
+    telling_stretch,
+)
+from diagnosis.residuals import UNITS, residual_of, spectrum_of, step_of, times_of, variables
+
+Array = NDArray[np.float64]
+
+_FREE_SHARE = 0.2
+
+WORDS = {
+    "acceleration": "acceleration",
+    "joint_position": "joint position",
+    "joint_velocity": "joint velocity",
+    "deflection": "deflection",
+    "displacement": "image displacement",
+    "arrival": "arrival of the frames",
+}
+
+
+def axis_of(name: str) -> str:
+    """A channel's name with its unit."""
+    return f"{WORDS[name]}, {UNITS[name]}"
+
+
+def overlay(case: Case, name: str) -> Draw:
+    """Measured and simulated over the held-out stretch in which the two simulations differ most."""
+    length = min(4.0 / arm_frequency(case.after), case.after.world.measured.duration_s)
+    start, end = telling_stretch(case.before, case.after, name, case.split, length)
+    origin = case.after.world.measured.origin_s
+
+    def draw(axes: Axes) -> None:
+        fits: tuple[tuple[Fit, str, str], ...] = (
+            (case.before, BEFORE, "before"),
+            (case.after, AFTER, "after"),
+        )
+        time = sample_times(case.after, name)
+        inside = (time >= start) & (time <= end)
+        dense = inside.sum() > 400
+        x, y = few(time[inside] + origin, case.after.world.channels[name][inside])
+        axes.plot(x, y, ".", color=MEASURED, ms=1.6 if dense else 3.5, label="measured")
+        for fit, colour, word in fits:
+            time = sample_times(fit, name)
+            inside = (time >= start) & (time <= end)
+            order = np.argsort(time[inside])
+            x, y = few(time[inside][order] + origin, fit.predicted.channels[name][inside][order])
+            axes.plot(x, y, color=colour, ls="--" if word == "before" else "-", label=word)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel(axis_of(name))
+        axes.set_title("where the simulations differ most (held out)")
+        legend(axes)
+
+    return draw
+
+
+def residual_in_time(case: Case, name: str) -> Draw:
+    """Residual over the whole recording."""
+
+    def draw(axes: Axes) -> None:
+        origin = case.after.world.measured.origin_s
+        for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
+            x, low, high = outline(times_of(fit.world, name) + origin, residual_of(fit, name))
+            axes.fill_between(x, low, high, color=colour, lw=0.4, alpha=0.75, label=word)
+        for start, end in _held_spans(case):
+            axes.axvspan(start + origin, end + origin, color=SHADE, lw=0, zorder=-1)
+        axes.set_xlabel("time, s (shaded: held out)")
+        axes.set_ylabel(f"residual, {UNITS[name]}")
+        axes.set_title(f"{WORDS[name]}: measured less simulated")
+        legend(axes)
+
+    return draw
+
+
+def _held_spans(case: Case) -> list[tuple[float, float]]:
+    edges, held = case.split.edges_s, case.split.held
+    return [(float(edges[k]), float(edges[k + 1])) for k in range(len(held)) if held[k]]
+
+
+def residual_spectrum(case: Case, name: str, band_hz: tuple[float, float] | None = None) -> Draw:
+    """Spectrum of the residual, on the level of the noise."""
+
+    def draw(axes: Axes) -> None:
+        for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
+            spectrum = spectrum_of(residual_of(fit, name), step_of(fit.world, name))
+            axes.loglog(*few(spectrum.hz, np.sqrt(spectrum.density)), color=colour, lw=1.0, label=word)
+        floor = spectrum_of(residual_of(case.after, name), step_of(case.after.world, name)).floor
+        if floor > 0.0:
+            axes.axhline(float(np.sqrt(floor)), color=FLOOR, ls=":", label="noise floor")
+        if band_hz:
+            axes.axvspan(*band_hz, color=SHADE, lw=0, zorder=-1)
+        axes.set_xlabel("frequency, Hz" + (" (shaded: what is left)" if band_hz else ""))
+        axes.set_ylabel(f"{UNITS[name]} / √Hz")
+        axes.set_title(f"{WORDS[name]}: spectrum of the residual")
+        legend(axes)
+
+    return draw
+
+
+def residual_against(case: Case, name: str, variable: str) -> Draw:
+    """Mean residual in bins of a variable."""
+
+    def draw(axes: Axes) -> None:
+        unit = ""
+        for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
+            values, unit = variables(fit, name)[variable]
+            x, y, error = binned(values, residual_of(fit, name), 15)
+            axes.errorbar(x, y, 2.0 * error, color=colour, fmt="o-", ms=3.5, lw=1.0, label=word)
+        axes.axhline(0.0, color=INK, lw=0.5)
+        axes.set_xlabel(f"{variable}, {unit}" if unit else variable)
+        axes.set_ylabel(f"median residual, {UNITS[name]}")
+        axes.set_title(f"{WORDS[name]}: residual against {variable}")
+        legend(axes)
+
+    return draw
+
+
+def _swings(case: Case, name: str) -> list[tuple[Array, Array, Array, str, str]]:
+    """Time, amplitude and frequency of the measured channel and of both simulations, with colour and word.
+
+    NaN while the joint moves, where the arm rings freely for a fifth of the time or more.
+    """
+    f = arm_frequency(case.after)
+    series = (
+        (sample_times(case.after, name), case.after.world.channels[name], MEASURED, "measured"),
+        (sample_times(case.before, name), case.before.predicted.channels[name], BEFORE, "before"),
+        (sample_times(case.after, name), case.after.predicted.channels[name], AFTER, "after"),
+    )
+    found = []
+    for time, values, colour, word in series:
+        one = swing(time, values, f)
+        free = ringing_freely(case.after, one.time_s)
+        amplitude, frequency = one.amplitude, one.frequency_hz
+        if free.mean() > _FREE_SHARE:
+            amplitude, frequency = np.where(free, amplitude, np.nan), np.where(free, frequency, np.nan)
+        found.append((one.time_s, amplitude, frequency, colour, word))
+    return found
+
+
+def frequency_against_amplitude(case: Case, name: str) -> Draw:
+    """Frequency of the swing in bins of its amplitude."""
+
+    def draw(axes: Axes) -> None:
+        for _, amplitude, frequency, colour, word in _swings(case, name):
+            x, y, error = binned(np.where(np.isfinite(frequency), amplitude, np.nan), frequency, 12)
+            fmt = "o" if word == "measured" else ("--" if word.endswith("before") else "-")
+            axes.errorbar(x, y, error if fmt == "o" else None, color=colour, fmt=fmt, ms=4, label=word)
+        axes.set_xlabel(f"amplitude, {UNITS[name]}")
+        axes.set_ylabel("frequency, Hz")
+        axes.set_title("frequency against amplitude")
+        legend(axes)
+
+    return draw
+
+
+def frequency_in_time(case: Case, name: str) -> Draw:
+    """Frequency of the swing over time."""
+
+    def draw(axes: Axes) -> None:
+        origin = case.after.world.measured.origin_s
+        for time, _, frequency, colour, word in _swings(case, name):
+            bins = max(8, min(40, int(time[-1])))
+            x, y, _ = binned(np.where(np.isfinite(frequency), time, np.nan), frequency, bins, even=True)
+            fmt = "o" if word == "measured" else ("--" if word.endswith("before") else "-")
+            axes.plot(x + origin, y, fmt, color=colour, ms=4, label=word)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("frequency, Hz")
+        axes.set_title("frequency of the swing over time")
+        legend(axes)
+
+    return draw
+
+
+def amplitude_in_time(case: Case, name: str) -> Draw:
+    """Amplitude of the swing over time, logarithmic."""
+
+    def draw(axes: Axes) -> None:
+        origin = case.after.world.measured.origin_s
+        for time, amplitude, _, colour, word in _swings(case, name):
+            style = {"measured": "-", "before": "--", "after": "-"}[word]
+            width = 3.0 if word == "measured" else 1.2
+            axes.semilogy(*few(time + origin, amplitude), style, color=colour, lw=width, label=word)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel(f"amplitude, {UNITS[name]}")
+        axes.set_title("amplitude of the swing over time")
+        legend(axes)
+
+    return draw
+
+
+def measured_against_simulated(case: Case, name: str) -> Draw:
+    """Measured against what the simulation without any limit says."""
+
+    def draw(axes: Axes) -> None:
+        measured = case.after.world.channels[name]
+        for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
+            x, y, _ = binned(fit.predicted.channels[name], measured, 60, even=True)
+            axes.plot(x, y, "o", ms=3, color=colour, label=word)
+        reach = np.array(axes.get_xlim())
+        axes.plot(reach, reach, color=INK, lw=0.6)
+        axes.set_xlabel(f"simulated {axis_of(name)}")
+        axes.set_ylabel("measured (median)")
+        axes.set_title("measured against simulated")
+        legend(axes)
+
+    return draw
+
+
+def speed_against_command(case: Case, name: str) -> Draw:
+    """The joint's velocity, measured and simulated, in bins of its command."""
+
+    def draw(axes: Axes) -> None:
+        world = case.after.world
+        command = np.nan_to_num(world.measured.command)
+        steady = np.abs(np.convolve(np.diff(command, prepend=command[0]), np.ones(80), "same")) < 1e-9
+        moving = (np.abs(command) > 1e-9) & steady
+        moving = moving if moving.sum() > 500 else np.abs(command) > 1e-9
+
+        def speed(values: Array) -> Array:
+            if name == "joint_velocity":
+                return values
+            rate: Array = np.gradient(_smooth(values, 25)) / world.measured.cycle_s
+            return rate
+
+        shown = [(world.channels[name], MEASURED, "measured")]
+        shown += [
+            (fit.predicted.channels[name], colour, word)
+            for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after"))
+        ]
+        for values, colour, word in shown:
+            x, y, _ = binned(np.where(moving, command, np.nan), speed(values), 40, even=True)
+            fmt = "o" if word == "measured" else ("s" if word.endswith("before") else "x")
+            axes.plot(x, y, fmt, color=colour, ms=6 if fmt == "o" else 4, fillstyle="none", label=word)
+        axes.set_xlabel("command, rad/s")
+        axes.set_ylabel("joint velocity (median), rad/s")
+        axes.set_title("joint velocity against its command")
+        legend(axes)
+
+    return draw
+
+
+def _smooth(values: Array, width: int) -> Array:
+    window = np.ones(width) / width
+    known = np.isfinite(values)
+    filled = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
+    smooth: Array = np.convolve(np.pad(filled, width // 2, mode="edge"), window, "valid")[: len(values)]
+    return smooth
+
+
+def image_lateness(case: Case, name: str) -> Draw:
+    """By how much later the images were taken than the simulation has them, from their motion."""
+
+    def draw(axes: Axes) -> None:
+        origin = case.after.world.measured.origin_s
+        for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
+            x, y, error = lateness(fit)
+            axes.errorbar(x + origin, 1e3 * y, 1e3 * error, color=colour, fmt="o", ms=3.5, lw=0.8, label=word)
+        axes.axhline(0.0, color=INK, lw=0.5)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("lateness, ms")
+        axes.set_title("lateness of the images by their motion")
+        legend(axes)
+
+    return draw
+
+
+def arrivals(case: Case, name: str) -> Draw:
+    """By how much later the frames arrived than the simulation has them."""
+
+    def draw(axes: Axes) -> None:
+        origin = case.after.world.measured.origin_s
+        fits = ((case.before, BEFORE, "before"), (case.after, AFTER, "after"))
+        for fit, colour, word in fits:
+            x, y = few(times_of(fit.world, "arrival") + origin, 1e3 * residual_of(fit, "arrival"))
+            axes.plot(x, y, ".", color=colour, ms=2.5, label=word)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("later than simulated, ms")
+        axes.set_title("arrival of the frames")
+        legend(axes)
+
+    return draw
+
+
+def gain_in_time(case: Case, name: str) -> Draw:
+    """Size of the measured over the simulated channel."""
+
+    def draw(axes: Axes) -> None:
+        origin = case.after.world.measured.origin_s
+        for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
+            x, y = sensitivity(fit, name)
+            axes.plot(x + origin, y, "o-", color=colour, ms=3.5, lw=1.0, label=word)
+        axes.axhline(1.0, color=INK, lw=0.5)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("measured / simulated")
+        axes.set_title(f"size of the {WORDS[name]} over time")
+        legend(axes)
+
+    return draw
+
+
+def histogram(case: Case, name: str) -> Draw:
+    """How often residuals of a size occur, beside the normal law."""
+
+    def draw(axes: Axes) -> None:
+        residual = residual_of(case.after, name)
+        values = residual[np.isfinite(residual)]
+        core = 1.4826 * float(np.median(np.abs(values - np.median(values)))) or 1.0
+        reach = float(np.max(np.abs(values)))
+        counts, edges = np.histogram(values, bins=121, range=(-reach, reach))
+        middle, width = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
+        normal = len(values) * width * np.exp(-0.5 * (middle / core) ** 2) / (core * np.sqrt(2.0 * np.pi))
+        axes.bar(middle, counts, width, color=AFTER, label="samples")
+        shown = normal > 0.3
+        axes.plot(middle[shown], normal[shown], color=BEFORE, ls="--", label="normal law")
+        axes.set_yscale("log")
+        axes.set_ylim(0.5, None)
+        axes.set_xlabel(f"residual, {UNITS[name]}")
+        axes.set_ylabel("samples")
+        axes.set_title(f"{WORDS[name]}: how residuals scatter")
+        legend(axes)
+
+    return draw
+
+
+def missing_frames(case: Case, name: str) -> Draw:
+    """Frames that were exposed and never came, second by second."""
+
+    def draw(axes: Axes) -> None:
+        world = case.after.world
+        received, counts = world.measured.frames.received_s, world.frame_clock.counts
+        missing = np.clip(np.diff(counts, prepend=counts[0] - 1) - 1, 0, 30)
+        second = received.astype(np.int64)
+        per_second = np.bincount(np.clip(second, 0, None), missing)
+        start = np.arange(len(per_second)) + world.measured.origin_s
+        axes.bar(start, per_second, 0.9, align="edge", color=AFTER)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("frames missing in a second")
+        axes.set_title(f"frames that never came ({world.model.camera.frame_rate_hz:g} exposed a second)")
+
+    return draw
+
+
+def stamp_offsets(case: Case, name: str) -> Draw:
+    """The camera's stamps against the frames' own grid."""
+
+    def draw(axes: Axes) -> None:
+        world = case.after.world
+        frames, clock = world.measured.frames, world.frame_clock
+        off = frames.captured_s - clock.grid_s
+        x, y = few(frames.received_s + world.measured.origin_s, 1e3 * (off - np.nanmedian(off)))
+        axes.plot(x, y, ".", color=AFTER, ms=3)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("stamp less frame grid, ms")
+        axes.set_title("the camera's clock against its own frames")
+
+    return draw

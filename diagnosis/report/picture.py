@@ -1,0 +1,86 @@
+"""The one picture that shows a finding: what betrays its cause, beside measured and simulated."""
+
+from collections.abc import Callable
+
+from diagnosis.report import panels
+from diagnosis.report.case import ARM_CHANNELS, Case
+from diagnosis.report.drawing import Draw, svg
+
+Panel = Callable[[Case, str], Draw]
+
+
+def _against(variable: str) -> Panel:
+    return lambda case, name: panels.residual_against(case, name, variable)
+
+
+_ARM, _JOINT = ARM_CHANNELS, ("joint_velocity", "joint_position")
+_TELLING: dict[str, tuple[Panel, tuple[str, ...]]] = {
+    "second_bending_mode": (panels.residual_spectrum, _ARM),
+    "coulomb_damping": (panels.amplitude_in_time, _ARM),
+    "quadratic_damping": (panels.amplitude_in_time, _ARM),
+    "cubic_stiffness": (panels.frequency_against_amplitude, _ARM),
+    "payload_change": (panels.frequency_in_time, _ARM),
+    "stiffness_drift": (panels.frequency_in_time, _ARM),
+    "periodic_disturbance": (panels.residual_spectrum, _ARM),
+    "drive_dead_time": (_against("joint acceleration"), _JOINT),
+    "drive_lag": (_against("joint acceleration"), _JOINT),
+    "drive_saturation": (panels.speed_against_command, _JOINT),
+    "drive_deadband": (panels.speed_against_command, _JOINT),
+    "joint_friction": (panels.speed_against_command, _JOINT),
+    "gear_backlash": (_against("sign of the joint velocity"), ("joint_position", "displacement")),
+    "accelerometer_bias_drift": (_against("time"), ("acceleration",)),
+    "accelerometer_sensitivity_drift": (panels.gain_in_time, ("acceleration",)),
+    "accelerometer_clipping": (panels.measured_against_simulated, ("acceleration",)),
+    "accelerometer_lag": (_against("speed of the deflection"), ("acceleration",)),
+    "gravity_leakage": (_against("joint position"), ("acceleration",)),
+    "mains_hum": (panels.residual_spectrum, ("acceleration",)),
+    "impulse_noise": (panels.histogram, ("acceleration",)),
+    "tracking_drift": (_against("time"), ("displacement",)),
+    "lens_distortion": (panels.measured_against_simulated, ("displacement",)),
+    "camera_tilt_coupling": (_against("deflection"), ("displacement",)),
+    "camera_clock_skew": (panels.arrivals, ("arrival",)),
+    "frame_drops": (panels.missing_frames, ("displacement",)),
+    "delay_bursts": (panels.arrivals, ("arrival",)),
+    "delay_drift": (panels.arrivals, ("arrival",)),
+    "stale_frame_buffer": (panels.image_lateness, ("displacement",)),
+    "clock_step": (panels.arrivals, ("arrival",)),
+}
+_BY_TIMING: Panel = panels.image_lateness
+
+
+def picture(case: Case) -> str:
+    """The picture of a finding as SVG."""
+    assert case.finding is not None
+    cause = case.finding.cause
+    panel, channels = _TELLING.get(cause, (panels.residual_in_time, ()))
+    if cause == "clock_step" and case.finding.law is not None and case.finding.note.startswith("captured_s"):
+        return svg([panels.stamp_offsets(case, "displacement")], f"{cause}: stamps", panel_in=(7.0, 2.9))
+    if cause == "clock_step" and case.finding.law is not None:
+        return svg([panels.residual_in_time(case, case.channels[0])], cause, panel_in=(9.0, 2.9))
+    name = case.first_of(*channels)
+    if name is None and panel is panels.arrivals and "displacement" in case.channels:
+        panel, name = _BY_TIMING, "displacement"
+    if case.finding.law is not None:
+        name = name or case.channels[0]
+        return svg([panel(case, name)], f"{cause}: {name}", panel_in=(7.5, 2.9))
+    if name is None:  # what would betray it was not recorded
+        panel, name = panels.residual_in_time, case.channels[0]
+    shown = name if name != "arrival" and case.gain(name) > 0.2 * case.gain(case.channels[0]) else None
+    shown = shown or next((one for one in case.channels if one != "arrival"), name)
+    drawn: list[Draw] = [panel(case, name)]
+    drawn.append(
+        panels.overlay(case, shown) if shown != "arrival" else panels.residual_in_time(case, "arrival")
+    )
+    return svg(drawn, f"{cause}: what betrays it, and measured beside simulated")
+
+
+def picture_of_all(case: Case, band_hz: tuple[float, float] | None, channel: str | None) -> str:
+    """Where nothing was named: the channel with something left, or the one that shows the arm best."""
+    name = channel or case.first_of(*ARM_CHANNELS) or case.channels[0]
+    return svg(
+        [panels.residual_spectrum(case, name, band_hz), panels.overlay(case, name)],
+        f"{name}: spectrum of the residual, and measured beside simulated",
+    )
+
+
+__all__ = ["picture", "picture_of_all"]

@@ -1,0 +1,163 @@
+"""The report's sentences."""
+
+from math import floor, isfinite, log10
+from typing import Any
+
+from common.causes import CAUSES
+from diagnosis.catalogue import CAUSES as SEARCHED
+from diagnosis.diagnose import Diagnosis
+from diagnosis.report.panels import WORDS
+from diagnosis.search import Candidate, Stage
+
+NAMES = {
+    "second_bending_mode": "a second bending mode",
+    "coulomb_damping": "dry friction in the arm",
+    "quadratic_damping": "damping that grows with the square of the speed",
+    "cubic_stiffness": "a stiffness that changes with the deflection",
+    "payload_change": "a payload taken up or put down",
+    "stiffness_drift": "a stiffness that drifts",
+    "periodic_disturbance": "a periodic force on the arm",
+    "drive_dead_time": "a drive that answers later than declared",
+    "drive_lag": "a drive of another bandwidth than declared",
+    "drive_saturation": "a drive that stops at a lower speed than declared",
+    "drive_deadband": "a drive that ignores small commands",
+    "gear_backlash": "play in the gear",
+    "joint_friction": "friction in the joint",
+    "accelerometer_bias_drift": "an accelerometer whose zero drifts",
+    "accelerometer_sensitivity_drift": "an accelerometer whose sensitivity drifts",
+    "accelerometer_clipping": "an accelerometer that clips",
+    "accelerometer_lag": "an accelerometer that lags",
+    "gravity_leakage": "gravity in the accelerometer",
+    "mains_hum": "mains hum in the accelerometer",
+    "impulse_noise": "spikes in the acceleration",
+    "tracking_drift": "tracking that drifts",
+    "lens_distortion": "a lens that distorts",
+    "camera_tilt_coupling": "a camera whose image moves as it turns",
+    "camera_clock_skew": "a camera clock that runs at another rate",
+    "frame_drops": "frames that are lost",
+    "delay_bursts": "bursts in which frames come late",
+    "delay_drift": "a capture delay that drifts",
+    "stale_frame_buffer": "a buffer that hands over old frames",
+    "clock_step": "a clock that stepped",
+}
+
+
+def number(value: float, std: float | None = None) -> str:
+    """A value with as many digits as its standard deviation has meaning for, two of the deviation's."""
+    if std is None or not std > 0.0 or not isfinite(std):
+        return f"{value:.4g}"
+    digits = 1 - floor(log10(std))
+    if digits <= -3 or digits >= 7:
+        return f"{value:.4g} ± {std:.2g}"
+    if digits <= 0:
+        return f"{round(value, digits):.0f} ± {round(std, digits):.0f}"
+    return f"{value:.{digits}f} ± {std:.{digits}f}"
+
+
+def unit_of(cause: str, parameter: str) -> str:
+    """Unit of a cause's parameter."""
+    unit = next((one.unit for one in CAUSES[cause].parameters if one.name == parameter), "")
+    return "" if unit in ("", "1") else unit
+
+
+def verdict_sentence(result: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    table = result.table
+    parts = [_named(one) for one in table["findings"]]
+    left = table["unexplained"]
+    if table["verdict"] == "none":
+        return "Nothing is wrong with this simulation beyond the values of its own parameters."
+    if left is not None:
+        low, high = left["band_hz"]
+        rest = (
+            f"the {WORDS.get(left['channel'], left['channel'])} holds structure at {low:.3g} to {high:.3g} Hz "
+            "that none of the known causes explains"
+        )
+        if not parts:
+            return rest[0].upper() + rest[1:] + "."
+        return f"The simulation lacks {', and '.join(parts)}; beyond that, {rest}."
+    return f"The simulation lacks {', and '.join(parts)}."
+
+
+def _named(finding: dict[str, Any]) -> str:
+    words = [NAMES[one] for one in (finding["cause"], *finding["indistinguishable_from"])]
+    cut = 100.0 * finding["held_out"]["reduction"]
+    if cut < 1.0:  # a law of noise or timing moves no mean
+        gain = f"{finding['held_out']['log_score_gain']:.0f} nats of held-out likelihood gained"
+    else:
+        gain = f"the held-out error falls by {cut:.0f} %"
+    return f"{' or '.join(words)} ({gain})"
+
+
+def why_not(one: Candidate, stage: Stage) -> str:
+    """Why a candidate was not taken."""
+    taken = stage.taken
+    if taken is one:
+        return "taken"
+    failed = _failed(one, stage)
+    if failed or taken is None:
+        return failed or "its held-out gain is less than its quantities cost"
+    if one.held_gain < taken.held_gain:
+        return f"{taken.held_gain - one.held_gain:.0f} nats behind {taken.cause}, held out"
+    return f"needs {len(one.free)} quantities where {taken.cause} needs {max(len(taken.free), 1)}"
+
+
+def _failed(one: Candidate, stage: Stage) -> str:
+    """The test that a candidate fails by itself; empty where it passes all."""
+    if one.train_gain <= stage.screening.threshold_nats:
+        return "gains no more than chance does"
+    if one.held_gain <= 0.0:
+        return "predicts the held-out part worse than without it"
+    if one.held_gain <= one.held_std:
+        return "its held-out gain is within its standard error"
+    return implausible(one)
+
+
+def implausible(one: Candidate) -> str:
+    """The parameter that lies outside of the catalogue's range; empty where none does."""
+    for parameter in CAUSES[one.cause].parameters:
+        if parameter.name not in one.values or parameter.kind not in ("number", "whole"):
+            continue
+        value = one.values[parameter.name][0]
+        if not parameter.lowest <= value <= parameter.highest:
+            return f"{parameter.name} = {value:.4g} is not possible"
+    return ""
+
+
+def not_tried(result: Diagnosis) -> list[str]:
+    """Causes that this recording cannot show: what would show them was not recorded, or did not move."""
+    world = result.found.baseline.world
+    return [name for name, cause in SEARCHED.items() if not cause.needs(world)]
+
+
+def next_steps(result: Diagnosis) -> list[str]:
+    """What to do next."""
+    table = result.table
+    steps = []
+    for finding in table["findings"]:
+        if finding["experiment"]:
+            names = " and ".join([finding["cause"], *finding["indistinguishable_from"]])
+            steps.append(f"To tell {names} apart: {finding['experiment']}.")
+    if table["unexplained"]:
+        left = table["unexplained"]
+        steps.append(
+            f"What is left in the {WORDS.get(left['channel'], left['channel'])} depends on: {left['dependence']}. "
+            "Record again with that alone varied, all else at rest, and diagnose both recordings."
+        )
+    if table["findings"] or table["baseline_changes"]:
+        steps.append(
+            "extended.toml beside this page is the model with these changes: give it to `stillarm simulate --model`, "
+            "or to the controller's configuration as its model. Diagnose a new recording with it "
+            "(`stillarm diagnose REC --model extended.toml`): it should say that nothing is wrong."
+        )
+    else:
+        steps.append("Keep the model. Diagnose again after the rig has been changed, or has aged.")
+    if not result.found.baseline.world.measured.pair:
+        missing = [
+            WORDS[name]
+            for name in ("acceleration", "displacement", "joint_position")
+            if name not in table["channels"]
+        ]
+        if missing:
+            steps.append(f"Record the {' and the '.join(missing)} too: more causes could then be told apart.")
+    return steps
