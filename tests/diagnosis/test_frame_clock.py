@@ -1,0 +1,62 @@
+"""Which exposure each frame was, from counters that count exposures, arrivals, or were set back."""
+
+import msgspec
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from common.model import Camera, Model
+from diagnosis.frame_clock import exposure_counts, frame_clock
+from diagnosis.measured import Frames
+
+RATE = 65.0
+MODEL = Model(camera=Camera(frame_rate_hz=RATE))
+
+
+def frames(counter: NDArray[np.int64], exposed: NDArray[np.int64], **more: NDArray[np.float64]) -> Frames:
+    """Frames of these exposures, read 74 to 76 ms after each, with these counters."""
+    late = np.random.default_rng(4).uniform(0.074, 0.076, len(exposed))
+    received = exposed / RATE + late
+    nothing = np.full(len(exposed), np.nan)
+    return Frames(counter, received, received - 0.1, nothing, more.get("captured_s", nothing))
+
+
+def test_a_counter_of_exposures_tells_of_every_loss() -> None:
+    exposed = np.delete(np.arange(400), [50, 51, 52, 200, 333])
+    clock = frame_clock(frames(exposed.copy(), exposed), MODEL)
+    assert clock.lost == 5
+    assert clock.exposed == 400
+    assert clock.counted
+    assert np.diff(clock.grid_s) == pytest.approx(np.diff(exposed) / RATE)
+
+
+@pytest.mark.parametrize("lost", [[100], [100, 101, 102], [60, 200, 330]])
+def test_a_counter_of_arrivals_is_mended_by_the_arrivals(lost: list[int]) -> None:
+    exposed = np.delete(np.arange(400), lost)
+    counts = exposure_counts(frames(np.arange(len(exposed)), exposed), 1.0 / RATE)
+    assert np.array_equal(counts - counts[0], exposed - exposed[0])
+
+
+def test_a_counter_that_was_set_back_goes_on_by_the_arrivals() -> None:
+    exposed = np.arange(300)
+    counter = np.where(exposed < 150, exposed + 5000, exposed - 150)
+    counts = exposure_counts(frames(counter, exposed), 1.0 / RATE)
+    assert np.array_equal(np.diff(counts), np.ones(299))
+
+
+@pytest.mark.parametrize("length", [10, 40])
+def test_late_frames_are_no_losses(length: int) -> None:
+    exposed = np.arange(300)
+    some = frames(exposed.copy(), exposed)
+    some.received_s[100 : 100 + length] += 0.06  # a burst, not a loss: what follows is on time again
+    assert np.array_equal(exposure_counts(some, 1.0 / RATE), exposed)
+
+
+def test_a_triggered_camera_has_its_stamps_for_a_grid_or_else_its_arrivals() -> None:
+    model = msgspec.structs.replace(MODEL, camera=msgspec.structs.replace(MODEL.camera, mode="triggered"))
+    exposed = np.arange(200)
+    stamped = frame_clock(frames(exposed, exposed, captured_s=900.0 + exposed / RATE), model)
+    assert not stamped.arrival
+    assert np.diff(stamped.grid_s) == pytest.approx(np.full(199, 1.0 / RATE))
+    bare = frame_clock(frames(exposed, exposed), model)
+    assert bare.arrival
