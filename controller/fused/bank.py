@@ -219,8 +219,10 @@ class FilterBank:
         ph = (p @ slope[:, :, None])[:, :, 0]
         return Seen(residual, (ph * slope).sum(axis=1) + extra, rate, slope)
 
-    def take_image(self, seen: Seen, extra: Array) -> tuple[Array, Array]:
+    def take_image(self, seen: Seen, extra: Array, phase_only: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).
+
+        phase_only: filters whose dating images can tell nothing of, (filters,).
 
         Returns what each filter then holds of this frame's own instant beyond its shift: mean, s, and the variance
         of the instant as a whole, s^2; each (filters,).
@@ -229,9 +231,9 @@ class FilterBank:
         ph = (self.p @ seen.slope[:, :, None])[:, :, 0]
         variance = seen.variance * extra
         gain = ph / variance[:, None]
-        vague = self._vague(seen.rate)
+        vague = self._vague(seen.rate) | phase_only
         if vague.any():
-            for i in (t, self._at.skew, self._at.late):
+            for i in (t, self._at.skew, self._at.late, self._at.ahead):
                 gain[vague, i] = 0.0
             both = gain[:, :, None] * ph[:, None, :]
             self.p -= both + both.transpose(0, 2, 1)

@@ -24,13 +24,14 @@ from controller.fused.sensor_health import AccelerometerHealth
 Array = NDArray[np.float64]
 
 _OUTLIER = 16.0  # normalised innovation squared
-_SUSPICIOUS = 7.0  # of a blow, by the accelerometer, standard deviations squared
+_SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of a blow, by the accelerometer, standard deviations squared
 _VOTES = 3
 _HUBER = 7.0
 _BLIND_BLOCKS = 12  # without the accelerometer
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
+_STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _SLOPE_S = 0.002  # the joint's rate is taken over twice this
 _OF_STARTED = 0.01  # of the wander between arrival and n_i is n_i's own, at the least
 _STRANGE, _STRANGE_FRAMES = (
@@ -39,6 +40,8 @@ _STRANGE, _STRANGE_FRAMES = (
 )  # of an n_i: normalised innovation squared, and for how long it is left out
 _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _LAW_OF = np.arange(FILTERS) % LAWS
+_CLOCKED = (_LAW_OF == Law.CLOCK) | (_LAW_OF == Law.STAMPS)
+_NO_FILTER = np.zeros(FILTERS, dtype=np.bool_)
 
 
 class Merged(NamedTuple):
@@ -254,7 +257,9 @@ class FrameFusion:
             surprise = np.minimum(seen.surprise, 4.0)
         self._outliers = self._votes = 0
         self.evidence.weigh(surprise, seen.variance, blind=self._blind)
-        own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0))
+        # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
+        phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
+        own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0), phase_only)
         self._taken = own, seen
         instants = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift] + own
         self._tell_delay(received_s - instants, spread)
@@ -302,6 +307,8 @@ class FrameFusion:
             self._late += received_s - float(times[Law.CLOCK]) - self._arrival_mean
             if self._votes < _VOTES and self._outliers <= _VOTES:
                 return False
+        elif suspicion < _EVIDENT and self._outliers < 2:
+            return False
         if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * self._frame_s:
             self.dating.nominal[Law.CLOCK] += self._voted * self._frame_s
             self._spread[Law.CLOCK].restart()
@@ -347,6 +354,11 @@ class FrameFusion:
         lever = self._at.lever
         theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times, _SLOPE_S)
         return self.bank.look(image.value_m, times, theta * lever, rate * lever, step, image.noise)
+
+    def _joint_still(self, image: Look, times: Array) -> bool:
+        best = self.evidence.best
+        _, rate, _ = image.joint_input.seen_from(self.bank.edge_s, times[best : best + 1], _SLOPE_S)
+        return abs(float(rate[0])) * self._at.lever < _STILL * self._at.w_first * self.amplitude_m
 
     def _learn_jitter(self, own: Array, seen: Seen) -> None:
         """Expectation maximisation: the second moment of each frame's own shift after its image, slowly averaged."""

@@ -26,6 +26,7 @@ _SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
 _ALARM_S = 0.6
 _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
 _STRIKE_FLOOR = 0.003  # of a strike: nothing is better known
+_MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates count: no cycle may be long
 _AHEAD_FRAMES = 0.9  # of an image are blocks taken in
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
 
@@ -116,7 +117,10 @@ class FusedMethod:
         self._see_acceleration(observation, turn)
         if cycle - self._block_start >= self._block_cycles:
             self._close_block(cycle)
-        for sample in observation.samples:
+        samples = observation.samples
+        for sample in samples[:-_MOST_IMAGES]:
+            self.frames.accept(sample, time_s)
+        for sample in samples[-_MOST_IMAGES:]:
             self._see_sample(sample, time_s)
         if not observation.samples:
             self._work_off(time_s)
