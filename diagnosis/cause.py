@@ -19,13 +19,15 @@ class Trial:
 
     shape: quantities set first (a frequency, an onset). columns: each a set of quantities whose effect, beside the
     shape, is one direction in which the data may depart. one_sided: only a positive amount of it makes sense.
-    options: of the world (an extra mode, a play behind the encoder).
+    options: of the world (an extra mode, a play behind the encoder). certain: to be refitted whatever its score, as
+    the data themselves show it in a way that no small change of the simulation does.
     """
 
     shape: Overrides
     columns: tuple[Overrides, ...]
     one_sided: bool = False
     options: tuple[tuple[str, object], ...] = ()
+    certain: bool = False
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,10 @@ from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
-from diagnosis.fit import Split
+from diagnosis.fit import Fit, Split
 from diagnosis.impacts import fit_with_impacts
-from diagnosis.measured import Measured, read_measured, reclocked
+from diagnosis.laws import LawFound, as_one, forward_step
+from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
 from diagnosis.search import Found, search
 from diagnosis.split import interleaved, stated
 from diagnosis.verdict import Judged
@@ -25,6 +26,7 @@ from diagnosis.world import World
 Tick = Callable[[float, str], None]
 
 _RECLOCKED_NATS = 10.0
+_MOST_GAPS = 3
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,8 @@ def diagnose_measured(
     )
     tick(0.05, "baseline")
     baseline = fit_with_impacts(world, split)
-    found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what))
+    baseline, steps = _without_steps(baseline, split)
+    found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=steps)
     tick(0.92, "what is left")
     judged = say.judge(found, split)
     extended = refitted_model(model, found.final)
@@ -103,6 +106,29 @@ def diagnose_measured(
         "extended_model": "extended.toml",
     }
     return Diagnosis(table, found, judged, split, model, extended)
+
+
+def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
+    """The baseline with every jump of time_s that was no loss of rows, but a clock that was set, taken back."""
+    steps: list[LawFound] = []
+    tried: set[float] = set()
+    while len(tried) < _MOST_GAPS:
+        measured = baseline.world.measured
+        gap = max((g for g in measured.gaps if g.extra_s not in tried), key=_length, default=None)
+        if gap is None:
+            break
+        tried.add(gap.extra_s)
+        other = fit_with_impacts(World(reclocked(measured, gap), baseline.world.model), split)
+        gains = other.held_nats - baseline.held_nats
+        gained = other.train_nats - baseline.train_nats + float(gains.sum())
+        if gained > _RECLOCKED_NATS:
+            steps.append(forward_step(gap, measured, gains, gained))
+            baseline = other
+    return baseline, as_one(steps)
+
+
+def _length(gap: ClockGap) -> float:
+    return gap.extra_s
 
 
 def model_text(model: Model) -> str:

@@ -16,6 +16,7 @@ from diagnosis.noise import (
     doubt_colour,
     level,
     log_likelihood,
+    slow_colour,
     wander_colour,
 )
 from diagnosis.world import Predicted, World
@@ -178,8 +179,10 @@ def jacobian(
         moved, step = steps[index]
         predicted = world.predict(moved).channels
         for channel, columns in found.items():
-            slope = thinned(channel, predicted[channel] - base[channel]) / step
-            columns[:, index] = colour[channel].whiten(slope) if channel in colour else slope
+            slope = (predicted[channel] - base[channel]) / step
+            columns[:, index] = thinned(
+                channel, colour[channel].whiten(slope) if channel in colour else slope
+            )
 
     list(pool.map(column, range(len(names))))
     return found
@@ -203,6 +206,24 @@ def colours(data: Data, vector: Array) -> Colours:
             max(world.model.camera.noise_std_px, LEAST["displacement"]),
             world.model.timing.capture_delay_std_s,
         )
+    return found
+
+
+def strayed(data: Data, best: Fit) -> Colours:
+    """A fit's colours, with those of whatever strays slowly in the channels that are taken for white."""
+    found = dict(best.colour)
+    for name in data.world.channels:
+        if name in found:
+            continue
+        residual = best.residuals[name][data.train[name]]
+        rate = (
+            data.world.model.camera.frame_rate_hz
+            if name in ("displacement", "arrival")
+            else 1.0 / data.world.measured.cycle_s
+        )
+        one = (wander_colour if name == "displacement" else slow_colour)(residual, _WANDER_S * rate)
+        if one.stay > 0.0:
+            found[name] = one
     return found
 
 

@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Data, Fit, Split, fit, make_data
+from diagnosis.fit import Data, Fit, Split, colours, fit, make_data
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -124,7 +124,8 @@ def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[s
     world = World(old.measured, old.model, impacts, old.extra_modes, old.behind_encoder, old.clock_stepped)
     start = carried(last, world)
     free = tuple(dict.fromkeys((*world.baseline_names(), *extra)))
-    return fit(make_data(world, split), start, free)
+    data = make_data(world, split)
+    return fit(data, start, free, colour=last.colour | colours(data, start))
 
 
 def carried(last: Fit, world: World) -> Array:

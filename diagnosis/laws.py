@@ -1,26 +1,33 @@
 """Causes that change no mean: how values scatter, which frames come, when they come, and clocks that step.
 
-Each compares two laws of the same residual by their log-likelihood, the parameters learnt on the training part alone.
+Each compares two laws of the same values by their log-likelihood. Such events are rare, so each block of the recording
+is judged by a law that was learnt on all the others (cross-validation), not the held-out blocks alone.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from diagnosis.fit import Data, Fit
-from diagnosis.measured import ClockGap
+from diagnosis.late_bursts import find_bursts
+from diagnosis.measured import ClockGap, Measured
+from diagnosis.noise import HUBER, LEAST
 
 Array = NDArray[np.float64]
 
 _SPIKE = 6.0  # robust deviations
-_BURST = 4.0
+_USUAL_LOSS = 1e-3
+_LEAST_NATS = 8.0
+_ONE_STEP_S = 1.0
 
 
 @dataclass(frozen=True)
 class LawFound:
-    """A law that differs from the usual one. train_nats, held_nats (per held-out block): gain of log-likelihood."""
+    """A law that differs from the usual one. train_nats: gain of log-likelihood with all that is known; held_nats: of
+    each block, by the law of the others."""
 
     cause: str
     values: dict[str, tuple[float, float]]
@@ -49,159 +56,146 @@ def _robust(values: Array) -> float:
     return 1.4826 * float(np.median(np.abs(values - np.median(values)))) + 1e-12
 
 
-def _per_block(data: Data, name: str, values: Array) -> tuple[float, Array]:
-    """Sum over the training part, and over each held-out block."""
-    train, held = data.train[name], data.held[name]
-    blocks = _sums(data.blocks[name][held], values[held], len(data.split.held))
-    return float(values[train].sum()), blocks
-
-
 def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
-    """Spikes of one sample: a mixture of the usual noise and noise about +-A (expectation maximisation)."""
+    """Samples that are far off, singly: each as likely as the share of such samples in the other blocks.
+
+    Their size counts as uniform in its logarithm over two decades; the usual noise has Huber's tails, so that one value
+    is worth no more than its size.
+    """
     if "acceleration" not in data.world.channels:
         return None
     residual = data.world.channels["acceleration"] - last.predicted.channels["acceleration"]
-    train = residual[data.train["acceleration"]]
-    sigma = _robust(train)
-    spikes = np.abs(train) > _SPIKE * sigma
-    if spikes.sum() < 3:
+    known = np.isfinite(residual)
+    sigma = _robust(residual[known])
+    doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(last.predicted.channels["acceleration"]))
+    u = np.abs(np.nan_to_num(residual)) / doubt
+    spikes = known & (u > _SPIKE) & ~_crowded(u > _SPIKE)
+    count = int(spikes.sum())
+    if count < 2:
         return None
-    core = float(np.std(train[~spikes]))
-    share, size = float(spikes.mean()), float(np.mean(np.abs(train[spikes])))
-    spread = max(float(np.std(np.abs(train[spikes]))), core)
-    for _ in range(30):
-        usual = (1.0 - share) * _normal(train, core)
-        spike = share * 0.5 * (_normal(train - size, spread) + _normal(train + size, spread))
-        odds = spike / np.maximum(usual + spike, 1e-300)
-        share = float(odds.mean())
-        if share <= 0.0:
-            return None
-        size = float((odds * np.abs(train)).sum() / odds.sum())
-        spread = max(float(np.sqrt((odds * (np.abs(train) - size) ** 2).sum() / odds.sum())), core)
-        core = float(np.sqrt(((1.0 - odds) * train**2).sum() / (1.0 - odds).sum()))
-    mixed = (1.0 - share) * _normal(residual, core) + share * 0.5 * (
-        _normal(residual - size, spread) + _normal(residual + size, spread)
-    )
-    plain = _normal(residual, float(np.std(train)))
-    gain = np.nan_to_num(np.log(np.maximum(mixed, 1e-300)) - np.log(np.maximum(plain, 1e-300)))
-    if size < 4.0 * core:
-        return None
-    nats, held = _per_block(data, "acceleration", gain)
-    cycle = data.world.measured.cycle_s
-    count = max(share * len(train), 1.0)
+    block = data.blocks["acceleration"]
+    per_block = _sums(block, spikes.astype(float), len(data.split.held))
+    samples = _sums(block, known.astype(float), len(data.split.held))
+    share = (count - per_block + 0.5) / (known.sum() - samples + 1.0)
+    far = np.log(share[block[spikes]] / (2.0 * np.maximum(u[spikes], 1.0) * np.log(100.0)))
+    usual = np.minimum(0.5 * u[spikes] ** 2, HUBER * u[spikes] - 0.5 * HUBER**2) + 0.5 * np.log(2.0 * np.pi)
+    gains = _sums(block[spikes], far + usual, len(data.split.held)) - samples * share
+    size = float(np.mean(np.abs(residual[spikes])))
+    spread = float(np.std(np.abs(residual[spikes]))) if count > 2 else 0.0
+    rate = count / (float(known.sum()) * data.world.measured.cycle_s)
     return LawFound(
         "impulse_noise",
         {
-            "rate_hz": (share / cycle, share / cycle / np.sqrt(count)),
-            "amplitude_m_s2": (size, float(np.hypot(spread, core)) / float(np.sqrt(count))),
+            "rate_hz": (rate, rate / count**0.5),
+            "amplitude_m_s2": (size, float(np.hypot(spread, sigma)) / count**0.5),
         },
-        nats,
-        held,
+        float(gains.sum()),
+        gains,
     )
 
 
-def _normal(x: Array, std: float) -> Array:
-    result: Array = np.exp(-0.5 * np.clip(x / std, -37.0, 37.0) ** 2) / (std * np.sqrt(2.0 * np.pi))
-    return result
+_STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
+
+
+def _steepness(predicted: Array) -> Array:
+    """Largest change from sample to sample close by: where the motion jumps, an instant that is slightly off makes a
+    residual that is no spike."""
+    change = np.abs(np.diff(predicted, prepend=predicted[0]))
+    return np.asarray(maximum_filter1d(change, 2 * _STEEP_SAMPLES + 1), dtype=np.float64)
+
+
+_CROWD_SAMPLES, _CROWD = 12, 4
+
+
+def _crowded(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Flags among several others: a stretch that the simulation gets wrong, not single samples."""
+    near = np.convolve(flags.astype(float), np.ones(2 * _CROWD_SAMPLES + 1), "same")
+    crowd: NDArray[np.bool_] = near >= _CROWD
+    return crowd
 
 
 def _frame_drops(data: Data, last: Fit) -> LawFound | None:
-    """Frames that were exposed and never came, against a camera that loses one in ten thousand."""
+    """Frames that were exposed and never came, against a camera that loses one in a thousand."""
     clock, frames = data.world.frame_clock, data.world.measured.frames
     if not clock.counted or len(frames) < 20:
         return None
     missing = np.concatenate(([0], np.diff(clock.counts) - 1)).astype(float)
     missing[missing > 30] = 1.0
-    time = frames.received_s
-    block = data.split.blocks_of(time)
-    held = data.split.held[block]
-    usual = 1e-4
-    lost, seen = float(missing[~held].sum()), float((~held).sum())
-    share = lost / max(lost + seen, 1.0)
-    if share <= 2.0 * usual or lost < 3:
+    lost = float(missing.sum())
+    if lost < 3:
         return None
-    gain = missing * np.log(share / usual) + np.log((1.0 - share) / (1.0 - usual))
-    blocks = _sums(block[held], gain[held], len(data.split.held))
-    total = float(missing.sum() / (missing.sum() + len(frames)))
+    block = data.split.blocks_of(frames.received_s)
+    size = len(data.split.held)
+    lost_of, seen_of = _sums(block, missing, size), _sums(block, np.ones(len(frames)), size)
+    seen = float(len(frames))
+    share = (lost - lost_of + 0.5) / (lost - lost_of + seen - seen_of + 1.0)
+    gains = lost_of * np.log(share / _USUAL_LOSS) + seen_of * np.log((1.0 - share) / (1.0 - _USUAL_LOSS))
+    fraction = lost / (lost + seen)
     return LawFound(
         "frame_drops",
-        {"fraction": (total, float(np.sqrt(total * (1.0 - total) / (len(frames) + missing.sum()))))},
-        float(gain[~held].sum()),
-        blocks,
+        {"fraction": (fraction, float(np.sqrt(fraction * (1.0 - fraction) / (lost + seen))))},
+        float(gains.sum()),
+        gains,
     )
 
 
 def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
-    """Stretches in which frames come late, in a hidden Markov chain of two states."""
+    """Stretches in which frames come late (diagnosis.late_bursts), three ways of holding out a third."""
     if "arrival" not in data.world.channels:
         return None
     residual = data.world.channels["arrival"] - last.predicted.channels["arrival"]
-    base = residual - _running_median(residual, 101)
-    train = data.train["arrival"]
-    sigma = max(_robust(base[train]), 0.0003)
-    late = base > _BURST * sigma
-    runs = _runs(late & (_grown(late)))
-    runs = [(a, b) for a, b in runs if b - a >= 2]
-    if len(runs) < 2:
+    block = data.blocks["arrival"]
+    size = len(data.split.held)
+    whole = find_bursts(residual, np.isfinite(residual))
+    if whole is None:
         return None
-    inside = np.zeros(len(base), bool)
-    for a, b in runs:
-        inside[a:b] = True
-    lateness = np.array([np.max(base[a:b]) for a, b in runs])
+    late = whole.late > 0.5
+    runs = _runs(late)
+    total = float((whole.nats - whole.plain_nats).sum())
+    if len(runs) < 2 or total < _LEAST_NATS or whole.size_s < 2.0 * LEAST["arrival"]:
+        return None
+    gains = np.zeros(size)
+    for fold in range(3):
+        out = block % 3 == fold
+        part = find_bursts(residual, np.isfinite(residual) & ~out)
+        if part is not None:
+            gains += _sums(block[out], (part.nats - part.plain_nats)[out], size)
     period = 1.0 / data.world.model.camera.frame_rate_hz
     lengths = np.array([(b - a) * period for a, b in runs])
     duration = data.world.measured.duration_s
-    size, spread = float(np.median(base[inside])), max(float(np.std(base[inside])), sigma)
-    enter, leave = len(runs) / max(len(base), 1), len(runs) / max(float(inside.sum()), 1.0)
-    free, burst = np.log(_normal(base, sigma) + 1e-300), np.log(_normal(base - size, spread) + 1e-300)
-    mixed = _chain(free, burst, enter, min(leave, 0.9))
-    whole = float(np.std(base[train]))
-    plain = np.log(_normal(base, whole) + 1e-300)
-    nats, held = _per_block(data, "arrival", mixed - plain)
+    depth = _depths(residual, runs)
     count = len(runs)
     return LawFound(
         "delay_bursts",
         {
             "rate_hz": (count / duration, float(np.sqrt(count)) / duration),
-            "duration_s": (float(lengths.mean()), float(lengths.std() / np.sqrt(count)) + 0.5 * period),
-            "delay_s": (float(np.median(lateness)), float(lateness.std() / np.sqrt(count))),
+            "duration_s": (
+                float(lengths.mean()), float(lengths.std() / np.sqrt(count)) + 0.3 * period,
+            ),
+            "delay_s": (float(np.mean(depth)), float(np.std(depth) / np.sqrt(count)) + 1e-4),
         },
-        nats,
-        held,
-    )
+        total,
+        gains,
+    )  # fmt: skip
 
 
-def _grown(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Flags with a neighbour that is one too."""
-    near = np.zeros_like(flags)
-    near[1:] |= flags[:-1]
-    near[:-1] |= flags[1:]
-    return near
+def _depths(residual: Array, runs: list[tuple[int, int]]) -> Array:
+    """How much later each burst's frames are than those about it, s."""
+    inside = np.zeros(len(residual), bool)
+    for a, b in runs:
+        inside[a:b] = True
+    depths = []
+    for a, b in runs:
+        near = np.arange(max(0, a - 30), min(len(residual), b + 30))
+        near = near[~inside[near]]
+        if len(near) > 2:
+            depths.append(float(np.median(residual[a:b]) - np.median(residual[near])))
+    return np.array(depths or [float(np.median(residual[inside]) - np.median(residual[~inside]))])
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(int), [0]))))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
-
-
-def _running_median(values: Array, width: int) -> Array:
-    from scipy.ndimage import median_filter
-
-    result: Array = median_filter(values, size=min(width, max(3, len(values) // 2 * 2 - 1)), mode="nearest")
-    return result
-
-
-def _chain(free: Array, burst: Array, enter: float, leave: float) -> Array:
-    """Predictive log-likelihood of each value under a chain of two states, given those before it."""
-    out = np.empty(len(free))
-    p = enter / (enter + leave)
-    for k, (a, b) in enumerate(zip(free.tolist(), burst.tolist(), strict=True)):
-        p = p * (1.0 - leave) + (1.0 - p) * enter
-        top = max(a, b)
-        ea, eb = (1.0 - p) * np.exp(a - top), p * np.exp(b - top)
-        out[k] = top + np.log(ea + eb)
-        p = eb / (ea + eb)
-    return out
 
 
 def _stamp_step(data: Data, last: Fit) -> LawFound | None:
@@ -233,8 +227,7 @@ def _stamp_step(data: Data, last: Fit) -> LawFound | None:
     )
     time = frames.received_s
     block = data.split.blocks_of(time)
-    held = data.split.held[block]
-    blocks = _sums(block[held], gain_all[held], len(data.split.held))
+    blocks = _sums(block, gain_all, len(data.split.held))
     onset = float(time[known][i + 1])
     return LawFound(
         "clock_step",
@@ -242,7 +235,7 @@ def _stamp_step(data: Data, last: Fit) -> LawFound | None:
             "onset_s": (onset, 1.0 / data.world.model.camera.frame_rate_hz),
             "step_s": (float(solution[2]), noise),
         },
-        float(gain_all[~held].sum()),
+        float(gain_all.sum()),
         blocks,
         note="captured_s alone steps: the camera's own clock",
     )
@@ -254,12 +247,43 @@ def backward_steps(data: Data) -> list[LawFound]:
     measured = data.world.measured
     for gap in measured.backward:
         found.append(_of_gap(data, gap))
-    return found
+    return as_one(found)
+
+
+def forward_step(gap: ClockGap, measured: Measured, gains: Array, nats: float) -> LawFound:
+    """time_s jumped on although no row is missing: gains of each block by taking the jump back."""
+    return LawFound(
+        "clock_step",
+        {
+            "onset_s": (gap.cycle * measured.cycle_s, measured.cycle_s),
+            "step_s": (gap.extra_s, measured.cycle_s),
+        },
+        nats,
+        gains,
+        note="time_s itself steps, in both files",
+    )
+
+
+def as_one(steps: list[LawFound]) -> list[LawFound]:
+    """Steps within a second of each other are one, in parts: the first one's onset, all their lengths."""
+    merged: list[LawFound] = []
+    for step in sorted(steps, key=lambda one: one.values["onset_s"][0]):
+        last = merged[-1] if merged else None
+        if last is None or step.values["onset_s"][0] - last.values["onset_s"][0] > _ONE_STEP_S:
+            merged.append(step)
+            continue
+        length, doubt = last.values["step_s"]
+        values = last.values | {"step_s": (length + step.values["step_s"][0], doubt)}
+        merged[-1] = replace(
+            last, values=values, train_nats=last.train_nats + step.train_nats,
+            held_nats=last.held_nats + step.held_nats,
+        )  # fmt: skip
+    return merged
 
 
 def _of_gap(data: Data, gap: ClockGap) -> LawFound:
     measured = data.world.measured
-    blocks = np.where(data.split.held, 1000.0 / max(int(data.split.held.sum()), 1), 0.0)
+    blocks = np.full(len(data.split.held), 1000.0 / len(data.split.held))
     return LawFound(
         "clock_step",
         {

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 _RATIOS = (0.002, 0.01, 0.04)  # damping ratios at which the search starts
 _LOWEST_HZ, _HIGHEST_HZ = 0.3, 40.0
-_MOST_POINTS = 8192
+_PER_PERIOD = 24.0  # samples that a sinusoid needs
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Ringing:
     power: float
 
 
-def spectrum(stretches: list[Stretch], width: int = _MOST_POINTS) -> tuple[Array, Array]:
+def spectrum(stretches: list[Stretch]) -> tuple[Array, Array]:
     """Frequencies, Hz, and the mean periodogram of all stretches, each weighed by what it holds."""
     step = min(float(np.median(np.diff(one.time_s))) for one in stretches)
     step = max(step, 1.0 / (2.5 * _HIGHEST_HZ))
@@ -80,21 +80,18 @@ def peaks(stretches: list[Stretch], most: int = 4) -> list[float]:
 
 def ringing(stretches: list[Stretch], start_hz: float) -> Ringing:
     """The decaying sinusoid nearest to a frequency that is common to all stretches."""
-    thin = [_thinned(one) for one in stretches]
+    thin = [_thinned(one, _PER_PERIOD * start_hz) for one in stretches]
     longest = max(float(one.time_s[-1]) for one in thin)
     w0 = 2.0 * pi * start_hz
 
     def left(where: Array) -> Array:
         return np.concatenate([_projected(one, w0 + where[0], float(where[1])) for one in thin])
 
-    best = None
-    for ratio in _RATIOS:
-        for shift in (-0.3, 0.0, 0.3):  # parts of a line's width: the peak is no finer than that
-            begin = np.array([shift * 2.0 * pi / longest, ratio * w0])
-            one = least_squares(left, begin, x_scale=[1.0 / longest, 1.0 / longest], max_nfev=40)
-            if best is None or one.cost < best.cost:
-                best = one
-    assert best is not None
+    # parts of a line's width: the peak is no finer than that
+    starts = [np.array([s * 2.0 * pi / longest, ratio * w0]) for ratio in _RATIOS for s in (-0.3, 0.0, 0.3)]
+    starts.sort(key=lambda begin: float(np.sum(left(begin) ** 2)))
+    tried = [least_squares(left, one, x_scale=[1.0 / longest] * 2, max_nfev=40) for one in starts[:2]]
+    best = min(tried, key=lambda one: float(one.cost))
     wd, decay = w0 + float(best.x[0]), float(best.x[1])
     w = sqrt(wd * wd + decay * decay)
     whole = sum(float(np.sum((one.values - one.values.mean()) ** 2)) for one in thin)
@@ -102,10 +99,10 @@ def ringing(stretches: list[Stretch], start_hz: float) -> Ringing:
     return Ringing(w / (2.0 * pi), min(max(decay / w, 1e-4), 0.5), (whole - 2.0 * best.cost) / count)
 
 
-def _thinned(one: Stretch) -> Stretch:
-    """Means of several samples where there are more than the frequencies in question need."""
+def _thinned(one: Stretch, rate_hz: float) -> Stretch:
+    """Means of several samples where there are more than `rate_hz`."""
     step = float(np.median(np.diff(one.time_s)))
-    many = int(1.0 / (8.0 * _HIGHEST_HZ) / step)
+    many = int(1.0 / rate_hz / step)
     if many < 2:
         return one
     count = len(one.time_s) // many

@@ -80,8 +80,8 @@ class _Whitened:
         colour = self.last.colour
         parts = []
         for name, weight in self.weights.items():
-            values = thinned(name, change[name])
-            values = colour[name].whiten(values) if name in colour else values
+            values = colour[name].whiten(change[name]) if name in colour else change[name]
+            values = thinned(name, values)
             parts.append(values[self._masks[name]] * weight)
         whole: Array = np.concatenate(parts)
         size = float(whole @ whole)

@@ -1,7 +1,7 @@
 """Which causes are in the data: screened, refitted, and decided by what they predict of the held-out part."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import erf, sqrt
 
 import numpy as np
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
-from diagnosis.fit import Data, Fit, Split, fit, make_data
+from diagnosis.fit import Data, Fit, Split, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, refit_with
 from diagnosis.laws import LawFound, backward_steps, laws
-from diagnosis.screen import Screening, screen, variant
+from diagnosis.screen import Scored, Screening, screen, variant
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -42,11 +42,15 @@ class Candidate:
 
 @dataclass
 class Stage:
-    """One step of the search: what was screened, who was refitted (best first), who was taken."""
+    """One step of the search: what was screened, who was refitted (best first), who was taken.
+
+    other_names: causes that a later stage would have added, and that explain the same thing.
+    """
 
     screening: Screening
     candidates: list[Candidate]
     taken: Candidate | None
+    other_names: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -75,18 +79,30 @@ def search(
     split: Split,
     tick: Callable[[float, str], None] = lambda done, what: None,
     only: Sequence[str] | None = None,
+    known: Sequence[LawFound] = (),
 ) -> Found:
-    """Take causes one after another while one predicts the held-out part better; then drop those made needless."""
+    """Take causes one after another while one predicts the held-out part better; then drop those made needless.
+
+    known: laws that were found while the data were read: a clock that steps.
+    """
     found = Found(baseline, baseline)
     taken: dict[str, Candidate] = {}
+    first = make_data(baseline.world, split)
+    for law in (*known, *backward_steps(first)):
+        one = _of_law(first, baseline, law)
+        taken[law.cause] = one
+        found.findings.append(one)
+        found.stages.append(Stage(Screening([], 0.0), [one], one))
     free: tuple[str, ...] = ()
     for step in range(MOST_CAUSES + 1):
         last = found.final
         data = make_data(last.world, split)
         tick(step / (MOST_CAUSES + 1), f"causes, round {step + 1}")
         names = [name for name in CAUSES if name not in taken and (only is None or name in only)]
-        known = found.stages[0].screening.threshold_nats if found.stages else None
-        stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, known)
+        screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
+        threshold = screened[0] if screened else None
+        stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, threshold)
+        stage.taken = _next(stage, found, data)
         found.stages.append(stage)
         if stage.taken is None or step == MOST_CAUSES:
             break
@@ -109,14 +125,72 @@ def _stage(
     threshold: float | None,
 ) -> Stage:
     screening = screen(data, last, causes, threshold_nats=threshold)
-    candidates = [
-        _of_law(data, last, law)
-        for law in (*laws(data, last), *backward_steps(data))
-        if law.cause not in taken
+    by_law = [_of_law(data, last, law) for law in laws(data, last) if law.cause not in taken]
+    refits = [
+        (one.cause, _refitted(one.world, one.start, one.cause, free, last, split))
+        for one in _to_refit(screening)
     ]
+    top = max((refitted.train_nats for _, refitted in refits), default=0.0)
+    near = [
+        (cause, _settled(refitted, cause, split))
+        if refitted.train_nats - last.train_nats > 0.5 * (top - last.train_nats)
+        else (cause, refitted)
+        for cause, refitted in refits
+    ]
+    ranked = _ranked([*by_law, *(_of_fit(cause, one, last, split) for cause, one in near)])
+    chosen = _chosen(ranked, screening, data)
+    if (chosen is None or chosen.law is not None) and top - last.train_nats > 2.0 * screening.threshold_nats:
+        ranked = _ranked([*by_law, *_with_straying(data, last, split, near, free)])
+        chosen = _chosen(ranked, screening, data)
+    return Stage(screening, ranked, chosen)
+
+
+_OVERLAP = 0.6
+_LEAST_SHARE = 0.04
+
+
+def _next(stage: Stage, found: Found, data: Data) -> Candidate | None:
+    """The stage's best that adds something of its own: no other name for what is already found, and no small change
+    that the first finding's simple form would leave of its true one."""
+    for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
+        if not _convincing(one, stage.screening, data):
+            continue
+        if found.findings and one.law is None and one.held_gain < _LEAST_SHARE * found.findings[0].held_gain:
+            continue
+        rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
+        if not rivals:
+            return one
+        for earlier in rivals:
+            earlier.other_names.append(one.cause)
+    return None
+
+
+def _same_thing(earlier: Stage, one: Candidate) -> bool:
+    """Whether a cause explained alone most of what was then taken, and adds little to it: one thing, two names."""
+    taken = earlier.taken
+    alone = next((c for c in earlier.candidates if c.cause == one.cause), None)
+    if taken is None or alone is None or taken.law is not None or one.law is not None:
+        return False
+    whole, by_itself = taken.train_gain + taken.held_gain, alone.train_gain + alone.held_gain
+    added = one.train_gain + one.held_gain
+    return by_itself > _OVERLAP * whole and added < _OVERLAP * by_itself
+
+
+def _chosen(ranked: list[Candidate], screening: Screening, data: Data) -> Candidate | None:
+    """The best that convinces; laws wait until no cause of another kind does, as what a wrong simulation leaves looks
+    like noise of another law."""
+    convincing = [one for one in ranked if _convincing(one, screening, data)]
+    return next((one for one in convincing if one.law is None), convincing[0] if convincing else None)
+
+
+def _to_refit(screening: Screening) -> list[Scored]:
+    """The best trials of the best causes, and those that the data ask for whatever the score."""
     starts: dict[str, int] = {}
-    refits: list[tuple[Cause, Fit]] = []
+    asked = []
     for one in screening.scored:
+        if one.trial.certain:
+            asked.append(one)
+            continue
         if one.nats < screening.threshold_nats:
             continue
         if one.cause.id not in starts and len(starts) >= _REFITTED:
@@ -124,24 +198,42 @@ def _stage(
         if starts.get(one.cause.id, 0) >= _STARTS:
             continue
         starts[one.cause.id] = starts.get(one.cause.id, 0) + 1
-        extra = (*free, *one.cause.free(one.world))
-        names = tuple(dict.fromkeys((*one.world.baseline_names(), *extra)))
-        refits.append(
-            (one.cause, fit(make_data(one.world, split), one.start, names, iterations=6, colour=last.colour))
-        )
-    top = max((refitted.train_nats for _, refitted in refits), default=0.0)
-    for cause, refitted in refits:
-        within = refitted.train_nats - last.train_nats > 0.5 * (top - last.train_nats)
-        done = _settled(refitted, cause, split) if within else refitted
-        candidates.append(_of_fit(cause, done, last, split))
+        asked.append(one)
+    return asked
+
+
+def _refitted(
+    world: World, start: Array, cause: Cause, free: tuple[str, ...], last: Fit, split: Split
+) -> Fit:
+    names = tuple(dict.fromkeys((*world.baseline_names(), *free, *cause.free(world))))
+    return fit(make_data(world, split), start, names, iterations=6, colour=last.colour)
+
+
+def _with_straying(
+    data: Data, last: Fit, split: Split, refits: list[tuple[Cause, Fit]], free: tuple[str, ...]
+) -> list[Candidate]:
+    """The leading candidates once more, what the best of them leaves taken for noise that strays slowly."""
+    best = max((one for _, one in refits), key=lambda one: one.train_nats)
+    colour = strayed(make_data(best.world, split), best)
+    if all(colour[name] == last.colour.get(name) for name in colour):
+        return []
+    again = fit(data, last.vector, last.free, iterations=8, colour=colour)
+    found = []
+    for cause, one in refits:
+        if one.train_nats - last.train_nats > 0.3 * (best.train_nats - last.train_nats):
+            other = fit(make_data(one.world, split), one.vector, one.free, iterations=8, colour=colour)
+            found.append(_of_fit(cause, other, again, split))
+    return found
+
+
+def _ranked(candidates: list[Candidate]) -> list[Candidate]:
+    """The best of each cause, best first."""
     best: dict[str, Candidate] = {}
     for candidate in candidates:
         rival = best.get(candidate.cause)
         if rival is None or candidate.train_gain > rival.train_gain:
             best[candidate.cause] = candidate
-    ranked = sorted(best.values(), key=lambda one: -_merit(one))
-    chosen = next((one for one in ranked if _convincing(one, screening, data)), None)
-    return Stage(screening, ranked, chosen)
+    return sorted(best.values(), key=lambda one: -_merit(one))
 
 
 def _merit(one: Candidate) -> float:
@@ -152,6 +244,14 @@ def _merit(one: Candidate) -> float:
 def _convincing(one: Candidate, screening: Screening, data: Data) -> bool:
     """Whether the gain is more than chance: on the part that was searched, and on the held-out part."""
     penalty = _LEAST_HELD_NATS + 0.5 * len(one.free)
+    if (
+        one.law is None and _onset_of(CAUSES[one.cause]) is not None
+    ):  # it may lie in the held-out part altogether
+        return (
+            one.held_gain > 0.0
+            and one.train_gain + one.held_gain > screening.threshold_nats + penalty
+            and _plausible(one)
+        )
     return (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
@@ -173,15 +273,19 @@ def _plausible(one: Candidate) -> bool:
 
 
 def _of_law(data: Data, last: Fit, law: LawFound) -> Candidate:
-    held = data.split.held
+    everywhere = np.ones(len(law.held_nats), bool)
     return Candidate(
-        law.cause, last, law.train_nats, float(law.held_nats[held].sum()), _spread(law.held_nats, held),
+        law.cause, last, law.train_nats, float(law.held_nats.sum()), _spread(law.held_nats, everywhere),
         law.held_nats, law.values, law, tuple(law.values), law.note,
     )  # fmt: skip
 
 
 def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
+    refitted, spread = _onset_seen(refitted, cause, split)
     gains = block_gain(refitted, last)
+    values = cause.parameters_of(refitted)
+    if "onset_s" in values:
+        values["onset_s"] = (values["onset_s"][0], spread)
     return Candidate(
         cause.id,
         refitted,
@@ -189,10 +293,68 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
         float(gains[split.held].sum()),
         _spread(gains, split.held),
         gains,
-        cause.parameters_of(refitted),
+        values,
         None,
         cause.free(refitted.world),
     )
+
+
+_ONSETS = 41
+_ONSET_REACH_S = 0.8
+
+
+def _onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
+    """The likeliest onset, and its standard deviation, s. What happens once may happen where it is held out, and no
+    other part tells when: so all data locate it, and what the held-out part is worth is the logarithm of its mean
+    likelihood over all onsets, each by what the training part has for it."""
+    name = _onset_of(cause)
+    if name is None:
+        return refitted, 0.0
+    now = refitted.value(name)
+    received = refitted.world.measured.frames.received_s
+    if name.startswith("timing.") and len(received) > 2:
+        tried = received[np.abs(received - now) < _ONSET_REACH_S] - 1e-6
+    else:
+        tried = now + np.linspace(-_ONSET_REACH_S, _ONSET_REACH_S, _ONSETS)
+    if len(tried) < 3:
+        return refitted, 0.0
+    train, held = _by_onset(refitted, name, tried, split)
+    best = int(np.argmax(train + held.sum(axis=1)))
+    vector = refitted.vector.copy()
+    vector[refitted.world.space.place[name]] = tried[best]
+    moved = fit(make_data(refitted.world, split), vector, refitted.free, iterations=3, colour=refitted.colour)
+    train, held = _by_onset(moved, name, tried, split)
+    odds = _odds(train)
+    top = held.max(axis=0)
+    averaged = top + np.log(odds @ np.exp(held - top))
+    located = _odds(train + held.sum(axis=1))
+    spread = float(np.sqrt(located @ (tried - located @ tried) ** 2)) + 0.25 * float(
+        np.median(np.diff(tried))
+    )
+    return replace(moved, held_nats=averaged), spread
+
+
+def _odds(nats: Array) -> Array:
+    odds = np.exp(nats - nats.max())
+    known: Array = odds / odds.sum()
+    return known
+
+
+def _by_onset(one: Fit, name: str, tried: Array, split: Split) -> tuple[Array, Array]:
+    """Log-likelihood of the training part, and of each held-out block, for each onset."""
+    data = make_data(one.world, split)
+    train, held = np.empty(len(tried)), np.empty((len(tried), len(split.held)))
+    for k, onset in enumerate(tried):
+        vector = one.vector.copy()
+        vector[one.world.space.place[name]] = onset
+        there = fit(data, vector, (), iterations=0, colour=one.colour)
+        train[k], held[k] = there.train_nats, there.held_nats
+    return train, held
+
+
+def _onset_of(cause: Cause) -> str | None:
+    """The quantity that is an instant at which something happens once."""
+    return next((name for name in cause.settle if "onset" in name), None)
 
 
 def _settled(refitted: Fit, cause: Cause, split: Split) -> Fit:
@@ -268,7 +430,7 @@ def confidence(stage: Stage) -> float:
 def inseparable(stage: Stage) -> list[str]:
     """Causes that predict the held-out part as well as the one taken, as far as it can be told."""
     taken = stage.taken
-    if taken is None:
+    if taken is None or taken.law is not None:
         return []
     near = []
     for one in stage.candidates:
@@ -278,7 +440,8 @@ def inseparable(stage: Stage) -> list[str]:
         spread = float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1)))
         lead = float(difference.sum())
         train = taken.train_gain - one.train_gain
-        if lead < max(2.0, spread) and train < 6.0 and one.held_gain > 0.7 * taken.held_gain:
+        as_good = lead < max(2.0, spread) and train < 6.0 and one.held_gain > 0.7 * taken.held_gain
+        if as_good or one.cause in stage.other_names:
             near.append(one.cause)
     return near
 

@@ -4,12 +4,35 @@ import numpy as np
 
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 
+_OUTSTANDING = 6.0  # robust deviations
+_SIDE = 15  # frames
+
 
 def _trials(context: Context) -> list[Trial]:
     received = context.world.measured.frames.received_s
     jumps = np.argsort(-np.abs(np.diff(received) - np.median(np.diff(received))))[:4]
     onsets = {*context.onsets(16), *(float(received[i + 1]) - 1e-6 for i in jumps)}
-    return [Trial({"timing.step_onset_s": onset}, ({"timing.step_s": 0.002},)) for onset in sorted(onsets)]
+    trials = [Trial({"timing.step_onset_s": onset}, ({"timing.step_s": 0.002},)) for onset in sorted(onsets)]
+    seen = _seen(context)
+    if seen is not None:
+        trials.append(Trial({"timing.step_onset_s": seen}, ({"timing.step_s": 0.002},), certain=True))
+    return trials
+
+
+def _seen(context: Context) -> float | None:
+    """The instant of the largest surprise among the arrivals, if they stay where it put them."""
+    if "arrival" not in context.world.channels:
+        return None
+    surprise = np.nan_to_num(context.fit.residuals["arrival"])
+    late = context.world.channels["arrival"] - context.fit.predicted.channels["arrival"]
+    usual = 1.4826 * float(np.median(np.abs(surprise - np.median(surprise)))) + 1e-9
+    i = int(np.argmax(np.abs(surprise[_SIDE:-_SIDE]))) + _SIDE if len(surprise) > 3 * _SIDE else 0
+    if i == 0 or abs(surprise[i]) < _OUTSTANDING * usual:
+        return None
+    step = float(np.nanmedian(late[i : i + _SIDE]) - np.nanmedian(late[i - _SIDE : i]))
+    if step * surprise[i] <= 0.0 or abs(step) < 0.5 * abs(float(surprise[i])):
+        return None
+    return float(context.world.measured.frames.received_s[i]) - 1e-6
 
 
 CAUSE = Cause(
