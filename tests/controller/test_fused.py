@@ -91,6 +91,28 @@ def test_after_a_blow_the_deflection_is_soon_right_again() -> None:
         assert np.max(np.abs(trial.error[blow + 200 : blow + 450])) < 0.04
 
 
+def test_n_i_keeps_time_when_the_accelerometer_is_dead() -> None:
+    """Arrivals that wander tell no clock's rate: n_i does, and the delay stays within what is stated."""
+    stds = []
+    for ahead in (None, 0.01):
+        trial, method = run(
+            22.0, 8, delay="drift", started_ahead=ahead and (lambda t: 0.01), change=lambda k, a: a if k < 10000 else nan
+        )
+        late = trial.delay_time > 12.0
+        assert np.mean((trial.delay_error[late] / trial.delay_std[late]) ** 2) < 4.0
+        bank, at = method.frames.bank, method.frames.evidence.best
+        stds.append(bank.p[at, method._at.skew, method._at.skew] ** 0.5)
+    assert stds[1] < 0.7 * stds[0]
+
+
+def test_an_n_i_that_jumps_is_not_followed() -> None:
+    """By two frames at 8 s, and back again at 12 s."""
+    trial, _ = run(16.0, 9, delay="drift", started_ahead=lambda t: 0.01 if not 8.0 < t < 12.0 else 0.041)
+    late = trial.delay_time > 5.0
+    assert np.sqrt(np.mean(trial.delay_error[late] ** 2)) < 0.0011
+    assert part(trial, 5.0, 16.0)[0] < 0.012
+
+
 def test_after_the_accelerometers_death_the_clock_goes_on() -> None:
     """Missing samples from 6 s on."""
     trial, method = run(14.0, 6, delay="white", change=lambda k, a: a if k < 6000 else nan)

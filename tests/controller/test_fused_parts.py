@@ -95,6 +95,17 @@ def test_white_spread_and_wander_of_arrivals_are_told_apart(white_s: float, walk
         assert spread.walk < 1e-6
 
 
+def test_no_walk_is_seen_in_white_noise_nor_before_enough_is_known() -> None:
+    """White noise of 6.4 ms: a wander below a twentieth of it in a square root second is believed after 40 s."""
+    random = np.random.default_rng(6)
+    for _ in range(5):
+        spread = ArrivalSpread(FRAME_S, 0.0064, 0.001)
+        for count in range(2600):
+            assert spread.known == (count >= 256 + 64)
+            spread.add(float(0.0064 * random.standard_normal()))
+        assert spread.walk < (0.05 * 0.0064) ** 2
+
+
 def frame(number: int, captured_s: float = nan) -> VisualSample:
     return VisualSample(number, 0, 0, 1.0, captured_s=captured_s)
 

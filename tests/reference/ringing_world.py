@@ -120,9 +120,13 @@ def ring(
     delay: str = "constant", triggered: bool = False, stamped: bool = False,
     frequency: Callable[[float], float] = lambda t: 1.0, scale_factor: Callable[[float], float] = lambda t: 1.0,
     lost: float = 0.0, command: Callable[[float], float] = lambda t: 0.0, offset_px: float = 20.0, rest_s: float = 0.0,
-    bias_m_s2: float = 0.1,
+    bias_m_s2: float = 0.1, started_ahead: Callable[[float], float] | None = None,
 ) -> Ringing:  # fmt: skip
-    """Draw one trial. excitation: strikes | pushes (smooth, 0.15 s) | steady (amplitude swings smoothly) | once."""
+    """Draw one trial. excitation: strikes | pushes (smooth, 0.15 s) | steady (amplitude swings smoothly) | once.
+
+    started_ahead: by how much n_i precedes mid-exposure in the mean at a time, s, with a quarter frame of white noise;
+    None: n_i is always 0.
+    """
     random = np.random.default_rng(seed)
     n = int(duration_s / CYCLE_S)
     length, period = model.arm.length_m, 1.0 / model.camera.frame_rate_hz
@@ -160,12 +164,18 @@ def ring(
     camera = model.camera
     pixels = offset_px - camera.scale_px_per_m * tip + camera.noise_std_px * random.standard_normal(count)
     stamps = 1234.5 + mid * (1.0 + 2e-4 * random.uniform(-1, 1))
+    begun = np.zeros(count, dtype=int)
+    if started_ahead is not None:
+        white = 0.25 * period * np.random.default_rng((seed, 1)).standard_normal(count)
+        begun = np.array([int((t - started_ahead(t)) / CYCLE_S) for t in mid + white])
     samples: dict[int, list[VisualSample]] = {}
     truth: dict[int, float] = {}
     for k in np.flatnonzero(random.random(count) >= lost).tolist():
         cycle = ceil(arrival[k] / CYCLE_S)
         stamp = float(stamps[k]) if stamped else nan
-        samples.setdefault(cycle, []).append(VisualSample(k, 0, 0, float(pixels[k]), captured_s=stamp))
+        samples.setdefault(cycle, []).append(
+            VisualSample(k, max(int(begun[k]), 0), 0, float(pixels[k]), captured_s=stamp)
+        )
         truth[cycle] = cycle * CYCLE_S - mid[k]
     return Ringing(
         deflection, envelope, model.accelerometer.scale * acceleration + noise, samples, truth, commands
