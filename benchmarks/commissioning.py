@@ -269,3 +269,26 @@ def _row(one: Judged) -> dict[str, Any]:
         "recorded_s": one.done.plan.duration_s,
         "verdict": one.done.verdict.good,
     }
+
+
+_SHOWN = {
+    "seed": "seed",
+    "frequency_hz": "f_hz",
+    "damping_ratio": "zeta",
+    "delay_s": "delay_s",
+    "frequency_error_percent": "f_err_%",
+    "damping_error_percent": "zeta_err_%",
+    "felt_error_percent": "felt_err_%",
+    "seen_error_percent": "seen_err_%",
+    "delay_error_s": "delay_err_s",
+    "worst": "worst",
+    "worst_over_std": "/ std",
+    "settling_true_s": "settles_true_s",
+    "settling_found_s": "settles_s",
+    "verdict": "good",
+}
+
+
+def shown(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The columns that fit a terminal, under short names."""
+    return [{short: row[name] for name, short in _SHOWN.items()} for row in rows]

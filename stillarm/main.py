@@ -19,6 +19,7 @@ COMMANDS = {
     "rig": "the simulated rig that stands in for the hardware, as a daemon",
     "simulate": "rig, supervisor and controller in virtual time",
     "replay": "run the estimators on recorded data",
+    "commission": "move the rig a little, watched, and identify its model file",
     "calibrate": "identify the model's parameters from a recording, with uncertainties",
     "diagnose": "show what the simulation gets wrong in measured data, name the cause, extend the model",
     "import": "read measured data (a CSV bundle, or one file with --map) into a recording",

@@ -96,8 +96,9 @@ def moves(limits: Limits, velocity_rad_s: float, mode: Mode, strike_s: float = 0
     """
     frequency = mode.frequency_hz
     half = 0.5 / frequency
-    velocity = min(velocity_rad_s, limits.angle_rad / half)
-    ramp = min(max(velocity / limits.acceleration_rad_s2, _PROBE_RAMP_S, 0.3 * half), 0.45 * half)
+    longest_ramp = 0.45 * half
+    velocity = min(velocity_rad_s, limits.angle_rad / half, limits.acceleration_rad_s2 * longest_ramp)
+    ramp = min(max(velocity / limits.acceleration_rad_s2, _PROBE_RAMP_S, 0.3 * half), longest_ramp)
     decay_s = 1.0 / max(mode.damping_ratio * mode.angular_frequency, 1e-3)
     ring = min(max(_RUNG_DOWN * decay_s, _SHORTEST_RING_S), _LONGEST_RING_S)
     between = max(_BETWEEN_PERIODS / frequency, 0.6)

@@ -53,6 +53,7 @@ def commission(
     length_of(model, "model")
     limits = within(limits, model.drive)
     bounds = bounds_of(limits, model.accelerometer.range_m_s2)
+    tell("probe: the joint stands, then is nudged to and fro, in each stage twice as fast")
     probed = record("probe", probe(limits), bounds)
     grown = growth(probed, stages(limits), bounds)
     if grown.velocity_rad_s == 0.0:
@@ -73,12 +74,14 @@ def commission(
     mode = rough.model.arm.modes[0]
     tell(f"first mode near {mode.frequency_hz:.2f} Hz, damping near {100.0 * mode.damping_ratio:.1f} %")
     plan = fitted_to(moves(limits, grown.velocity_rad_s, mode, strike_s), rough.model, bounds)
+    tell(f"moves: {plan.duration_s:.0f} s, in the second part of which the arm is left to ring")
     measured = record("moves", plan, bounds)
     if measured.duration_s < plan.duration_s - 1.0:
         raise UserError(
             f"commission: the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s; the recording is "
             "kept, the model is not made"
         )
+    tell("fit: all parameters, by the simulation in free run")
     found = calibrate(measured, model, tick)
     return Commissioning(grown, rough, plan, measured, found, judge(found, measured))
 

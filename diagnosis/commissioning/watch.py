@@ -91,16 +91,14 @@ def growth(measured: Measured, plan: list[Stage], bounds: Bounds) -> Growth:
     next_frame, safe, swing = 0, 0.0, 0.0
     for stage in plan:
         first, last = (round(t / measured.cycle_s) for t in (stage.start_s, stage.end_s))
-        if last > measured.cycles:
-            break
         begin = 0 if stage is plan[0] else first
-        for k in range(begin, last):
+        for k in range(begin, min(last, measured.cycles)):
             while next_frame < len(frames) and frames.received_s[next_frame] <= times[k]:
                 if isfinite(frames.displacement_px[next_frame]):
                     watch.image(float(times[k]), float(frames.displacement_px[next_frame]))
                 next_frame += 1
             watch.cycle(float(times[k]), float(measured.acceleration[k]), float(measured.position[k]))
-        if watch.exceeded is not None:
+        if watch.exceeded is not None or last > measured.cycles:
             return Growth(safe, watch.exceeded, swing)
         safe, swing = stage.velocity_rad_s, watch.swing_px
     return Growth(safe, watch.exceeded, swing)

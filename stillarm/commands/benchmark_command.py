@@ -18,6 +18,7 @@ DEFAULT_TRIALS = {
     "soak": 1,
     "hardware": 2,
     "diagnosis": 200,
+    "commission": 20,
     "loop": 60,
 }
 BENCHMARKS = tuple(DEFAULT_TRIALS)
@@ -32,6 +33,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", choices=BENCHMARKS, metavar="NAME", help=f"one of: {', '.join(BENCHMARKS)}")
     parser.add_argument(
         "--trials", type=int, metavar="N", help=f"trials of each row; loop: seconds ({defaults})"
+    )
+    parser.add_argument(
+        "--rigs", type=int, dest="trials", metavar="N", help="commission: the same as --trials"
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="seed of the first trial (0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result to this file")
@@ -144,6 +148,26 @@ def _diagnosis(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     return result
 
 
+def _commission(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.commissioning import run as run_commissioning
+    from benchmarks.commissioning import shown
+
+    with progress_bar("benchmark commission") as progress:
+        result = run_commissioning(trials, arguments.seed, progress)
+    for table in (shown(result["rows"]), result["parameters"]):
+        if table:
+            print_rows(table)
+            print()
+    for one in result["refused"]:
+        print(f"rig {one['seed']}: {one['error']}")
+    print(
+        f"within 3 stated deviations {result['within_3_std']:.1%} of {trials} rigs' parameters; within the errors "
+        f"allowed {result['within_need']:.0%} of rigs, signs right {result['signs_right']:.0%}, damped at once "
+        f"{result['damps_at_once']:.0%}"
+    )
+    return result
+
+
 def _faults(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     from benchmarks.faults.run import run as run_faults
 
@@ -242,6 +266,7 @@ _RUN: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
     "flood": _flood,
     "soak": _soak,
     "diagnosis": _diagnosis,
+    "commission": _commission,
     "hardware": _hardware,
 }
 

@@ -1,0 +1,208 @@
+"""The moves on a rig: `stillarm controller` runs them as its schedule, damping off, and is watched by its telemetry.
+
+The controller is a process of its own, so that whatever becomes of this one, it lets the joint stand: SIGTERM, the end
+of its parent, a bound exceeded or the operator's stop all end in the loop's own way to rest.
+"""
+
+import contextlib
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import tomli_w
+
+from common.configuration import Configuration, load_configuration, model_path
+from common.model import Model
+from common.recording.reader import open_recording
+from common.scenario import Scenario
+from common.user_error import UserError
+from diagnosis.commissioning.watch import Bounds, Watch
+from diagnosis.measured import Measured, read_measured
+from simulation.demo.parent_death import ended_with_parent
+
+_TELEMETRY_S = 0.02
+_SILENT_S = 3.0  # without telemetry while the moves go on: nobody would see what they do
+_START_S = 20.0
+_STOP_S = 10.0
+_METHOD = "timestamps"  # its estimate moves nothing here; it needs the least of the model
+
+
+class LiveRig:
+    """Records scenarios on the rig that a configuration names. The supervisor runs already, the controller does not."""
+
+    def __init__(
+        self,
+        configuration_path: Path,
+        model: Model,
+        folder: Path,
+        *,
+        allow_non_realtime: bool,
+        progress: Callable[[str, float, float], None] = lambda name, done_s, of_s: None,
+    ) -> None:
+        """Recordings, configurations and logs go to `folder`. progress: told the name of the
+        part that is under way, how long it has been and how long it is to be, s.
+        """
+        self._path, self._model, self._folder = configuration_path, model, folder
+        self._configuration = load_configuration(configuration_path.resolve())
+        self._words = ("--allow-non-realtime",) if allow_non_realtime else ()
+        self._progress = progress
+
+    def record(self, name: str, scenario: Scenario, bounds: Bounds) -> Measured:
+        """Run a scenario as far as the bounds allow. Raises UserError when the controller fails or is stopped."""
+        folder = self._folder.resolve()
+        listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        with contextlib.closing(listener):
+            listener.bind(("127.0.0.1", 0))
+            listener.settimeout(0.1)
+            scenario_path = folder / f"{name}.scenario.toml"
+            scenario_path.write_text(tomli_w.dumps(msgspec.to_builtins(scenario)))
+            configuration = commissioning_configuration(
+                self._configuration, self._path, scenario_path, listener.getsockname()[1]
+            )
+            path = folder / f"{name}.config.toml"
+            path.write_text(tomli_w.dumps(msgspec.to_builtins(configuration)))
+            recording, log = folder / f"{name}.mcap", folder / f"{name}.log"
+            words = [
+                "--config",
+                str(path),
+                "--record",
+                str(recording),
+                "--duration-s",
+                str(scenario.duration_s),
+            ]
+            with _controller([*words, *self._words], log) as process:
+                self._watch(process, listener, scenario, Watch(bounds), name, log)
+        if process.returncode != 0:
+            raise UserError(f"commission: the controller failed: {_last_words(log)} (see {log})")
+        recorded = open_recording(recording)
+        _refuse_fault(recorded.columns("/estimate"))
+        return read_measured(recorded, self._model)
+
+    def _watch(
+        self,
+        process: subprocess.Popen[bytes],
+        listener: socket.socket,
+        scenario: Scenario,
+        watch: Watch,
+        name: str,
+        log: Path,
+    ) -> None:
+        """Until the controller has ended: by itself, or because of what the watch sees."""
+        heard, started = time.monotonic() + _START_S, False
+        decoder = msgspec.msgpack.Decoder(list[dict[str, Any]])
+        while process.poll() is None:
+            try:
+                rows = decoder.decode(listener.recv(65536))
+            except TimeoutError:
+                if time.monotonic() > heard + (_SILENT_S if started else 0.0):
+                    process.send_signal(signal.SIGTERM)
+                    process.wait(_STOP_S)
+                    raise UserError(
+                        f"commission: the controller fell silent and was stopped; see {log}"
+                    ) from None
+                continue
+            started, heard = True, time.monotonic()
+            for row in rows:
+                feed(watch, row)
+            now = rows[-1].get("time_s", 0.0) if rows else 0.0
+            self._progress(name, float(now), scenario.duration_s)
+            if watch.exceeded is not None or _said_error(log):
+                process.send_signal(signal.SIGTERM)
+                process.wait(_STOP_S)
+
+
+def commissioning_configuration(
+    configuration: Configuration, path: Path, scenario: Path, telemetry_port: int
+) -> Configuration:
+    """The user's configuration with the moves as its schedule and nothing that would add to them."""
+    replace = msgspec.structs.replace
+    controller = configuration.controller
+    return replace(
+        configuration,
+        model=str(model_path(configuration, path).resolve()),
+        controller=replace(
+            controller,
+            method=_METHOD,
+            arm_at_start=True,
+            schedule=str(scenario),
+            reference_shaping="none",
+            damping=replace(controller.damping, without_schedule=False),
+            dither=replace(controller.dither, enabled=False),
+            safety=replace(controller.safety, checks_before_arming=()),
+        ),
+        telemetry=replace(
+            configuration.telemetry,
+            enabled=True,
+            host="127.0.0.1",
+            port=telemetry_port,
+            period_s=_TELEMETRY_S,
+            every_cycles=1,
+        ),
+    )
+
+
+def feed(watch: Watch, row: dict[str, Any]) -> None:
+    """One of telemetry's maps to the watch."""
+    time_s = row.get("time_s", nan)
+    if (fast := row.get("fast")) is not None:
+        watch.cycle(time_s, fast["acceleration_m_s2"], fast["joint_position_rad"])
+    if (frame := row.get("frames")) is not None and frame["displacement_px"] == frame["displacement_px"]:
+        watch.image(time_s, frame["displacement_px"])
+
+
+@contextlib.contextmanager
+def _controller(words: list[str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """The process; told to stop, and waited for, on every way out."""
+    root = str(Path(__file__).resolve().parents[2])
+    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
+    with log.open("wb") as said:
+        process = subprocess.Popen(
+            # -P: a folder named 'common' where the user happens to stand must not take this package's place
+            [sys.executable, "-P", "-m", "stillarm", "controller", *words],
+            stdout=said,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, "PYTHONPATH": search},
+            preexec_fn=ended_with_parent(),  # noqa: PLW1509 - no thread runs yet, and it calls the kernel only
+        )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(_STOP_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+def _refuse_fault(estimates: dict[str, Any]) -> None:
+    """Raise UserError where the controller went into a fault: somebody or something stopped it."""
+    for state, reason in zip(estimates["state"], estimates["reason"], strict=True):
+        if state == "fault":
+            raise UserError(
+                f"commission: stopped by the controller: {reason}; the joint stands. See to it, and begin again"
+            )
+
+
+def _said_error(log: Path) -> bool:
+    """Whether the controller has said something grave, such as a fault. Its log is a few lines long."""
+    return b'"level":"error"' in log.read_bytes()
+
+
+def _last_words(log: Path) -> str:
+    lines = log.read_text(errors="replace").strip().splitlines()
+    if not lines:
+        return "it said nothing"
+    with contextlib.suppress(ValueError, KeyError, TypeError):
+        return str(json.loads(lines[-1])["event"])
+    return lines[-1].removeprefix("stillarm: ")

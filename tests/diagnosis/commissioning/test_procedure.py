@@ -1,0 +1,103 @@
+"""The procedure from the first nudge to the verdict: three rigs in virtual time, and rigs that show too little."""
+
+from dataclasses import replace
+from math import nan
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from benchmarks.commissioning import assumed_model, commission_virtually, draw_rig, truth_of
+from common.model import Arm, Mode, Model
+from common.scenario import Scenario
+from common.user_error import UserError
+from diagnosis.commissioning.plan import Limits
+from diagnosis.commissioning.procedure import commission, until
+from diagnosis.commissioning.verdict import marked
+from diagnosis.commissioning.watch import Bounds
+from diagnosis.measured import Frames, Measured
+
+LIMITS = Limits()
+RIGS = (100, 103, 111)
+
+
+@pytest.mark.parametrize("seed", RIGS)
+def test_a_rig_of_random_parameters_is_identified_from_a_model_that_knows_none(
+    seed: int, tmp_path: Path
+) -> None:
+    """Judged by the truth alone: errors within the stated deviations and the bounds asked for, signs right."""
+    true = draw_rig(seed)
+    done = commission_virtually(true, assumed_model(), seed, tmp_path)
+    truth = truth_of(true)
+    sizes = {key: abs(value - truth[key]) / std for key, (value, std) in done.found.parameters.items()}
+    assert set(sizes) == set(truth)
+    assert sum(size <= 3.0 for size in sizes.values()) >= len(sizes) - 1 and max(sizes.values()) < 5.0
+    found = truth_of(done.found.model)
+    for key, most in (
+        ("arm.modes[0].frequency_hz", 0.005),
+        ("arm.modes[0].damping_ratio", 0.15),
+        ("accelerometer.scale", 0.02),  # signed: a wrong sign is an error of 200 %
+        ("camera.scale_px_per_m", 0.02),
+    ):
+        assert found[key] == pytest.approx(truth[key], rel=most)
+    assert done.verdict.good and "\n" not in done.verdict.text
+    model = marked(done.found.model, done.found, "2026-01-31", "moves.mcap")
+    assert model.identified and model.commissioned.std["arm.modes[0].frequency_hz"] > 0.0  # type: ignore[union-attr]
+
+
+def still(name: str, scenario: Scenario, bounds: Bounds, images: bool = True) -> Measured:
+    """What a rig shows whose joint does not obey: noise."""
+    del bounds
+    random = np.random.default_rng(len(name))
+    n = round(scenario.duration_s / 0.001)
+    command = np.array([scenario.reference_rad_s(0.001 * k) for k in range(n)])
+    at = np.arange(0, n if images else 0, 15)
+    time = np.asarray(0.001 * at, dtype=np.float64)
+    frames = Frames(
+        at // 15, time, time - 0.05, 0.05 * random.standard_normal(len(at)), np.full(len(at), nan)
+    )
+    return Measured(
+        name, 0.001, 0.0, command, command, 0.3 * random.standard_normal(n), np.zeros(n), np.zeros(n),
+        np.zeros(n), np.full(n, nan), frames, np.empty(0),
+    )  # fmt: skip
+
+
+def test_a_joint_that_does_not_move_is_told() -> None:
+    with pytest.raises(UserError, match="left no vibration") as refused:
+        commission(still, assumed_model(), LIMITS)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_probe_in_which_the_first_move_is_too_much_goes_no_further() -> None:
+    """And says what was too much, before anything faster is tried."""
+    names = []
+
+    def rough(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
+        names.append(name)
+        measured = still(name, scenario, bounds)
+        return replace(measured, acceleration=100.0 * measured.acceleration)
+
+    with pytest.raises(UserError, match=r"even the smallest move .* accelerometer shows"):
+        commission(rough, assumed_model(), LIMITS)
+    assert names == ["probe"]
+
+
+def test_a_model_without_length_is_refused_before_anything_moves() -> None:
+    def never(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
+        raise AssertionError("moved")
+
+    with pytest.raises(UserError, match="length_m"):
+        commission(never, Model(arm=Arm(modes=[Mode()])), LIMITS)
+    slow = msgspec.structs.replace(
+        assumed_model(), drive=msgspec.structs.replace(assumed_model().drive, max_velocity_rad_s=0.001)
+    )
+    with pytest.raises(UserError, match="no room"):
+        commission(never, slow, LIMITS)
+
+
+def test_the_beginning_of_a_recording() -> None:
+    whole = still("x", Scenario(duration_s=4.0), Bounds(1.0, 1.0, 1.0))
+    part = until(whole, 1.5)
+    assert part.cycles == 1500 and part.duration_s == 1.5
+    assert len(part.frames) == 100 and part.frames.received_s[-1] < 1.5
