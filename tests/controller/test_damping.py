@@ -123,6 +123,39 @@ def test_the_damping_part_is_always_finite_and_bounded(
         assert abs(velocity) <= Damping().max_velocity_rad_s
 
 
+def estimate_of(deflection_m: float, std_m: float, delay_std_s: float = 0.001) -> Estimate:
+    return Estimate(
+        DelayEstimate(0.07, delay_std_s, Status.ESTIMATED), deflection_m, 0.0, std_m, Status.ESTIMATED
+    )
+
+
+@pytest.mark.parametrize(
+    ("estimate", "begins"),
+    [
+        (estimate_of(0.006, 0.0003), True),
+        (estimate_of(0.001, 0.0003), True),  # little known of little: it commands next to nothing
+        (estimate_of(0.088, 0.019), False),  # three frames of another zero, as a fit has taken them
+        (estimate_of(0.006, 0.002), False),
+        (estimate_of(0.006, 0.002, delay_std_s=0.04), True),  # the delay's doing, which no waiting mends
+        (estimate_of(0.006, nan), True),  # a method that tells none
+    ],
+)
+def test_damping_begins_on_a_prediction_that_is_sure(estimate: Estimate, begins: bool) -> None:
+    """And where it has begun, it is not given up for a moment's doubt."""
+    damping = JointDamping(model(), Damping(), "model")
+    doubtful = estimate_of(0.006, 0.002)
+
+    def run(estimate: Estimate, from_s: float) -> DampingStatus:
+        for k in range(300):
+            damping.see_sample(from_s + k * 0.001)
+            _, status = damping.velocity_rad_s(estimate, from_s + k * 0.001, True, 0.0, 0.0)
+        return status
+
+    assert run(estimate, 1.0) is (DampingStatus.ACTIVE if begins else DampingStatus.NO_PREDICTION)
+    run(estimate_of(0.006, 0.0003), 2.0)
+    assert run(doubtful, 3.0) is DampingStatus.ACTIVE
+
+
 def test_envelope_helper() -> None:
     """The judge itself: a known decay gives its own ratio back."""
     t = np.arange(0, 4, 0.001)
