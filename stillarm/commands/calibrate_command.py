@@ -1,6 +1,7 @@
 """`stillarm calibrate`: the model's parameters from a recording, with uncertainties."""
 
 import argparse
+from datetime import UTC, datetime
 from pathlib import Path
 
 from common.user_error import UserError
@@ -22,23 +23,30 @@ def run(arguments: argparse.Namespace) -> int:
     from common.model import check_model, load_model
     from common.recording.reader import open_recording
     from diagnosis.calibrate import calibrate
+    from diagnosis.commissioning.verdict import judge, marked
     from diagnosis.diagnose import model_text
     from diagnosis.measured import read_measured
     from stillarm.progress import progress_bar
 
     model = load_model(arguments.model)
-    measured = read_measured(open_recording(arguments.recording), model)
+    recording = open_recording(arguments.recording)
+    measured = read_measured(recording, model)
     with progress_bar("calibrate") as progress:
         found = calibrate(measured, model, lambda done, what: progress(done))
-    check_model(found.model, str(arguments.out))
+    verdict = judge(found, measured)
+    made = found.model
+    if verdict.good and not measured.pair:
+        made = marked(made, found, recording_date(recording.header.origin_unix_ns), str(arguments.recording))
+    check_model(made, str(arguments.out))
     for key, (value, std) in found.parameters.items():
         print(f"  {key:<34} {value:>12.6g} +- {std:.2g}")
     try:
-        arguments.out.write_text(model_text(found.model))
+        arguments.out.write_text(model_text(made))
     except OSError as error:
         raise UserError(
             f"{arguments.out}: cannot be written ({error.strerror}); name another file with -o"
         ) from None
+    print(f"  {verdict.text}")
     shown = {name: error for name, error in found.nrmse.items() if name != "arrival"} or found.nrmse
     worst = max(shown.items(), key=lambda one: one[1])
     print(
@@ -46,3 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
         f"{100.0 * worst[1]:.2g} % of {worst[0]} at most"
     )
     return 0
+
+
+def recording_date(origin_unix_ns: int) -> str:
+    """The day of a recording; of one in virtual time, today."""
+    made = datetime.fromtimestamp(1e-9 * origin_unix_ns, UTC) if origin_unix_ns else datetime.now(UTC)
+    return made.date().isoformat()
