@@ -45,6 +45,8 @@ class TelemetryBatches:
 
     def take(self, topic_name: str, message: msgspec.Struct) -> None:
         """Collect one message; of those of every cycle, each `every_cycles`-th."""
+        if topic_name == "/log":  # nothing but text
+            return
         if topic_name in _EVERY_CYCLE and message.cycle % self._settings.every_cycles:  # type: ignore[attr-defined]
             return
         encoded = _ENCODE(telemetry_map(topic_name, message))
