@@ -172,10 +172,11 @@ class LiveRig:
         block.close()
 
     def last_words(self, name: str) -> str:
-        """The last line of a process's log."""
+        """The last line of a process's log, but for the statistics of each second."""
         with contextlib.suppress(OSError):
             lines = (self.folder / f"{name}.log").read_text(errors="replace").strip().splitlines()
-            return lines[-1] if lines else "it said nothing"
+            told = [line for line in lines if '"event":"loop"' not in line]
+            return told[-1] if told else "it said nothing"
         return "it said nothing"
 
     def log_size(self, name: str) -> int:
