@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Callable
 from contextlib import contextmanager
 from math import isnan
 
@@ -11,7 +12,9 @@ import pytest
 from common.configuration import Cia402Device, DriveDevice, default_configuration_path
 from common.model import load_model
 from common.user_error import UserError
+from drivers.drive import JointState
 from drivers.drive_factory import open_drive
+from drivers.odrive_drive import OdriveDrive
 from simulation.plant import Plant
 from simulation.rig_drive import rig_drive
 
@@ -36,6 +39,25 @@ def device(driver: str, name: str) -> DriveDevice:
     )
 
 
+def settle(condition: Callable[[], bool]) -> None:
+    """Until what was written has been carried over: a pseudo terminal's bytes wait for a worker of the kernel."""
+    deadline = time.monotonic() + 20.0
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(0.0002)
+
+
+def exchanged(rig, drive, velocity: float, now_s: float) -> tuple[float, JointState]:
+    """A command brought to the rig, and its report back; what the rig then follows, and what the driver knows."""
+    if not isinstance(drive, OdriveDrive):
+        drive.command(velocity)
+        return rig.poll(now_s), drive.state()
+    commands, reports = rig.motor.commands, drive.reports
+    drive.command(velocity)
+    settle(lambda: rig.poll(now_s) is not None and rig.motor.commands > commands)
+    settle(lambda: drive.state() is not None and drive.reports > reports)
+    return rig.poll(now_s), drive.state()
+
+
 @pytest.mark.parametrize("driver", ["odrive", "mcp4725"])
 def test_the_joint_follows_what_the_driver_commands_and_stops_with_it(driver):
     config = device(driver, f"test-rig-drive-{driver}")
@@ -43,6 +65,7 @@ def test_the_joint_follows_what_the_driver_commands_and_stops_with_it(driver):
     now = [10.0]
 
     def sleep(seconds: float) -> None:
+        time.sleep(seconds)  # the port between the two takes real time
         now[0] += seconds
         rig.poll(now[0])
 
@@ -53,9 +76,7 @@ def test_the_joint_follows_what_the_driver_commands_and_stops_with_it(driver):
     assert not rig.commanded
     rig.report(0.25, 0.5)
     for _ in range(5):
-        drive.command(0.2)
-        followed = rig.poll(now[0])
-        state = drive.state()
+        followed, state = exchanged(rig, drive, 0.2, now[0])
         now[0] += 0.001
     assert rig.commanded and followed == pytest.approx(0.2, abs=0.0005)
     assert (
@@ -109,6 +130,7 @@ def test_the_loop_closed_through_a_drive_settles_as_without_it(driver):
     reported = []
 
     def sleep(seconds: float) -> None:
+        time.sleep(seconds)  # the port between the two takes real time
         now[0] += seconds
         rig.poll(now[0])
 
@@ -120,9 +142,8 @@ def test_the_loop_closed_through_a_drive_settles_as_without_it(driver):
     def exchange(command: float, position: float, velocity: float) -> float:
         now[0] += 0.001
         rig.report(position, velocity)
-        drive.command(command)
-        followed = rig.poll(now[0])
-        reported.append((drive.state().position_rad, position))
+        followed, state = exchanged(rig, drive, command, now[0])
+        reported.append((state.position_rad, position))
         return followed
 
     through = ring_down(exchange)
