@@ -11,6 +11,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -54,6 +55,7 @@ _STYLE: Any = {
     "path.simplify_threshold": 0.5,
 }
 _MOST_POINTS = 1500
+_MARGINS_IN = (0.75, 0.12, 0.78, 0.3)  # left, right, bottom, top of each panel
 
 Draw = Callable[[Axes], None]
 
@@ -61,13 +63,21 @@ Draw = Callable[[Axes], None]
 def svg(panels: Sequence[Draw], label: str, *, panel_in: tuple[float, float] = (4.6, 2.9)) -> str:
     """One row of panels. label: what a reader who cannot see it is told."""
     with rc_context(_STYLE):
-        figure = Figure(figsize=(panel_in[0] * len(panels), panel_in[1]), layout="constrained")
+        width, height = panel_in[0] * len(panels), panel_in[1]
+        figure = Figure(figsize=(width, height))
         FigureCanvasSVG(figure)
         figure.patch.set_alpha(0.0)
-        axes = figure.subplots(1, len(panels), squeeze=False)[0]
-        for one, draw in zip(axes, panels, strict=True):
+        for place, draw in enumerate(panels):
+            left, right, bottom, top = _MARGINS_IN
+            inner = (panel_in[0] - left - right, height - bottom - top)
+            corner = ((place * panel_in[0] + left) / width, bottom / height)
+            one = figure.add_axes((*corner, inner[0] / width, inner[1] / height))
             one.patch.set_alpha(0.0)
             draw(one)
+            for axis in (one.xaxis, one.yaxis):
+                if axis.get_scale() == "log":  # as plain numbers: powers of ten are slow to typeset
+                    axis.set_major_formatter(LogFormatter())
+                    axis.set_minor_formatter(LogFormatter(minor_thresholds=(1.2, 0.6)))
         out = io.StringIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
     return _embedded(out.getvalue(), label)
@@ -111,7 +121,7 @@ def legend(axes: Axes) -> None:
     """A legend out of the lines' way."""
     axes.legend(
         loc="upper left",
-        bbox_to_anchor=(-0.02, -0.19),
+        bbox_to_anchor=(-0.02, -0.24),
         ncols=4,
         fontsize=8.5,
         handlelength=1.3,

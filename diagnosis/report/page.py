@@ -30,6 +30,7 @@ def report_page(result: Diagnosis) -> str:
         (
             sections.findings(result),
             sections.gains(result),
+            sections.use(result),
             sections.what_next(result),
             sections.baseline(result),
             sections.considered(result),

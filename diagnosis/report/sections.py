@@ -242,6 +242,40 @@ def _sentences(word: str, found: ChannelResidual) -> str:
     return f"<p>{'<b>' + word + '</b>' if word else ''}{escape(' '.join(found.sentences))}</p>"
 
 
+def use(result: Diagnosis) -> str:
+    """What the extended model is worth to the controller."""
+    found = result.table.get("use")
+    if not found:
+        return ""
+    note = f"<p class=note>{escape(_sentence(found['note']))}</p>" if found["note"] else ""
+    if found["before"] is None:
+        return f"<section><h2>What it is worth in use</h2>{note}</section>"
+    words = {
+        "prediction_error_moving_rms": "prediction error while the joint moves, rms",
+        "prediction_error_free_rms": "prediction error while the arm rings freely, rms",
+        "residual_vibration_rms": "vibration left from two seconds after a blow on, damped, rms",
+    }
+    rows = []
+    for key, word in words.items():
+        before, after = found["before"][key], found["after"][key]
+        change = 100.0 * (after / before - 1.0) if before else 0.0
+        mark = "worse" if change > 0.5 else ("better" if change < -0.5 else "")
+        rows.append(
+            [
+                escape(word),
+                f"{100.0 * before:.2f} %",
+                f"{100.0 * after:.2f} %",
+                f"<span class='{mark}'>{change:+.0f} %</span>",
+            ]
+        )
+    return (
+        "<section><h2>What it is worth in use</h2>"
+        f"{table(['', 'model as given', 'extended model', 'change'], rows, numeric=1)}"
+        "<p class=note>The controller in virtual time on a rig that is the extended model, once with each model; "
+        f"parts of the blow's amplitude.</p>{note}</section>"
+    )
+
+
 def what_next(result: Diagnosis) -> str:
     """What to do."""
     steps = "".join(f"<li>{escape(one)}</li>" for one in next_steps(result))

@@ -10,6 +10,7 @@ from common.output_folder import make_folder
 from common.user_error import UserError
 
 if TYPE_CHECKING:
+    from common.model import Model
     from diagnosis.diagnose import Diagnosis
 
 
@@ -40,6 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="time that no fit may use, may be repeated (default: every third of up to thirty blocks)",
     )
     parser.add_argument(
+        "--no-use",
+        action="store_true",
+        help="do not simulate what the extended model is worth to the controller (some seconds)",
+    )
+    parser.add_argument(
         "--out", type=Path, default=Path("diagnosis"), metavar="DIR", help="folder for the results"
     )
 
@@ -57,7 +63,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise UserError("diagnose: two recordings have the same name, and so would their folders; rename one")
     for path in arguments.recordings:
         with progress_bar(f"diagnose {path.name}") as progress:
-            result = diagnose(path, model, arguments.hold_out, lambda done, what: progress(done))
+            result = diagnose(path, model, arguments.hold_out, lambda done, what: progress(0.9 * done))
+            if not arguments.no_use:
+                put_to_use(result, path, model)
         folder = make_folder(arguments.out / path.stem if several else arguments.out)
         write(result, folder)
         print(f"{path}: {sentence(result.table)}")
@@ -73,6 +81,26 @@ def write(result: "Diagnosis", folder: Path) -> None:
     (folder / "diagnosis.json").write_text(json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n")
     (folder / "extended.toml").write_text(model_text(result.extended))
     (folder / "report.html").write_text(report_page(result))
+
+
+def put_to_use(result: "Diagnosis", path: Path, model: "Model | None") -> None:
+    """Add to the result what the extended model is worth to the controller, where it differs and can be run."""
+    from common.configuration import load_configuration
+    from common.recording.reader import open_recording
+    from diagnosis.diagnose import model_of
+    from diagnosis.use import worth_in_use
+    from simulation.simulated_recording import default_simulation_configuration
+
+    table = result.table
+    if result.found.final.world.measured.pair or not (table["findings"] or table["baseline_changes"]):
+        return
+    plain = model or model_of(open_recording(path))
+    try:
+        table["use"] = worth_in_use(
+            plain, result.extended, load_configuration(default_simulation_configuration())
+        )
+    except UserError as error:
+        table["use"] = {"before": None, "after": None, "note": f"not simulated: {error}"}
 
 
 def _plain(value: Any) -> Any:

@@ -1,0 +1,146 @@
+"""Every cause: looked for by trials that do something, told by the contract's parameters, written as an effect."""
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from common.causes import CAUSES as CATALOGUE
+from common.model import load_model
+from common.scenario import Scenario, Strike
+from diagnosis.catalogue import CAUSES
+from diagnosis.cause import Context
+from diagnosis.diagnose import model_text
+from diagnosis.extended_model import effect_of
+from diagnosis.fit import Fit
+from diagnosis.impacts import carried
+from diagnosis.screen import residual_peaks, variant
+from diagnosis.search import Candidate
+from diagnosis.split import interleaved
+from simulation.virtual_time import VirtualRun, simulate
+from tests.diagnosis.simulated import MODEL as RIG_MODEL
+from tests.diagnosis.simulated import SIZES
+from tests.diagnosis.synthetic import NOISE, fitted, measured
+
+LAWS = {"impulse_noise", "frame_drops", "delay_bursts"}
+SPLIT = interleaved(6.0)
+QUANTITIES = {
+    "coulomb_damping": {"arm.coulomb_m_s2": 0.08},
+    "quadratic_damping": {"arm.quadratic_per_m": 6.0},
+    "cubic_stiffness": {"arm.cubic_per_m2": 20.0},
+    "stiffness_drift": {"arm.frequency_rate_per_s": 0.004},
+    "drive_dead_time": {"drive.dead_time_s": 0.02},
+    "drive_lag": {"drive.bandwidth_hz": 6.0},
+    "joint_friction": {"drive.velocity_loss_rad_s": 0.01},
+    "accelerometer_bias_drift": {"accelerometer.rate_m_s3": 0.1},
+    "accelerometer_sensitivity_drift": {"accelerometer.rate_per_s": 0.03},
+    "accelerometer_lag": {"accelerometer.delay_s": 0.01},
+    "gravity_leakage": {"accelerometer.gravity_m_s2_per_rad": 4.0},
+    "tracking_drift": {"camera.rate_px_per_s": 0.5},
+    "lens_distortion": {"camera.lens_per_px2": 1e-6},
+    "camera_tilt_coupling": {"camera.rotation_px_per_rad": 150.0},
+    "camera_clock_skew": {"timing.skew_ppm": 800.0},
+}
+"""Causes whose quantities have smooth derivatives, at a size that six seconds show."""
+
+
+@pytest.fixture(scope="module")
+def plain() -> Fit:
+    """The baseline on data with nothing wrong."""
+    return fitted(measured(6.0, 1), split=SPLIT)
+
+
+def test_the_catalogue_is_searched_whole() -> None:
+    assert set(CAUSES) | LAWS == set(CATALOGUE)
+
+
+@pytest.mark.parametrize("cause", sorted(QUANTITIES))
+def test_a_fit_finds_the_parameter_within_its_deviation(cause: str) -> None:
+    data = measured(6.0, 2, QUANTITIES[cause])
+    found = fitted(data, *CAUSES[cause].free(fitted(data).world))
+    for name, true in QUANTITIES[cause].items():
+        assert found.value(name) == pytest.approx(true, abs=5.0 * found.std[name])
+        assert found.value(name) == pytest.approx(true, rel=0.15)
+        assert found.std[name] < 0.05 * abs(true)
+
+
+@pytest.mark.parametrize("cause", sorted(CAUSES))
+def test_its_trials_move_some_channel_and_its_parameters_are_the_catalogues(cause: str, plain: Fit) -> None:
+    one = CAUSES[cause]
+    assert one.needs(plain.world)
+    trials = one.trials(Context(plain, residual_peaks(plain) | {"acceleration": (7.0, 50.0)}))
+    assert trials
+    effective = 0
+    for trial in trials[:6]:
+        world = variant(plain.world, dict(trial.options))
+        start = carried(plain, world)
+        base = world.predict(start).channels
+        moved = start.copy()
+        for name, value in {**trial.shape, **trial.columns[0]}.items():
+            moved[world.space.place[name]] = value
+        shown = world.predict(world.space.clipped(moved)).channels
+        effective += any(np.max(np.abs(np.nan_to_num(shown[name] - base[name]))) > 0.0 for name in base)
+        names = one.free(world)
+        assert all(name in world.space.place for name in names)
+    assert effective
+    world = variant(plain.world, dict(trials[0].options))
+    start = carried(plain, world)
+    nothing = np.zeros(len(SPLIT.held))
+    other = Fit(world, start, one.free(world), {}, plain.sigma, {}, {}, world.predict(start), 0.0, nothing)
+    required = {p.name for p in CATALOGUE[cause].parameters if p.default is None}
+    assert required == set(one.parameters_of(other))
+
+
+def _extended(cause: str) -> dict[str, object]:
+    values = {name: (value, 0.0) for name, value in SIZES[cause].items() if isinstance(value, float | int)}
+    one = Candidate(cause, _NOBODY, 0.0, 0.0, 0.0, np.empty(0), values, law=_LAW)  # type: ignore[arg-type]
+    return dict(effect_of(one, _NOBODY))  # type: ignore[arg-type]
+
+
+class _Nobody:
+    """A fit of which nothing but a phase and the encoder's side is asked."""
+
+    def value(self, name: str) -> float:
+        """Any quantity."""
+        return 0.3
+
+    @property
+    def world(self) -> "_Nobody":
+        """Whose encoder is the joint's."""
+        return self
+
+    behind_encoder = False
+
+
+_NOBODY, _LAW = _Nobody(), object()
+
+
+def test_extended_models_load_and_run(tmp_path: Path) -> None:
+    """Each cause as an effect in a file that a user would have, in the simulation that he would run."""
+    from common.configuration import load_configuration
+    from simulation.simulated_recording import default_simulation_configuration
+
+    configuration = load_configuration(default_simulation_configuration())
+    scenario = Scenario(duration_s=0.2, strikes=[Strike(0.05, 0.02)])
+
+    class Nowhere:
+        """Takes everything."""
+
+        def write(self, topic_name: str, message: msgspec.Struct) -> None:
+            """And keeps nothing."""
+
+    for cause in sorted(CATALOGUE):
+        model = msgspec.structs.replace(RIG_MODEL, effects=[_extended(cause)])  # type: ignore[list-item]
+        path = tmp_path / f"{cause}.toml"
+        path.write_text(model_text(model))
+        loaded = load_model(path)
+        assert loaded == model
+        simulate(
+            VirtualRun(configuration, loaded, RIG_MODEL, scenario, 1, name=str(path)), Nowhere(), Nowhere()
+        )
+
+
+def test_noise_is_what_the_data_were_given(plain: Fit) -> None:
+    for name, level in NOISE.items():
+        assert plain.sigma[name] == pytest.approx(level, rel=0.1)

@@ -1,0 +1,35 @@
+"""Blows that no sensor measured are found where they fell, and only where they fell."""
+
+from math import pi
+
+import pytest
+
+from diagnosis.impacts import fit_with_impacts
+from diagnosis.split import interleaved
+from diagnosis.world import World
+from tests.diagnosis.synthetic import MODEL, measured
+
+
+def blow(number: int, amplitude_m: float) -> dict[str, float]:
+    """A blow from which the arm rings on by so much."""
+    return {f"jump.{number}.0.v": 2.0 * pi * 2.6 * amplitude_m}
+
+
+_SEVERAL = pytest.mark.xfail(strict=True, reason="what rings on from blows not yet found hides the others")
+
+
+@pytest.mark.parametrize("cycles", [(2800,), pytest.param((1500, 5200, 8100), marks=_SEVERAL)])
+def test_blows_are_found_within_some_milliseconds(cycles: tuple[int, ...]) -> None:
+    sizes = (0.02, -0.015, 0.012)
+    values = {key: value for j in range(len(cycles)) for key, value in blow(j + 1, sizes[j]).items()}
+    data = measured(10.0, 3, values, impacts=cycles)
+    found = fit_with_impacts(World(data, MODEL), interleaved(10.0))
+    assert len(found.world.impacts) == len(cycles)
+    for cycle, seen in zip(cycles, found.world.impacts, strict=True):
+        assert abs(cycle - seen) <= 8
+    assert found.value("modes.0.frequency_hz") == pytest.approx(2.6, rel=1e-3)
+
+
+def test_where_nothing_struck_nothing_is_found() -> None:
+    data = measured(8.0, 4)
+    assert fit_with_impacts(World(data, MODEL), interleaved(8.0)).world.impacts == ()

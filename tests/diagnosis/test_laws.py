@@ -1,0 +1,72 @@
+"""Causes that change no mean: spikes, lost frames, bursts; and silence where there is none of them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.fit import make_data
+from diagnosis.laws import laws
+from diagnosis.measured import Frames, Measured
+from diagnosis.split import interleaved
+from tests.diagnosis.synthetic import fitted, measured
+
+SECONDS = 12.0
+SPLIT = interleaved(SECONDS)
+
+
+def found_in(data: Measured) -> dict[str, dict[str, tuple[float, float]]]:
+    """Laws found, with their parameters, whose gain is more than chance on both parts."""
+    last = fitted(data, split=SPLIT)
+    return {
+        one.cause: one.values
+        for one in laws(make_data(last.world, SPLIT), last)
+        if one.train_nats > 10.0 and one.held_nats.sum() > 3.0
+    }
+
+
+def frames_of(data: Measured, keep: np.ndarray, late_s: np.ndarray | float = 0.0) -> Measured:
+    """The same data with some frames only, some of them later."""
+    f = data.frames
+    received = np.maximum.accumulate(f.received_s + late_s)[keep]
+    return replace(
+        data,
+        frames=Frames(
+            f.counter[keep], received, f.started_s[keep], f.displacement_px[keep], f.captured_s[keep]
+        ),
+    )
+
+
+def test_where_there_is_nothing_nothing_is_found() -> None:
+    assert found_in(measured(SECONDS, 3)) == {}
+
+
+def test_spikes_are_counted_and_sized() -> None:
+    data = measured(SECONDS, 4)
+    random = np.random.default_rng(1)
+    spiked = data.acceleration.copy()
+    at = random.choice(len(spiked), 60, replace=False)
+    spiked[at] += random.choice([-8.0, 8.0], 60)
+    found = found_in(replace(data, acceleration=spiked))
+    rate, size = found["impulse_noise"]["rate_hz"], found["impulse_noise"]["amplitude_m_s2"]
+    assert abs(rate[0] - 5.0) < 3.0 * max(rate[1], 0.1)
+    assert abs(size[0] - 8.0) < 0.3
+
+
+def test_lost_frames_are_counted() -> None:
+    data = measured(SECONDS, 5)
+    keep = np.random.default_rng(2).random(len(data.frames)) > 0.1
+    keep[:3] = keep[-3:] = True
+    fraction, std = found_in(frames_of(data, keep))["frame_drops"]["fraction"]
+    assert abs(fraction - (1.0 - keep.mean())) < 3.0 * std
+
+
+def test_bursts_are_counted_and_timed() -> None:
+    data = measured(SECONDS, 6)
+    received = data.frames.received_s
+    late = np.zeros(len(received))
+    for start in (1.0, 3.1, 4.0, 6.2, 8.3, 10.4):
+        late[(received >= start) & (received < start + 0.4)] = 0.08
+    found = found_in(frames_of(data, np.ones(len(received), bool), late))["delay_bursts"]
+    assert abs(found["rate_hz"][0] - 0.5) < 0.1
+    assert abs(found["delay_s"][0] - 0.08) < 0.008
+    assert abs(found["duration_s"][0] - 0.4) < 0.08

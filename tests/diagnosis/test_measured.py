@@ -1,0 +1,72 @@
+"""Recorded rows on the grid: gaps, clocks that step back, columns that were not recorded."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from common.model import Arm, Model
+from common.recording.reader import open_recording
+from common.user_error import UserError
+from diagnosis.diagnose import model_of
+from diagnosis.measured import Measured, read_measured, reclocked
+from stillarm.main import main
+
+MODEL = Model(arm=Arm(length_m=2.0))
+
+
+def read(folder: Path, time_s: np.ndarray, **columns: np.ndarray) -> Measured:
+    """By way of a bundle, as a user's data come."""
+    bundle = folder / "bundle"
+    bundle.mkdir()
+    columns = {"acceleration_m_s2": np.arange(len(time_s), dtype=float)} | columns
+    head = ",".join(["time_s", *columns])
+    rows = [",".join(f"{value:.9g}" for value in row) for row in zip(time_s, *columns.values(), strict=True)]
+    (bundle / "fast.csv").write_text("\n".join([head, *rows]) + "\n")
+    (bundle / "model.toml").write_text("[arm]\nlength_m = 2.0\n")
+    assert main(["import", str(bundle), "-o", str(folder / "r.mcap")]) == 0
+    recording = open_recording(folder / "r.mcap")
+    return read_measured(recording, model_of(recording))
+
+
+def test_missing_rows_are_missing_samples_and_a_gap(tmp_path: Path) -> None:
+    time = np.delete(5.0 + np.arange(4000) * 0.001, slice(1500, 1750))
+    found = read(tmp_path, time)
+    assert found.cycles == 4000
+    assert found.origin_s == pytest.approx(5.0)
+    assert np.isnan(found.acceleration[1500:1750]).all()
+    assert found.acceleration[1750] == 1500.0
+    assert [(gap.cycle, round(gap.extra_s, 6)) for gap in found.gaps] == [(1750, 0.25)]
+
+
+def test_a_clock_that_steps_back_is_taken_forward_again(tmp_path: Path) -> None:
+    time = np.arange(4000) * 0.001
+    time[2000:] -= 0.3
+    found = read(tmp_path, time)
+    assert found.cycles == 4000
+    assert np.isfinite(found.acceleration).all()
+    assert [(gap.cycle, round(gap.extra_s, 6)) for gap in found.backward] == [(2000, -0.3)]
+
+
+def test_a_gap_that_was_a_clock_set_forward_can_be_closed(tmp_path: Path) -> None:
+    time = np.arange(4000) * 0.001
+    time[2000:] += 0.4
+    found = read(tmp_path, time)
+    assert found.cycles == 4400
+    closed = reclocked(found, found.gaps[0])
+    assert closed.cycles == 4000
+    assert np.array_equal(closed.acceleration, np.arange(4000.0))
+    assert closed.gaps == ()
+
+
+def test_a_command_is_held_over_rows_without_one(tmp_path: Path) -> None:
+    command = np.full(4000, 0.2)
+    command[1000:1100] = np.nan
+    found = read(tmp_path, np.arange(4000) * 0.001, joint_velocity_command_rad_s=command)
+    assert np.all(found.command == 0.2)
+
+
+def test_a_cycle_that_is_not_the_recordings_is_refused(tmp_path: Path) -> None:
+    time = np.arange(300) * 0.5
+    with pytest.raises(UserError, match="give the model the cycle of the recording"):
+        read(tmp_path, time)
