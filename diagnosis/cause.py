@@ -72,7 +72,7 @@ class Cause:
 
     free: quantities of the vector that a refit frees. trials: where to look. parameters_of: the contract's parameters
     with standard deviations, from a fit. settle: quantities without a smooth derivative, with the first step of a
-    search along them.
+    search along them. surprise: nats by which a fit's values are unlikely for this cause, before any data.
     """
 
     id: str
@@ -81,6 +81,7 @@ class Cause:
     free: Callable[[World], tuple[str, ...]]
     parameters_of: Callable[[Fit], Values]
     settle: Mapping[str, float] = field(default_factory=dict)
+    surprise: Callable[[Fit], float] = lambda fit: 0.0
 
 
 def has(*names: str) -> Callable[[World], bool]:

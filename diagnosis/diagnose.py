@@ -99,7 +99,7 @@ def diagnose_measured(
     table = {
         "verdict": judged.verdict,
         "channels": say.channel_table(found, judged, split),
-        "findings": say.findings(found, split),
+        "findings": say.findings(found, judged, split),
         "unexplained": say.unexplained(judged),
         "events": say.events(found),
         "baseline_changes": baseline_changes(model, found.final),

@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 _GRID_S = 0.01
 _OUTSTANDING = 9.0  # times the usual jump
+_NEAR = 5.0  # times those near by
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _MOST = 40
@@ -75,16 +76,34 @@ def find_jumps(last: Fit, share: float) -> list[float]:
     jump = np.abs(after - before)
     full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
     jump[~full] = 0.0
-    usual = _OUTSTANDING * float(np.median(jump[full])) if full.any() else 0.0
+    usual = _usual(jump, full, round(period / float(at[1] - at[0])))
     swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
-    threshold = max(usual, share * float(np.max(np.abs(after))), swing)
     found: list[float] = []
+    threshold = np.maximum(usual, max(share * float(np.max(np.abs(after))), swing))
     for i in np.argsort(-jump):
-        if jump[i] < threshold or len(found) >= _MOST:
+        if len(found) >= _MOST:
             break
+        if jump[i] < threshold[i]:
+            continue
         if all(abs(at[i] - other) > 1.2 * period for other in found):
             found.append(float(at[i]))
     return sorted(found)
+
+
+def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:
+    """What a jump has to exceed: several times the median of all, or of those near by if that is less, for a blow that
+    is not yet found raises them all."""
+    overall = _OUTSTANDING * float(np.median(jump[full])) if full.any() else 0.0
+    limit = np.full(len(jump), overall)
+    for i in range(len(jump)):
+        sides = np.r_[
+            max(0, i - 5 * period) : max(0, i - 3 * period // 2), i + 3 * period // 2 : i + 5 * period
+        ]
+        sides = sides[sides < len(jump)]
+        sides = sides[full[sides]]
+        if len(sides) > 3 * period:
+            limit[i] = min(overall, _NEAR * float(np.median(jump[sides])))
+    return limit
 
 
 def _refined(last: Fit, number: int) -> float:

@@ -38,6 +38,7 @@ class Candidate:
     law: LawFound | None = None
     free: tuple[str, ...] = ()
     note: str = ""
+    surprise: float = 0.0
 
 
 @dataclass
@@ -146,7 +147,7 @@ def _stage(
 
 
 _OVERLAP = 0.6
-_LEAST_SHARE = 0.04
+_LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
 
 
 def _next(stage: Stage, found: Found, data: Data) -> Candidate | None:
@@ -155,7 +156,7 @@ def _next(stage: Stage, found: Found, data: Data) -> Candidate | None:
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
         if not _convincing(one, stage.screening, data):
             continue
-        if found.findings and one.law is None and one.held_gain < _LEAST_SHARE * found.findings[0].held_gain:
+        if found.findings and one.law is None and one.held_gain < _least_share(one, found.findings[0]):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
         if not rivals:
@@ -163,6 +164,15 @@ def _next(stage: Stage, found: Found, data: Data) -> Candidate | None:
         for earlier in rivals:
             earlier.other_names.append(one.cause)
     return None
+
+
+def _least_share(one: Candidate, first: Candidate) -> float:
+    """Nats that a simple form may leave of its true one: in the same place more than elsewhere, and a sensor's none
+    outside of its own channel."""
+    here, there = CATALOGUE[one.cause].place, CATALOGUE[first.cause].place
+    if here == there:
+        return _LEAST_SHARE * first.held_gain
+    return _LEAST_SHARE_ELSEWHERE * first.held_gain if there in ("arm", "drive") else 0.0
 
 
 def _same_thing(earlier: Stage, one: Candidate) -> bool:
@@ -237,8 +247,8 @@ def _ranked(candidates: list[Candidate]) -> list[Candidate]:
 
 
 def _merit(one: Candidate) -> float:
-    """Held-out gain, less what each number beyond the first costs."""
-    return one.held_gain - 1.0 * (max(len(one.free), 1) - 1)
+    """Held-out gain, less what each number beyond the first costs, and what is unlikely before any data."""
+    return one.held_gain - 1.0 * (max(len(one.free), 1) - 1) - one.surprise
 
 
 def _convincing(one: Candidate, screening: Screening, data: Data) -> bool:
@@ -296,6 +306,7 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
         values,
         None,
         cause.free(refitted.world),
+        surprise=cause.surprise(refitted),
     )
 
 
@@ -438,8 +449,8 @@ def inseparable(stage: Stage) -> list[str]:
             continue
         difference = taken.block_gains - one.block_gains
         spread = float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1)))
-        lead = float(difference.sum())
-        train = taken.train_gain - one.train_gain
+        lead = float(difference.sum()) + one.surprise - taken.surprise
+        train = taken.train_gain - one.train_gain + one.surprise - taken.surprise
         as_good = lead < max(2.0, spread) and train < 6.0 and one.held_gain > 0.7 * taken.held_gain
         if as_good or one.cause in stage.other_names:
             near.append(one.cause)

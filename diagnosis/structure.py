@@ -1,149 +1,103 @@
-"""What is left after all findings: tests for structure, and a black box that tries to predict it.
-
-A ridge regression on a library of functions of the simulated state (amplitude, velocity, sign, position, time, input),
-trained on the training part and judged on the held-out part: if it predicts the residual, something is unexplained.
-"""
+"""What is left of the channels: whether terms without a name, memory, or uneven scatter predict what is held out."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.anonymous import Explained, explained
 from diagnosis.fit import Data, Fit
+from diagnosis.scatter import Uneven, uneven
 
 Array = NDArray[np.float64]
 
-_LAGS = 12
+_LEAST_HELD_NATS, _LEAST_TRAIN_NATS = 8.0, 12.0
 
 
 @dataclass(frozen=True)
 class Structure:
-    """What is known of a channel's residual.
+    """What is known of a channel's residual. white: no law predicts anything of its held-out part.
 
-    white: whether it passes. reduction: share of the held-out variance that the black box predicts; nats: what that
-    gains, held out; std_nats: its standard error over blocks. memory: correlation from sample to sample. band_hz:
-    where most of the excess power lies. dependence: what the residual depends on most, in words.
+    nats: what the best law gains there, std_nats its standard error over blocks, train_nats on the training part.
+    band_hz: where most of the excess power lies. dependence: that law, in words; term: amounts, if it is of terms.
     """
 
     channel: str
     white: bool
-    reduction: float
     nats: float
     std_nats: float
-    memory: float
+    train_nats: float
     band_hz: tuple[float, float]
     dependence: str
     term: str
 
 
-def _features(last: Fit, name: str) -> tuple[list[str], Array]:
-    """Functions of the simulated motion at each sample of a channel, each scaled to one."""
-    world, motion = last.world, last.predicted.motion
-    q, slope = motion.q[:, 0], np.gradient(motion.q[:, 0]) / world.measured.cycle_s
-    theta, omega, alpha = motion.joint[:, 0], motion.joint[:, 1], motion.joint[:, 2]
-    command = np.nan_to_num(world.measured.command)
-    force = world.measured.force if world.measured.pair else np.zeros(len(q))
-    acceleration = motion.tip_acceleration
-    t = np.arange(len(q)) * world.measured.cycle_s
+@dataclass(frozen=True)
+class Remains:
+    """Structure of each channel, and what terms without a name explain of all of them."""
 
-    def unit(values: Array) -> Array:
-        size = float(np.max(np.abs(values)))
-        return values / size if size > 0.0 else values
+    channels: dict[str, Structure]
+    terms: Explained
 
-    q, slope, theta, omega, alpha = unit(q), unit(slope), unit(theta), unit(omega), unit(alpha)
-    command, acceleration, force = unit(command), unit(acceleration), unit(force)
-    fast = {
-        "deflection": q,
-        "deflection squared": q * q,
-        "deflection cubed": q**3,
-        "deflection speed": slope,
-        "speed times its size": slope * np.abs(slope),
-        "sign of the deflection speed": np.sign(slope) * (np.abs(slope) > 0.01),
-        "amplitude times speed": np.abs(q) * slope,
-        "deflection times its size": q * np.abs(q),
-        "joint position": theta,
-        "joint position squared": theta * theta,
-        "sine of 10 times the joint's turn": np.sin(10.0 * motion.joint[:, 0]),
-        "cosine of 10 times the joint's turn": np.cos(10.0 * motion.joint[:, 0]),
-        "joint velocity": omega,
-        "joint velocity times its size": omega * np.abs(omega),
-        "sign of the joint velocity": np.sign(omega) * (np.abs(omega) > 0.01),
-        "joint acceleration": alpha,
-        "command": command,
-        "input": force,
-        "tip acceleration": acceleration,
-        "tip acceleration times its size": acceleration * np.abs(acceleration),
-        "tip acceleration cubed": acceleration**3,
-        "time": t / t[-1],
-        "time squared": (t / t[-1]) ** 2,
-        "deflection times time": q * t / t[-1],
-        "speed times time": slope * t / t[-1],
-        "tip acceleration times time": acceleration * t / t[-1],
-        "joint position times time": theta * t / t[-1],
-    }
-    names, columns = [], []
-    if name in ("displacement", "arrival"):
-        at = world.instants(last.vector)
-        fast = {key: np.interp(at, t, values) for key, values in fast.items()}
-    for key, values in fast.items():
-        spread = float(np.std(values))
-        if spread > 1e-9:
-            names.append(key)
-            columns.append((values - values.mean()) / spread)
-    return names, np.stack(columns, axis=1)
+    @property
+    def worst(self) -> Structure | None:
+        """The channel in which most can be predicted, if any."""
+        found = [one for one in self.channels.values() if not one.white]
+        return max(found, key=lambda one: one.nats, default=None)
 
 
-def examine(data: Data, last: Fit, name: str) -> Structure:
-    """Look at one channel's residual."""
-    residual = last.residuals[name] / last.sigma[name]
-    known = np.isfinite(residual)
-    residual = np.clip(np.nan_to_num(residual), -8.0, 8.0)
-    residual[known] -= residual[known].mean()
-    train, held = data.train[name], data.held[name]
-    if not held.any():
-        held = train
-    names, x = _features(last, name)
-    ridge = 1e-3 * train.sum()
-    gram = x[train].T @ x[train] + ridge * np.eye(x.shape[1])
-    weights = np.linalg.solve(gram, x[train].T @ residual[train])
-    guess = x @ weights
-    gains = 0.5 * (residual**2 - (residual - guess) ** 2)
-    power = float(np.mean(residual[held] ** 2)) or 1.0
-    reduction = float(2.0 * gains[held].sum() / (held.sum() * power))
-    per_block = np.bincount(data.blocks[name][held], gains[held] / power, len(data.split.held))[
-        data.split.held
-    ]
-    nats = float(per_block.sum())
-    spread = float(np.std(per_block) * np.sqrt(len(per_block))) if len(per_block) > 1 else nats
-    # memory: linear prediction of each sample from those before it
-    memory = _memory(residual, train, held, power)
-    band = _band(last, name, residual)
-    each = np.abs(x[train].T @ residual[train]) / train.sum()
-    strongest = int(np.argmax(each))
-    limit = 4.0 / np.sqrt(max(train.sum(), 1))
-    dependence = (
-        names[strongest] if each[strongest] > limit else ("none found" if memory < 0.02 else "its own past")
-    )
-    white = not (nats > max(8.0, 2.0 * spread) and reduction > 0.005) and memory < 0.02
-    return Structure(
-        name, white, max(reduction, 0.0), nats, spread, memory, band, dependence, _term(names, weights)
+def examine(data: Data, last: Fit, known_laws: frozenset[str] = frozenset()) -> Remains:
+    """Look at a fit's residuals. known_laws: causes among the findings that are laws of noise or timing."""
+    terms = explained(data, last)
+    laws = uneven(data, last, "impulse_noise" in known_laws)
+    excused = {"arrival"} if "delay_bursts" in known_laws else set()
+    held = data.split.held if data.split.held.any() else ~data.split.held
+    by_terms = _of_terms(terms, last)
+    found = {}
+    for name in last.residuals:
+        choices = [
+            (one.law, "", one.train_nats, one.block_nats[held])
+            for one in laws
+            if one.channel == name and not (name in excused or _dated_by_arrival(one, last))
+        ]
+        if by_terms == name:
+            choices.append((terms.names[0], _words(terms), terms.train_nats, terms.block_nats[held]))
+        found[name] = _best(name, choices, last)
+    return Remains(found, terms)
+
+
+def _dated_by_arrival(one: Uneven, last: Fit) -> bool:
+    """An image dated by its arrival is off by its speed times the delay's scatter: that is no discovery."""
+    return one.channel == "displacement" and last.world.frame_clock.arrival
+
+
+def _of_terms(terms: Explained, last: Fit) -> str:
+    """The channel that the terms are told of: forces on the arm by the one that shows them best."""
+    if terms.channel != "arm":
+        return terms.channel
+    return next(
+        (name for name in ("acceleration", "deflection", "displacement") if name in last.residuals), ""
     )
 
 
-def _memory(residual: Array, train: NDArray[np.bool_], held: NDArray[np.bool_], power: float) -> float:
-    """Share of the held-out variance that a sample's own past predicts."""
-    n = len(residual)
-    if n < 10 * _LAGS:
-        return 0.0
-    past = np.stack([np.concatenate((np.zeros(lag), residual[:-lag])) for lag in range(1, _LAGS + 1)], axis=1)
-    gram = past[train].T @ past[train] + 1e-3 * train.sum() * np.eye(_LAGS)
-    weights = np.linalg.solve(gram, past[train].T @ residual[train])
-    guess = past[held] @ weights
-    rest = residual[held] - guess
-    return max(0.0, 1.0 - float(np.mean(rest**2)) / power)
+def _best(name: str, choices: list[tuple[str, str, float, Array]], last: Fit) -> Structure:
+    law, term, train, nats, std = "none found", "", 0.0, 0.0, 0.0
+    for what, words, gained, blocks in choices:
+        total = float(blocks.sum())
+        spread = float(np.std(blocks) * len(blocks) ** 0.5)
+        sure = gained > _LEAST_TRAIN_NATS and total > max(_LEAST_HELD_NATS, spread)
+        if sure and total > nats:
+            law, term, train, nats, std = what, words, gained, total, spread
+    return Structure(name, nats == 0.0, nats, std, train, _band(last, name), law, term)
 
 
-def _band(last: Fit, name: str, residual: Array) -> tuple[float, float]:
+def _words(terms: Explained) -> str:
+    return " + ".join(
+        f"{amount:.3g} x ({name})" for name, amount in zip(terms.names, terms.amounts, strict=True)
+    )
+
+
+def _band(last: Fit, name: str) -> tuple[float, float]:
     """Band, Hz, that holds the middle four fifths of the power above the median level."""
     world = last.world
     step = (
@@ -151,6 +105,7 @@ def _band(last: Fit, name: str, residual: Array) -> tuple[float, float]:
         if name in ("displacement", "arrival")
         else world.measured.cycle_s
     )
+    residual = np.nan_to_num(last.residuals[name] / last.sigma[name])
     n = min(len(residual), 4096)
     count = max(1, len(residual) // n)
     pieces = residual[: n * count].reshape(count, n) * np.hanning(n)
@@ -164,8 +119,3 @@ def _band(last: Fit, name: str, residual: Array) -> tuple[float, float]:
         float(hz[np.searchsorted(share, 0.1)]),
         float(hz[min(int(np.searchsorted(share, 0.9)), len(hz) - 1)]),
     )
-
-
-def _term(names: list[str], weights: Array) -> str:
-    order = np.argsort(-np.abs(weights))[:3]
-    return " + ".join(f"{weights[i]:.3g} x ({names[i]})" for i in order) + " (standard deviations)"

@@ -9,44 +9,76 @@ from numpy.typing import NDArray
 from diagnosis.catalogue import CAUSES
 from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, make_data
-from diagnosis.search import Candidate, Found, confidence, inseparable
-from diagnosis.structure import Structure, examine
+from diagnosis.search import Candidate, Found, Stage, confidence, inseparable
+from diagnosis.structure import Remains, Structure, examine
 
 Array = NDArray[np.float64]
 
-_STRUCTURED = 0.03  # of a channel's variance
-_SHARE_LEFT = 0.35  # of what the findings explain
-_OWN_FORM = 1.5  # a black box that gains so many times more than the cause named
+_SHARE_LEFT = 0.15  # of what the findings gain, held out
+_LEAD_NATS = 5.0
+_LIKENESS = 0.3  # a cause that a term without a name beats
 
 
 @dataclass(frozen=True)
 class Judged:
-    """The verdict with its structures before and after, per channel."""
+    """The verdict with its structures before and after, per channel.
+
+    left: what remains after all findings, if that is much. unnamed_lead: nats by which a term without a name does
+    better than the first finding; above zero, the finding is at most a likeness.
+    """
 
     verdict: str
     before: dict[str, Structure]
     after: dict[str, Structure]
     left: Structure | None
+    unnamed_lead: float = 0.0
+    left_nats: float = 0.0
 
 
 def judge(found: Found, split: Split) -> Judged:
-    """Whether significant structure remains after all findings."""
-    first, last = make_data(found.baseline.world, split), make_data(found.final.world, split)
-    before = {name: examine(first, found.baseline, name) for name in found.baseline.world.channels}
-    after = {name: examine(last, found.final, name) for name in found.final.world.channels}
-    worst, size = None, 0.0
-    by_law = {"impulse_noise": "acceleration", "delay_bursts": "arrival"}
-    excused = {by_law[one.cause] for one in found.findings if one.cause in by_law}
-    for name, structure in after.items():
-        if structure.white or name in excused:
-            continue
-        significant = structure.nats > max(10.0, 2.5 * structure.std_nats)
-        left = max(structure.reduction if significant else 0.0, structure.memory)
-        explained = (found.baseline.sigma[name] / found.final.sigma[name]) ** 2 - 1.0
-        if left > _STRUCTURED and left > _SHARE_LEFT * max(explained, 0.0) and left > size:
-            worst, size = structure, left
-    verdict = "unexplained" if worst is not None else ("named" if found.findings else "none")
-    return Judged(verdict, before, after, worst)
+    """Whether significant structure remains after all findings, or a term without a name beats them."""
+    known_laws = frozenset(one.cause for one in found.findings if one.law is not None)
+    first = examine(make_data(found.baseline.world, split), found.baseline)
+    last = first
+    if found.findings:
+        last = examine(make_data(found.final.world, split), found.final, known_laws)
+    worst = last.worst
+    named = [one for one in found.findings if one.law is None]
+    gained = sum(max(one.held_gain, 0.0) for one in found.findings)
+    left = worst if worst is not None and worst.nats > _SHARE_LEFT * gained else None
+    lead = _lead(named[0], first, split) if named else 0.0
+    if lead > 0.0 and left is None:
+        left = _unnamed(first)
+    verdict = "unexplained" if left is not None else ("named" if found.findings else "none")
+    left_nats = left.nats if left is not None and left is worst else 0.0
+    return Judged(verdict, first.channels, last.channels, left, lead, left_nats)
+
+
+def _lead(one: Candidate, first: Remains, split: Split) -> float:
+    """Nats by which the best term without a name explains more than the finding, as many numbers being fitted; zero
+    if that may be chance."""
+    named = one.train_gain + one.held_gain
+    unnamed = first.terms.first_nats
+    if len(first.terms.names) == 1:
+        unnamed += float(first.terms.block_nats[split.held].sum())
+    else:  # its share of what all terms gain, held out
+        share = first.terms.first_nats / max(first.terms.train_nats, 1e-9)
+        unnamed += share * float(first.terms.block_nats[split.held].sum())
+    lead = unnamed - named
+    return lead if lead > _LEAD_NATS + 0.01 * named else 0.0
+
+
+def _unnamed(first: Remains) -> Structure:
+    """The channel of the term without a name, as a structure that is left."""
+    shown = [one for one in first.channels.values() if one.dependence == first.terms.names[0]]
+    return shown[0] if shown else max(first.channels.values(), key=lambda one: one.nats)
+
+
+def sure(one: Candidate, stage: Stage, judged: Judged) -> float:
+    """Probability that a finding is right: by its lead over the other causes, and over what has no name."""
+    gained = max(one.held_gain, 1e-9)
+    likeness = _LIKENESS if judged.unnamed_lead > 0.0 else 1.0
+    return likeness * confidence(stage) * gained / (gained + judged.left_nats)
 
 
 def _error(fit: Fit, data: Data, name: str) -> tuple[float, float, int]:
@@ -85,7 +117,7 @@ def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[
     return table
 
 
-def findings(found: Found, split: Split) -> list[dict[str, Any]]:
+def findings(found: Found, judged: Judged, split: Split) -> list[dict[str, Any]]:
     """The findings as diagnosis.json has them."""
     listed = []
     previous = found.baseline
@@ -99,7 +131,7 @@ def findings(found: Found, split: Split) -> list[dict[str, Any]]:
         listed.append(
             {
                 "cause": one.cause,
-                "confidence": confidence(stage) / (1 + len(near)),
+                "confidence": sure(one, stage, judged) / (1 + len(near)),
                 "parameters": {
                     name: {"value": value + (origin if name == "onset_s" else 0.0), "std": std}
                     for name, (value, std) in values.items()

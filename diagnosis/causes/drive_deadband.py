@@ -1,5 +1,7 @@
 """A dead band of the drive."""
 
+import numpy as np
+
 from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
 
 
@@ -7,7 +9,7 @@ def _trials(context: Context) -> list[Trial]:
     top = context.top_command_rad_s
     return [
         Trial({}, ({"drive.deadband_rad_s": share * top},), one_sided=True)
-        for share in (0.005, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.22, 0.3)
+        for share in np.geomspace(0.001, 0.4, 28).tolist()
     ]
 
 

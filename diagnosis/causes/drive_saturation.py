@@ -7,7 +7,7 @@ def _trials(context: Context) -> list[Trial]:
     top = context.top_command_rad_s
     return [
         Trial({}, ({"drive.max_velocity_rad_s": share * top},), one_sided=True)
-        for share in (0.98, 0.93, 0.85, 0.75, 0.65, 0.5, 0.35)
+        for share in (0.99, 0.97, 0.95, 0.92, 0.89, 0.85, 0.8, 0.75, 0.7, 0.63, 0.56, 0.5, 0.42, 0.35, 0.25)
     ]
 
 

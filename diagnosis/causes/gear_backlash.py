@@ -10,7 +10,21 @@ def _trials(context: Context) -> list[Trial]:
     return [
         Trial({}, ({"drive.gap_rad": gap},), one_sided=True, options=(("behind_encoder", behind),))
         for behind in sides
-        for gap in (0.0003, 0.001, 0.003, 0.01, 0.03)
+        for gap in (
+            0.0001,
+            0.00016,
+            0.00025,
+            0.0004,
+            0.0006,
+            0.001,
+            0.0016,
+            0.0025,
+            0.004,
+            0.006,
+            0.01,
+            0.02,
+            0.04,
+        )
     ]
 
 

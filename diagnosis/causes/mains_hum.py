@@ -18,10 +18,19 @@ def _values(fit: Fit) -> Values:
     return found
 
 
+_MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 16.7, 33.3, 400.0)
+
+
+def of_the_mains(hz: float) -> bool:
+    """Whether a frequency is that of a mains, or of a harmonic of one, to 1.5 %."""
+    return any(abs(hz / mains - 1.0) < 0.015 for mains in _MAINS_HZ)
+
+
 CAUSE = Cause(
     id="mains_hum",
     needs=has("acceleration"),
     trials=_trials,
     free=free_of("accelerometer.hum_hz", "accelerometer.hum_sin", "accelerometer.hum_cos"),
     parameters_of=_values,
+    surprise=lambda fit: 0.0 if of_the_mains(fit.value("accelerometer.hum_hz")) else 6.0,
 )

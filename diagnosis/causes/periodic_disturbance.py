@@ -1,6 +1,7 @@
 """A periodic force on the arm."""
 
 from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, free_of, plain, size_of_wave
+from diagnosis.causes.mains_hum import of_the_mains
 from diagnosis.fit import Fit
 
 
@@ -28,4 +29,5 @@ CAUSE = Cause(
     trials=_trials,
     free=free_of("arm.periodic_hz", "arm.periodic_sin", "arm.periodic_cos"),
     parameters_of=_values,
+    surprise=lambda fit: 4.0 if of_the_mains(fit.value("arm.periodic_hz")) else 0.0,
 )

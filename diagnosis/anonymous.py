@@ -1,0 +1,260 @@
+"""Terms without a name: what a residual may depend on, whatever the cause.
+
+Forces on the first mode (answered by all channels, through the mode), and things added to one sensor. Chosen one after
+another by what they explain of the training part beside the fitted parameters (orthogonal matching pursuit; Pati,
+Rezaiifar and Krishnaprasad, 1993), judged on the held-out part. A named cause has to do better than these.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from diagnosis.fit import THIN, Data, Fit, jacobian, thinned, thinned_mask
+
+Array = NDArray[np.float64]
+
+_MOST_TERMS = 6
+_WAVES = 12
+_WAVE_S = 1.5
+_CLIP = 8.0
+
+
+@dataclass(frozen=True)
+class Term:
+    """A dependence in words, and its change of each channel that it touches."""
+
+    name: str
+    channel: str
+    change: dict[str, Array]
+
+
+@dataclass(frozen=True)
+class Explained:
+    """Terms chosen, with their amounts; nats: gained of the training part and of each held-out block.
+
+    first_nats: what the first term alone gains, training part and all. channel: where the first one acts.
+    """
+
+    names: tuple[str, ...]
+    amounts: tuple[float, ...]
+    channel: str
+    train_nats: float
+    first_nats: float
+    block_nats: Array
+
+
+def explained(data: Data, last: Fit) -> Explained:
+    """What terms without a name explain of a fit's residual."""
+    parts = _Parts(data, last)
+    terms = list(_terms(last))
+    columns = np.stack([parts.stack(term.change) for term in terms], axis=1)
+    train, base = parts.train, parts.base
+    q, _ = np.linalg.qr(base[train])
+    inside = columns[train] - q @ (q.T @ columns[train])
+    residual = parts.residual[train] - q @ (q.T @ parts.residual[train])
+    size = np.sqrt(np.sum(inside**2, axis=0))
+    whole = np.sqrt(np.sum(columns[train] ** 2, axis=0))
+    usable = (size > 1e-3 * whole) & (size > 1e-9)
+    chosen: list[int] = []
+    gained, first = 0.0, 0.0
+    rest = residual
+    least = 3.0 + log(max(len(terms), 1))
+    while len(chosen) < _MOST_TERMS:
+        score = np.where(usable, (inside.T @ rest) ** 2 / np.maximum(size, 1e-12) ** 2, 0.0)
+        score[chosen] = 0.0
+        best = int(np.argmax(score))
+        if 0.5 * score[best] < least:
+            break
+        chosen.append(best)
+        x = inside[:, chosen]
+        amounts, *_ = np.linalg.lstsq(x, residual, rcond=None)
+        rest = residual - x @ amounts
+        gained = 0.5 * float(residual @ residual - rest @ rest)
+        first = gained if len(chosen) == 1 else first
+    if not chosen:
+        return Explained((), (), "", 0.0, 0.0, np.zeros(len(data.split.held)))
+    x = np.concatenate((base, columns[:, chosen]), axis=1)
+    weights, *_ = np.linalg.lstsq(x[train], parts.residual[train], rcond=None)
+    before, after = parts.residual, parts.residual - x @ weights
+    gains = 0.5 * (before**2 - after**2)
+    blocks = np.bincount(parts.block[parts.held], gains[parts.held], len(data.split.held)).astype(np.float64)
+    return Explained(
+        tuple(terms[i].name for i in chosen),
+        tuple(float(w) for w in weights[base.shape[1] :]),
+        terms[chosen[0]].channel,
+        gained,
+        first,
+        blocks,
+    )
+
+
+class _Parts:
+    """All channels' whitened residuals over their levels, one after the other, with the fitted parameters' slopes."""
+
+    def __init__(self, data: Data, last: Fit) -> None:
+        self.last = last
+        slopes = jacobian(last.world, last.vector, last.free, last.predicted.channels, last.colour)
+        self._std = {name: last.sigma[name] / THIN.get(name, 1) ** 0.5 for name in last.residuals}
+        residual, base, train, held, block = [], [], [], [], []
+        for name, values in last.residuals.items():
+            u = np.nan_to_num(thinned(name, values)) / self._std[name]
+            residual.append(np.clip(u, -_CLIP, _CLIP))
+            base.append(slopes[name] / self._std[name])
+            train.append(thinned_mask(name, data.train[name]))
+            held.append(thinned_mask(name, data.held[name]))
+            step = THIN.get(name, 1)
+            block.append(data.blocks[name][: len(u) * step : step])
+        self.residual = np.concatenate(residual)
+        whole = np.nan_to_num(np.concatenate(base))
+        norms = np.linalg.norm(whole, axis=0)
+        self.base = whole[:, norms > 1e-12] / norms[norms > 1e-12]
+        self.train, self.held = np.concatenate(train), np.concatenate(held)
+        self.block = np.concatenate(block)
+
+    def stack(self, change: dict[str, Array]) -> Array:
+        """A change of the channels as one column."""
+        out = []
+        for name, values in self.last.residuals.items():
+            step = THIN.get(name, 1)
+            if name not in change:
+                out.append(np.zeros(len(values) // step if step > 1 else len(values)))
+                continue
+            colour = self.last.colour.get(name)
+            white = colour.whiten(change[name]) if colour is not None else change[name]
+            out.append(np.nan_to_num(thinned(name, white)) / self._std[name])
+        whole: Array = np.concatenate(out)
+        return whole
+
+
+def _terms(last: Fit) -> Iterator[Term]:
+    yield from _forces(last)
+    yield from _on_sensors(last)
+
+
+def _unit(values: Array) -> Array:
+    size = float(np.max(np.abs(values)))
+    return values / size if size > 0.0 else values
+
+
+def _forces(last: Fit) -> Iterator[Term]:
+    """Accelerations of the first mode, as the channels would answer them."""
+    world, motion = last.world, last.predicted.motion
+    h = world.measured.cycle_s
+    q = _unit(motion.q[:, 0])
+    v = _unit(np.gradient(motion.q[:, 0]))
+    theta, omega = motion.joint[:, 0], _unit(motion.joint[:, 1])
+    size = np.sqrt(np.maximum(q * q + v * v, 1e-12))
+    t = np.arange(len(q)) * h
+    forces = {
+        "deflection squared": q * q,
+        "deflection times its size": q * np.abs(q),
+        "positive deflection": np.maximum(q, 0.0),
+        "deflection cubed": q**3,
+        "sign of the deflection": np.tanh(20.0 * q),
+        "speed times its size": v * np.abs(v),
+        "sign of the deflection speed": np.tanh(20.0 * v),
+        "amplitude times speed": size * v,
+        "amplitude times deflection": size * q,
+        "deflection over its amplitude": q / np.maximum(size, 0.02),
+        "speed over its amplitude": v / np.maximum(size, 0.02),
+        "deflection, half a second late": _slow(q, h, 0.5),
+        "deflection, two seconds late": _slow(q, h, 2.0),
+        "joint velocity": omega,
+        "joint velocity times its size": omega * np.abs(omega),
+        "sign of the joint velocity": np.tanh(20.0 * omega),
+        "joint position times deflection": _unit(theta) * q,
+        "joint velocity times deflection": omega * q,
+    }
+    for turns in (1.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0):
+        forces[f"sine of {turns:g} times the joint's turn"] = np.sin(turns * theta)
+        forces[f"cosine of {turns:g} times the joint's turn"] = np.cos(turns * theta)
+    for m in range(1, 5):
+        forces[f"deflection times slow time ({m})"] = q * np.cos(pi * m * t / t[-1])
+    for name, force in forces.items():
+        yield Term(f"force: {name}", "arm", _answer(last, force - float(force.mean())))
+
+
+def _slow(values: Array, step_s: float, time_s: float) -> Array:
+    stay = float(np.exp(-step_s / time_s))
+    out: Array = lfilter([1.0 - stay], [1.0, -stay], values)
+    return out
+
+
+def _answer(last: Fit, force: Array) -> dict[str, Array]:
+    """What a force per mass on the first mode changes in each channel: q'' + 2 z w q' + w^2 q = f (bilinear)."""
+    world = last.world
+    h = world.measured.cycle_s
+    w = 2.0 * pi * last.value("modes.0.frequency_hz")
+    z = last.value("modes.0.damping_ratio")
+    k = 2.0 / h
+    a0, a1, a2 = k * k + 2 * z * w * k + w * w, 2 * (w * w - k * k), k * k - 2 * z * w * k + w * w
+    q = lfilter([1.0 / a0, 2.0 / a0, 1.0 / a0], [1.0, a1 / a0, a2 / a0], force)
+    v = np.gradient(q) / h
+    change: dict[str, Array] = {}
+    if "deflection" in world.channels:
+        change["deflection"] = q
+    if "acceleration" in world.channels:
+        change["acceleration"] = last.value("accelerometer.scale") * (force - 2 * z * w * v - w * w * q)
+    if "displacement" in world.channels:
+        instants = world.instants(last.vector)
+        change["displacement"] = -last.value("camera.scale_px_per_m") * np.interp(
+            instants, world.cycle_times, q
+        )
+    return change
+
+
+def _on_sensors(last: Fit) -> Iterator[Term]:
+    """Things added to one channel."""
+    world, motion = last.world, last.predicted.motion
+    theta, omega, alpha = motion.joint[:, 0], _unit(motion.joint[:, 1]), _unit(motion.joint[:, 2])
+    q, a = _unit(motion.q[:, 0]), _unit(motion.tip_acceleration)
+    t = world.cycle_times
+    length = max(world.measured.duration_s, 1e-3)
+    waves = min(_WAVES, max(2, int(length / _WAVE_S)))
+    for name in world.channels:
+        if name == "arrival":
+            continue
+        own = _unit(last.predicted.channels[name] - float(np.nanmean(last.predicted.channels[name])))
+        at = world.instants(last.vector) if name == "displacement" else t
+
+        def seen(values: Array, at: Array = at, name: str = name) -> Array:
+            return np.interp(at, t, values) if name == "displacement" else values
+
+        plain = {
+            "its own size": own * np.abs(own),
+            "its own square": own * own,
+            "its own cube": own**3,
+            "sign of itself": np.tanh(20.0 * own),
+            "joint velocity": seen(omega),
+            "joint velocity times its size": seen(omega * np.abs(omega)),
+            "sign of the joint velocity": seen(np.tanh(20.0 * omega)),
+            "joint position": seen(_unit(theta)),
+            "joint position squared": seen(_unit(theta) ** 2),
+            "joint acceleration": seen(alpha),
+            "deflection": seen(q),
+            "deflection squared": seen(q * q),
+            "tip acceleration": seen(a),
+            "time": at / length,
+            "time squared": (at / length) ** 2,
+        }
+        for turns in (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0):
+            plain[f"sine of {turns:g} times the joint's turn"] = seen(np.sin(turns * theta))
+            plain[f"cosine of {turns:g} times the joint's turn"] = seen(np.cos(turns * theta))
+        for m in range(1, waves + 1):
+            plain[f"a gain that wanders ({m})"] = own * np.cos(pi * m * at / length)
+            plain[f"a wander ({m})"] = np.cos(pi * m * at / length)
+        if name in ("displacement", "acceleration", "deflection"):
+            for lag in (0.01, 0.02, 0.04, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2, 0.25):
+                late = np.interp(at - lag, t, alpha)
+                plain[f"joint acceleration {lag * 1000:.0f} ms before"] = late
+        if name == "displacement":
+            pixels = last.predicted.channels[name]
+            for turns in (1.0, 2.0):
+                plain[f"sine of the place in the pixel ({turns:g})"] = np.sin(2 * pi * turns * pixels)
+                plain[f"cosine of the place in the pixel ({turns:g})"] = np.cos(2 * pi * turns * pixels)
+        for what, values in plain.items():
+            yield Term(what, name, {name: values - float(np.nanmean(values))})
