@@ -53,6 +53,7 @@ def one_line(capsys: pytest.CaptureFixture[str]) -> str:
         (["simulate", "--model", "MODEL", "-o", "MODEL/x.mcap"], "folder"),
         (["simulate", "--model", "COPY", "-o", "COPY"], "is no recording"),
         (["recover", "absent.mcap"], "absent.mcap"),
+        (["benchmark", "vision", "--duration-s", "3"], "loop, flood, soak"),
     ],
 )
 def test_a_mistake_is_one_line(
