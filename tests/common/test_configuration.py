@@ -6,6 +6,7 @@ import pytest
 
 from common.configuration import (
     default_configuration_path,
+    is_simulated_rig,
     load_assumed_model,
     load_configuration,
     load_true_model,
@@ -19,6 +20,13 @@ def test_the_default_configuration_loads_with_its_model() -> None:
     configuration = load_configuration(path)
     assert load_assumed_model(configuration, path).arm.length_m == 2.0
     assert load_true_model(configuration, path) == load_assumed_model(configuration, path)
+
+
+def test_only_the_simulated_rig_is_one() -> None:
+    """What decides whether a model must have been identified before it damps."""
+    path = default_configuration_path()
+    assert not is_simulated_rig(load_configuration(path))
+    assert is_simulated_rig(load_configuration(path.with_name("simulated_rig.toml")))
 
 
 def test_every_configuration_that_comes_with_the_program_loads() -> None:
