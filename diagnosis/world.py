@@ -158,6 +158,7 @@ class World:
             ("timing.step_s", 0.0, -10.0, 10.0, 1e-5),
             ("pair.gain", 1.0, -1e12, 1e12, 1e-3),
             ("pair.offset", 0.0, -1e9, 1e9, 1e-6),
+            ("pair.input_offset", 0.0, -1e9, 1e9, 1e-6),
         ):  # fmt: skip
             space.add(Quantity(name, start, low, high, step))
         return self._with_starts(space)
@@ -186,12 +187,14 @@ class World:
             w = 2 * pi * self.model.arm.modes[0].frequency_hz
             out = float(np.nanstd(measured.deflection))
             sets["pair.gain"] = (w * w * out / (float(np.std(measured.force)) or 1.0), np.inf)
-            sets["pair.offset"] = (float(np.nanmean(measured.deflection)), 100.0 * out)
+            sets["pair.offset"] = (float(np.nanmean(measured.deflection)), out)
+            sets["pair.input_offset"] = (0.0, float(np.std(measured.force)))
         for name, (start, std) in sets.items():
             at = space.place[name]
             old = space.quantities[at]
             step = old.step if name != "pair.gain" else 1e-4 * abs(start)
             step = step if name != "pair.offset" else 1e-4 * float(np.nanstd(measured.deflection))
+            step = step if name != "pair.input_offset" else 1e-4 * std
             space.quantities[at] = Quantity(name, start, old.low, old.high, step, std)
         return space
 
@@ -206,7 +209,7 @@ class World:
             for j in range(len(self._jump_cycles)):
                 names += [f"jump.{j}.{i}.q", f"jump.{j}.{i}.v"]
         if self.measured.pair:
-            return [*names, "pair.gain", "pair.offset"]
+            return [*names, "pair.gain", "pair.offset", "pair.input_offset"]
         if "joint_position" in has:
             names.append("start.theta")
         if "joint_velocity" in has or "joint_position" in has:
@@ -254,7 +257,7 @@ class World:
         joint, motor = np.empty((n, 3)), np.empty((n, 2))
         q, qdd = np.empty((n, m)), np.empty((n, m))
         run(
-            self._command, self._force, self.measured.cycle_s, self.substeps, constants, modes,
+            self._command, self._force + vector[at["pair.input_offset"]], self.measured.cycle_s, self.substeps, constants, modes,
             self._jump_cycles, jumps, joint, motor, q, qdd,
         )  # fmt: skip
         deflection = q.sum(axis=1)
