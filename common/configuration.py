@@ -133,7 +133,7 @@ class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     arm_at_start: whether the joint may move without an operator's `stillarm operate arm`.
     """
 
-    method: str = "correlation"
+    method: str = "fused"
     arm_at_start: bool = True
     schedule: str = ""
     reference_shaping: Literal["none", "zv", "zvd"] = "none"

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from math import cos, pi
 
 import msgspec
+import numpy as np
 import pytest
 
 from common.configuration import Controller as Settings
@@ -45,10 +46,14 @@ class Clock:
         return last + 1 + missed
 
 
+NOISE = [float(value) for value in np.random.default_rng(0).normal(0.0, 0.5, 4099)]  # m/s^2
+
+
 class Devices:
-    """A vibration seen by accelerometer and images, without noise; what was done is kept in order."""
+    """A vibration seen by a noisy accelerometer and by images; what was done is kept in order."""
 
     accelerometer_faults = 0
+    damping = True
     link_counts: dict[str, int]
 
     def __init__(self) -> None:
@@ -68,8 +73,8 @@ class Devices:
         if cycle % 15 == 0:
             seen = -800.0 * 0.006 * cos(W * (cycle - 74) * 0.001)
             samples.append(VisualSample(cycle // 15, max(0, cycle - 60), 0, seen, 0.0, 0.0, 0.0025, 0.0025))
-        acceleration = -W * W * 0.006 * cos(W * cycle * 0.001)
-        return CycleInput(cycle, acceleration, 0.0, 0.0, 0.001, 0.02, True, samples)
+        acceleration = -W * W * 0.006 * cos(W * cycle * 0.001) + NOISE[cycle % len(NOISE)]
+        return CycleInput(cycle, acceleration, 0.0, 0.0, 0.001, 0.02, self.damping, samples)
 
     def write(self, command_rad_s: float) -> None:
         if self.done is not None:
@@ -154,6 +159,7 @@ def test_no_allocation_survives_a_cycle(
     """
     devices, recorder, _ = parts
     devices.done = None
+    devices.damping = method != "fused"  # this arm does not answer to it, which fused notices after a while
     blocks = array("q", [0, 0, 0])
     looks = (settled, settled + 1005, settled + 7005)  # all right after an image
 
@@ -176,7 +182,9 @@ def test_no_allocation_survives_a_cycle(
 
 
 def test_no_traced_byte_survives_a_thousand_cycles(parts: tuple[Devices, RingRecorder, LoopBlock]) -> None:
-    """The same by tracemalloc, which sees the arrays as well: less than a float for each cycle, by far."""
+    """The same by tracemalloc, which sees the arrays as well: less than a float for each cycle, by far. With a method
+    whose memory is full soon.
+    """
     devices, recorder, _ = parts
     devices.done = None
     traced = array("q", [0, 0])
@@ -192,7 +200,7 @@ def test_no_traced_byte_survives_a_thousand_cycles(parts: tuple[Devices, RingRec
 
     gc.disable()
     try:
-        loop_of(parts).run(watch)
+        loop_of(parts, settings=Settings(method="correlation")).run(watch)
     finally:
         tracemalloc.stop()
         gc.enable()
