@@ -104,8 +104,7 @@ class LiveRig:
                 rows = decoder.decode(listener.recv(65536))
             except TimeoutError:
                 if time.monotonic() > heard + (_SILENT_S if started else 0.0):
-                    process.send_signal(signal.SIGTERM)
-                    process.wait(_STOP_S)
+                    _stop(process)
                     raise UserError(
                         f"commission: the controller fell silent and was stopped; see {log}"
                     ) from None
@@ -116,8 +115,7 @@ class LiveRig:
             now = rows[-1].get("time_s", 0.0) if rows else 0.0
             self._progress(name, float(now), scenario.duration_s)
             if watch.exceeded is not None or _said_error(log):
-                process.send_signal(signal.SIGTERM)
-                process.wait(_STOP_S)
+                _stop(process)
 
 
 def commissioning_configuration(
@@ -176,13 +174,19 @@ def _controller(words: list[str], log: Path) -> Iterator[subprocess.Popen[bytes]
     try:
         yield process
     finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGTERM)
-            try:
-                process.wait(_STOP_S)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+        _stop(process)
+
+
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    """Ask it to come to rest and end; where it does not, end it: the drive's own dead man then stops the joint."""
+    if process.poll() is not None:
+        return
+    process.send_signal(signal.SIGTERM)
+    try:
+        process.wait(_STOP_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def _refuse_fault(estimates: dict[str, Any]) -> None:

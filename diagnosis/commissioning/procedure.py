@@ -14,7 +14,7 @@ from diagnosis.calibrate import Calibration, calibrate
 from diagnosis.commissioning.expect import fitted_to
 from diagnosis.commissioning.plan import Limits, moves, probe, stages, within
 from diagnosis.commissioning.verdict import CommissioningVerdict, judge
-from diagnosis.commissioning.watch import Bounds, Growth, bounds_of, growth
+from diagnosis.commissioning.watch import Bounds, Growth, bounds_of, exceeded, growth
 from diagnosis.measured import Frames, Measured
 from diagnosis.start_values import Start, start_values
 
@@ -78,8 +78,9 @@ def commission(
     measured = record("moves", plan, bounds)
     if measured.duration_s < plan.duration_s - 1.0:
         raise UserError(
-            f"commission: the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s; the recording is "
-            "kept, the model is not made"
+            f"commission: the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s: "
+            f"{exceeded(measured, bounds) or 'the controller was stopped'}; lower --max-velocity-rad-s or "
+            "--max-angle-rad, or see to what was exceeded"
         )
     tell("fit: all parameters, by the simulation in free run")
     found = calibrate(measured, model, tick)

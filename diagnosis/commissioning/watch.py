@@ -85,20 +85,32 @@ class Growth:
 
 def growth(measured: Measured, plan: list[Stage], bounds: Bounds) -> Growth:
     """Judge a probe by its recording, whole or cut off where the watch ended it."""
-    watch = Watch(bounds)
-    frames = measured.frames
-    times = np.arange(measured.cycles) * measured.cycle_s
-    next_frame, safe, swing = 0, 0.0, 0.0
+    watch, safe, swing, seen = Watch(bounds), 0.0, 0.0, 0
     for stage in plan:
-        first, last = (round(t / measured.cycle_s) for t in (stage.start_s, stage.end_s))
-        begin = 0 if stage is plan[0] else first
-        for k in range(begin, min(last, measured.cycles)):
-            while next_frame < len(frames) and frames.received_s[next_frame] <= times[k]:
-                if isfinite(frames.displacement_px[next_frame]):
-                    watch.image(float(times[k]), float(frames.displacement_px[next_frame]))
-                next_frame += 1
-            watch.cycle(float(times[k]), float(measured.acceleration[k]), float(measured.position[k]))
+        last = round(stage.end_s / measured.cycle_s)
+        _replay(watch, measured, seen, min(last, measured.cycles))
+        seen = last
         if watch.exceeded is not None or last > measured.cycles:
-            return Growth(safe, watch.exceeded, swing)
+            break
         safe, swing = stage.velocity_rad_s, watch.swing_px
     return Growth(safe, watch.exceeded, swing)
+
+
+def exceeded(measured: Measured, bounds: Bounds) -> str | None:
+    """What a recording shows to have gone beyond the bounds, first."""
+    watch = Watch(bounds)
+    _replay(watch, measured, 0, measured.cycles)
+    return watch.exceeded
+
+
+def _replay(watch: Watch, measured: Measured, first: int, last: int) -> None:
+    """Cycles `first` to `last` - 1 of a recording, with the images that were read in them."""
+    frames, cycle_s = measured.frames, measured.cycle_s
+    at = int(np.searchsorted(frames.received_s, first * cycle_s - 0.5 * cycle_s))
+    for k in range(first, last):
+        now = k * cycle_s
+        while at < len(frames) and frames.received_s[at] < now + 0.5 * cycle_s:
+            if isfinite(frames.displacement_px[at]):
+                watch.image(now, float(frames.displacement_px[at]))
+            at += 1
+        watch.cycle(now, float(measured.acceleration[k]), float(measured.position[k]))

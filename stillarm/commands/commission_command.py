@@ -56,6 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     from common.model import check_model, length_of
     from common.output_folder import make_folder
     from diagnosis.commissioning.live import LiveRig
+    from diagnosis.commissioning.picture import draw
     from diagnosis.commissioning.plan import Limits, within
     from diagnosis.commissioning.procedure import commission
     from diagnosis.commissioning.verdict import marked
@@ -100,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_model(found, str(arguments.model_out))
     for key, (value, std) in done.found.parameters.items():
         print(f"  {key:<34} {value:>12.6g} +- {std:.2g}")
-    _draw(done, folder / "commissioning.png")
+    draw(done, folder / "commissioning.png")
     try:
         arguments.model_out.write_text(model_text(found))
     except OSError as error:
@@ -124,12 +125,6 @@ class _Guide:
         if name == "moves" and not self._asked and done_s > of_s - self._strike_s:
             self._asked = True
             print(f"strike the arm now, once or twice, within {self._strike_s:g} s", flush=True)
-
-
-def _draw(done: object, path: Path) -> None:
-    from diagnosis.commissioning.picture import draw
-
-    draw(done, path)  # type: ignore[arg-type]
 
 
 def _tell(line: str) -> None:

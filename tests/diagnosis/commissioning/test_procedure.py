@@ -8,15 +8,16 @@ import msgspec
 import numpy as np
 import pytest
 
-from benchmarks.commissioning import assumed_model, commission_virtually, draw_rig, truth_of
+from benchmarks.commissioning import assumed_model, commission_virtually, draw_rig, simulated, truth_of
 from common.model import Arm, Mode, Model
+from common.recording.reader import open_recording
 from common.scenario import Scenario
 from common.user_error import UserError
 from diagnosis.commissioning.plan import Limits
 from diagnosis.commissioning.procedure import commission, until
 from diagnosis.commissioning.verdict import marked
 from diagnosis.commissioning.watch import Bounds
-from diagnosis.measured import Frames, Measured
+from diagnosis.measured import Frames, Measured, read_measured
 
 LIMITS = Limits()
 RIGS = (100, 103, 111)
@@ -101,3 +102,19 @@ def test_the_beginning_of_a_recording() -> None:
     part = until(whole, 1.5)
     assert part.cycles == 1500 and part.duration_s == 1.5
     assert len(part.frames) == 100 and part.frames.received_s[-1] < 1.5
+
+
+def test_moves_that_are_cut_short_name_what_was_exceeded(tmp_path: Path) -> None:
+    """A rig that is well through the probe and shakes in the moves: no model."""
+    true = draw_rig(RIGS[0])
+
+    def record(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
+        if name == "probe":
+            path, _ = simulated(true, assumed_model(), scenario, 1, tmp_path / name)
+            return read_measured(open_recording(path), assumed_model())
+        measured = still(name, scenario, bounds)
+        measured.frames.displacement_px[300:] += 500.0
+        return until(measured, 5.0)
+
+    with pytest.raises(UserError, match=r"ended after 5 of \d+ s: the image has moved by 500 px"):
+        commission(record, assumed_model(), LIMITS)
