@@ -119,7 +119,11 @@ def examine_channel(last: Fit, name: str) -> ChannelResidual:
     spectrum = spectrum_of(values, step_of(world, name))
     dependences = dependences_of(white, variables(last, name), time)
     tests = _tests(last, name, white)
-    sentences = [_about_spectrum(spectrum), _about_dependences(dependences), *(one.sentence for one in tests)]
+    loud = [one.sentence for one in tests if one.correlation.significant]
+    quiet = [one.name for one in tests if not one.correlation.significant]
+    sentences = [_about_spectrum(spectrum), _about_dependences(dependences), *loud]
+    if quiet:
+        sentences.append(f"Within its band: {', '.join(quiet)}.")
     return ChannelResidual(name, UNITS[name], time, values, spectrum, dependences, tests, sentences)
 
 

@@ -1,5 +1,6 @@
 """The report's sections, each as HTML."""
 
+import re
 from html import escape
 from typing import Any
 
@@ -278,5 +279,10 @@ def use(result: Diagnosis) -> str:
 
 def what_next(result: Diagnosis) -> str:
     """What to do."""
-    steps = "".join(f"<li>{escape(one)}</li>" for one in next_steps(result))
+    steps = "".join(f"<li>{_marked(one)}</li>" for one in next_steps(result))
     return f"<section><h2>What to do next</h2><ol>{steps}</ol></section>"
+
+
+def _marked(text: str) -> str:
+    """Text with what stands in backticks as code."""
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", escape(text))

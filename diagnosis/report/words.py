@@ -47,7 +47,7 @@ def number(value: float, std: float | None = None) -> str:
     if std is None or not std > 0.0 or not isfinite(std):
         return f"{value:.4g}"
     digits = 1 - floor(log10(std))
-    if digits <= -3 or digits >= 7:
+    if digits <= -3 or digits >= 9:
         return f"{value:.4g} ± {std:.2g}"
     if digits <= 0:
         return f"{round(value, digits):.0f} ± {round(std, digits):.0f}"

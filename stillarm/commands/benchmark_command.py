@@ -19,6 +19,7 @@ DEFAULT_TRIALS = {
     "hardware": 2,
     "diagnosis": 200,
     "commission": 20,
+    "identification": 1,
     "loop": 60,
 }
 BENCHMARKS = tuple(DEFAULT_TRIALS)
@@ -53,6 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=seconds,
         metavar="S",
         help=f"measure for so long, instead of trials ({durations})",
+    )
+    parser.add_argument(
+        "--data", type=Path, metavar="DIR", help="identification: folder that holds silverbox/SNLS80mV.csv"
     )
     parser.add_argument("--methods", metavar="A,B", help="estimators: only these methods (all)")
     parser.add_argument(
@@ -145,6 +149,24 @@ def _diagnosis(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
         print(line)
     if arguments.resume is not None:
         print(arguments.resume / "confusion.png")
+    return result
+
+
+def _identification(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.identification import run_all
+
+    with progress_bar("benchmark identification") as progress:
+        result = run_all(arguments.data, progress)
+    if result["rows"]:
+        print_rows(result["rows"])
+    speed = result["simulation"]
+    print(
+        f"simulation of {speed['simulated_s']:.0f} s, two modes: {1e3 * speed['ours_s']:.1f} ms, "
+        f"{speed['times_real_time']:.0f} times real time; scipy's solve_ivp {speed['solve_ivp_s']:.1f} s, "
+        f"{speed['solve_ivp_times_real_time']:.1f} times; largest difference {speed['largest_difference']:.1e}"
+    )
+    if arguments.data is None:
+        print("--data FOLDER with silverbox/SNLS80mV.csv compares with PySINDy and SysIdentPy too")
     return result
 
 
@@ -267,6 +289,7 @@ _RUN: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
     "soak": _soak,
     "diagnosis": _diagnosis,
     "commission": _commission,
+    "identification": _identification,
     "hardware": _hardware,
 }
 

@@ -1,0 +1,288 @@
+"""Identification beside its peers, on the same data in one run: `stillarm benchmark identification`.
+
+PySINDy (sparse regression of x' on monomials of y, y', u), SysIdentPy (polynomial NARX by forward regression) and ours
+see the same input and output, and are judged by the same error: simulated in free run where none of them was fitted.
+And the simulation itself beside scipy's solve_ivp. The peers: pip install stillarm[peers].
+"""
+
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.mapped_data import import_mapped
+from common.model import Arm, Mode, Model
+from common.user_error import UserError
+from diagnosis.diagnose import diagnose
+from diagnosis.kernel import K, run
+
+Array = NDArray[np.float64]
+
+SILVERBOX_HZ = 1e7 / 2**14
+_GROWING = 40500  # samples: a noise of growing amplitude, held out
+_FITTED = 30000  # samples of multisines that follow it
+_DEGREE = 3
+_SINDY_THRESHOLDS = (0.0, 1e-4, 1e-3, 5e-3, 2e-2, 1e-1)  # of the speed's deviation
+_NARX = ((2, 8), (2, 14), (3, 14), (3, 24))  # lags, terms
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One input, one output; `train` and `test` are spans of samples."""
+
+    name: str
+    file: Path
+    columns: dict[str, str]
+    u: Array
+    y: Array
+    rate_hz: float
+    train: slice
+    test: slice
+
+
+def silverbox(folder: Path) -> Pair | None:
+    """The electronic Duffing oscillator of Wigren and Schoukens (2013); None where the data are absent."""
+    file = folder / "silverbox" / "SNLS80mV.csv"
+    if not file.is_file():
+        return None
+    data = np.genfromtxt(file, delimiter=",", skip_header=1, usecols=(0, 1))[: _GROWING + _FITTED]
+    train = slice(_GROWING, _GROWING + _FITTED)
+    columns = {"input": "V1", "output": "V2"}
+    return Pair("Silverbox", file, columns, data[:, 0], data[:, 1], SILVERBOX_HZ, train, slice(0, _GROWING))
+
+
+def compare(pair: Pair) -> list[dict[str, Any]]:
+    """A row for each method: what it returned, its held-out error in free run, and what it took."""
+    rows = []
+    for name, method in (("stillarm", _ours), ("PySINDy", _pysindy), ("SysIdentPy", _sysidentpy)):
+        began, spent = time.perf_counter(), time.process_time()
+        try:
+            shown, returned = method(pair)
+        except ImportError as error:
+            rows.append(
+                _row(pair, name, None, f"not installed ({error.name}): pip install stillarm[peers]", 0.0, 0.0)
+            )
+            continue
+        rows.append(
+            _row(pair, name, shown, returned, time.perf_counter() - began, time.process_time() - spent)
+        )
+    return rows
+
+
+def _row(
+    pair: Pair, method: str, shown: Array | None, returned: str, seconds: float, cpu: float
+) -> dict[str, Any]:
+    """shown: simulated output over the test span; not finite where the model ran away."""
+    row: dict[str, Any] = {"data": pair.name, "method": method, "error_rms": None, "nrmse": None}
+    if shown is not None:
+        y = pair.y[pair.test]
+        error = shown - y
+        stayed = bool(np.isfinite(error).all()) and float(np.max(np.abs(error))) < 1e3 * float(np.std(y))
+        if stayed:
+            row["error_rms"] = float(np.sqrt(np.mean(error**2)))
+            row["nrmse"] = row["error_rms"] / float(np.std(y))
+        else:
+            returned += " (free run diverges)"
+    return row | {"seconds": seconds, "cpu_s": cpu, "returned": returned}
+
+
+def _ours(pair: Pair) -> tuple[Array, str]:
+    with tempfile.TemporaryDirectory() as folder:
+        recording = Path(folder) / "pair.mcap"
+        rows = np.column_stack((pair.u, pair.y))
+        data = Path(folder) / "pair.csv"
+        np.savetxt(data, rows, delimiter=",", header="input,output", comments="", fmt="%.9g")
+        import_mapped(data, {"input": "input", "output": "output"}, pair.rate_hz, recording)
+        span = (pair.test.start / pair.rate_hz, pair.test.stop / pair.rate_hz)
+        model = Model(arm=Arm(modes=[Mode(frequency_hz=_peak_hz(pair))]))
+        found = diagnose(recording, model, hold_out=[span])
+    said = []
+    for one in found.table["findings"]:
+        values = ", ".join(
+            f"{name} = {value['value']:.4g} +- {value['std']:.2g}"
+            for name, value in one["parameters"].items()
+        )
+        said.append(f"{one['cause']} ({values})")
+    text = f"{found.table['verdict']}: {'; '.join(said) or 'no cause'}"
+    return found.found.final.predicted.channels["deflection"][pair.test], text
+
+
+def _peak_hz(pair: Pair) -> float:
+    """Where the output is largest beside the input, over the training span: the resonance, as a user would read it."""
+    from scipy.signal import welch
+
+    hz, out = welch(pair.y[pair.train], pair.rate_hz, nperseg=4096)
+    _, into = welch(pair.u[pair.train], pair.rate_hz, nperseg=4096)
+    driven = into > 0.1 * np.max(into)
+    return float(hz[np.argmax(np.where(driven, out / np.maximum(into, 1e-300), 0.0))])
+
+
+def _pysindy(pair: Pair) -> tuple[Array, str]:
+    """Its threshold is the one whose free run is best over the last tenth of the training span."""
+    import pysindy as ps
+    from scipy.interpolate import CubicSpline
+
+    dt = 1.0 / pair.rate_hz
+    scale_y, scale_u = float(np.std(pair.y)), float(np.std(pair.u))
+    y, u = pair.y / scale_y, pair.u / scale_u
+    spline = CubicSpline(np.arange(len(y)) * dt, y)
+    velocity, acceleration = spline(spline.x, 1), spline(spline.x, 2)
+    rate = float(np.std(velocity))
+    x, x_dot = np.column_stack((y, velocity / rate)), np.column_stack((velocity, acceleration / rate))
+    train, check = _tenth_off(pair.train)
+    best: tuple[float, Array, int] | None = None
+    powers = np.empty(0)
+    for share in _SINDY_THRESHOLDS:
+        library = ps.PolynomialLibrary(degree=_DEGREE)
+        model = ps.SINDy(optimizer=ps.STLSQ(threshold=share * rate), feature_library=library)
+        model.fit(x[train], t=dt, x_dot=x_dot[train], u=u[train][:, None])
+        weights, powers = np.asarray(model.coefficients()), np.asarray(library.powers_)
+        error = _miss(_free_run(weights, powers, u[check], x[check][0], dt), y[check])
+        if best is None or error < best[0]:
+            best = (error, weights, int(np.count_nonzero(weights)))
+    assert best is not None
+    shown = _free_run(best[1], powers, u[pair.test], x[pair.test][0], dt)
+    return shown * scale_y, f"{best[2]} terms without names in y, y', u"
+
+
+def _tenth_off(span: slice) -> tuple[slice, slice]:
+    """A span without its last tenth, and that tenth."""
+    cut = span.stop - (span.stop - span.start) // 10
+    return slice(span.start, cut), slice(cut, span.stop)
+
+
+def _miss(shown: Array, y: Array) -> float:
+    """Mean square error; infinite for a run that ran away."""
+    error = float(np.mean((shown - y) ** 2))
+    return error if np.isfinite(error) else float("inf")
+
+
+def _free_run(weights: Array, powers: Array, u: Array, state: Array, dt: float) -> Array:
+    """x' = weights (monomials of x and u) by Runge and Kutta's fourth order, the input interpolated."""
+
+    def slope(x: Array, force: float) -> Array:
+        found: Array = weights @ np.prod(np.array([x[0], x[1], force]) ** powers, axis=1)
+        return found
+
+    shown = np.full(len(u), np.nan)
+    with np.errstate(all="ignore"):
+        for k in range(len(u)):
+            shown[k] = state[0]
+            if not np.all(np.abs(state) < 1e3):
+                break
+            now, then = u[k], u[min(k + 1, len(u) - 1)]
+            a = slope(state, now)
+            b = slope(state + 0.5 * dt * a, 0.5 * (now + then))
+            c = slope(state + 0.5 * dt * b, 0.5 * (now + then))
+            d = slope(state + dt * c, then)
+            state = state + dt / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    return shown
+
+
+def _sysidentpy(pair: Pair) -> tuple[Array, str]:
+    """Its lags and number of terms are those whose free run is best over the last tenth of the training span."""
+    from sysidentpy.basis_function import Polynomial
+    from sysidentpy.model_structure_selection import FROLS
+
+    u, y = pair.u[:, None], pair.y[:, None]
+    train, check = _tenth_off(pair.train)
+    best: tuple[float, Any, str] | None = None
+    for lags, terms in _NARX:
+        model = FROLS(
+            order_selection=False,
+            n_terms=terms,
+            ylag=lags,
+            xlag=lags,
+            basis_function=Polynomial(degree=_DEGREE),
+        )
+        model.fit(X=u[train], y=y[train])
+        error = _miss(np.asarray(model.predict(X=u[check], y=y[check])).ravel(), pair.y[check])
+        if best is None or error < best[0]:
+            best = (error, model, f"{terms} terms without names in {lags} past y and u")
+    assert best is not None
+    return np.asarray(best[1].predict(X=u[pair.test], y=y[pair.test])).ravel(), best[2]
+
+
+def simulation_speed() -> dict[str, float]:
+    """60 s at 1 kHz with two modes: ours against the time simulated, and solve_ivp on a tenth of it."""
+    from scipy.integrate import solve_ivp
+
+    n, dt, length = 60_000, 0.001, 2.0
+    modes = np.array([[2.6, 0.01, 1.14], [16.0, 0.01, -0.2]])
+    command = np.repeat(0.2 * np.random.default_rng(1).standard_normal(n // 500), 500)
+    constants = np.zeros(K.SIZE)
+    for place, value in (
+        (K.LENGTH, length), (K.RATE, 2 * pi * 20.0), (K.MAX_VELOCITY, 1e9), (K.MAX_ACCELERATION, 1e9),
+        (K.LOWEST, -1e9), (K.HIGHEST, 1e9), (K.ONSET_S, 1e9), (K.RATIO, 1.0),
+    ):  # fmt: skip
+        constants[place] = value
+    joint, motor = np.empty((n, 3)), np.empty((n, 2))
+    q, qdd = np.empty((n, 2)), np.empty((n, 2))
+    first, none = np.zeros(1, np.int64), np.empty(0)
+
+    def once() -> None:
+        run(command, none, dt, 1, constants, modes, first, np.zeros((1, 2, 2)), joint, motor, q, qdd)
+
+    once()
+    ours = min(_timed(once) for _ in range(5))
+    w, zeta, push = 2 * pi * modes[:, 0], modes[:, 1], modes[:, 2] * length
+
+    def slope(t: float, x: Array) -> Array:
+        alpha = 2 * pi * 20.0 * (command[min(int(t / dt + 1e-9), n - 1)] - x[0])
+        return np.array(
+            [alpha, x[2], -w[0] ** 2 * x[1] - 2 * zeta[0] * w[0] * x[2] - push[0] * alpha,
+             x[4], -w[1] ** 2 * x[3] - 2 * zeta[1] * w[1] * x[4] - push[1] * alpha]
+        )  # fmt: skip
+
+    part = n // 10
+    results: list[Any] = []
+
+    def theirs() -> None:
+        results.append(
+            solve_ivp(
+                slope,
+                (0.0, part * dt),
+                np.zeros(5),
+                rtol=1e-6,
+                atol=1e-9,
+                max_step=0.005,
+                t_eval=np.arange(part) * dt,
+            )
+        )
+
+    scipy_s = 10.0 * _timed(theirs)
+    apart = float(np.max(np.abs(results[-1].y[1] - q[:part, 0])) / np.max(np.abs(q[:part, 0])))
+    return {
+        "simulated_s": n * dt,
+        "ours_s": ours,
+        "times_real_time": n * dt / ours,
+        "solve_ivp_s": scipy_s,
+        "solve_ivp_times_real_time": n * dt / scipy_s,
+        "largest_difference": apart,
+    }
+
+
+def _timed(what: Callable[[], None]) -> float:
+    began = time.perf_counter()
+    what()
+    return time.perf_counter() - began
+
+
+def run_all(data: Path | None, progress: Callable[[float], None] = lambda done: None) -> dict[str, Any]:
+    """The result file: rows of the comparison, and the simulation's speed. data: folder of the measured data."""
+    speed = simulation_speed()
+    progress(0.1)
+    pair = silverbox(data) if data is not None else None
+    if data is not None and pair is None:
+        raise UserError(
+            f"--data {data}: holds no silverbox/SNLS80mV.csv; leave --data out to measure the speed alone"
+        )
+    rows = compare(pair) if pair is not None else []
+    progress(1.0)
+    return {"rows": rows, "simulation": speed}

@@ -1,0 +1,40 @@
+"""On a recording that `simulate` makes, the cause is named, first, and its parameters lie within ten per cent.
+
+One cause and none are asked of every run; STILLARM_ALL_CAUSES=1 asks all, for half an hour.
+"""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from diagnosis.diagnose import Diagnosis, diagnose
+from tests.diagnosis.simulated import SIZES, effect, record
+
+ALWAYS = ("quadratic_damping",)
+ALL = bool(os.environ.get("STILLARM_ALL_CAUSES"))
+
+
+def told(result: Diagnosis) -> list[str]:
+    """Causes, in the order in which they were found."""
+    return [one["cause"] for one in result.table["findings"]]
+
+
+@pytest.mark.parametrize("cause", sorted(SIZES) if ALL else ALWAYS)
+def test_the_cause_is_named_and_measured(cause: str, tmp_path: Path) -> None:
+    result = diagnose(record(tmp_path, effect(cause)))
+    assert told(result) == [cause]
+    assert result.table["verdict"] == "named"
+    parameters = result.table["findings"][0]["parameters"]
+    for name, true in SIZES[cause].items():
+        if name in parameters:
+            assert parameters[name]["value"] == pytest.approx(true, rel=0.1)
+    written = next(one for one in result.extended.effects if one["cause"] == cause)
+    assert set(SIZES[cause]) <= set(written)
+
+
+def test_nothing_is_named_where_nothing_is_wrong(tmp_path: Path) -> None:
+    result = diagnose(record(tmp_path))
+    assert result.table["verdict"] == "none"
+    assert told(result) == []
+    assert len(result.table["events"]) == 3
