@@ -131,7 +131,7 @@ def test_extended_models_load_and_run(tmp_path: Path) -> None:
             """And keeps nothing."""
 
     for cause in sorted(CATALOGUE):
-        model = msgspec.structs.replace(RIG_MODEL, effects=[_extended(cause)])  # type: ignore[list-item]
+        model = msgspec.structs.replace(RIG_MODEL, effects=[_extended(cause)])
         path = tmp_path / f"{cause}.toml"
         path.write_text(model_text(model))
         loaded = load_model(path)

@@ -71,14 +71,16 @@ class Rig:
         return theta, omega, q
 
 
-def simulated(blows: dict[int, tuple[float, float]] | None = None, **values: float) -> tuple[Array, ...]:
+def simulated(
+    values: dict[str, float] | None = None, blows: dict[int, tuple[float, float]] | None = None
+) -> tuple[Array, ...]:
     """theta, omega, alpha and motor theta of the kernel, its modes, and q''; constants by name."""
     constants = np.zeros(K.SIZE)
     usual = {
         "LENGTH": LENGTH, "RATE": 2.0 * pi * 20.0, "DEAD_S": 0.0023, "MAX_VELOCITY": 1e9, "MAX_ACCELERATION": 1e3,
         "LOWEST": -10.0, "HIGHEST": 10.0, "ONSET_S": 1e9, "RATIO": 1.0,
     }  # fmt: skip
-    for name, value in (usual | values).items():
+    for name, value in (usual | (values or {})).items():
         constants[K[name]] = value
     cycles = np.array([0, *sorted(blows or {})], dtype=np.int64)
     jumps = np.zeros((len(cycles), 2, 2))
@@ -114,7 +116,7 @@ def test_accelerations_are_those_of_the_motion() -> None:
 def test_acceleration_of_the_joint_is_limited() -> None:
     """The limit ends within a cycle, where the kernel has it end with one."""
     _, omega, q = Rig(most_rad_s2=2.0).integrate()
-    found = simulated(MAX_ACCELERATION=2.0)
+    found = simulated({"MAX_ACCELERATION": 2.0})
     assert off(found[1], omega) < 2e-3
     assert off(found[4], q) < 2e-3
 
@@ -131,7 +133,7 @@ def test_what_the_drive_makes_of_its_command(
     values: dict[str, float], obeys: Callable[[float], float]
 ) -> None:
     theta, _, q = Rig(obeys=obeys).integrate()
-    found = simulated(**values)
+    found = simulated(values)
     assert off(found[0], theta) < 1e-6
     assert off(found[4], q) < 1e-6
 
@@ -154,7 +156,7 @@ def test_forces_on_the_first_mode(
 ) -> None:
     _, _, q = Rig(first_mode=force).integrate()
     plain = simulated()[4]
-    found = simulated(**values)[4]
+    found = simulated(values)[4]
     assert off(found[:, 0], q[:, 0]) < most
     assert off(plain[:, 0], q[:, 0]) > 30.0 * off(found[:, 0], q[:, 0])  # the force does something
 
@@ -163,7 +165,7 @@ def test_forces_on_the_first_mode(
     strict=True, reason="half a step's kick holds half the force: the arm creeps at w^2 q dt / 2"
 )
 def test_dry_friction_brings_the_arm_to_rest_and_holds_it() -> None:
-    *_, q, _ = simulated(COULOMB=8.0)
+    *_, q, _ = simulated({"COULOMB": 8.0})
     assert np.ptp(q[150:195, 0]) < 1e-3 * abs(q[0, 0])  # before the joint moves
 
 
@@ -176,18 +178,18 @@ def test_dry_friction_brings_the_arm_to_rest_and_holds_it() -> None:
 )
 def test_frequencies_that_change(values: dict[str, float], scale: Callable[[float], float]) -> None:
     _, _, q = Rig(scale=scale).integrate()
-    assert off(simulated(**values)[4], q) < 1e-3
+    assert off(simulated(values)[4], q) < 1e-3
 
 
 def test_a_blow_adds_to_the_state_at_its_cycle() -> None:
     blows = {1500: (0.001, -0.4)}
     _, _, q = Rig(blows=blows).integrate()
-    assert off(simulated(blows)[4], q) < 1e-6
+    assert off(simulated(blows=blows)[4], q) < 1e-6
 
 
 def test_play_stands_between_motor_and_joint() -> None:
     gap = 0.01
-    theta, _, _, motor, _, _ = simulated(GAP=gap)
+    theta, _, _, motor, _, _ = simulated({"GAP": gap})
     wanted = np.empty(CYCLES)
     at = 0.0
     for k in range(CYCLES):
@@ -198,6 +200,6 @@ def test_play_stands_between_motor_and_joint() -> None:
 
 
 def test_the_joint_stops_at_the_end_of_its_range() -> None:
-    theta, omega, *_ = simulated(HIGHEST=0.1)
+    theta, omega, *_ = simulated({"HIGHEST": 0.1})
     assert theta.max() == pytest.approx(0.1)
     assert np.all(omega[1200:1300] == 0.0)

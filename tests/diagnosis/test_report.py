@@ -5,6 +5,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
+from matplotlib.axes import Axes
 
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.catalogue import CAUSES
@@ -98,7 +99,10 @@ def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Diagnosis) -> 
 
 
 def test_figures_take_the_pages_colours() -> None:
-    text = svg([lambda axes: axes.plot([0, 1], [1, 0], color="#040404")], "a line")  # type: ignore[arg-type, return-value]
+    def draw(axes: Axes) -> None:
+        axes.plot([0, 1], [1, 0], color="#040404")
+
+    text = svg([draw], "a line")
     assert "var(--after)" in text
     assert "#04" not in text
 

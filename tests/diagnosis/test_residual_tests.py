@@ -68,7 +68,7 @@ def test_missing_samples_do_not_count() -> None:
 
 def test_a_residual_follows_what_it_was_made_from_and_nothing_else() -> None:
     random = np.random.default_rng(10)
-    time = np.arange(8000) * 0.001
+    time: Array = np.arange(8000, dtype=np.float64) * 0.001
     variables = {name: (coloured(random, 8000, 0.98), "m") for name in ("a", "b", "c", "d")}
     noise = coloured(random, 8000, 0.5)
     alarms = 0
