@@ -21,6 +21,8 @@ _MOST_TERMS = 6
 _WAVES = 12
 _WAVE_S = 1.5
 _CLIP = 8.0
+_MOUNT_HZ = tuple(float(hz) for hz in np.geomspace(3.0, 40.0, 20))
+_MOUNT_DAMPING = 0.06
 
 
 @dataclass(frozen=True)
@@ -207,6 +209,13 @@ def _answer(last: Fit, force: Array) -> dict[str, Array]:
     return change
 
 
+def _rings(shaken: Array, step_s: float, hz: float) -> dict[str, Array]:
+    """Displacement and rate, each over its largest, of a lightly damped mount that is shaken."""
+    pole = np.exp((-_MOUNT_DAMPING + 1j) * 2.0 * pi * hz * step_s)
+    turn = lfilter([1.0], [1.0, -pole], shaken)
+    return {"in phase": _unit(turn.real.copy()), "across": _unit(turn.imag.copy())}
+
+
 def _on_sensors(last: Fit) -> Iterator[Term]:
     """Things added to one channel."""
     world, motion = last.world, last.predicted.motion
@@ -252,6 +261,13 @@ def _on_sensors(last: Fit) -> Iterator[Term]:
                 late = np.interp(at - lag, t, alpha)
                 plain[f"joint acceleration {lag * 1000:.0f} ms before"] = late
         if name == "displacement":
+            for hz in _MOUNT_HZ:
+                for what, values in _rings(alpha, world.measured.cycle_s, hz).items():
+                    plain[f"a mount of {hz:.3g} Hz, shaken by the joint's acceleration ({what})"] = seen(
+                        values
+                    )
+                for what, values in _rings(a, world.measured.cycle_s, hz).items():
+                    plain[f"a mount of {hz:.3g} Hz, shaken by the tip's acceleration ({what})"] = seen(values)
             pixels = last.predicted.channels[name]
             for turns in (1.0, 2.0):
                 plain[f"sine of the place in the pixel ({turns:g})"] = np.sin(2 * pi * turns * pixels)

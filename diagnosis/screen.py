@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 _DRAWS = 48
 _SEED = 20240229
 _PEAKS = 6
+_LEAST_PERIODS = 3.0
 _EULER = 0.5772156649
 
 
@@ -128,7 +129,7 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
         length = 4 * len(residual)
         power = np.abs(np.fft.rfft((residual - residual.mean()) * np.hanning(len(residual)), n=length)) ** 2
         hz = np.fft.rfftfreq(length, step)
-        power[hz < 0.1] = 0.0
+        power[hz < max(0.1, _LEAST_PERIODS / world.measured.duration_s)] = 0.0
         # against the level around each line, so that a slope of the spectrum is no peak
         width = max(length // 200, 8)
         level = np.convolve(power, np.ones(2 * width + 1) / (2 * width + 1), "same")

@@ -110,8 +110,9 @@ def search(
         taken[stage.taken.cause] = stage.taken
         found.findings.append(stage.taken)
         if stage.taken.law is None:
-            free = (*free, *stage.taken.free)
-            found.final = pruned(stage.taken.fit, split, free)
+            found.final = pruned(stage.taken.fit, split, (*free, *stage.taken.free))
+            usual = set(found.final.world.baseline_names())
+            free = tuple(name for name in found.final.free if name not in usual)
     _drop_needless(found, split)
     return found
 
@@ -405,6 +406,7 @@ def _drop_needless(found: Found, split: Split) -> None:
             world = found.final.world
             start = found.final.vector.copy()
             neutral = world.space.vector()
+            rest = tuple(name for name in rest if name in world.space.place)
             for name in cause.free(world):
                 start[world.space.place[name]] = neutral[world.space.place[name]]
             if cause.id == "second_bending_mode":

@@ -49,6 +49,8 @@ def judge(found: Found, split: Split) -> Judged:
     lead = _lead(named[0], first, split) if named else 0.0
     if lead > 0.0 and left is None:
         left = _unnamed(first)
+    if named and left is None and _too_many(found, named[0]):
+        left = first.worst or _unnamed(first)
     verdict = "unexplained" if left is not None else ("named" if found.findings else "none")
     left_nats = left.nats if left is not None and left is worst else 0.0
     return Judged(verdict, first.channels, last.channels, left, lead, left_nats)
@@ -68,9 +70,15 @@ def _lead(one: Candidate, first: Remains, split: Split) -> float:
     return lead if lead > _LEAD_NATS + 0.01 * named else 0.0
 
 
+def _too_many(found: Found, one: Candidate) -> bool:
+    """Whether the first finding is one of three or more that the data cannot tell apart: no name is known then."""
+    stage = next(stage for stage in found.stages if stage.taken is one)
+    return len(inseparable(stage)) > 1
+
+
 def _unnamed(first: Remains) -> Structure:
     """The channel of the term without a name, as a structure that is left."""
-    shown = [one for one in first.channels.values() if one.dependence == first.terms.names[0]]
+    shown = [one for one in first.channels.values() if one.dependence in first.terms.names[:1]]
     return shown[0] if shown else max(first.channels.values(), key=lambda one: one.nats)
 
 
