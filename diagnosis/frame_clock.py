@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.model import Model
+from diagnosis.lost_frames import lost_before
 from diagnosis.measured import Frames
 
 Array = NDArray[np.float64]
 
-_WINDOW = 25  # frames on each side of a suspected loss
-_FOR_GOOD = 130  # frames: a burst of late frames is over by then
 _LARGEST_STEP = 200  # frames: a counter that jumps further was reset
 
 
@@ -69,22 +68,7 @@ def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
     passed = np.diff(received) / period_s
     bad = (step < 1) | (step > _LARGEST_STEP) | (step > 4 * passed + 20)
     step = np.where(bad, np.maximum(1, np.rint(passed)).astype(np.int64), step)
+    if not np.any(step[~bad] > 1):  # nowhere does it skip: it may count arrivals
+        step = step + lost_before(received, step, period_s)[1:]
     counts: NDArray[np.int64] = np.concatenate(([0], np.cumsum(step))) + counter[0]
-    # a counter of arrivals: behind a gap all later frames are late by whole periods for good
-    for i in np.flatnonzero(passed - step > 0.7):
-        late = received - counts * period_s
-        before = late[max(0, i + 1 - _WINDOW) : i + 1]
-        after = late[i + 1 : i + 1 + _FOR_GOOD]
-        if len(before) < 3 or len(after) < 3:
-            continue
-        missing = int(np.rint((_least_level(after) - np.median(before)) / period_s))
-        direct = int(np.rint(passed[i] - step[i]))
-        if missing >= 1 and abs(missing - direct) <= 1:
-            counts[i + 1 :] += missing
     return counts
-
-
-def _least_level(late: Array) -> float:
-    """Least median of a window: frames lost meanwhile only add to the lateness, a burst of late ones ends."""
-    starts = range(0, max(len(late) - _WINDOW, 0) + 1, _WINDOW // 2)
-    return min(float(np.median(late[start : start + _WINDOW])) for start in starts)
