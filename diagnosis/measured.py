@@ -21,6 +21,7 @@ class Frames:
     """Visual samples, in the order in which they were read; times in s from the start of the fast data.
 
     counter: as recorded. displacement_px: NaN where not measured. captured_s: camera's stamp or NaN.
+    asked: captured_s is no stamp, but when a triggered exposure was asked for (started_s).
     """
 
     counter: NDArray[np.int64]
@@ -28,6 +29,7 @@ class Frames:
     started_s: Array
     displacement_px: Array
     captured_s: Array
+    asked: bool = False
 
     def __len__(self) -> int:
         return len(self.received_s)
@@ -134,6 +136,12 @@ def read_measured(recording: Recording, model: Model) -> Measured:
     )
 
 
+def dated_by_requests(measured: Measured) -> Measured:
+    """The same data with each triggered frame dated by when it was asked for."""
+    frames = measured.frames
+    return replace(measured, frames=replace(frames, captured_s=frames.started_s, asked=True))
+
+
 def reclocked(measured: Measured, gap: ClockGap) -> Measured:
     """The same data if the gap is no loss of rows but a clock that stepped on by gap.extra_s."""
     shift = round(gap.extra_s / measured.cycle_s)
@@ -144,6 +152,8 @@ def reclocked(measured: Measured, gap: ClockGap) -> Measured:
     late = np.where(frames.received_s >= at - 0.5 * measured.cycle_s, shift * measured.cycle_s, 0.0)
     begun = np.where(frames.started_s >= at - 0.5 * measured.cycle_s, shift * measured.cycle_s, 0.0)
     moved = replace(frames, received_s=frames.received_s - late, started_s=frames.started_s - begun)
+    if frames.asked:
+        moved = replace(moved, captured_s=moved.started_s)
     others = tuple(
         ClockGap(one.cycle - (shift if one.cycle > gap.cycle else 0), one.extra_s)
         for one in measured.gaps

@@ -326,6 +326,9 @@ class World:
         else:
             skew = 1.0 + 1e-6 * vector[at["timing.skew_ppm"]]
             instants = clock.grid_s * skew + vector[at["timing.arrival_s"]] - delay
+            if frames.asked:  # requests carry the time that stepped
+                stepped = frames.received_s >= vector[at["timing.step_onset_s"]]
+                instants = instants - np.where(stepped, vector[at["timing.step_s"]], 0.0)
         frames_late = vector[at["timing.stale_frames"]]
         if frames_late:
             period = 1.0 / self.model.camera.frame_rate_hz
@@ -340,6 +343,8 @@ class World:
         middle = 0.5 * self.measured.duration_s
         due = clock.grid_s * skew + vector[at["timing.arrival_s"]]
         due = due + vector[at["timing.delay_rate"]] * (frames.received_s - middle)
+        if frames.asked:  # requests and arrivals step together
+            return np.asarray(due)
         stepped = frames.received_s >= vector[at["timing.step_onset_s"]]
         known: Array = due + np.where(stepped, vector[at["timing.step_s"]], 0.0)
         return known

@@ -60,3 +60,16 @@ def test_a_triggered_camera_has_its_stamps_for_a_grid_or_else_its_arrivals() -> 
     assert np.diff(stamped.grid_s) == pytest.approx(np.full(199, 1.0 / RATE))
     bare = frame_clock(frames(exposed, exposed), model)
     assert bare.arrival
+
+
+def test_a_triggered_camera_can_be_dated_by_when_each_frame_was_asked_for() -> None:
+    model = msgspec.structs.replace(MODEL, camera=msgspec.structs.replace(MODEL.camera, mode="triggered"))
+    exposed = np.arange(200)
+    bare = frames(exposed, exposed)
+    asked = Frames(
+        bare.counter, bare.received_s, exposed / RATE, bare.displacement_px, exposed / RATE, asked=True
+    )
+    clock = frame_clock(asked, model)
+    assert not clock.arrival
+    assert not clock.counted
+    assert np.diff(clock.grid_s) == pytest.approx(np.full(199, 1.0 / RATE))
