@@ -55,13 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     from common.configuration import load_assumed_model, load_configuration
     from common.model import check_model, length_of
     from common.output_folder import make_folder
-    from diagnosis.commissioning.live import LiveRig
-    from diagnosis.commissioning.picture import draw
     from diagnosis.commissioning.plan import Limits, within
-    from diagnosis.commissioning.procedure import commission
-    from diagnosis.commissioning.verdict import marked
-    from diagnosis.diagnose import model_text
-    from stillarm.progress import progress_bar
 
     configuration = load_configuration(arguments.config)
     model = load_assumed_model(configuration, arguments.config)
@@ -78,6 +72,14 @@ def run(arguments: argparse.Namespace) -> int:
         f"about a minute and a half. Ctrl-C stops it, and so does `stillarm operate stop --config {arguments.config}`.",
         arguments.yes,
     )
+    # only now what takes seconds to import: the question is to come at once
+    from diagnosis.commissioning.live import LiveRig
+    from diagnosis.commissioning.picture import draw
+    from diagnosis.commissioning.procedure import commission
+    from diagnosis.commissioning.verdict import marked
+    from diagnosis.diagnose import model_text
+    from stillarm.progress import progress_bar
+
     with progress_bar("commission") as progress:
         rig = LiveRig(
             arguments.config,
