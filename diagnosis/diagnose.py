@@ -20,6 +20,7 @@ from diagnosis.impacts import fit_with_impacts
 from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.measured import ClockGap, Measured, dated_by_requests, read_measured, reclocked
 from diagnosis.noise import DoubtColour, log_likelihood
+from diagnosis.pair_start import with_resonance_of
 from diagnosis.search import Found, search
 from diagnosis.split import interleaved, stated
 from diagnosis.verdict import Judged
@@ -29,6 +30,7 @@ Tick = Callable[[float, str], None]
 
 _RECLOCKED_NATS = 10.0
 _MOST_GAPS = 3
+_ASIDE_S = 0.4
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,12 @@ def diagnose(
 ) -> Diagnosis:
     """Diagnose one recording. Raises UserError where it holds too little."""
     recording = open_recording(path)
+    given = model is not None or bool(recording.header.model.strip())
     model = model or model_of(recording)
     tick(0.02, "reading")
     measured = read_measured(recording, model)
+    if measured.pair and not given:
+        model = with_resonance_of(measured, model)
     if measured.duration_s < 3.0 and not measured.pair:
         raise UserError(
             f"{path}: {measured.duration_s:.1f} s are too short for a diagnosis; record 20 s or more"
@@ -143,6 +148,8 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
         if gap is None:
             break
         tried.add(gap.extra_s)
+        if _frames_go_on(baseline.world, gap):
+            continue
         other = fit_with_impacts(World(reclocked(measured, gap), baseline.world.model), split)
         gains = other.held_nats - baseline.held_nats
         gained = other.train_nats - baseline.train_nats + float(gains.sum())
@@ -150,6 +157,20 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
             steps.append(forward_step(gap, measured, gains, gained))
             baseline = other
     return baseline, as_one(steps)
+
+
+def _frames_go_on(world: World, gap: ClockGap) -> bool:
+    """Whether frames of a freerunning camera arrive across a gap as if the time in it had truly passed."""
+    if not world.frame_clock.counted:
+        return False
+    received = world.measured.frames.received_s
+    late = received - world.frame_clock.grid_s
+    at = gap.cycle * world.measured.cycle_s
+    before = late[(received > at - gap.extra_s - _ASIDE_S) & (received < at - gap.extra_s)]
+    after = late[(received >= at) & (received < at + _ASIDE_S)]
+    if min(len(before), len(after)) < 4:
+        return False
+    return abs(float(np.median(after) - np.median(before)) - gap.extra_s) > 0.5 * gap.extra_s
 
 
 def _length(gap: ClockGap) -> float:

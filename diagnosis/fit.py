@@ -279,6 +279,9 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
             right += weighted.T @ (residual * weight)
         right -= precision * (vector[places] - centre)
         normal += np.diag(precision)
+        if not (np.isfinite(normal).all() and np.isfinite(right).all()):
+            normal = np.diag(precision)  # nothing is known of any: its deviations say so
+            break
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
         scaled = normal / np.outer(scale, scale)
         improved = False
@@ -287,6 +290,9 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
             moved = vector.copy()
             moved[places] += step
             moved = space.clipped(moved)
+            if not np.isfinite(moved).all():  # a start so far off that its slopes overflow
+                damping = max(10.0 * damping, 1e-3)
+                continue
             new_predicted = world.predict(moved)
             new_residuals = residuals_of(world, new_predicted, colour)
             if all(np.isfinite(new_predicted.channels[c]).all() for c in new_predicted.channels):

@@ -142,7 +142,9 @@ def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[s
     old = last.world
     world = World(old.measured, old.model, impacts, old.extra_modes, old.behind_encoder, old.clock_stepped)
     start = carried(last, world)
-    there = [name for name in extra if name in world.space.place]  # segments of a further mode go with their blow
+    there = [
+        name for name in extra if name in world.space.place
+    ]  # segments of a further mode go with their blow
     free = tuple(dict.fromkeys((*world.baseline_names(), *there)))
     data = make_data(world, split)
     return fit(data, start, free, colour=last.colour | colours(data, start))

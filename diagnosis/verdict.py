@@ -135,6 +135,8 @@ def findings(found: Found, judged: Judged, split: Split) -> list[dict[str, Any]]
         values = one.values
         if one.law is None:
             values = CAUSES[one.cause].parameters_of(found.final)
+            if "onset_s" in values:
+                values["onset_s"] = (values["onset_s"][0], one.values["onset_s"][1])
         origin = found.final.world.measured.origin_s
         listed.append(
             {

@@ -256,8 +256,9 @@ class World:
             jumps[:, i, :] = vector[first + 3 : first + 3 + 2 * count].reshape(count, 2)
         joint, motor = np.empty((n, 3)), np.empty((n, 2))
         q, qdd = np.empty((n, m)), np.empty((n, m))
+        force = self._force + vector[at["pair.input_offset"]]
         run(
-            self._command, self._force + vector[at["pair.input_offset"]], self.measured.cycle_s, self.substeps, constants, modes,
+            self._command, force, self.measured.cycle_s, self.substeps, constants, modes,
             self._jump_cycles, jumps, joint, motor, q, qdd,
         )  # fmt: skip
         deflection = q.sum(axis=1)
