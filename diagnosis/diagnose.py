@@ -14,9 +14,10 @@ from common.recording.reader import Recording, open_recording
 from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
+from diagnosis.ceiling import below, ceiling_of
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
-from diagnosis.fit import Fit, Split
-from diagnosis.impacts import fit_with_impacts
+from diagnosis.fit import Fit, Split, fit, make_data
+from diagnosis.impacts import carried, fit_with_impacts
 from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.measured import ClockGap, Measured, dated_by_requests, read_measured, reclocked
 from diagnosis.noise import DoubtColour, log_likelihood
@@ -95,7 +96,7 @@ def diagnose_measured(
         else interleaved(measured.duration_s)
     )
     tick(0.05, "baseline")
-    baseline = _dated(fit_with_impacts(world, split), split)
+    baseline = _dated(_baseline(world, split), split)
     baseline, steps = _without_steps(baseline, split)
     found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=steps)
     tick(0.92, "what is left")
@@ -113,6 +114,17 @@ def diagnose_measured(
         "extended_model": "extended.toml",
     }
     return Diagnosis(table, found, judged, split, model, extended)
+
+
+def _baseline(world: World, split: Split) -> Fit:
+    """The baseline's fit; where the accelerometer is at its limit, started where the rest of the data points."""
+    if "acceleration" in world.channels:
+        ceiling = ceiling_of(world.channels["acceleration"], world.model.accelerometer.noise_std_m_s2)
+        if ceiling is not None:
+            seen = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
+            there = World(world.measured, world.model, seen.world.impacts)
+            return fit(make_data(there, split), carried(seen, there), there.baseline_names())
+    return fit_with_impacts(world, split)
 
 
 def _dated(baseline: Fit, split: Split) -> Fit:

@@ -181,7 +181,7 @@ def screen(
             if one is not None:
                 best.append(one)
         best.sort(key=lambda item: -item.nats)
-        scored += best[:3]
+        scored += [*best[:3], *(one for one in best[3:] if one.trial.certain)]
     scored.sort(key=lambda item: -item.nats)
     if threshold_nats is not None:
         return Screening(scored, threshold_nats)
@@ -239,7 +239,7 @@ def _score(
     chance = nothing if noise is None else 0.5 * np.sum((q.T.astype(np.float32) @ noise) ** 2, axis=0)
     amounts = np.zeros(len(norms))
     amounts[norms > 1e-6] = (vectors[:, good] / np.sqrt(values[good])) @ share / norms[norms > 1e-6]
-    if trial.one_sided and amounts[0] <= 0.0:
+    if trial.one_sided and amounts[0] <= 0.0 and not trial.certain:
         return None, chance
     nats = white.gain(q @ share)
     for column, amount in zip(trial.columns, amounts, strict=True):

@@ -26,7 +26,8 @@ _LEAST_HELD_NATS = 3.0
 
 @dataclass(frozen=True)
 class Candidate:
-    """A cause refitted. law: set for a law of noise or timing, which changes no fit."""
+    """A cause refitted. law: set for a law of noise or timing, which changes no fit. certain: the data show it by
+    themselves, so that its gain need not be the same in all blocks."""
 
     cause: str
     fit: Fit
@@ -39,6 +40,7 @@ class Candidate:
     free: tuple[str, ...] = ()
     note: str = ""
     surprise: float = 0.0
+    certain: bool = False
 
 
 @dataclass
@@ -139,11 +141,15 @@ def _stage(
         else (cause, refitted)
         for cause, refitted in refits
     ]
-    ranked = _ranked([*by_law, *(_of_fit(cause, one, last, split) for cause, one in near)])
+    certain = {one.cause.id for one in screening.scored if one.trial.certain}
+    fits = (_of_fit(cause, one, last, split) for cause, one in near)
+    ranked = _ranked([*by_law, *(replace(one, certain=one.cause in certain) for one in fits)])
     chosen = _chosen(ranked, screening, data)
-    if (chosen is None or chosen.law is not None) and top - last.train_nats > 2.0 * screening.threshold_nats:
-        ranked = _ranked([*by_law, *_with_straying(data, last, split, near, free)])
-        chosen = _chosen(ranked, screening, data)
+    if _in_doubt(chosen, ranked) and top - last.train_nats > 2.0 * screening.threshold_nats:
+        others = _ranked([*by_law, *_with_straying(data, last, split, near, free)])
+        other = _chosen(others, screening, data)
+        if other is not None and (chosen is None or other.law is None):
+            ranked, chosen = others, other
     return Stage(screening, ranked, chosen)
 
 
@@ -191,7 +197,23 @@ def _chosen(ranked: list[Candidate], screening: Screening, data: Data) -> Candid
     """The best that convinces; laws wait until no cause of another kind does, as what a wrong simulation leaves looks
     like noise of another law."""
     convincing = [one for one in ranked if _convincing(one, screening, data)]
-    return next((one for one in convincing if one.law is None), convincing[0] if convincing else None)
+    convincing.sort(
+        key=lambda one: (not one.certain, one.law is not None)
+    )  # stable: the best first within each
+    return convincing[0] if convincing else None
+
+
+_DISAGREE = 0.1
+
+
+def _in_doubt(chosen: Candidate | None, ranked: list[Candidate]) -> bool:
+    """Whether nothing convinces, or what is held out speaks against the cause that explains most: something strays."""
+    if chosen is None or chosen.law is not None:
+        return True
+    if chosen.certain:
+        return False
+    most = max(one.train_gain for one in ranked if one.law is None)
+    return chosen.train_gain < (1.0 - _DISAGREE) * most
 
 
 def _to_refit(screening: Screening) -> list[Scored]:
@@ -266,7 +288,7 @@ def _convincing(one: Candidate, screening: Screening, data: Data) -> bool:
     return (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
-        and one.held_gain > one.held_std
+        and (one.certain or one.held_gain > one.held_std)
         and _plausible(one)
     )
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
+from diagnosis.ceiling import ceiling_of
 
 
 def _trials(context: Context) -> list[Trial]:
@@ -11,23 +12,10 @@ def _trials(context: Context) -> list[Trial]:
         Trial({}, ({"accelerometer.range_m_s2": share * shown},), one_sided=True)
         for share in (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
     ]
-    ceiling = _ceiling(context)
+    ceiling = ceiling_of(context.world.channels["acceleration"], context.fit.sigma["acceleration"])
     if ceiling is not None:
         trials.append(Trial({}, ({"accelerometer.range_m_s2": ceiling},), one_sided=True, certain=True))
     return trials
-
-
-def _ceiling(context: Context) -> float | None:
-    """The level at which samples pile up on both sides, m/s^2: more of them about it than in the tenth below."""
-    values = context.world.channels["acceleration"]
-    values = np.abs(values[np.isfinite(values)])
-    noise = context.fit.sigma["acceleration"]
-    counts, edges = np.histogram(values, bins=40)
-    top = int(np.argmax(counts[8:])) + 8
-    if counts[top] < 0.05 * len(values) or counts[top] < 1.5 * counts[top // 2]:
-        return None
-    level = float(0.5 * (edges[top] + edges[top + 1]))
-    return level if level > 2.0 * noise else None
 
 
 CAUSE = Cause(

@@ -47,6 +47,9 @@ def _trials(context: Context) -> list[Trial]:
     return trials
 
 
+_LEAST_DAMPING = 0.001  # a ring that does not decay is kept up by something
+
+
 def _values(fit: Fit) -> Values:
     i = _mode(fit.world)
     names = ("frequency_hz", "damping_ratio", "participation")
@@ -59,4 +62,7 @@ CAUSE = Cause(
     trials=_trials,
     free=_free,
     parameters_of=_values,
+    surprise=lambda fit: (
+        6.0 if fit.value(f"modes.{_mode(fit.world)}.damping_ratio") < _LEAST_DAMPING else 0.0
+    ),
 )
