@@ -23,6 +23,9 @@ class Scatter(NamedTuple):
     vv: float
 
 
+_NO_DAMPING = 1e-200  # 1/s: below it the quotient loses its digits, and is t to far more of them
+
+
 class ModeDynamics:
     """q'' + 2 zeta w q' + w^2 q = white acceleration."""
 
@@ -48,7 +51,7 @@ class ModeDynamics:
         """
         a, b, t = self._a, self._b, elapsed_s
         decay = exp(-2.0 * a * t)
-        even = -expm1(-2.0 * a * t) / (2.0 * a) if a > 0.0 else t  # of exp(-2 a s)
+        even = -expm1(-2.0 * a * t) / (2.0 * a) if a > _NO_DAMPING else t  # of exp(-2 a s)
         norm = 2.0 * (a * a + b * b)  # of exp(-2 a s) cos 2 b s and exp(-2 a s) sin 2 b s
         cosine = (a + decay * (b * sin(2.0 * b * t) - a * cos(2.0 * b * t))) / norm
         sine = (b - decay * (b * cos(2.0 * b * t) + a * sin(2.0 * b * t))) / norm
