@@ -14,10 +14,10 @@ HUBER = 4.0
 _LOG_2PI = log(2.0 * pi)
 LEAST = {
     "acceleration": 1e-3,
-    "joint_position": 2e-5,
-    "joint_velocity": 2e-4,
+    "joint_position": 1e-4,  # a 16-bit encoder
+    "joint_velocity": 1e-3,
     "deflection": 0.0,
-    "displacement": 2e-3,
+    "displacement": 1e-2,  # trackers stray by as much
     "arrival": 2e-5,
 }
 

@@ -19,6 +19,9 @@ Mask = NDArray[np.bool_]
 _LAGS = 12
 _CLIP = 6.0
 _SPIKE = 5.0
+_AT_THE_FLOOR = (
+    0.5  # of the level: what is left lies below what a simulation is taken to reach (diagnosis.noise.LEAST)
+)
 _ENCODER = ("joint_position", "joint_velocity")  # whose steps scatter less while the joint stands
 _BINS = 5
 
@@ -45,7 +48,7 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
             residual = np.where(known, residual, 0.0)
         r = np.clip(np.nan_to_num(residual), -_CLIP, _CLIP)
         train, held, block = data.train[name] & known, data.held[name] & known, data.blocks[name]
-        if train.sum() < 60:
+        if train.sum() < 60 or float(np.mean(r[train] ** 2)) < _AT_THE_FLOOR:
             continue
         count = len(data.split.held)
 
