@@ -25,6 +25,9 @@ _MOST_NATS, _HUBER, _FAR = 7.0, 3.0, 5.0  # one frame's surprise; deviations
 _BEAM_NATS = 25.0
 _SLOPE = 3e-3  # deviation of skew and drift, s/s
 _USUAL_LOSS = 0.01
+_WANDER_S = 2.0
+_NEVER_NATS = 1e6
+_LEAST_NATS = 0.0  # by which losses have to explain the arrivals better than a wander and bursts alone
 
 
 def lost_before(received_s: Array, step: Counts, period_s: float) -> Counts:
@@ -34,20 +37,25 @@ def lost_before(received_s: Array, step: Counts, period_s: float) -> Counts:
     white = _quick(passed) * period_s
     if len(received_s) < 4 or float(np.max(passed)) < min(0.5, 1.0 - 3.0 * white / period_s):
         return nothing
-    found, share = nothing, _USUAL_LOSS
+    found, share, cost = nothing, _USUAL_LOSS, 0.0
     for _ in range(2):
-        tries = []
-        for wander in (1.0, 3.0):
-            for time_s in (2.0,):
-                lost = np.zeros(len(received_s), np.int64)
-                cost = _likeliest(
-                    received_s, step, period_s, white, max(wander * white, 0.03 * period_s), time_s,
-                    -log(share), -log(1.0 - share), lost,
-                )  # fmt: skip
-                tries.append((cost, lost))
-        found = min(tries, key=lambda one: one[0])[1]
+        cost, found = _search(received_s, step, period_s, white, -log(share), -log(1.0 - share))
         share = min(max(float(np.mean(found > 0)), 0.002), 0.5)
-    return found
+    without, _ = _search(received_s, step, period_s, white, _NEVER_NATS, 0.0)
+    return found if without - cost > _LEAST_NATS else nothing
+
+
+def _search(
+    received_s: Array, step: Counts, period_s: float, white: float, open_nats: float, none_nats: float
+) -> tuple[float, Counts]:
+    """Cost and path of the likelier of two strengths of the wander."""
+    tries = []
+    for wander in (1.0, 3.0):
+        lost = np.zeros(len(received_s), np.int64)
+        strength = max(wander * white, 0.03 * period_s)
+        cost = _likeliest(received_s, step, period_s, white, strength, _WANDER_S, open_nats, none_nats, lost)
+        tries.append((cost, lost))
+    return min(tries, key=lambda one: one[0])
 
 
 def _quick(passed: Array) -> float:
