@@ -1,6 +1,6 @@
-"""The operator's end of a command to the controller (arm, disarm, clear, stop). Pure: bytes in, bytes out.
+"""The operator's end: commands (arm, disarm, clear, stop) and references to the controller. Pure: bytes in, bytes out.
 
-The controller takes commands only from who has heard from it: the first one is answered by a HELLO, and those that
+The controller takes either only from who has heard from it: the first one is answered by a HELLO, and those that
 follow are taken.
 """
 
@@ -9,7 +9,7 @@ from common.peer import Peer
 
 
 class OperatorSender:
-    """Words OPERATOR datagrams, and learns the controller's session from its answers."""
+    """Words OPERATOR and REFERENCE datagrams, and learns the controller's session from its answers."""
 
     def __init__(self, key: bytes, session: int) -> None:
         """Sign with `key`; `session` from common.udp.new_session(), never used before."""
@@ -30,7 +30,12 @@ class OperatorSender:
 
     def command(self, bits: int) -> bytes:
         """The datagram of a command, bits of controller.states.table.Operator; a repeated one does no harm."""
+        return self._word(Kind.OPERATOR, (int(bits),))
+
+    def reference(self, velocity_rad_s: float, damping_allowed: bool) -> bytes:
+        """The datagram of a joint velocity reference; to be renewed well within 0.1 s."""
+        return self._word(Kind.REFERENCE, (float(velocity_rad_s), damping_allowed))
+
+    def _word(self, kind: Kind, body: tuple[object, ...]) -> bytes:
         self._sequence += 1
-        return encode(
-            self._key, Kind.OPERATOR, self._session, self._sequence, (int(bits),), echo=self._peer.echo
-        )
+        return encode(self._key, kind, self._session, self._sequence, body, echo=self._peer.echo)

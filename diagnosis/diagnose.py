@@ -122,7 +122,7 @@ def _baseline(world: World, split: Split) -> Fit:
         ceiling = ceiling_of(world.channels["acceleration"], world.model.accelerometer.noise_std_m_s2)
         if ceiling is not None:
             seen = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
-            there = World(world.measured, world.model, seen.world.impacts)
+            there = world.changed(impacts=seen.world.impacts)
             return fit(make_data(there, split), carried(seen, there), there.baseline_names())
     return fit_with_impacts(world, split)
 
@@ -201,6 +201,3 @@ def _present(value: Any) -> Any:
     if isinstance(value, list):
         return [_present(one) for one in value]
     return value
-
-
-__all__ = ["Diagnosis", "diagnose", "diagnose_measured", "model_of", "model_text", "reclocked"]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import sqrt
 
 import numpy as np
@@ -324,9 +324,3 @@ def _covariance(normal: Array) -> Array:
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-12, hermitian=True)
     result: Array = inverse / np.outer(scale, scale)
     return result
-
-
-def without_split(data: Data) -> Data:
-    """The same problem with nothing held out."""
-    split = replace(data.split, held=np.zeros_like(data.split.held))
-    return make_data(data.world, split)

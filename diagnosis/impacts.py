@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Data, Fit, Split, colours, fit, make_data
+from diagnosis.fit import Fit, Split, colours, fit, make_data
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -139,8 +139,7 @@ def fit_with_impacts(world: World, split: Split) -> Fit:
 
 def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = ()) -> Fit:
     """Fit again with these segments, from what is known."""
-    old = last.world
-    world = World(old.measured, old.model, impacts, old.extra_modes, old.behind_encoder, old.clock_stepped)
+    world = last.world.changed(impacts=impacts)
     start = carried(last, world)
     there = [
         name for name in extra if name in world.space.place
@@ -206,6 +205,3 @@ def pruned(last: Fit, split: Split, extra: tuple[str, ...] = ()) -> Fit:
     if len(kept) == len(world.impacts):
         return last
     return refit_with(last, split, tuple(kept), extra)
-
-
-__all__ = ["Data", "carried", "find_jumps", "fit_with_impacts", "pruned", "refit_with"]

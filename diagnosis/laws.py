@@ -4,7 +4,6 @@ Each compares two laws of the same values by their log-likelihood. Such events a
 is judged by a law that was learnt on all the others (cross-validation), not the held-out blocks alone.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -294,6 +293,3 @@ def _of_gap(data: Data, gap: ClockGap) -> LawFound:
         blocks,
         note="time_s itself steps, in both files",
     )
-
-
-Law = Callable[[Data, Fit], LawFound | None]

@@ -193,15 +193,9 @@ def screen(
 
 def variant(world: World, options: dict[str, object]) -> World:
     """The same recording in a world of other structure."""
-    extra = int(options.get("extra_modes", 0))  # type: ignore[call-overload]
-    return World(
-        world.measured,
-        world.model,
-        world.impacts,
-        world.extra_modes + extra,
-        bool(options.get("behind_encoder", world.behind_encoder)),
-        world.clock_stepped,
-    )
+    extra, behind = options.get("extra_modes", 0), options.get("behind_encoder", world.behind_encoder)
+    assert isinstance(extra, int) and isinstance(behind, bool)
+    return world.changed(extra_modes=world.extra_modes + extra, behind_encoder=behind)
 
 
 def _score(

@@ -11,7 +11,7 @@ from common.causes import CAUSES as CATALOGUE
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
 from diagnosis.fit import Data, Fit, Split, fit, make_data, strayed
-from diagnosis.impacts import carried, pruned, refit_with
+from diagnosis.impacts import carried, pruned
 from diagnosis.laws import LawFound, backward_steps, laws
 from diagnosis.screen import Scored, Screening, screen, variant
 from diagnosis.world import World
@@ -479,6 +479,3 @@ def inseparable(stage: Stage) -> list[str]:
         if as_good or one.cause in stage.other_names:
             near.append(one.cause)
     return near
-
-
-__all__ = ["Candidate", "Found", "Stage", "World", "confidence", "inseparable", "refit_with", "search"]

@@ -60,13 +60,13 @@ class World:
         impacts: tuple[int, ...] = (),
         extra_modes: int = 0,
         behind_encoder: bool = False,
-        clock: str = "frames",
+        clock: FrameClock | None = None,
     ) -> None:
-        """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: which one steps."""
+        """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: the frames', if known."""
         self.measured, self.model = measured, model
         self.impacts, self.extra_modes = impacts, extra_modes
-        self.behind_encoder, self.clock_stepped = behind_encoder, clock
-        self.frame_clock: FrameClock = frame_clock(measured.frames, model)
+        self.behind_encoder = behind_encoder
+        self.frame_clock: FrameClock = clock or frame_clock(measured.frames, model)
         self.modes = len(model.arm.modes) + extra_modes
         self.length = 0.0 if measured.pair else (model.arm.length_m or 1.0)
         self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
@@ -78,6 +78,23 @@ class World:
         self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
         self.channels = self._present_channels()
         self.space = self._layout()
+
+    def changed(
+        self,
+        impacts: tuple[int, ...] | None = None,
+        extra_modes: int | None = None,
+        behind_encoder: bool | None = None,
+    ) -> "World":
+        """The same recording and model in a world of another structure; what is not given stays. The frames' clock,
+        which a search works out, is the same."""
+        return World(
+            self.measured,
+            self.model,
+            self.impacts if impacts is None else impacts,
+            self.extra_modes if extra_modes is None else extra_modes,
+            self.behind_encoder if behind_encoder is None else behind_encoder,
+            self.frame_clock,
+        )
 
     def _present_channels(self) -> dict[str, Array]:
         found: dict[str, Array] = {}

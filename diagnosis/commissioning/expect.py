@@ -24,7 +24,8 @@ def expected(scenario: Scenario, model: Model) -> Bounds:
     planned = Measured(
         "plan", cycle_s, 0.0, command, command, none, none, none, np.zeros(len(times)), none, frames, empty
     )
-    motion = World(planned, model).move(World(planned, model).space.vector())
+    world = World(planned, model)
+    motion = world.move(world.space.vector())
     sensor, camera = model.accelerometer, model.camera
     return Bounds(
         float(np.max(np.abs(motion.joint[:, 0]))),

@@ -5,11 +5,8 @@ goes on from there. Reading the higher byte of an axis's pair frees its data-rea
 update, an axis whose lower byte was read keeps its value until its higher one is read.
 """
 
-import errno
 import struct
-import time
 
-from common.user_error import UserError
 from drivers.emulation.lis3lv02dq_registers import (
     AXES_MASK,
     BIG_ENDIAN,
@@ -21,14 +18,13 @@ from drivers.emulation.lis3lv02dq_registers import (
     STATUS,
     WHO_AM_I,
 )
-from drivers.emulation.shared_registers import Failure, SharedRegisters
+from drivers.emulation.shared_registers import Failure, SharedRegisters, raise_failure, reopened
 
 _AUTO_INCREMENT = 0x80
 _OUT_END = OUT_X_L + 6
 _READ_ONLY = frozenset((WHO_AM_I, *range(STATUS, _OUT_END)))
 _LITTLE, _BIG = struct.Struct("<3h"), struct.Struct(">3h")
 _ALL_READY, _ALL_OVERRUN = 0x08, 0x80
-LATE_S = 0.003
 _LOOK_FOR_RESTART = 256  # status reads without new data between looks at the file system
 
 
@@ -81,26 +77,15 @@ class Lis3lv02dqChip:
     def _acknowledge(self) -> None:
         if self._idle >= _LOOK_FOR_RESTART:
             self._idle = 0
-            self._reopen_if_replaced()
-        failure = self._registers.failure
-        if failure == Failure.LATE:
-            time.sleep(LATE_S)
-        elif failure in (Failure.NAK, Failure.UNPLUGGED):
-            self._idle += 1
-            raise OSError(errno.EREMOTEIO, "Remote I/O error")
-
-    def _reopen_if_replaced(self) -> None:
-        """A rig that restarted made new registers: those of a device that lost its power and its settings."""
-        if not self._registers.replaced():
-            return
+            registers = reopened(self._registers, self._name)
+            if registers is not self._registers:
+                self._registers = registers
+                self._held, self._counts = [False, False, False], [0, 0, 0]
         try:
-            fresh = SharedRegisters(self._name)
-        except UserError:
-            return  # not there yet
-        self._registers.close()
-        self._registers = fresh
-        self._held = [False, False, False]
-        self._counts = [0, 0, 0]
+            raise_failure(self._registers.failure)
+        except OSError:
+            self._idle += 1
+            raise
 
     def _read_span(self, first: int, length: int) -> bytes:
         end = first + length

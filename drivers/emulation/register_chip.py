@@ -4,15 +4,17 @@ A write sends the register's address and then the values; a read goes on from th
 registers encode a sample, what its status says and what frees it, and how its FIFO is read.
 """
 
-import errno
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from common.user_error import UserError
-from drivers.emulation.shared_registers import Failure, SensedPart, SharedRegisters
+from drivers.emulation.shared_registers import (
+    Failure,
+    SensedPart,
+    SharedRegisters,
+    raise_failure,
+    reopened,
+)
 
-LATE_S = 0.003
 _LOOK_FOR_RESTART = 256  # transfers without new data between looks at the file system
 _BANK = 128
 
@@ -226,26 +228,15 @@ class RegisterChip:
     def _acknowledge(self) -> None:
         if self._idle >= _LOOK_FOR_RESTART:
             self._idle = 0
-            self._reopen_if_replaced()
-        failure = self._registers.failure
-        if failure == Failure.LATE:
-            time.sleep(LATE_S)
-        elif failure in (Failure.NAK, Failure.UNPLUGGED):
+            registers = reopened(self._registers, self._name)
+            if registers is not self._registers:
+                self._registers, self._next_in_fifo = registers, None
+        try:
+            raise_failure(self._registers.failure)
+        except OSError:
             self._idle += 1
             self._next_in_fifo = None
-            raise OSError(errno.EREMOTEIO, "Remote I/O error")
-
-    def _reopen_if_replaced(self) -> None:
-        """A rig that restarted made new registers: those of a device that lost its power and its settings."""
-        if not self._registers.replaced():
-            return
-        try:
-            fresh = SharedRegisters(self._name)
-        except UserError:
-            return  # not there yet
-        self._registers.close()
-        self._registers = fresh
-        self._next_in_fifo = None
+            raise
 
     def _random(self) -> int:
         """A byte that follows no pattern (Numerical Recipes' linear congruence), the same from run to run."""

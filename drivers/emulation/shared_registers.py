@@ -6,16 +6,20 @@ the count up to which each axis has been read, written by the bus side alone; at
 part it is; at 576 a ring of the last 256 samples, for the FIFO, written by the rig before the count.
 """
 
+import errno
 import struct
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
 from common.shared_memory import SharedBlock, word_at
+from common.user_error import UserError
 from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 
 REGISTERS = 512
 RING = 256
+LATE_S = 0.003
 _SAMPLE_AT, _READ_AT, _FAILURE_AT, PART_AT, _RING_AT = 512, 544, 568, 569, 576
 _SAMPLE = struct.Struct("<Q3i")
 _READ = struct.Struct("<3Q")
@@ -184,3 +188,24 @@ class SharedRegisters:
         self.buffer = memoryview(bytearray(_SIZE))
         self._lock.release()
         self._block.close()
+
+
+def reopened(registers: SharedRegisters, name: str) -> SharedRegisters:
+    """The registers of a rig that restarted and made new ones (a device that lost its power and its settings), the old
+    ones closed; the same again where it did not, or has not yet."""
+    if not registers.replaced():
+        return registers
+    try:
+        fresh = SharedRegisters(name)
+    except UserError:
+        return registers  # not there yet
+    registers.close()
+    return fresh
+
+
+def raise_failure(failure: Failure) -> None:
+    """What the bus makes of an injected failure: a late answer, or OSError (EREMOTEIO) for none."""
+    if failure == Failure.LATE:
+        time.sleep(LATE_S)
+    elif failure in (Failure.NAK, Failure.UNPLUGGED):
+        raise OSError(errno.EREMOTEIO, "Remote I/O error")

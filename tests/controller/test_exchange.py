@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from common.datagram import DEMO_KEY, Kind, encode
 from common.model import Model
-from common.reference_sender import ReferenceSender
+from common.operator_sender import OperatorSender
 from common.visual_sample import VisualSample
 from controller.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
 from supervisor.exchange import SupervisorExchange
@@ -143,7 +143,7 @@ def test_a_recording_of_the_link_moves_nothing() -> None:
 
 def test_an_operator_is_taken_after_it_was_answered() -> None:
     """A recorded reference moves nothing in another run."""
-    operator, reference = ReferenceSender(DEMO_KEY, 5), ReferenceExchange(DEMO_KEY, 11)
+    operator, reference = OperatorSender(DEMO_KEY, 5), ReferenceExchange(DEMO_KEY, 11)
     first = operator.reference(0.2, True)
     reference.take([first], 1.0)
     assert reference.reference(1.0) == (0.0, True) and not operator.known

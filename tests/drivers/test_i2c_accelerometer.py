@@ -18,8 +18,7 @@ from drivers.accelerometer import STANDARD_GRAVITY_M_S2, SampleStatus
 from drivers.accelerometer_factory import held_samples_statement, open_accelerometer
 from drivers.accelerometer_tables import TABLES
 from drivers.emulation.parts import SENSED_PARTS
-from drivers.emulation.register_chip import LATE_S
-from drivers.emulation.shared_registers import Failure, SensedRegisters
+from drivers.emulation.shared_registers import LATE_S, Failure, SensedRegisters
 from drivers.i2c import open_bus
 from drivers.i2c_accelerometer import I2cAccelerometer
 from drivers.mounting import sensed_axes
