@@ -203,7 +203,7 @@ def reopened(registers: SharedRegisters, name: str) -> SharedRegisters:
     return fresh
 
 
-def raise_failure(failure: Failure) -> None:
+def raise_failure(failure: int) -> None:
     """What the bus makes of an injected failure: a late answer, or OSError (EREMOTEIO) for none."""
     if failure == Failure.LATE:
         time.sleep(LATE_S)
