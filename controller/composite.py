@@ -5,6 +5,7 @@ loop's poles where an ideal drive would have them. Slow, on what the image shows
 brought to where the reference would have led it, as the camera sees it and not as the encoder does.
 """
 
+from collections import deque
 from math import exp, isfinite, pi
 
 from common.beam import tip_slopes_per_m
@@ -19,6 +20,7 @@ _ZERO_PERIODS = 3.0  # the image's zero is the mean over the first periods
 _JUMP_RAD = 0.02  # from one image to the next: the image has another zero
 _LONGEST_STEP_S = 0.1
 _STABLE = 2.0  # gain margin of the slow loop
+_UNDATED = 4  # images: no method takes longer to say the delay of one
 
 
 class CompositeControl:
@@ -51,6 +53,7 @@ class CompositeControl:
         self._commanded = CycleHistory(held)
         self._frame = -1
         self._captured_s = 0.0
+        self._undated: deque[tuple[VisualSample, float]] = deque(maxlen=_UNDATED)
         self.restart()
 
     def restart(self) -> None:
@@ -71,10 +74,23 @@ class CompositeControl:
         known = estimate.status in {Status.ESTIMATED, Status.HELD} and isfinite(estimate.deflection_m)
         self._oscillation.write(cycle, estimate.deflection_m if known else 0.0)
         self._commanded.write(cycle, commanded_position_rad)
-        if known:
-            for sample in samples:
-                if sample.measured and isfinite(sample.displacement_x_px):
-                    self._see(sample, cycle * self._cycle_s - estimate.delay.delay_s, joint)
+        self._undated.extend((sample, cycle * self._cycle_s) for sample in samples)
+        for sample, read_s, delay_s in self._dated(estimate):
+            if known and sample.measured and isfinite(sample.displacement_x_px):
+                self._see(sample, read_s - delay_s, joint)
+
+    def _dated(self, estimate: Estimate) -> list[tuple[VisualSample, float, float]]:
+        """The images whose delay is known by now: with the time at which they were read, and the delay."""
+        if estimate.dated is None:
+            ready = [(sample, read_s, estimate.delay.delay_s) for sample, read_s in self._undated]
+            self._undated.clear()
+            return ready
+        return [
+            (sample, read_s, delay.delay_s)
+            for frame, delay in estimate.dated
+            for sample, read_s in self._undated
+            if sample.frame == frame
+        ]
 
     def _see(self, sample: VisualSample, captured_s: float, joint: JointMotion) -> None:
         """The slow part of one image: what is left without the oscillation, at its capture instant."""

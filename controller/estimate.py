@@ -27,6 +27,13 @@ class DelayEstimate(NamedTuple):
     status: Status
 
 
+class FrameDelay(NamedTuple):
+    """The delay of the frame of that number."""
+
+    frame: int
+    delay: DelayEstimate
+
+
 class Observation(msgspec.Struct, gc=False):
     """One cycle as every method sees it: raw measurements, and the joint's motion with its history.
 
@@ -48,7 +55,8 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
     deflection_m (sum of the modes, zero-mean) and deflection_rate_m_s at the observation's time; NaN when unknown.
     deflection_std_m: its standard deviation. status: that of the deflection. reason: why the delay or the deflection is
     no better than it is, or which sensor is at fault; empty for nothing to be said. accelerometer_lost: the method does
-    without it, as it is dead or shows no vibration.
+    without it, as it is dead or shows no vibration. dated: the frames whose delay has been found in this cycle, some
+    cycles after they were read; None from a method that says it in the cycle of the frame.
     """
 
     delay: DelayEstimate
@@ -58,6 +66,7 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
     status: Status = Status.UNESTIMATED
     reason: str = ""
     accelerometer_lost: bool = False
+    dated: tuple[FrameDelay, ...] | None = None
 
 
 class Method(Protocol):

@@ -11,7 +11,8 @@ from common.model import Model, check_model, length_of
 from common.recording.reader import Recording
 from common.recording.topics import EstimateSample, FastSample, FrameSample
 from common.typed_toml import parse_toml
-from controller.estimate import Estimate, Observation
+from controller.estimate import DelayEstimate, Estimate, Observation
+from controller.frame_delays import FrameDelays
 from controller.joint_motion import JointMotion
 from controller.methods import make_method
 from controller.recorded import RecordedCycle, estimate_sample, fast_sample, recorded_cycles
@@ -45,12 +46,14 @@ class RecordedRun:
 
 @dataclass
 class MethodRun:
-    """What one method said: in each cycle, and for each frame at the cycle that read it; times as recorded."""
+    """What one method said: in each cycle, and for each frame; times as recorded."""
 
     method: str
     times_s: list[float] = field(default_factory=list)
     estimates: list[Estimate] = field(default_factory=list)
-    frames: list[tuple[int, float, Estimate]] = field(default_factory=list)  # frame, received_s, estimate
+    frames: list[tuple[int, float, DelayEstimate]] = field(
+        default_factory=list
+    )  # frame, received_s, its delay
 
 
 @dataclass
@@ -88,7 +91,7 @@ def replay_method(
     model = declared(run.model)
     estimator = MethodAcrossRestarts(lambda: make_method(method, model, run.configuration.controller, name))
     joint = JointMotion(model, length_of(model, name))
-    result = MethodRun(method)
+    result, delays = MethodRun(method), FrameDelays()
     for count, cycle in enumerate(run.cycles()):
         read, time_s = cycle.read, cycle.read.cycle * run.cycle_s
         joint.begin_cycle(read.cycle, read.joint_position_rad)
@@ -99,7 +102,9 @@ def replay_method(
         if cycle.row is not None:
             result.times_s.append(cycle.row.time_s)
             result.estimates.append(estimate)
-        result.frames.extend((frame.frame, frame.received_s, estimate) for frame in cycle.frames)
+        result.frames.extend((frame.frame, frame.received_s, estimate.delay) for frame in cycle.frames)
+        for place, delay in delays.told(read.samples, estimate):
+            result.frames[place] = (*result.frames[place][:2], delay)
         if count % _REPORT_EVERY == 0:
             progress(count / max(1, len(run.fast)))
     return result

@@ -20,8 +20,7 @@ def write_tables(runs: list[MethodRun], directory: Path) -> None:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(FRAME_COLUMNS)
         for run in runs:
-            for frame, received_s, estimate in run.frames:
-                delay = estimate.delay
+            for frame, received_s, delay in run.frames:
                 table.writerow(
                     (frame, received_s, run.method, delay.status, _field(delay.delay_s), _field(delay.std_s))
                 )
@@ -60,7 +59,7 @@ def replay_summary(
 
 
 def _method_summary(run: MethodRun) -> dict[str, Any]:
-    known = [e.delay for _, _, e in run.frames if e.delay.status is Status.ESTIMATED]
+    known = [delay for _, _, delay in run.frames if delay.status is Status.ESTIMATED]
     delays = np.array([d.delay_s for d in known]) if known else np.array([nan])
     deflections = np.array([e.deflection_m for e in run.estimates if e.status is Status.ESTIMATED])
     return {

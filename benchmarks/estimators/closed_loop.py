@@ -14,6 +14,7 @@ from benchmarks.estimators.trial import LENGTH_M, assumed_model, visual_sample
 from common.configuration import Controller as Settings
 from common.model import Model
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
+from controller.frame_delays import FrameDelays
 from controller.step import Controller, CycleInput
 
 Values = NDArray[np.float64]
@@ -78,7 +79,7 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
     tip, tip_rate = np.empty(count), np.empty(count)
     said = np.full((4, count), nan)
     of_frame = np.full((2, len(frames.number)), nan)
-    next_frame, first_seen = 0, 0.0
+    next_frame, first_seen, delays = 0, 0.0, FrameDelays()
     read_cycle: list[int] = frames.read_cycle.tolist()
     for cycle in range(count):
         time_s = cycle * CYCLE_S
@@ -104,9 +105,9 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
         said[:, cycle] = (
             plant.deflection, plant.amplitude_m, estimate.deflection_m, estimate.deflection_std_m
         )  # fmt: skip
-        if samples:
-            true_delay = time_s - float(frames.exposed_s[next_frame - 1])
-            of_frame[:, next_frame - 1] = estimate.delay.delay_s - true_delay, estimate.delay.std_s
+        for frame, delay in delays.told(samples, estimate):
+            true_delay = CYCLE_S * read_cycle[frame] - float(frames.exposed_s[frame])
+            of_frame[:, frame] = delay.delay_s - true_delay, delay.std_s
         plant.advance(output.command_rad_s)
     told = np.isfinite(of_frame[0])
     return Run(

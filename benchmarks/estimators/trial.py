@@ -13,6 +13,7 @@ from common.configuration import Controller as Settings
 from common.model import Accelerometer, Camera, Mode, Model
 from common.model import Arm as ArmModel
 from common.visual_sample import TrackingStatus, VisualSample
+from controller.frame_delays import FrameDelays
 from controller.step import Controller, CycleInput
 
 Values = NDArray[np.float64]
@@ -24,7 +25,7 @@ SCALE_PX_PER_M = 800.0
 
 @dataclass(frozen=True)
 class Answers:
-    """What a method said. Shapes (cycles,), and (frames,) for delays: as said in the cycle that read the frame."""
+    """What a method said. Shapes (cycles,), and (frames,) for delays: controller.frame_delays."""
 
     deflection_m: Values
     deflection_std_m: Values
@@ -112,19 +113,18 @@ def run_method(name: str, data: Data, model: Model, scale_factor: float = 1.0) -
     samples = samples_by_cycle(data, scale_factor)
     acceleration: list[float] = data.acceleration_m_s2.tolist()
     count = len(acceleration)
-    said = np.full((5, count), nan)
+    said = np.full((3, count), nan)
     nothing: list[VisualSample] = []
+    delays, of_frame = FrameDelays(), np.full((2, len(data.frames.read_cycle)), nan)
     for cycle in range(count):
         read = CycleInput(cycle, acceleration[cycle], 0.0, 0.0, 0.0, 0.0, False, samples.get(cycle, nothing))
         began = perf_counter_ns()
         estimate = controller.step(read).estimate
         ended = perf_counter_ns()
-        delay = estimate.delay
-        said[:, cycle] = (
-            estimate.deflection_m, estimate.deflection_std_m, delay.delay_s, delay.std_s, 1e-3 * (ended - began)
-        )  # fmt: skip
-    at = data.frames.read_cycle
-    return Answers(said[0], said[1], said[2, at], said[3, at], said[4])
+        said[:, cycle] = estimate.deflection_m, estimate.deflection_std_m, 1e-3 * (ended - began)
+        for frame, delay in delays.told(read.samples, estimate):
+            of_frame[:, frame] = delay.delay_s, delay.std_s
+    return Answers(said[0], said[1], of_frame[0], of_frame[1], said[2])
 
 
 def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:

@@ -62,9 +62,20 @@ class Look(NamedTuple):
     joint_input: JointInput
 
 
+class Looked(NamedTuple):
+    """An image looked at, to be taken in next. times: its instant by each filter, s; surprise: (filters,)."""
+
+    image: Look
+    times: Array
+    received_s: float
+    seen: Seen
+    surprise: Array
+
+
 class FrameFusion:
     """Takes in images and, in their order, the accelerometer's blocks before them.
 
+    delay_s, delay_std_s: of the image looked at last.
     blow: whether the image taken in last was the second one running to break with everything, as after a blow.
     """
 
@@ -103,11 +114,14 @@ class FrameFusion:
         self._unused_blocks = 0
         self._blind = False
         self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
+        self._left: Block | None = None  # taken in, its end not yet reached
+        self._looked: Looked | None = None
         self._taken: tuple[Array, Seen] | None = None
         self._received_s = 0.0
 
     def take_block(self, block: Block) -> None:
-        """The oldest block of the accelerometer not yet taken in."""
+        """The oldest block of the accelerometer not yet taken in; leaves it to `leave_block` to move on to its end."""
+        self.leave_block()
         bank = self.bank
         for jump in block.jumps:
             bank.inflate(jump)
@@ -124,10 +138,18 @@ class FrameFusion:
                 self._unused_blocks = 0
                 huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
                 bank.take_block(block, block.variance * max(huber, health.doubt))
+        self._left = block
+
+    def leave_block(self) -> bool:
+        """Move on to the end of the block taken in last; False where that has been done."""
+        if self._left is None:
+            return False
+        block, bank, self._left = self._left, self.bank, None
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
         bank.move_on(block, noise)
+        return True
 
     def _phasor_noise(self) -> Array:
         noise: Array = self._phasor_share * self.amplitude_m**2 + 0.01 * self._noise_m2
@@ -145,6 +167,7 @@ class FrameFusion:
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
         self.settle()
+        self.leave_block()
         first = not self.dating.started
         if not self.dating.accept(sample, received_s):
             return False
@@ -221,18 +244,20 @@ class FrameFusion:
             started_s, float(self.dating.nominal[Law.CLOCK]) - received_s, gain
         )
 
-    def take(
+    def look(
         self,
         sample: VisualSample,
         received_s: float,
         joint_input: JointInput,
         suspicion: float,
         sees: bool,
-    ) -> None:
+    ) -> bool:
         """A measured frame, accepted before, with all blocks before its exposure taken in.
 
         suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
+        Returns whether it is of use; `take` comes next then, before anything else.
         """
+        self.leave_block()
         at, bank, weights = self._at, self.bank, self.evidence.weights
         value = sample.displacement_x_px * at.per_px
         noise = self._noise_m2
@@ -251,17 +276,26 @@ class FrameFusion:
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
             if not self._explain(image, times, received_s, seen, suspicion, sees):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
-                return
+                return False
             times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
         self._outliers = self._votes = 0
+        self._looked = Looked(image, times, received_s, seen, surprise)
+        return True
+
+    def take(self) -> None:
+        """Take in the image looked at, if there is one."""
+        if self._looked is None:
+            return
+        image, times, received_s, seen, surprise = self._looked
+        self._looked, bank = None, self.bank
         self.evidence.weigh(surprise, seen.variance, blind=self._blind)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0), phase_only)
         self._taken = own, seen
-        instants = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift] + own
+        instants = self.dating.nominal[_LAW_OF] + bank.x[:, self._at.shift] + own
         self._tell_delay(received_s - instants, spread)
         self._received_s = received_s
 
@@ -383,6 +417,7 @@ class FrameFusion:
 
     def merged(self, now_s: float) -> Merged:
         """Phasors at the bank's instant, with the covariance that they have at now_s for want of newer images."""
+        self.leave_block()
         bank, at, w = self.bank, self._at, self.evidence.weights
         best = self.evidence.best
         if w[best] > _CLEAR:

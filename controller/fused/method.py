@@ -8,7 +8,7 @@ from math import hypot, isfinite, pi, sqrt
 from common.configuration import Fused
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
-from controller.estimate import DelayEstimate, Estimate, Observation, Status
+from controller.estimate import DelayEstimate, Estimate, FrameDelay, Observation, Status
 from controller.fused.blocks import Block, BlockSums, Jump
 from controller.fused.blow import Blow, BlowDetector
 from controller.fused.frames import FrameFusion, Merged
@@ -35,9 +35,14 @@ class _Work(Enum):
     """What the last frame has left to do."""
 
     NONE = 0
-    MERGE = 1
-    PRESENT = 2
-    BLOCKS = 3
+    IMAGE = 1
+    WEIGH = 2
+    MERGE = 3
+    PRESENT = 4
+    BLOCKS = 5
+
+
+_OF_IMAGE = frozenset((_Work.IMAGE, _Work.WEIGH))
 
 
 class FusedMethod:
@@ -99,6 +104,10 @@ class FusedMethod:
         self._taken: list[Block] = []  # by the bank, since the snapshot
         self._snapshot: Merged | None = None
         self._work = _Work.NONE
+        self._image: tuple[VisualSample, float] | None = None  # accepted, not yet taken in; when it was read
+        self._dated: list[
+            tuple[int, float, float]
+        ] = []  # in this cycle: frame, its delay, standard deviation
         self._last_instant_s = float("-inf")
         self._last_frame_s = self._alarm_s = float("-inf")
         self._known = False
@@ -115,14 +124,13 @@ class FusedMethod:
         present = self._present
         present.advance(self._joint_input.increment)
         self._see_acceleration(observation, turn)
-        if cycle - self._block_start >= self._block_cycles:
+        closes = cycle - self._block_start >= self._block_cycles
+        if closes:
             self._close_block(cycle)
         samples = observation.samples
-        for sample in samples[:-_MOST_IMAGES]:
-            self.frames.accept(sample, time_s)
-        for sample in samples[-_MOST_IMAGES:]:
-            self._see_sample(sample, time_s)
-        if not observation.samples:
+        if samples:
+            self._see_samples(samples, time_s)
+        elif not closes:
             self._work_off(time_s)
         return self._estimate(turn, time_s)
 
@@ -187,6 +195,8 @@ class FusedMethod:
             block.step = tuple(one + more for one, more in zip(block.step, step, strict=True))
             block.jumps += (jump,)
         if block is None or block not in self._blocks:
+            self._weigh_what_was_seen()
+            self.frames.leave_block()
             self.frames.bank.add(step)
             self.frames.bank.inflate(jump)
             self._snapshot = None if block is None else self._snapshot
@@ -233,31 +243,64 @@ class FusedMethod:
         block.jumps += (Jump.guessed(block.start_s, blow.sizes_m),)
         self._restart_present(self._blocks[-1].end_s)
 
-    def _see_sample(self, sample: VisualSample, time_s: float) -> None:
+    def _see_samples(self, samples: list[VisualSample], time_s: float) -> None:
+        """Date them all; the last one is looked at in the cycles that follow."""
+        first_looked_at = len(samples) - _MOST_IMAGES
+        for place, sample in enumerate(samples):
+            while self._work in _OF_IMAGE:
+                self._work_off(time_s)
+            if self.frames.accept(sample, time_s) and sample.measured and place >= first_looked_at:
+                self._image = sample, time_s
+                self._work = _Work.IMAGE
+
+    def _look_at_image(self, now_s: float) -> None:
+        """The image that waits, once the blocks before it have been taken in."""
+        assert self._image is not None
         frames = self.frames
-        if not frames.accept(sample, time_s):
-            return
-        if not sample.measured:
-            return
         instant = frames.expected_instant_s()
-        while self._blocks and self._blocks[0].end_s <= instant:
+        if self._blocks and self._blocks[0].end_s <= instant:
             self._take_oldest_block()
-        frames.take(
-            sample, time_s, self._joint_input, self._blows.suspicion, self._accelerometer_sees(time_s)
+            return
+        sample, received_s = self._image
+        of_use = frames.look(
+            sample, received_s, self._joint_input, self._blows.suspicion, self._accelerometer_sees(now_s)
         )
-        self._last_frame_s, self._last_instant_s = time_s, instant
+        self._last_frame_s, self._last_instant_s = received_s, instant
         if frames.blow:
             self._blows.forget()
+        self._work = _Work.WEIGH if of_use else _Work.MERGE
+        if not of_use:
+            self._tell_date(sample.frame)
+
+    def _weigh_image(self) -> None:
+        assert self._image is not None
+        self.frames.take()
+        self._tell_date(self._image[0].frame)
         self._work = _Work.MERGE
 
     def _take_oldest_block(self) -> None:
+        self._weigh_what_was_seen()
         block = self._blocks.popleft()
         self.frames.take_block(block)
         self._taken.append(block)
 
+    def _tell_date(self, frame: int) -> None:
+        self._dated.append((frame, self.frames.delay_s, self.frames.delay_std_s))
+
+    def _weigh_what_was_seen(self) -> None:
+        """Before anything else changes the bank."""
+        if self._work is _Work.WEIGH:
+            self._weigh_image()
+
     def _work_off(self, time_s: float) -> None:
         """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
-        if self._work is _Work.MERGE:
+        if self.frames.leave_block():
+            return
+        if self._work is _Work.IMAGE:
+            self._look_at_image(time_s)
+        elif self._work is _Work.WEIGH:
+            self._weigh_image()
+        elif self._work is _Work.MERGE:
             self.frames.settle()
             self._merge(time_s)
             self._work = _Work.PRESENT
@@ -325,5 +368,12 @@ class FusedMethod:
         elif time_s - self._last_frame_s > 0.25:
             status, self.reason = Status.HELD, "no images"
         delay = DelayEstimate(frames.delay_s, frames.delay_std_s, status)
+        dated: tuple[FrameDelay, ...] = ()
+        if self._dated:
+            dated = tuple(
+                FrameDelay(frame, DelayEstimate(delay_s, std_s, status))
+                for frame, delay_s, std_s in self._dated
+            )
+            self._dated.clear()
         of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
-        return Estimate(delay, deflection, rate, std, of_deflection, self.reason, frames.blind)
+        return Estimate(delay, deflection, rate, std, of_deflection, self.reason, frames.blind, dated)

@@ -171,8 +171,8 @@ def _delays(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:
     )
     for replay in replays:
         times = [t for _, t, _ in replay.frames]
-        delays = np.array([1e3 * e.delay.delay_s for _, _, e in replay.frames])
-        stds = np.array([1e3 * e.delay.std_s for _, _, e in replay.frames])
+        delays = np.array([1e3 * delay.delay_s for _, _, delay in replay.frames])
+        stds = np.array([1e3 * delay.std_s for _, _, delay in replay.frames])
         colour = _COLOURS[replay.method]
         axes.plot(times, delays, color=colour, linewidth=0.9, label=replay.method)
         if replay.method == "correlation":

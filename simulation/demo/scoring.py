@@ -69,8 +69,8 @@ def method_scores(run: MethodRun, truth: Truth, model: Model) -> dict[str, Any]:
     said = np.where(np.isfinite(said[inside]), said[inside], 0.0)  # no prediction: nothing would be damped
     error = np.abs(said - true) / amplitude
     delays, delay_errors = [], []
-    for frame, received_s, estimate in run.frames:
-        delay = estimate.delay.delay_s
+    for frame, received_s, said_of_frame in run.frames:
+        delay = said_of_frame.delay_s
         if not from_s <= received_s < to_s or not isfinite(delay):
             continue
         delays.append(delay)

@@ -15,6 +15,7 @@ from common.configuration import Controller as Settings
 from common.configuration import Dither
 from common.user_error import UserError
 from controller.dither import STILL, check_dither, dither_on, highest_velocity_rad_s
+from controller.frame_delays import FrameDelays
 from controller.step import Controller, CycleInput
 
 CYCLE_S = 0.001
@@ -82,7 +83,7 @@ def run(
     noise = 0.3 * arm.angular_frequency**2 * arm.amplitude_m
     said: list[tuple[float, float, float]] = []
     commands = []
-    next_frame = 0
+    next_frame, delays = 0, FrameDelays()
     for cycle in range(len(tips) - 1):
         time_s = cycle * CYCLE_S
         if cycle % 2700 == 10:
@@ -104,10 +105,10 @@ def run(
             )
         )  # fmt: skip
         commands.append(output.command_rad_s)
-        if samples:
-            delay = output.estimate.delay
-            error = delay.delay_s - (time_s - float(frames.exposed_s[next_frame - 1]))
-            said.append((time_s, error, delay.std_s))
+        said.extend((time_s, nan, nan) for _ in samples)
+        for frame, delay in delays.told(samples, output.estimate):
+            true_delay = frames.read_cycle[frame] * CYCLE_S - float(frames.exposed_s[frame])
+            said[frame] = said[frame][0], delay.delay_s - true_delay, delay.std_s
         plant.advance(output.command_rad_s)
     times, errors, stds = np.array(said).T
     return errors, stds, times, commands

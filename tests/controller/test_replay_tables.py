@@ -12,7 +12,7 @@ def test_columns_and_values(tmp_path: Path) -> None:
     """Floats come back exactly; a number that is not there is an empty field."""
     known = Estimate(DelayEstimate(0.1 + 0.2, 1e-3, Status.ESTIMATED), 0.1, 0.0, 1e-17, Status.ESTIMATED)
     unknown = Estimate(DelayEstimate(0.074, 0.0064, Status.UNESTIMATED))
-    run = MethodRun("correlation", [0.001, 0.002], [known, unknown], [(7, 0.002, known)])
+    run = MethodRun("correlation", [0.001, 0.002], [known, unknown], [(7, 0.002, known.delay)])
     write_tables([run], tmp_path)
     with (tmp_path / "frames.csv").open() as file:
         (frame,) = csv.DictReader(file)

@@ -12,6 +12,8 @@ import numpy as np
 
 from common.model import Model
 from common.visual_sample import VisualSample
+from controller.estimate import DelayEstimate
+from controller.frame_delays import FrameDelays
 from controller.step import Controller, CycleInput, CycleOutput
 
 SUBSTEPS = 10
@@ -43,11 +45,11 @@ class Trace:
         self.command.append(output.command_rad_s)
         self.outputs.append(output)
 
-    def add_delay(self, time_s: float, output: CycleOutput, true_delay_s: float) -> None:
-        """One frame, when it was read."""
-        self.delay_time.append(time_s)
-        self.delay_error.append(output.estimate.delay.delay_s - true_delay_s)
-        self.delay_std.append(output.estimate.delay.std_s)
+    def add_delay(self, frame: int, read_s: float, delay: DelayEstimate, true_delay_s: float) -> None:
+        """What is said of a frame: when it was read, or better later."""
+        self.delay_time[frame:] = [read_s, *self.delay_time[frame + 1 :]]
+        self.delay_error[frame:] = [delay.delay_s - true_delay_s, *self.delay_error[frame + 1 :]]
+        self.delay_std[frame:] = [delay.std_s, *self.delay_std[frame + 1 :]]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The numeric columns."""
@@ -156,6 +158,7 @@ def run_world(
     arm = Arm(model, frequency_factor)
     images = Images(model, mid, np.maximum.accumulate(mid + delay(random, frames)))
     trace, pending = Trace(), sorted(strikes.items())
+    delays, read_s = FrameDelays(), list[float]()
     for cycle in range(int(duration_s / model.timing.cycle_s)):
         t = cycle * model.timing.cycle_s
         while pending and pending[0][0] <= t:
@@ -177,8 +180,9 @@ def run_world(
         change_input(read)
         output = controller.step(read)
         trace.add(t, arm.x, output)
-        if samples:
-            trace.add_delay(t, output, t - images.mid[images.arrived - 1])
+        read_s.extend(t for _ in samples)
+        for frame, said in delays.told(samples, output.estimate):
+            trace.add_delay(frame, read_s[frame], said, read_s[frame] - images.mid[frame])
         for k in range(SUBSTEPS):
             before = t + k * arm.h, arm.tip_position()
             arm.advance(output.command_rad_s)

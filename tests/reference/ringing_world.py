@@ -12,7 +12,8 @@ import numpy as np
 
 from common.model import Accelerometer, Arm, Camera, Mode, Model, Timing
 from common.visual_sample import VisualSample
-from controller.estimate import Method, Observation
+from controller.estimate import DelayEstimate, Method, Observation
+from controller.frame_delays import FrameDelays
 from controller.joint_motion import JointMotion
 
 Array = np.ndarray
@@ -209,7 +210,8 @@ def judge(
     joint = JointMotion(model, length)
     n = len(ringing.deflection)
     error, ratio = np.full(n, np.nan), np.full(n, np.nan)
-    times, delay_errors, delay_stds, status = [], [], [], []
+    of_frame: list[tuple[int, DelayEstimate]] = []
+    delays, status = FrameDelays(), []
     for cycle in range(n):
         joint.begin_cycle(cycle, float("nan"))
         samples = ringing.samples.get(cycle, [])
@@ -223,8 +225,13 @@ def judge(
         error[cycle] = off / max(ringing.envelope[cycle], 1e-12)
         ratio[cycle] = off / said.deflection_std_m if said.deflection_std_m else np.nan
         status.append(str(said.delay.status))
-        if samples:
-            times.append(cycle * CYCLE_S)
-            delay_errors.append(said.delay.delay_s - ringing.delays[cycle])
-            delay_stds.append(said.delay.std_s)
+        of_frame.extend((cycle if sample is samples[-1] else -1, said.delay) for sample in samples)
+        for place, delay in delays.told(samples, said):
+            of_frame[place] = of_frame[place][0], delay
+    of_frame = [
+        (cycle, delay) for cycle, delay in of_frame if cycle >= 0
+    ]  # the truth is known of a cycle's last
+    times = [cycle * CYCLE_S for cycle, _ in of_frame]
+    delay_errors = [delay.delay_s - ringing.delays[cycle] for cycle, delay in of_frame]
+    delay_stds = [delay.std_s for _, delay in of_frame]
     return Trial(error, ratio, np.array(times), np.array(delay_errors), np.array(delay_stds), status)
