@@ -35,14 +35,16 @@ class _Work(Enum):
     """What the last frame has left to do."""
 
     NONE = 0
-    IMAGE = 1
-    WEIGH = 2
-    MERGE = 3
-    PRESENT = 4
-    BLOCKS = 5
+    DATE = 1
+    LOOK = 2
+    WEIGH = 3
+    SETTLE = 4
+    MERGE = 5
+    PRESENT = 6
+    BLOCKS = 7
 
 
-_OF_IMAGE = frozenset((_Work.IMAGE, _Work.WEIGH))
+_OF_FRAME = frozenset((_Work.DATE, _Work.LOOK, _Work.WEIGH))
 
 
 class FusedMethod:
@@ -104,7 +106,9 @@ class FusedMethod:
         self._taken: list[Block] = []  # by the bank, since the snapshot
         self._snapshot: Merged | None = None
         self._work = _Work.NONE
-        self._image: tuple[VisualSample, float] | None = None  # accepted, not yet taken in; when it was read
+        self._frame: tuple[VisualSample, float, bool] | None = (
+            None  # read last; when, and whether its image counts
+        )
         self._dated: list[
             tuple[int, float, float]
         ] = []  # in this cycle: frame, its delay, standard deviation
@@ -244,39 +248,44 @@ class FusedMethod:
         self._restart_present(self._blocks[-1].end_s)
 
     def _see_samples(self, samples: list[VisualSample], time_s: float) -> None:
-        """Date them all; the last one is looked at in the cycles that follow."""
+        """Leave the last one to the cycles that follow; those before it have to be done with at once."""
         first_looked_at = len(samples) - _MOST_IMAGES
         for place, sample in enumerate(samples):
-            while self._work in _OF_IMAGE:
+            while self._work in _OF_FRAME:
                 self._work_off(time_s)
-            if self.frames.accept(sample, time_s) and sample.measured and place >= first_looked_at:
-                self._image = sample, time_s
-                self._work = _Work.IMAGE
+            self._frame = sample, time_s, sample.measured and place >= first_looked_at
+            self._work = _Work.DATE
+
+    def _date_frame(self) -> None:
+        assert self._frame is not None
+        sample, received_s, to_be_looked_at = self._frame
+        accepted = self.frames.accept(sample, received_s)
+        self._work = _Work.LOOK if accepted and to_be_looked_at else _Work.SETTLE
 
     def _look_at_image(self, now_s: float) -> None:
         """The image that waits, once the blocks before it have been taken in."""
-        assert self._image is not None
+        assert self._frame is not None
         frames = self.frames
         instant = frames.expected_instant_s()
         if self._blocks and self._blocks[0].end_s <= instant:
             self._take_oldest_block()
             return
-        sample, received_s = self._image
+        sample, received_s, _ = self._frame
         of_use = frames.look(
             sample, received_s, self._joint_input, self._blows.suspicion, self._accelerometer_sees(now_s)
         )
         self._last_frame_s, self._last_instant_s = received_s, instant
         if frames.blow:
             self._blows.forget()
-        self._work = _Work.WEIGH if of_use else _Work.MERGE
+        self._work = _Work.WEIGH if of_use else _Work.SETTLE
         if not of_use:
             self._tell_date(sample.frame)
 
     def _weigh_image(self) -> None:
-        assert self._image is not None
+        assert self._frame is not None
         self.frames.take()
-        self._tell_date(self._image[0].frame)
-        self._work = _Work.MERGE
+        self._tell_date(self._frame[0].frame)
+        self._work = _Work.SETTLE
 
     def _take_oldest_block(self) -> None:
         self._weigh_what_was_seen()
@@ -296,12 +305,16 @@ class FusedMethod:
         """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
         if self.frames.leave_block():
             return
-        if self._work is _Work.IMAGE:
+        if self._work is _Work.DATE:
+            self._date_frame()
+        elif self._work is _Work.LOOK:
             self._look_at_image(time_s)
         elif self._work is _Work.WEIGH:
             self._weigh_image()
-        elif self._work is _Work.MERGE:
+        elif self._work is _Work.SETTLE:
             self.frames.settle()
+            self._work = _Work.MERGE
+        elif self._work is _Work.MERGE:
             self._merge(time_s)
             self._work = _Work.PRESENT
         elif self._work is _Work.PRESENT:
