@@ -54,20 +54,24 @@ class Seen:
 class FilterBank:
     """States x (filters, n), covariances p (filters, n, n)."""
 
-    def __init__(self, layout: Layout, state: Array, variance: Array, jitter_s: Array) -> None:
-        """state, variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s."""
+    def __init__(self, layout: Layout, variance: Array, jitter_s: Array) -> None:
+        """variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s, (filters,)."""
         self._at = layout
-        self.x = state
-        self.p = np.zeros((FILTERS, layout.size, layout.size))
-        diagonal = np.arange(layout.size)
-        self.p[:, diagonal, diagonal] = variance
-        self._diagonal = diagonal
+        self._diagonal = np.arange(layout.size)
         self._unit = np.eye(layout.size)[None].repeat(FILTERS, axis=0)
-        self.jitter = jitter_s**2
+        self.begin(variance, jitter_s)
         self.edge_s = 0.0
         m = layout.modes
         self._i_cos, self._i_sin = np.arange(0, 2 * m, 2), np.arange(1, 2 * m, 2)
         self._i_w, self._i_d = np.arange(2 * m, 3 * m), np.arange(3 * m, 4 * m)
+
+    def begin(self, variance: Array, jitter_s: Array) -> None:
+        """All states zero, with that variance, (filters, n); jitter_s: white spread of the instants, (filters,)."""
+        n = self._at.size
+        self.x = np.zeros((FILTERS, n))
+        self.p = np.zeros((FILTERS, n, n))
+        self.p[:, self._diagonal, self._diagonal] = variance
+        self.jitter = jitter_s**2
 
     def phasors(self) -> ComplexArray:
         """Z = a - i b of each mode, (filters, m): mode i deflects Re(Z exp(i w t))."""

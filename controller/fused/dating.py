@@ -32,6 +32,10 @@ class Dating:
         self._received_s = 0.0
         self._captured_s = nan
 
+    def change_period(self, factor: float) -> None:
+        """The frames' period is not the one supposed, but `factor` times that."""
+        self._frame_s *= factor
+
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Move on to a frame; False for one that is a duplicate or came out of order."""
         self.doubt_s = self.stamp_doubt_s = 0.0

@@ -18,6 +18,8 @@ _USUAL_FRAMES, _LEAST_USUAL = 300.0, 0.01
 _BLIND_HANDICAP = 50.0  # in the logarithm of the probability: only a full refutation (_LOWEST) outweighs it
 _LARGEST_SURPRISE = 25.0  # one image may not decide alone
 _LOWEST = -60.0
+_UNPROVEN = 7.0  # by so much less likely than the best, in the logarithm, a filter begins anew
+_LEAST_SHIFT_S = 0.001
 
 
 class Evidence:
@@ -29,10 +31,14 @@ class Evidence:
         self._delay_s = model.timing.capture_delay_s
         self._first = start.variances(model, settings, at, length_m)
         self._prior = start.beliefs(model)
-        self._log = np.zeros(FILTERS)
-        self._refuted_for = np.zeros(FILTERS)
         self.stamps_admitted = False
         self._while_seeing = self._prior
+        self.begin()
+
+    def begin(self) -> None:
+        """No image has told anything."""
+        self._log = np.zeros(FILTERS)
+        self._refuted_for = np.zeros(FILTERS)
         self._normalise()
         self._usual: Array = self._by_law()
 
@@ -45,6 +51,10 @@ class Evidence:
     def best(self) -> int:
         """The most probable filter."""
         return int(np.argmax(self.weights))
+
+    def likeliest(self, law: Law) -> int:
+        """The more probable one of a law's filters."""
+        return int(law) + LAWS * int(np.argmax(self.weights[law::LAWS]))
 
     def law(self, law: Law) -> float:
         """Probability of a law, whatever the level of disturbance."""
@@ -78,6 +88,18 @@ class Evidence:
             self._prior[target] = self._prior[target - 1] + 0.7
         self._normalise()
 
+    def begin_clock(self, bank: FilterBank, dating: Dating) -> None:
+        """The clock's period was another: its law begins anew, from what the best one of the others knows."""
+        others = np.where(np.arange(FILTERS) % LAWS == Law.CLOCK, 0.0, self.weights)
+        best, at = int(np.argmax(others)), self._at
+        instant = float(dating.nominal[best % LAWS] + bank.x[best, at.shift])
+        variance = max(float(bank.p[best, at.shift, at.shift] + bank.jitter[best]), _LEAST_SHIFT_S**2)
+        for target in range(int(Law.CLOCK), FILTERS, LAWS):
+            self._start(bank, target, best, instant - float(dating.nominal[Law.CLOCK]), variance)
+            self._log[target] = self._log[best] - _UNPROVEN
+            self._refuted_for[target] = 0.0
+        self._normalise()
+
     def respawn(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
         """A filter refuted for a while starts again from the best one; instant_s: of the last frame, with std_s."""
         best = self.best
@@ -93,8 +115,8 @@ class Evidence:
                 bank.copy(target, of_law)
             else:
                 shift = instant_s - float(dating.nominal[law])
-                self._start(bank, target, best, shift, max(std_s, 0.001) ** 2)
-            self._log[target] = -7.0
+                self._start(bank, target, best, shift, max(std_s, _LEAST_SHIFT_S) ** 2)
+            self._log[target] = -_UNPROVEN
 
     def go_blind(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
         """The accelerometer is lost: images alone can hardly tell a drifting delay from a changed frequency.
@@ -107,7 +129,7 @@ class Evidence:
             unlikely[Law.STAMPS :: LAWS] = False
         for target in np.flatnonzero(unlikely).tolist():
             shift = instant_s - float(dating.nominal[target % LAWS])
-            self._start(bank, target, best, shift, max(std_s, 0.001) ** 2)
+            self._start(bank, target, best, shift, max(std_s, _LEAST_SHIFT_S) ** 2)
         self._while_seeing = self._prior
         laws = np.log(np.maximum(self._usual, _LEAST_USUAL))
         laws[self._usual < _UNLIKELY] -= _BLIND_HANDICAP

@@ -14,6 +14,7 @@ from controller.fused import start
 from controller.fused.arrivals import ArrivalSpread
 from controller.fused.bank import FILTERS, LAWS, FilterBank, Law, Seen
 from controller.fused.blocks import Block, Jump
+from controller.fused.clock_rate import ClockRate
 from controller.fused.dating import Dating
 from controller.fused.evidence import Evidence
 from controller.fused.joint_date import JointDate
@@ -38,6 +39,8 @@ _STRANGE, _STRANGE_FRAMES = (
     36.0,
     10,
 )  # of an n_i: normalised innovation squared, and for how long it is left out
+_BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
+_CONFIRMED = 0.25  # of the variance of the clock's rate: what images have left of it
 _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _LAW_OF = np.arange(FILTERS) % LAWS
 _CLOCKED = (_LAW_OF == Law.CLOCK) | (_LAW_OF == Law.STAMPS)
@@ -83,19 +86,21 @@ class FrameFusion:
         self, model: Model, settings: Fused, at: Layout, length_m: float, health: AccelerometerHealth
     ) -> None:
         """Nothing seen yet. health: told what the images make of each block of the accelerometer."""
-        self._health = health
+        self.health = health
         self._at = at
         self._frame_s = start.frame_s(model)
         self._model_delay_s = model.timing.capture_delay_s
         self.dating = Dating(self._frame_s, self._model_delay_s)
-        first = start.variances(model, settings, at, length_m)
-        self.bank = FilterBank(at, np.zeros((FILTERS, at.size)), first, start.jitters_s(model))
+        self._first = start.variances(model, settings, at, length_m)
+        self._first_jitter = start.jitters_s(model)
+        self.bank = FilterBank(at, self._first, self._first_jitter)
         self.evidence = Evidence(model, settings, at, length_m)
         self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
         self._state_noise = start.state_noise(settings, at)
         self._phasor_share = start.phasor_share(settings)
         self._least_jitter = np.where(_LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._joint_date = JointDate()
+        self._clock_rate = ClockRate(start.spread_s(model), model.timing.cycle_s)
         self._cycle_s = model.timing.cycle_s
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
         spread = start.spread_s(model)
@@ -130,7 +135,7 @@ class FrameFusion:
             best = self.evidence.best
             value, expected, variance = bank.look_at_block(block, best)
             total = variance + block.variance
-            health = self._health
+            health = self.health
             drifted = health.compare(value, expected, total)
             if drifted:
                 bank.loosen_bias(drifted)
@@ -179,9 +184,7 @@ class FrameFusion:
         for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2
-                self._spread[law].restart()
-                self._started[law].restart()
-                self._joint_date.restart()
+                self._restart_watch(law)
         if dating.stamped and not self.evidence.stamps_admitted:
             self.evidence.admit_stamps(bank, dating)
             self._spread[Law.STAMPS].restart()
@@ -191,6 +194,7 @@ class FrameFusion:
 
     def _take_arrival(self, sample: VisualSample, received_s: float) -> None:
         nominal, elapsed = self.dating.nominal, self.dating.elapsed
+        self._watch_clock(received_s)
         late = received_s - self._model_delay_s - nominal
         noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
@@ -226,6 +230,42 @@ class FrameFusion:
             self.bank.forget_started((start.AHEAD_FRAMES * self._frame_s) ** 2)
             for spread in (*self._started, between):
                 spread.restart()
+
+    def _restart_watch(self, law: Law) -> None:
+        """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
+        self._spread[law].restart()
+        self._started[law].restart()
+        if law is Law.CLOCK:
+            self._joint_date.restart()
+            self._clock_rate.restart()
+
+    def _watch_clock(self, received_s: float) -> None:
+        """Arrivals that run away from the clock refute its period, unless images have confirmed it."""
+        dating, bank, at = self.dating, self.bank, self._at
+        instant = float(dating.nominal[Law.CLOCK])
+        rate = self._clock_rate.add(instant, received_s - instant)
+        if rate is None:
+            return
+        skew = float(bank.p[self.evidence.likeliest(Law.CLOCK), at.skew, at.skew])
+        believed = self.evidence.law(Law.CLOCK) > 0.5
+        if believed and skew < _CONFIRMED * start.SKEW**2:
+            return
+        dating.change_period(1.0 + rate.rate)
+        if believed:
+            self._begin_anew(received_s)
+        else:
+            self.evidence.begin_clock(bank, dating)
+        for target in range(int(Law.CLOCK), FILTERS, LAWS):
+            bank.p[target, at.skew, at.skew] = rate.std**2
+        self._restart_watch(Law.CLOCK)
+
+    def _begin_anew(self, received_s: float) -> None:
+        """What was learnt by a wrong clock is wrong: frequencies, phases, what the accelerometer is worth."""
+        self.bank.begin(self._first, self._first_jitter)
+        self.dating.nominal[:] = received_s - self._model_delay_s
+        self.evidence.begin()
+        self.health.begin_comparison()
+        self._images = self._outliers = self._votes = 0
 
     def _is_strange(self, started: Array, noise: Array) -> bool:
         """Whether n_i has jumped, by the most likely filter."""
@@ -280,6 +320,8 @@ class FrameFusion:
             times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
+        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, at.shift, at.shift] + bank.jitter)
+        surprise = np.where(times - reach > received_s, np.inf, surprise)
         self._outliers = self._votes = 0
         self._looked = Looked(image, times, received_s, seen, surprise)
         return True
@@ -345,9 +387,7 @@ class FrameFusion:
             return False
         if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * self._frame_s:
             self.dating.nominal[Law.CLOCK] += self._voted * self._frame_s
-            self._spread[Law.CLOCK].restart()
-            self._started[Law.CLOCK].restart()
-            self._joint_date.restart()
+            self._restart_watch(Law.CLOCK)
             return True
         self.blow = True
         best = self.evidence.best

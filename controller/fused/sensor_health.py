@@ -108,6 +108,12 @@ class AccelerometerHealth:
         against.forget_offset()
         return self._drift
 
+    def begin_comparison(self) -> None:
+        """What the images made of it was wrong."""
+        self._against = AgainstImages()
+        self._drift = self._drifting = 0.0
+        self.mute = False
+
     @property
     def doubt(self) -> float:
         """By what a block's variance is to be multiplied: 1, or how far the sensor contradicts the images."""

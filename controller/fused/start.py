@@ -16,7 +16,7 @@ _FIRST_AMPLITUDE = 0.02  # of the arm's length
 _IMAGE_ZERO = 0.05  # of the arm's length, about the first image
 _SCALE = 0.07
 _BIAS_M_S2 = 1.0
-_SKEW = 60e-6  # two crystals, each some tens of ppm off; 200 ppm lies within three and a half deviations
+SKEW = 60e-6  # two crystals, each some tens of ppm off; 200 ppm lies within three and a half deviations
 _STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
 AHEAD_FRAMES = 1.0  # n_i before mid-exposure: half a frame, a whole one, or two
 _LEAST_DELAY_SPREAD_S = 0.002
@@ -49,7 +49,7 @@ def variances(model: Model, settings: Fused, at: Layout, length_m: float) -> Arr
     v[:, at.bias] = (_BIAS_M_S2 / at.w_first**2) ** 2
     v[:, at.shift] = first_shift_s(model) ** 2
     for law in (Law.CLOCK, Law.STAMPS):
-        v[law, at.skew] = _SKEW**2
+        v[law, at.skew] = SKEW**2
         v[law, at.late] = first_shift_s(model) ** 2
     v[:, at.ahead] = (AHEAD_FRAMES * frame_s(model)) ** 2
     v[Law.DRIFT, at.late] = (0.5 * spread_s(model)) ** 2
