@@ -119,6 +119,7 @@ class FrameFusion:
         self._unused_blocks = 0
         self._blind = False
         self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
+        self._arrived: tuple[VisualSample, float] | None = None
         self._left: Block | None = None  # taken in, its end not yet reached
         self._looked: Looked | None = None
         self._taken: tuple[Array, Seen] | None = None
@@ -172,6 +173,7 @@ class FrameFusion:
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
         self.settle()
+        self.take_arrival()
         self.leave_block()
         first = not self.dating.started
         if not self.dating.accept(sample, received_s):
@@ -189,10 +191,14 @@ class FrameFusion:
             self.evidence.admit_stamps(bank, dating)
             self._spread[Law.STAMPS].restart()
             self._started[Law.STAMPS].restart()
-        self._take_arrival(sample, received_s)
+        self._arrived = sample, received_s
         return True
 
-    def _take_arrival(self, sample: VisualSample, received_s: float) -> None:
+    def take_arrival(self) -> None:
+        """What the arrival of the frame accepted last tells, if that has not been taken in."""
+        if self._arrived is None:
+            return
+        (sample, received_s), self._arrived = self._arrived, None
         nominal, elapsed = self.dating.nominal, self.dating.elapsed
         self._watch_clock(received_s)
         late = received_s - self._model_delay_s - nominal
@@ -297,6 +303,7 @@ class FrameFusion:
         suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
         Returns whether it is of use; `take` comes next then, before anything else.
         """
+        self.take_arrival()
         self.leave_block()
         at, bank, weights = self._at, self.bank, self.evidence.weights
         value = sample.displacement_x_px * at.per_px
@@ -465,7 +472,7 @@ class FrameFusion:
         else:
             x = w @ bank.x
             d = bank.x - x
-            p = np.tensordot(w, bank.p, 1) + (d * w[:, None]).T @ d
+            p = (w @ bank.p.reshape(FILTERS, -1)).reshape(at.size, at.size) + (d * w[:, None]).T @ d
         m = at.modes
         z = x[at.cosine] - 1j * x[at.sine]
         lag = now_s - bank.edge_s

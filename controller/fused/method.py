@@ -36,15 +36,16 @@ class _Work(Enum):
 
     NONE = 0
     DATE = 1
-    LOOK = 2
-    WEIGH = 3
-    SETTLE = 4
-    MERGE = 5
-    PRESENT = 6
-    BLOCKS = 7
+    ARRIVAL = 2
+    LOOK = 3
+    WEIGH = 4
+    SETTLE = 5
+    MERGE = 6
+    PRESENT = 7
+    BLOCKS = 8
 
 
-_OF_FRAME = frozenset((_Work.DATE, _Work.LOOK, _Work.WEIGH))
+_OF_FRAME = frozenset((_Work.DATE, _Work.ARRIVAL, _Work.LOOK, _Work.WEIGH))
 
 
 class FusedMethod:
@@ -258,9 +259,13 @@ class FusedMethod:
 
     def _date_frame(self) -> None:
         assert self._frame is not None
-        sample, received_s, to_be_looked_at = self._frame
-        accepted = self.frames.accept(sample, received_s)
-        self._work = _Work.LOOK if accepted and to_be_looked_at else _Work.SETTLE
+        sample, received_s, _ = self._frame
+        self._work = _Work.ARRIVAL if self.frames.accept(sample, received_s) else _Work.SETTLE
+
+    def _take_arrival(self) -> None:
+        assert self._frame is not None
+        self.frames.take_arrival()
+        self._work = _Work.LOOK if self._frame[2] else _Work.SETTLE
 
     def _look_at_image(self, now_s: float) -> None:
         """The image that waits, once the blocks before it have been taken in."""
@@ -307,6 +312,8 @@ class FusedMethod:
             return
         if self._work is _Work.DATE:
             self._date_frame()
+        elif self._work is _Work.ARRIVAL:
+            self._take_arrival()
         elif self._work is _Work.LOOK:
             self._look_at_image(time_s)
         elif self._work is _Work.WEIGH:
