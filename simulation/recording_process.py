@@ -71,7 +71,8 @@ class RecordingProcess:
             self._connection.send_bytes(b"")
             failure = self._connection.recv()
         except (EOFError, OSError):
-            failure = "the recording's process died"
+            self._process.join()
+            failure = f"the recording's process died (exit status {self._process.exitcode})"
         self._process.join()
         self._connection.close()
         if failure:

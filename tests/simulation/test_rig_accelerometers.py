@@ -2,7 +2,6 @@
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -14,14 +13,9 @@ import pytest
 from common.configuration import AccelerometerDevice
 from drivers.accelerometer import SampleStatus
 from drivers.accelerometer_factory import open_accelerometer
+from tests.free_ports import free_ports
 
 pytestmark = pytest.mark.realtime
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @pytest.mark.parametrize("name", ["lis3dh", "adxl355", "icm20948", "witmotion", "xsens", "microcontroller"])
@@ -33,7 +27,7 @@ def test_the_driver_reads_the_rig_s_emulated_device(tmp_path: Path, name: str) -
     path.write_text(
         f'[accelerometer]\nbus = "memory:{place}"\nport = "pty:{place}"\n'
         f'[camera]\ndriver = "shared_memory"\ndevice = "{place}-camera"\n'
-        f"[drive]\ngateway_port = {free_port()}\n"
+        f"[drive]\ngateway_port = {free_ports(1)[0]}\n"
     )
     command = [sys.executable, "-m", "stillarm", "rig", "--config", str(path), "--accelerometer", name]
     rig = subprocess.Popen(command, stderr=subprocess.PIPE, cwd=Path(__file__).parents[2])

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from stillarm.main import COMMANDS, main
+from tests.free_ports import free_ports
 
 RIG = """
 model = "model.toml"
@@ -124,7 +125,9 @@ def test_a_daemon_that_cannot_start_says_why_in_one_line(
     (tmp_path / "quick.toml").write_text("[arm]\nlength_m = 2.0\n[timing]\ncapture_delay_s = 0.0\n")
     (tmp_path / "slow.toml").write_text("[arm]\nlength_m = 2.0\n")
     path = tmp_path / "rig.toml"
-    path.write_text(content)
+    path.write_text(
+        content + f"[link]\nsupervisor_port = {free_ports(1)[0]}\n"
+    )  # the usual one may be in use
     words = [sys.executable, "-m", "stillarm", command, "--config", str(path)]
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 1

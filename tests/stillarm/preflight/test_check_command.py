@@ -12,6 +12,7 @@ import pytest
 from common.recording.reader import open_recording
 from stillarm.preflight import walk
 from stillarm.preflight.verdict import Level
+from tests.free_ports import free_ports
 
 ROOT = Path(__file__).parents[3]
 CONFIG = """
@@ -33,18 +34,6 @@ local_port = {ports[4]}
 [telemetry]
 enabled = false
 """
-
-
-def free_ports(count: int) -> list[int]:
-    import socket
-
-    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
-    for held in sockets:
-        held.bind(("127.0.0.1", 0))
-    ports = [int(held.getsockname()[1]) for held in sockets]
-    for held in sockets:
-        held.close()
-    return ports
 
 
 def stillarm(*words: str) -> list[str]:

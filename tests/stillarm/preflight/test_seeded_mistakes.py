@@ -33,6 +33,7 @@ from stillarm.preflight.machine import MachineFacts, judge_machine
 from stillarm.preflight.sensor import could_not_start, judge_bus, judge_sensor, read_sensor
 from stillarm.preflight.verdict import Level, Verdict, fail
 from supervisor.exchange import SupervisorExchange
+from tests.free_ports import free_ports
 
 MODEL = Model()
 KEY, OTHER_KEY = b"the key of this test", b"another key altogether"
@@ -206,7 +207,7 @@ class Gateway:
         socket = DriveGatewaySocket(gateway, ("127.0.0.1", 0))
         clock = Clock(lambda seconds: socket.poll(clock.now) and None if self.runs else None)
         port = socket.address[1] if not self.another_port else 9
-        config = DriveDevice(gateway_port=port, local_port=_free_port())
+        config = DriveDevice(gateway_port=port, local_port=free_ports(1)[0])
         try:
             probe = greet_gateway(config, KEY, 0.3, clock=clock, sleep=clock.sleep)
             assert gateway.counts.accepted == 0
@@ -274,14 +275,6 @@ class Machine:
         """Judge it."""
         facts = MachineFacts(self.missing, "6.1", True, frozenset({"performance"}), 4)
         return judge_machine(facts, emulated=False)
-
-
-def _free_port() -> int:
-    import socket
-
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 UPSIDE_DOWN = AccelerometerDevice(bus="memory:test-preflight", address=0x1D, rotation_deg=(180.0, 0.0, 0.0))
