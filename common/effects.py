@@ -105,6 +105,7 @@ def declared(model: "Model") -> "Model":
 def not_used_by_controller(model: "Model") -> str | None:
     """One line that names the effects which no estimator makes use of; None where there are none."""
     causes = dict.fromkeys(str(effect["cause"]) for effect in declared(model).effects)
+    causes.pop(_OBEYED_BY_CONTROLLER, None)
     if not causes:
         return None
     return f"the controller makes no use of these effects of its model: {', '.join(causes)}"
@@ -136,5 +137,6 @@ _FOLDS: dict[str, Callable[["Model", Values], "Model"]] = {
     "accelerometer_lag": _replace_in("accelerometer"),
     "camera_tilt_coupling": _replace_in("camera"),
 }
+_OBEYED_BY_CONTROLLER = "gear_backlash"
 FOLDED_CAUSES = frozenset(_FOLDS)
 """Those that are but another value of a key."""

@@ -10,11 +10,13 @@ from enum import StrEnum
 from math import isfinite
 
 from common.configuration import Damping
+from common.effects import effect_of
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.composite import CompositeControl
 from controller.drive_model import DriveModel, drive_lead_s
 from controller.estimate import Estimate, Status
+from controller.gear_play import GearPlay, PlayCrossing
 from controller.joint_motion import JointMotion
 from controller.states.health import DRIVE_SILENT_S
 
@@ -56,6 +58,8 @@ class JointDamping:
         self._last_measured_s = float("-inf")
         self._commanded = DriveModel(model.drive, model.timing.cycle_s)
         self._anchored = False
+        play = effect_of(model, "gear_backlash")
+        self._crossing = PlayCrossing(play["gap_rad"], self.lead_s, w, self._cycle_s) if play else None
         self._composite: CompositeControl | None = None
         if settings.law == "composite":
             self._composite = CompositeControl(model, length, self._gain, settings.return_time_s)
@@ -118,12 +122,31 @@ class JointDamping:
         share = _SURE_OF_AMPLITUDE * _SURE_OF_AMPLITUDE + 0.5 * of_delay * of_delay
         return not std * std > share * (q * q + of_rate * of_rate)
 
+    def _across(
+        self, crossing: PlayCrossing, play: GearPlay, estimate: Estimate, wanted_rad_s: float
+    ) -> float:
+        """The motor's velocity across the play, so far as the damping's limit leaves room for it."""
+        lead, w = self.lead_s, self._w
+        predicted = self.predicted_m(estimate)
+        rate = estimate.deflection_rate_m_s - w * w * lead * estimate.deflection_m
+        across = crossing.velocity_rad_s(self._gain * predicted, self._gain * rate, play)
+        most = self._settings.max_velocity_rad_s
+        return (
+            min(max(across, -most - wanted_rad_s), most - wanted_rad_s) if abs(wanted_rad_s) < most else 0.0
+        )
+
     def velocity_rad_s(
-        self, estimate: Estimate, time_s: float, allowed: bool, joint_position_rad: float, joint_age_s: float
+        self,
+        estimate: Estimate,
+        time_s: float,
+        allowed: bool,
+        joint_position_rad: float,
+        joint_age_s: float,
+        play: GearPlay | None = None,
     ) -> tuple[float, DampingStatus]:
         """The damping part of the joint velocity, and why it is what it is.
 
-        joint_age_s: age of the drive's report; NaN for a drive that reports nothing.
+        joint_age_s: age of the drive's report; NaN for a drive that reports nothing. play: between motor and joint.
         """
         self.at_limit = False
         settings = self._settings
@@ -155,6 +178,8 @@ class JointDamping:
             both = self._composite.velocity_rad_s(estimate, away)
         else:
             both = self._gain * predicted + away / settings.return_time_s
+        if self._crossing is not None and play is not None:
+            both += self._across(self._crossing, play, estimate, both)
         if not isfinite(both):
             self._weight = 0.0
             return 0.0, DampingStatus.NO_PREDICTION

@@ -33,6 +33,10 @@ class DriveModel:
         self.position_rad = position_rad
         self.velocity_rad_s = self.acceleration_rad_s2 = self.mean_acceleration_rad_s2 = 0.0
 
+    def report(self, position_rad: float) -> None:
+        """What the encoder shows, rad."""
+        self.position_rad = position_rad
+
     def advance(self, command_rad_s: float) -> None:
         """Move on by one cycle during which `command_rad_s` is sent.
 

@@ -7,8 +7,10 @@ an amount that the model knows.
 
 from math import isfinite
 
+from common.effects import effect_of
 from common.model import Model
 from controller.drive_model import DriveModel
+from controller.gear_play import GearPlay
 from controller.history import CycleHistory
 from controller.modal_response import ModalResponse
 
@@ -21,7 +23,10 @@ class JointMotion:
     def __init__(self, model: Model, length_m: float) -> None:
         """Everything at rest at the first position that is reported, or at zero."""
         self._cycle_s = model.timing.cycle_s
-        self._drive = DriveModel(model.drive, self._cycle_s)
+        drive, play = DriveModel(model.drive, self._cycle_s), effect_of(model, "gear_backlash")
+        self.play = GearPlay(drive, play["gap_rad"], play["behind_encoder"], self._cycle_s) if play else None
+        """Between motor and joint, where the model has one."""
+        self._drive = self.play or drive
         self._response = ModalResponse(model.arm.modes[0], length_m, self._cycle_s)
         held = int(HISTORY_S / self._cycle_s) + 2
         self._position = CycleHistory(held)
@@ -70,7 +75,7 @@ class JointMotion:
             self._response.advance(self._drive.mean_acceleration_rad_s2)
         self._cycle = cycle
         if isfinite(reported_position_rad):
-            self._drive.position_rad = reported_position_rad
+            self._drive.report(reported_position_rad)
         self._position.write(cycle, self._drive.position_rad)
         self._forced.write(cycle, self._response.deflection_m)
 

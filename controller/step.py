@@ -124,7 +124,12 @@ class Controller:
         )
         damping.see_cycle(read.cycle, estimate, read.samples, joint)
         velocity, status = damping.velocity_rad_s(
-            estimate, time_s, read.damping_allowed and allowed.may_damp, joint.position_rad, read.joint_age_s
+            estimate,
+            time_s,
+            read.damping_allowed and allowed.may_damp,
+            joint.position_rad,
+            read.joint_age_s,
+            joint.play,
         )
         wanted = reference + velocity
         if self._dither_settings.enabled:

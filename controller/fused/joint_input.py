@@ -1,12 +1,10 @@
 """What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it."""
 
 from cmath import exp
-from math import ceil, expm1, pi
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-
-from common.model import Drive
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -20,12 +18,8 @@ class JointInput:
     Between two instants an undamped, correctly tuned phasor moves by the difference of G; docs/fused.md, section 1.
     """
 
-    def __init__(self, w: list[float], gain: list[float], drive: Drive, cycle_s: float) -> None:
+    def __init__(self, w: list[float], gain: list[float], cycle_s: float) -> None:
         """w: damped angular frequency of each mode, rad/s; gain: - participation length / w."""
-        # The command is held over a cycle, in which theta'' decays with the drive's lag: its mean is above its end.
-        rate = 2.0 * pi * drive.bandwidth_hz * cycle_s
-        self._mean_of_end = expm1(rate) / rate
-        self._limit = drive.max_acceleration_rad_s2
         self._cycle_s = cycle_s
         self._w = w
         self._gain = [-1j * g * cycle_s for g in gain]
@@ -37,16 +31,15 @@ class JointInput:
         self.increment = [0j] * len(w)
 
     def advance(
-        self, cycle: int, turn: list[complex], acceleration_rad_s2: float, position_rad: float
+        self, cycle: int, turn: list[complex], mean_acceleration_rad_s2: float, position_rad: float
     ) -> None:
-        """Move on to `cycle`, where exp(i w t) is `turn`; theta'' as it is at the end of the cycle before."""
-        mean = min(max(acceleration_rad_s2 * self._mean_of_end, -self._limit), self._limit)
+        """Move on to `cycle`, where exp(i w t) is `turn`; the mean of theta'' over the cycle before."""
         skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, _HELD)
         self._cycle = cycle
         for back in range(skipped, -1, -1):
             self._position[(cycle - back) % _HELD] = position_rad
         for i, one in enumerate(turn):
-            step = self._gain[i] * mean * one.conjugate() * self._half_back[i]
+            step = self._gain[i] * mean_acceleration_rad_s2 * one.conjugate() * self._half_back[i]
             for back in range(skipped, 0, -1):  # cycles that never came: the same load at their own phase
                 self.sum[i] += step * exp(1j * self._w[i] * back * self._cycle_s)
                 self._held[(cycle - back) % _HELD, i] = self.sum[i]

@@ -95,7 +95,7 @@ class FusedMethod:
             per_sample,
         )
         self.frames = FrameFusion(model, self._settings, at, self._length, self.health)
-        self._joint_input = JointInput(self._w, at.input_gain, model.drive, self._cycle_s)
+        self._joint_input = JointInput(self._w, at.input_gain, self._cycle_s)
         self._present = Present(self._w, self._sigma, at.w_first)
         self._blows = BlowDetector(self._w, self._block_cycles * self._cycle_s)
         self._strikes = StrikeMeter(self._w[0], self._cycle_s)
@@ -121,7 +121,7 @@ class FusedMethod:
         """One cycle."""
         cycle, time_s, joint = observation.cycle, observation.time_s, observation.joint
         turn = [exp(1j * w * time_s) for w in self._w]
-        self._joint_input.advance(cycle, turn, joint.acceleration_rad_s2, joint.position_rad)
+        self._joint_input.advance(cycle, turn, joint.mean_acceleration_rad_s2, joint.position_rad)
         if self._block_start is None:
             self._block_start = cycle
             self.frames.bank.edge_s = time_s

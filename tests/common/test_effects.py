@@ -140,6 +140,7 @@ def test_the_controller_says_what_it_makes_no_use_of() -> None:
     unused = not_used_by_controller(Model(effects=[CUBIC, {"cause": "drive_lag", "bandwidth_hz": 7.0}]))
     assert unused is not None and unused.endswith(": cubic_stiffness")
     assert not_used_by_controller(Model(effects=[{"cause": "drive_lag", "bandwidth_hz": 7.0}])) is None
+    assert not_used_by_controller(Model(effects=[{"cause": "gear_backlash", "gap_rad": 0.01}])) is None
     assert effect_of(Model(), "cubic_stiffness") is None
 
 

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from common.model import Drive
 from common.visual_sample import VisualSample
 from controller.fused.arrivals import ArrivalSpread
 from controller.fused.bank import Law
@@ -30,9 +29,7 @@ def test_the_phasors_increments_move_it_as_the_modal_equation_does(
     w, lever, wj = 2 * np.pi * frequency_hz, 2.3, 2 * np.pi * joint_hz
     if abs(w - wj) < 0.2 * w:
         return
-    joint = JointInput(
-        [w], [-lever / w], Drive(bandwidth_hz=1e-3), 0.001
-    )  # so slow a lag that mean and end agree
+    joint = JointInput([w], [-lever / w], 0.001)
     cycle = 0
     while cycle < 800:
         cycle += skip if cycle == 400 else 1

@@ -1,0 +1,83 @@
+"""Play between motor and joint (backlash): what the joint does, and the velocity that carries the motor across.
+
+The joint stands while the motor crosses the play, and moves with it otherwise. To reverse, the motor has to cross at
+once: the inverse of the play (G. Tao and P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor
+Nonlinearities, Wiley 1996, chapter 4), which a motor of finite speed can only approach.
+"""
+
+from math import copysign, cos, hypot, sin
+
+from controller.drive_model import DriveModel
+
+_APPROACH_LAGS = 1.5  # the play is crossed exponentially, so many times slower than the drive answers
+_CROSSING_LAGS = 3.0  # so many time constants of the approach ahead the crossing begins
+_WORTH = 0.05  # of the play: a motion to and fro of less is not worth the blow at its end
+
+
+class GearPlay:
+    """The joint behind a motor and a play; attributes as DriveModel's, of the joint."""
+
+    def __init__(self, motor: DriveModel, gap_rad: float, encoder_on_motor: bool, cycle_s: float) -> None:
+        """The motor begins in the middle of the play."""
+        self._motor = motor
+        self._half_rad = 0.5 * gap_rad
+        self._encoder_on_motor = encoder_on_motor
+        self._cycle_s = cycle_s
+        self.ahead_rad = 0.0
+        """Motor position less theta, within half the gap to either side."""
+        self.position_rad = motor.position_rad
+        self.velocity_rad_s = 0.0
+        self.acceleration_rad_s2 = 0.0
+        self.mean_acceleration_rad_s2 = 0.0
+
+    def advance(self, command_rad_s: float) -> None:
+        """Move on by one cycle. Where the motor meets a flank theta' jumps to its velocity."""
+        motor, before = self._motor, self._motor.position_rad
+        motor.advance(command_rad_s)
+        ahead = self.ahead_rad + motor.position_rad - before
+        self.ahead_rad = min(max(ahead, -self._half_rad), self._half_rad)
+        in_contact = abs(ahead) >= self._half_rad and ahead * motor.velocity_rad_s > 0.0
+        velocity = motor.velocity_rad_s if in_contact else 0.0
+        self.mean_acceleration_rad_s2 = (velocity - self.velocity_rad_s) / self._cycle_s
+        self.velocity_rad_s = velocity
+        self.acceleration_rad_s2 = motor.acceleration_rad_s2 if in_contact else 0.0
+        self.position_rad = motor.position_rad - self.ahead_rad
+
+    def report(self, position_rad: float) -> None:
+        """What the encoder shows, rad."""
+        self._motor.position_rad = position_rad if self._encoder_on_motor else position_rad + self.ahead_rad
+        self.position_rad = self._motor.position_rad - self.ahead_rad
+
+    @property
+    def motor_velocity_rad_s(self) -> float:
+        """The motor's."""
+        return self._motor.velocity_rad_s
+
+
+class PlayCrossing:
+    """The motor's velocity across the play, beside what the joint is to do."""
+
+    def __init__(self, gap_rad: float, lead_s: float, angular_frequency: float, cycle_s: float) -> None:
+        """lead_s: how late the drive answers. angular_frequency: of the vibration that is damped, rad/s."""
+        self._half_rad = 0.5 * gap_rad
+        self._lead_s = lead_s
+        self._approach_s = _APPROACH_LAGS * lead_s + cycle_s
+        ahead = angular_frequency * _CROSSING_LAGS * self._approach_s
+        self._cos, self._sin = cos(ahead), sin(ahead) / angular_frequency
+        self._w = angular_frequency
+        self._least_rad_s = 0.5 * _WORTH * gap_rad * angular_frequency
+        self._side = 0.0
+
+    def velocity_rad_s(self, wanted_rad_s: float, rate_rad_s2: float, play: GearPlay) -> float:
+        """wanted_rad_s, rate_rad_s2: the joint's velocity for damping when the drive will answer, and its rate.
+
+        A vibration that asks for too little motion is left alone: crossing would excite more than it stills.
+        """
+        size = hypot(wanted_rad_s, rate_rad_s2 / self._w)
+        if size < self._least_rad_s:
+            return 0.0
+        soon = wanted_rad_s * self._cos + rate_rad_s2 * self._sin
+        self._side = copysign(1.0, soon)
+        there = play.ahead_rad + play.motor_velocity_rad_s * self._lead_s
+        there = min(max(there, -self._half_rad), self._half_rad)
+        return (self._side * self._half_rad - there) / self._approach_s
