@@ -1,24 +1,26 @@
-"""Blind trials, one after the other, each kept in a file of its own so that a campaign can be resumed.
+"""Blind trials, on every core one, each kept in a file of its own so that a campaign can be resumed.
 
 `--trials N`: N recordings with one cause hidden (every cause in turn), half as many with nothing, a fifth with an
 effect that the catalogue does not have, a fifth with two causes.
 """
 
 import json
-import shutil
-import tempfile
-from collections.abc import Callable
+import os
+import queue
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
-from benchmarks.diagnosis.ask import ask
-from benchmarks.diagnosis.hidden import Prepare, hidden_world
-from benchmarks.diagnosis.mark import mark
-from benchmarks.diagnosis.picture import draw_confusion
+from benchmarks.diagnosis.ask import LONGEST_S
+from benchmarks.diagnosis.hidden import hidden_world
+from benchmarks.diagnosis.picture import draw_campaign
 from benchmarks.diagnosis.summary import summary
+from benchmarks.diagnosis.warm import Lost, Warm
 from common.user_error import UserError
 
-Ask = Callable[[Path, Path, list[list[float]]], dict[str, Any]]
+Row = dict[str, Any]
+Trial = Callable[[str, int, int], Row]
 
 
 def schedule(trials: int) -> list[tuple[str, int]]:
@@ -33,39 +35,87 @@ def run(
     seed: int,
     folder: Path | None,
     progress: Callable[[float], None] = lambda done: None,
-    prepare: Prepare | None = None,
-    answer: Ask = ask,
+    trial: Trial | None = None,
 ) -> dict[str, Any]:
-    """Run, or go on with, a campaign; returns the content of the result file. folder: keeps rows and the picture."""
-    prepare = prepare or hidden_world()
+    """Run, or go on with, a campaign; returns the content of the result file. folder: keeps rows and the pictures.
+
+    trial: instead of the processes that make, ask and mark (for tests), one after the other.
+    """
+    hidden_world()  # says at once where it is missing
     if folder is not None:
         _claim(folder, trials, seed)
-    plan, rows = schedule(trials), []
-    for place, (kind, number) in enumerate(plan):
-        kept = folder / f"{kind}_{number:04d}.json" if folder is not None else None
-        if kept is not None and kept.is_file():
-            rows.append(json.loads(kept.read_text()))
-        else:
-            rows.append(_trial(kind, number, seed, prepare, answer))
-            if kept is not None:
-                partly = kept.with_suffix(".part")
-                partly.write_text(json.dumps(rows[-1], indent=1) + "\n")
-                partly.replace(kept)
-        progress((place + 1) / len(plan))
-    result = summary(rows, trials, seed)
+    plan = schedule(trials)
+    rows = {key: row for key in plan if (row := _kept(folder, key)) is not None}
+    missing = [key for key in plan if key not in rows]
+    done = _one_by_one(missing, seed, trial) if trial else _side_by_side(missing, seed)
+    for key, row in done:
+        rows[key] = row
+        if folder is not None:
+            _keep(folder, key, row)
+        progress(len(rows) / len(plan))
+    result = summary([rows[key] for key in plan], trials, seed)
     if folder is not None:
-        draw_confusion(result["confusion"], folder / "confusion.png")
+        draw_campaign(result, folder)
     return result
 
 
-def _trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> dict[str, Any]:
-    """Make, ask, mark. The bundle's folder has the same name whatever it holds, and is gone afterwards."""
-    work = Path(tempfile.mkdtemp(prefix="stillarm_trial_"))
+def _one_by_one(
+    keys: list[tuple[str, int]], seed: int, trial: Trial
+) -> Iterator[tuple[tuple[str, int], Row]]:
+    for kind, number in keys:
+        yield (kind, number), trial(kind, number, seed)
+
+
+def _side_by_side(keys: list[tuple[str, int]], seed: int) -> Iterator[tuple[tuple[str, int], Row]]:
+    """Rows as they are done: on each core a process that makes and marks, and one that it asks."""
+    if not keys:
+        return
+    lanes: queue.SimpleQueue[Warm] = queue.SimpleQueue()
+    all_lanes = [
+        Warm("benchmarks.diagnosis.trial", own_group=True) for _ in range(len(os.sched_getaffinity(0)))
+    ]
+    for lane in all_lanes:
+        lanes.put(lane)
+
+    def row(key: tuple[str, int]) -> Row:
+        lane = lanes.get()
+        try:
+            made: Row = lane.ask([*key, seed], 3.0 * LONGEST_S)
+            return made
+        except Lost as lost:
+            raise UserError(
+                f"benchmark diagnosis: trial {key[0]} {key[1]} of seed {seed} was not done: {lost}; what it said "
+                "stands above. --resume FOLDER goes on with the others"
+            ) from None
+        finally:
+            lanes.put(lane)
+
+    pool = ThreadPoolExecutor(len(all_lanes))
     try:
-        truth = prepare(kind, number, seed, work / "data") | {"number": number}
-        return mark(truth, answer(work / "data", work, truth["hold_out"]))
+        asked: dict[Future[Row], tuple[str, int]] = {pool.submit(row, key): key for key in keys}
+        for future in as_completed(asked):
+            yield asked[future], future.result()
     finally:
-        shutil.rmtree(work, ignore_errors=True)
+        pool.shutdown(wait=False, cancel_futures=True)
+        for lane in all_lanes:
+            lane.close()
+
+
+def _kept(folder: Path | None, key: tuple[str, int]) -> Row | None:
+    path = _file(folder, key) if folder is not None else None
+    return json.loads(path.read_text()) if path is not None and path.is_file() else None
+
+
+def _keep(folder: Path, key: tuple[str, int], row: Row) -> None:
+    """Whole or not at all."""
+    kept = _file(folder, key)
+    partly = kept.with_suffix(".part")
+    partly.write_text(json.dumps(row, indent=1) + "\n")
+    partly.replace(kept)
+
+
+def _file(folder: Path, key: tuple[str, int]) -> Path:
+    return folder / f"{key[0]}_{key[1]:04d}.json"
 
 
 def _claim(folder: Path, trials: int, seed: int) -> None:

@@ -43,6 +43,7 @@ def mark(truth: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
         "duration_s": truth["duration_s"],
         "over_noise": truth["over_noise"],
         "seconds": asked["seconds"],
+        "cpu_s": asked.get("cpu_s"),
         "error": asked["error"],
         "verdict": None,
         "answers": [],
@@ -132,5 +133,5 @@ def _gain_ratio(truth: dict[str, Any], answer: dict[str, Any]) -> float | None:
 
 def median_of(rows: list[dict[str, Any]], key: str) -> float | None:
     """Median over the rows that have the value."""
-    values = [row[key] for row in rows if row[key] is not None]
+    values = [row[key] for row in rows if row.get(key) is not None]
     return float(median(values)) if values else None

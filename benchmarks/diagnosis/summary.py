@@ -37,6 +37,8 @@ def summary(rows: Rows, trials: int, seed: int) -> dict[str, Any]:
         "parameter_value_error_median": _values(one),
         "gain_ratio_median": median_of(one, "gain_ratio"),
         "seconds_median": median_of(rows, "seconds"),
+        "cpu_s_median": median_of(rows, "cpu_s"),
+        "making_cpu_s_median": median_of(rows, "making_cpu_s"),
         "failed": sum(r["error"] is not None for r in rows),
         "by_nats": _by_nats(one),
         "by_cause": _by_cause(one),
@@ -65,13 +67,17 @@ def _by_nats(rows: Rows) -> list[dict[str, Any]]:
     for low, high in pairwise(_BINS):
         here = [r for r in rows if low <= r["hidden"][0]["nats"] < high]
         if here:
+            detected = sum(r["verdict"] not in (None, "none") for r in here)
+            named = sum(r["right"] for r in here)
             out.append(
                 {
                     "from_nats": low,
                     "to_nats": None if high == float("inf") else high,
                     "trials": len(here),
-                    "detected": sum(r["verdict"] not in (None, "none") for r in here),
-                    "named": sum(r["right"] for r in here),
+                    "detected": detected,
+                    "detected_interval": wilson(detected, len(here)),
+                    "named": named,
+                    "named_interval": wilson(named, len(here)),
                 }
             )
     return out
@@ -93,6 +99,7 @@ def _by_cause(rows: Rows) -> dict[str, dict[str, Any]]:
                 break
         out[cause] = {
             "trials": len(here),
+            "detected": sum(r["verdict"] not in (None, "none") for r in here),
             "named": sum(r["right"] for r in here),
             "least_nats_80_percent": None if least is None else least["hidden"][0]["nats"],
             "least_over_noise_80_percent": None if least is None else least["over_noise"],

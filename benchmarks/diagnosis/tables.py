@@ -13,7 +13,9 @@ _RATES = {
 _MEDIANS = {
     "parameter_error_median": ("error of the size, median", "<= 5 %", 100.0, "%"),
     "gain_ratio_median": ("gain over the true model's, median", ">= 95 %", 100.0, "%"),
-    "seconds_median": ("seconds a diagnosis, median", "", 1.0, "s"),
+    "seconds_median": ("a diagnosis, median", "", 1.0, "s"),
+    "cpu_s_median": ("processor time of a diagnosis, median", "", 1.0, "s"),
+    "making_cpu_s_median": ("processor time to hide and size, median", "", 1.0, "s"),
 }
 
 
@@ -32,6 +34,14 @@ def lines(result: dict[str, Any]) -> Iterator[str]:
     for row in result["by_nats"]:
         to = "and over" if row["to_nats"] is None else f"to {row['to_nats']:.0f}"
         yield f"{row['from_nats']:.0f} {to} nats: {row['named']} of {row['trials']} named, {row['detected']} detected"
+    for name, row in result["by_cause"].items():
+        least, noise = row["least_nats_80_percent"], row["least_over_noise_80_percent"]
+        from_on = (
+            "at no size 80 %"
+            if least is None
+            else f"80 % from {least:.0f} nats on ({noise:.2g} of the noise)"
+        )
+        yield f"{name:<34} {row['named']} of {row['trials']} named, {row['detected']} detected; {from_on}"
     for miss in result["misses"]:
         hidden = ", ".join(miss["hidden"]) or "nothing"
         answered = miss["error"] or f"{miss['verdict']} {', '.join(miss['answers'])}".strip()

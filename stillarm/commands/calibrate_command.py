@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from common.user_error import UserError
+from stillarm.one_thread import one_blas_thread
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Calibrate, print every parameter with its uncertainty, write the model file."""
+    one_blas_thread()
     from common.model import check_model, load_model
     from common.recording.reader import open_recording
     from diagnosis.calibrate import calibrate

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from common.output_folder import make_folder
 from common.user_error import UserError
+from stillarm.one_thread import one_blas_thread
 
 if TYPE_CHECKING:
     from common.model import Model
@@ -52,6 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose each recording; with several, each has a folder of its own name."""
+    one_blas_thread()
     from common.model import load_model
     from diagnosis.diagnose import diagnose
     from stillarm.progress import progress_bar

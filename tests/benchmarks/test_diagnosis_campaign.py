@@ -11,6 +11,7 @@ from benchmarks.diagnosis.hidden import hidden_world
 from benchmarks.diagnosis.mark import mark
 from benchmarks.diagnosis.summary import summary, wilson
 from benchmarks.diagnosis.tables import lines
+from benchmarks.diagnosis.trial import trial
 from common.user_error import UserError
 
 HIDDEN = {
@@ -150,22 +151,26 @@ def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
         assert bundle.name == "data" and hold_out == [[1.0, 2.0]]
         return asked(finding("drive_dead_time"))
 
+    def one(kind: str, number: int, seed: int) -> dict[str, Any]:
+        return trial(kind, number, seed, prepare, answer)
+
     with pytest.raises(KeyboardInterrupt):
-        run(4, 3, tmp_path, prepare=prepare, answer=answer)
+        run(4, 3, tmp_path, trial=one)
     first = list(made)
     made.clear()
-    result = run(4, 3, tmp_path, prepare=prepare, answer=answer)
+    result = run(4, 3, tmp_path, trial=one)
     assert not set(first) & set(made) and len(first) + len(made) == 8
     assert result["counts"]["naming_rate"] == [4, 4]
-    assert (tmp_path / "confusion.png").stat().st_size > 5000
+    for name in ("confusion.png", "sizes.png"):
+        assert (tmp_path / name).stat().st_size > 5000
     with pytest.raises(UserError, match="seed 3"):
-        run(4, 9, tmp_path, prepare=prepare, answer=answer)
+        run(4, 9, tmp_path, trial=one)
 
 
 def test_a_folder_of_other_files_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("x")
     with pytest.raises(UserError, match="other files"):
-        run(1, 0, tmp_path, prepare=lambda *a: {}, answer=lambda b, w, h: {})
+        run(1, 0, tmp_path, trial=lambda kind, number, seed: {})
 
 
 def test_the_hidden_world_is_found_in_the_source_tree_or_said_to_be_missing(

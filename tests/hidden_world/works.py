@@ -58,6 +58,11 @@ def inside(rig: Rig, effects: tuple[Effect, ...], cycles: int, scale_m: float) -
     return made
 
 
+def moves(effect: Effect) -> bool:
+    """Whether it changes the motion, and not only what is measured of it."""
+    return effect.name in _CHANGES
+
+
 def _second_bend(made: Inside, e: Effect) -> None:
     growth = 0.3 * e.detail / made.scale_m
     made.works = made.works._replace(

@@ -1,0 +1,43 @@
+"""`python -m benchmarks.diagnosis.trial`: makes, asks and marks, one trial a line: [kind, number, seed] to its row."""
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from benchmarks.diagnosis.ask import ask
+from benchmarks.diagnosis.hidden import Prepare, hidden_world
+from benchmarks.diagnosis.mark import mark
+from benchmarks.diagnosis.warm import Warm, serve
+
+Ask = Callable[[Path, Path, list[list[float]]], dict[str, Any]]
+
+
+def trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> dict[str, Any]:
+    """One trial's row. The bundle's folder has the same name whatever it holds, and is gone afterwards."""
+    work = Path(tempfile.mkdtemp(prefix="stillarm_trial_"))
+    began = time.process_time()
+    try:
+        truth = prepare(kind, number, seed, work / "data") | {"number": number}
+        making_s = time.process_time() - began
+        return mark(truth, answer(work / "data", work, truth["hold_out"])) | {"making_cpu_s": making_s}
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def main() -> None:
+    """Answer until nobody asks any more."""
+    with Warm("benchmarks.diagnosis.user") as user:
+        prepare = hidden_world()
+
+        def row(question: list[Any]) -> dict[str, Any]:
+            kind, number, seed = question
+            return trial(kind, number, seed, prepare, lambda *bundle: ask(*bundle, user=user))
+
+        serve(row)
+
+
+if __name__ == "__main__":
+    main()
