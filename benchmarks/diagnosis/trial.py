@@ -4,6 +4,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def main() -> None:
 
         def row(question: list[Any]) -> dict[str, Any]:
             kind, number, seed = question
-            return trial(kind, number, seed, prepare, lambda *bundle: ask(*bundle, user=user))
+            return trial(kind, number, seed, prepare, partial(ask, user=user))
 
         serve(row)
 

@@ -76,7 +76,7 @@ def frames(rig: Rig, effects: tuple[Effect, ...], duration_s: float, seed: int) 
         elif e.name == "frame_drops":
             lost |= _lost(e, count)
     slack = _TRANSFER_S * index
-    arrival = np.maximum.accumulate(arrival - slack) + slack  # in order, one after the other
+    arrival = np.asarray(np.maximum.accumulate(arrival - slack) + slack)  # in order, one after the other
     stamp = (middle[shown] + eye.stamp_offset_s) * (1.0 + 1e-6 * eye.stamp_ppm) + _STAMP_JITTER_S * jitter
     return Frames(middle[shown], arrival, asked, stamp, index, lost)
 
