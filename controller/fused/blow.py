@@ -17,10 +17,14 @@ _MORE_PER_MODE = 3.0
 
 
 class Blow(NamedTuple):
-    """A blow at the start of the block `blocks_ago` blocks back (1: the newest), and each mode's rms deflection, m."""
+    """A blow at the start of the block `blocks_ago` blocks back (1: the newest), and each mode's rms deflection, m.
+
+    excess: its significance, standard deviations squared, as a multiple of what is asked for.
+    """
 
     blocks_ago: int
     sizes_m: tuple[float, ...]
+    excess: float
 
 
 class BlowDetector:
@@ -69,4 +73,4 @@ class BlowDetector:
         odds = np.exp(0.5 * (evidence - self.suspicion))  # the onset is uncertain, and with it the size
         power = sizes**2 + np.diagonal(covariance, axis1=1, axis2=2)
         sizes_m = np.sqrt(odds @ power / odds.sum())
-        return Blow(_BLOCKS - best, tuple(sizes_m.tolist()))
+        return Blow(_BLOCKS - best, tuple(sizes_m.tolist()), self.suspicion / self._significant)

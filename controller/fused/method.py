@@ -3,7 +3,7 @@
 from cmath import exp
 from collections import deque
 from enum import Enum
-from math import hypot, isfinite, pi, sqrt
+from math import hypot, inf, isfinite, pi, sqrt
 
 from common.configuration import Fused
 from common.model import Model, length_of
@@ -168,7 +168,7 @@ class FusedMethod:
         strike = strikes.see(cycle, excess_m, std)
         if strikes.open and not was_open:
             self._leave_out(strikes.since)
-        if strike is not None and self.health.alarm(cycle * self._cycle_s):
+        if strike is not None and self.health.alarm(cycle * self._cycle_s, inf):
             self._take_strike(strike, cycle * self._cycle_s)
         return strikes.open or strike is not None
 
@@ -234,7 +234,7 @@ class FusedMethod:
         variance = noise + present.bias_variance
         usual = max(abs(present.z[0]), _USUAL_BLOW_STDS * sqrt(variance))
         blow = self._blows.see(block, residual, variance, usual)
-        if blow is None or not self.health.alarm(block.end_s):
+        if blow is None or not self.health.alarm(block.end_s, blow.excess):
             present.take_block(block, noise, at_end=True)
         else:
             self._mark(blow)

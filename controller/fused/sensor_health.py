@@ -22,6 +22,7 @@ _SEES = 0.15  # standard deviation of the gain over a period
 _DRIFTED_STDS = 5.0
 _DRIFT_KEPT, _DRIFT_GOES_ON, _DRIFT_TOLD = 0.985, 0.1, 0.994  # in each block after it
 _STRAINED = 2.5  # mean normalised difference from the images squared
+_TENSE = 1.5  # likewise: by chance in one block of forty
 _ALARMS_MEMORY_S, _MOST_ALARMS = 1.0, 4.0
 
 
@@ -125,15 +126,17 @@ class AccelerometerHealth:
         """Whether a blow would show in it: alive, in accord with the images, and its noise small enough."""
         return not self.mute and self.doubt == 1.0 and self._against.gain_std < _SEES
 
-    def alarm(self, time_s: float) -> bool:
-        """The accelerometer reports a blow; whether to believe it.
+    def alarm(self, time_s: float, excess: float) -> bool:
+        """The accelerometer reports a blow, by `excess` times what is significant; whether to believe it.
 
-        Not where it contradicts the images anyway, nor when it reports more of them than any arm is struck.
+        Not where it contradicts the images as much anyway, nor when it reports more of them than any arm is struck.
         """
         since = time_s - self._alarm_s
         self._alarms = 1.0 + self._alarms * max(0.0, 1.0 - since / _ALARMS_MEMORY_S)
         self._alarm_s = time_s
-        return self._against.strain < _STRAINED and self._alarms < _MOST_ALARMS
+        strain = self._against.strain
+        contradicts = strain > _STRAINED or _TENSE < strain > excess
+        return not contradicts and self._alarms < _MOST_ALARMS
 
     @property
     def reason(self) -> str:
