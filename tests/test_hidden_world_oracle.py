@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from tests.hidden_world.blind import CLEAR_NATS, names_of, prepare
+from tests.hidden_world.chance import burst_nats, cells
 from tests.hidden_world.draw import draw_case
-from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect
+from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect, wander
+from tests.hidden_world.feeler import burst_times
 from tests.hidden_world.oracle import Oracle, best_plain, expected_nats, scale_to
 from tests.hidden_world.world import Case
 
@@ -64,6 +66,58 @@ def test_what_the_baseline_may_refit_is_worth_nothing() -> None:
 def test_nats_grow_with_the_square_of_a_small_effect() -> None:
     one, two = (expected_nats(hidden("tracking_drift", {"rate_px_per_s": r})) for r in (0.01, 0.02))
     assert two == pytest.approx(4.0 * one, rel=1e-3)
+
+
+def test_a_pitch_that_is_off_from_the_start_is_found_by_the_refit_wherever_it_is() -> None:
+    """3 % in frequency turn the phase by several turns: far beyond what one linearisation follows."""
+    case = hidden("payload_change", {"onset_s": -1.0, "frequency_ratio": 1.03})
+    oracle = Oracle(case)
+    assert oracle.nats() > 1000.0
+    assert oracle.nats(to_the_end=True) < 3.0
+
+
+def test_creep_is_sized_by_what_a_full_refit_leaves() -> None:
+    """Far above its rate creep is a little stiffness and damping, which the baseline has: little else is left."""
+    case = replace(draw_case(900, "viscoelastic_creep", None, SECONDS), damped=False)
+    oracle = Oracle(case)
+    sized = scale_to(case, 100.0, 0, oracle)
+    assert oracle.nats(sized, to_the_end=True) > 70.0
+    assert oracle.nats(sized) > 10.0 * oracle.nats(sized, to_the_end=True)
+
+
+def test_white_noise_by_chance_is_worth_nothing_and_coloured_noise_what_the_textbook_says() -> None:
+    """Coloured: (N ln v - sum ln(1 + K)) / 2 with K of a first-order process; known to the cells' resolution."""
+    random = np.random.default_rng(3)
+    size = 20000
+    white = [random.standard_normal(size) for _ in range(8)]
+    for window in (0.5, 2.0, float("inf")):
+        assert abs(cells(white, 1000.0, window).nats(0.5)) < 5.0
+    slow = [wander(random, size, 0.01, 0.001) for _ in range(8)]
+    turn = np.exp(-1j * np.linspace(0.0, np.pi, 20001))
+    keep = np.exp(-0.1)
+    spectrum = (1.0 - keep**2) / np.abs(1.0 - keep * turn) ** 2
+    amount = 0.4
+    k = amount**2 * spectrum
+    expected = 0.5 * size * (np.log1p(np.mean(k)) - np.mean(np.log1p(k)))
+    assert expected > 50.0
+    for window in (2.0, float("inf")):
+        assert cells(slow, 1000.0, window).nats(amount) == pytest.approx(expected, rel=0.15)
+
+
+def test_a_law_is_worth_less_than_the_course_it_took() -> None:
+    for name in ("second_axis", "aliased_gear_mesh", "correlated_bursts"):
+        case = scale_to(replace(draw_case(901, name, None, SECONDS), damped=False), 100.0)
+        oracle = Oracle(case)
+        assert 70.0 < oracle.nats() < 0.7 * oracle._mean_nats(case, 4)
+
+
+def test_bursts_have_to_be_placed() -> None:
+    effect = Effect("correlated_bursts", {"amount": 0.01}, luck=3)
+    count = len(burst_times(effect, 20.0))
+    assert count > 2
+    assert burst_nats(effect, 0.1, 0.1, 20.0) == pytest.approx(-5.0 * count, abs=0.5)
+    louder = effect.with_value("amount", 1.0)
+    assert burst_nats(louder, 0.1, 0.1, 20.0) > 500.0
 
 
 @pytest.mark.parametrize(

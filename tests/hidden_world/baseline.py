@@ -112,7 +112,12 @@ class Baseline:
 
     def moved(self, steps: Array) -> Array:
         """The vector with the freedoms moved by so many steps each, by simulation."""
-        return _vector(self.case, self.command, self.free, steps, None)
+        return vector_of(self, steps)
+
+
+def vector_of(base: Baseline, steps: Array) -> Array:
+    """The case's vector with the freedoms moved by so many steps each, by simulation."""
+    return _vector(base.case, base.command, base.free, steps, None)
 
 
 def baseline(case: Case, command: Array, blows: int) -> Baseline:

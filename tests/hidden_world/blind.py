@@ -44,7 +44,7 @@ def prepare(
         for which in range(len(names)):
             aim = exp(random.uniform(log(1.2 * CLEAR_NATS), log(_MOST_NATS)))
             case = scale_to(case, aim, which, oracle)
-        alone = [oracle.nats(replace(case, effects=(e,))) for e in case.effects]
+        alone = [oracle.nats(replace(case, effects=(e,)), to_the_end=True) for e in case.effects]
         if all(CLEAR_NATS <= nats < float("inf") for nats in alone):
             break
     else:

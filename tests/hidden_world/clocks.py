@@ -76,7 +76,7 @@ def frames(rig: Rig, effects: tuple[Effect, ...], duration_s: float, seed: int) 
         elif e.name == "frame_drops":
             lost |= _lost(e, count)
     slack = _TRANSFER_S * index
-    arrival = np.asarray(np.maximum.accumulate(arrival - slack) + slack)  # in order, one after the other
+    arrival = np.maximum.accumulate(arrival - slack) + slack  # in order, one after the other
     stamp = (middle[shown] + eye.stamp_offset_s) * (1.0 + 1e-6 * eye.stamp_ppm) + _STAMP_JITTER_S * jitter
     return Frames(middle[shown], arrival, asked, stamp, index, lost)
 
@@ -85,8 +85,7 @@ def read_at(arrival: Array) -> Array:
     """The tick at which each is read: the first one after its arrival, one image a tick."""
     ticks = np.asarray(np.ceil(arrival / TICK_S - 1e-9), dtype=np.float64)
     index = np.arange(len(ticks))
-    out: Array = (np.maximum.accumulate(ticks - index) + index) * TICK_S
-    return out
+    return np.asarray((np.maximum.accumulate(ticks - index) + index) * TICK_S, dtype=np.float64)
 
 
 def _skew_shape(e: Effect, time: Array) -> Array:

@@ -130,15 +130,24 @@ def _gear_mesh(r: _Reading, e: Effect) -> None:
 
 def _bursts(r: _Reading, e: Effect) -> None:
     """Noise about 35 Hz that comes and goes."""
-    random = e.chance()
+    noise = np.asarray(e.chance().standard_normal(len(r.time)))
     pole = np.exp(2.0 * pi * TICK_S * 35.0 * (-0.1 + 1j))
-    noise = lfilter([1.0], [1.0, -2.0 * pole.real, abs(pole) ** 2], random.standard_normal(len(r.time)))
-    on, t = np.zeros(len(r.time)), random.exponential(2.0)
-    while t < r.time[-1]:
-        lasts = random.uniform(0.2, 1.2)
-        on[(r.time >= t) & (r.time < t + lasts)] = random.uniform(0.5, 1.5)
-        t += lasts + random.exponential(2.5)
+    noise = lfilter([1.0], [1.0, -2.0 * pole.real, abs(pole) ** 2], noise)
+    on = np.zeros(len(r.time))
+    for begin, lasts, size in burst_times(e, float(r.time[-1])):
+        on[(r.time >= begin) & (r.time < begin + lasts)] = size
     r.added += e["amount"] * r.rig.feeler.hiss * on * noise / np.std(noise)
+
+
+def burst_times(e: Effect, until_s: float) -> list[tuple[float, float, float]]:
+    """(beginning, duration, size) of each burst of noise."""
+    random = e.chance(1)
+    out, t = [], float(random.exponential(2.0))
+    while t < until_s:
+        lasts = float(random.uniform(0.2, 1.2))
+        out.append((t, lasts, float(random.uniform(0.5, 1.5))))
+        t += lasts + float(random.exponential(2.5))
+    return out
 
 
 def second_axis(rig: Rig, effect: Effect, ticks: int, scale_m: float) -> tuple[Array, Array]:

@@ -2,23 +2,27 @@
 refitted baseline; and which plain parameters describe its rough form best.
 
 Where an effect changes a mean: half the squared norm of the whitened difference that the baseline's freedoms leave
-(Wilks: the ratio's expectation under the true model). Where it changes a law (spikes, losses, bursts): the ratio of
-the laws on what was drawn. Frames before their image or clock is known are judged as in `whitened.py`.
+(Wilks: the ratio's expectation under the true model), refitted to the end where they bring it far. Where it changes a
+law (spikes, losses, bursts): the ratio of the laws on what was drawn. Where its course is chance (gusts): the ratio of
+its law, as `chance.py` has it. Frames before their image or clock is known are judged as in `whitened.py`.
 """
 
-from dataclasses import dataclass, replace
-from math import exp, log
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tests.hidden_world.baseline import Baseline, baseline
+from tests.hidden_world.chance import RANDOM, Law, burst_nats, law_of
 from tests.hidden_world.clocks import bursts, frames
 from tests.hidden_world.draw import departure_of, sized
 from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect
 from tests.hidden_world.feeler import spikes
+from tests.hidden_world.refit import detunes, refitted_nats
 from tests.hidden_world.rig import TICK_S
-from tests.hidden_world.whitened import by_channel, whitened
+from tests.hidden_world.whitened import acceleration_noise, by_channel, whitened
 from tests.hidden_world.world import Case, Open, run
 
 Array = NDArray[np.float64]
@@ -26,6 +30,7 @@ Array = NDArray[np.float64]
 RARE_LOSS = 1e-3
 """What the baseline thinks of a lost frame: one in a thousand is nobody's fault."""
 _NATS_TO_PLACE_A_BURST = 5.0
+_GROWTHS = 6
 
 
 @dataclass
@@ -34,15 +39,20 @@ class Oracle:
 
     case: Case
     _base: Baseline | None = None
+    _laws: dict[str, Law] = field(default_factory=dict)
 
-    def nats(self, case: Case | None = None, refits: int = 4) -> float:
-        """Expected nats of a case that differs from the oracle's own in its effects only."""
+    def nats(self, case: Case | None = None, refits: int = 4, to_the_end: bool = False) -> float:
+        """Expected nats of a case that differs from the oracle's own in its effects only.
+
+        to_the_end: with the baseline linearised anew on the way, where an effect changes how the arm rings.
+        """
         case = case or self.case
         lawful = tuple(e for e in case.effects if _is_law(e))
-        meaning = tuple(e for e in case.effects if not _is_law(e))
-        out = sum(_law_nats(case, e) for e in lawful)
+        random = tuple(e for e in case.effects if e.name in RANDOM)
+        meaning = tuple(e for e in case.effects if not _is_law(e) and e.name not in RANDOM)
+        out = sum(_law_nats(case, e) for e in lawful) + sum(self._random_nats(case, e) for e in random)
         if meaning:
-            out += self._mean_nats(replace(case, effects=meaning), refits)
+            out += self._mean_nats(replace(case, effects=meaning), refits, to_the_end)
         return float(out)
 
     def base(self, case: Case, command: Array, blows: int) -> Baseline:
@@ -68,7 +78,30 @@ class Oracle:
             begin += len(part)
         return out
 
-    def _mean_nats(self, case: Case, refits: int) -> float:
+    def _random_nats(self, case: Case, effect: Effect) -> float:
+        if effect.name not in self._laws:
+            usual = effect.with_value("amount", sqrt(UNKNOWN[effect.name][0] * UNKNOWN[effect.name][1]))
+            self._laws[effect.name] = law_of(usual, lambda one: self._shown(replace(case, effects=(one,))))
+        nats = self._laws[effect.name].nats(effect["amount"])
+        if effect.name == "correlated_bursts" and "acceleration" in case.kept:
+            hiss, noise = case.rig.feeler.hiss, acceleration_noise(case.rig)
+            nats = max(nats, burst_nats(effect, hiss, noise, case.duration_s))
+        return nats
+
+    def _shown(self, case: Case) -> dict[str, tuple[float, Array]]:
+        """Samples a second and what is left of each channel that an effect without a clock can show in."""
+        clean = run(case)
+        base = self.base(case, clean.command, len(clean.blow_time))
+        left = base.left(whitened(case, clean) - base.at)
+        out, begin = {}, 0
+        for name, part in by_channel(case, clean).items():
+            if name not in ("arrival", "stamp"):
+                rate = case.rig.eye.rate if name == "image" else 1.0 / TICK_S
+                out[name] = (rate, left[begin : begin + len(part)])
+            begin += len(part)
+        return out
+
+    def _mean_nats(self, case: Case, refits: int, to_the_end: bool = False) -> float:
         clean = run(case)
         base = self.base(case, clean.command, len(clean.blow_time))
         there = whitened(case, clean)
@@ -81,6 +114,8 @@ class Oracle:
             before, best = best, min(best, 0.5 * float(np.sum(difference**2)))
             if best > 0.98 * before:
                 break
+        if to_the_end and any(detunes(effect) for effect in case.effects):
+            best = refitted_nats(case, there, base)
         return best
 
 
@@ -112,8 +147,32 @@ def scale_to(case: Case, nats: float, which: int = 0, oracle: Oracle | None = No
         a, b = (a, guess) if reached > nats else (guess, b)
         aimed = guess + 0.5 * log(nats / reached) if 0.0 < reached < float("inf") else 0.5 * (a + b)
         guess = aimed if a < aimed < b else 0.5 * (a + b) if b - a > 0.3 else b if reached < nats else a
+    if detunes(effect):
+        chosen = _enough(chosen, nats, log(high), lambda size: at(size)[0], oracle, case)
     effects = tuple(chosen if place == which else e for place, e in enumerate(case.effects))
     return replace(case, effects=effects)
+
+
+def _enough(
+    chosen: Effect,
+    nats: float,
+    highest: float,
+    sized_to: Callable[[float], Effect],
+    oracle: Oracle,
+    case: Case,
+) -> Effect:
+    """Grown until the baseline refitted to the end leaves enough of it, or as far as is physical."""
+    size = log(abs(departure_of(chosen, case.rig)))
+    for _ in range(_GROWTHS):
+        try:
+            reached = oracle.nats(replace(case, effects=(chosen,)), to_the_end=True)
+        except ValueError:  # it would tear the arm apart
+            return chosen
+        if reached > 0.8 * nats or size >= highest - 1e-9:
+            return chosen
+        size = min(size + min(max(0.5 * log(nats / max(reached, 1e-3)), 0.15), 1.2), highest)
+        chosen = sized_to(size)
+    return chosen
 
 
 def best_plain(case: Case, which: int = 0, rounds: int = 4, oracle: Oracle | None = None) -> Effect:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.hidden_world.feeler import converted
-from tests.hidden_world.rig import TICK_S, Eye
+from tests.hidden_world.rig import TICK_S, Eye, Rig
 from tests.hidden_world.world import Case, Clean
 
 Array = NDArray[np.float64]
@@ -26,8 +26,7 @@ def by_channel(case: Case, clean: Clean) -> dict[str, Array]:
     ticks = len(clean.command)
     parts = {}
     if "acceleration" in kept:
-        noise = float(np.hypot(rig.feeler.hiss, rig.feeler.grain / 12.0**0.5))
-        parts["acceleration"] = converted(rig, case.effects, clean.acceleration) / noise
+        parts["acceleration"] = converted(rig, case.effects, clean.acceleration) / acceleration_noise(rig)
     if "angle" in kept:
         noise = float(np.hypot(rig.joint.encoder_noise, rig.joint.encoder_step / 12.0**0.5))
         parts["angle"] = clean.angle / noise
@@ -42,6 +41,11 @@ def by_channel(case: Case, clean: Clean) -> dict[str, Array]:
         if "stamp" in kept and rig.eye.stamped:
             parts["stamp"] = _stamped(case, clean)[rows] / _STAMP_S
     return parts
+
+
+def acceleration_noise(rig: Rig) -> float:
+    """m/s^2, with what rounding adds."""
+    return float(np.hypot(rig.feeler.hiss, rig.feeler.grain / 12.0**0.5))
 
 
 def image_noise(case: Case, clean: Clean) -> Array:
