@@ -21,6 +21,7 @@ Mask = NDArray[np.bool_]
 LAST_S = 10.0
 LENGTH_M = 2.0
 SCALE_PX_PER_M = 800.0
+_ANSWERED_CYCLES = 20
 
 
 @dataclass(frozen=True)
@@ -138,10 +139,14 @@ def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
 
 
 def scored_frames(data: Data, from_s: float = SETTLING_S) -> Mask:
-    """The frames that count: read in a scored cycle, the last one where a cycle reads several. Shape (frames,)."""
+    """The frames that count: read in a scored cycle, the last one where a cycle reads several. Shape (frames,).
+
+    Of those read in the last cycles a method may not have had the time to say anything.
+    """
     read = data.frames.read_cycle
     newest: Mask = np.append(read[1:] != read[:-1], True)
-    return scored_cycles(data, from_s)[read] & newest
+    told = read < len(data.deflection_m) - _ANSWERED_CYCLES
+    return scored_cycles(data, from_s)[read] & newest & told
 
 
 def score(data: Data, answers: Answers, from_s: float = SETTLING_S) -> Score:

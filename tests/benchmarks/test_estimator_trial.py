@@ -92,6 +92,8 @@ def test_of_several_frames_in_a_cycle_the_last_is_scored() -> None:
     shared = np.flatnonzero(np.diff(read) == 0)
     assert len(shared) > 0
     assert not scored[shared].any()
+    assert not scored[read >= 9000 - 20].any()  # what a method may not have come to
+    assert scored[read >= 9000 - 60].any()
 
 
 def test_samples_show_what_the_camera_saw_when_it_was_read() -> None:
