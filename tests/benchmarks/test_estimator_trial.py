@@ -92,8 +92,16 @@ def test_of_several_frames_in_a_cycle_the_last_is_scored() -> None:
     shared = np.flatnonzero(np.diff(read) == 0)
     assert len(shared) > 0
     assert not scored[shared].any()
-    assert not scored[read >= 9000 - 20].any()  # what a method may not have come to
-    assert scored[read >= 9000 - 60].any()
+
+
+def test_frames_that_a_method_may_not_have_come_to_are_not_scored() -> None:
+    """Those of the last 20 cycles; the ones before are."""
+    data = generate(REGIMES["freerun constant"], 0.3, (4,), 2.6, Arm(blow_every_s=(9.0, 10.0)))
+    read, scored = data.frames.read_cycle, scored_frames(data)
+    late = read >= 2600 - 20
+    assert late.any()
+    assert not scored[late].any()
+    assert scored[(read >= 2000) & ~late].all()
 
 
 def test_samples_show_what_the_camera_saw_when_it_was_read() -> None:
