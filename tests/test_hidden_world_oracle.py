@@ -12,7 +12,7 @@ from tests.hidden_world.chance import burst_nats, cells
 from tests.hidden_world.draw import draw_case
 from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect, wander
 from tests.hidden_world.feeler import burst_times
-from tests.hidden_world.oracle import Oracle, best_plain, expected_nats, scale_to
+from tests.hidden_world.oracle import Oracle, best_plain, expected_nats, fitted_plain, scale_to
 from tests.hidden_world.world import Case
 
 SECONDS = 8.0
@@ -151,6 +151,22 @@ def test_a_rough_form_is_described_by_a_plain_one_that_is_near_and_better() -> N
     case = hidden("cubic_stiffness", {"coefficient_per_m2": 120.0}, detail=1.0)
     fitted = best_plain(case)
     assert 0.3 * 120.0 < fitted["coefficient_per_m2"] < 120.0
+
+
+def test_a_knee_that_no_small_change_of_a_corner_touches_is_described_by_scanning() -> None:
+    """The drive bends off above its soft top; a corner there touches nothing that is commanded."""
+    top = draw_case(5, None, None, SECONDS).rig.joint.top_speed
+    case = hidden("drive_saturation", {"max_velocity_rad_s": 0.985 * top}, detail=1.0)
+    plain, left = fitted_plain(case)
+    assert plain["max_velocity_rad_s"] < 0.985 * top
+    assert left < 0.7 * expected_nats(case)
+
+
+@pytest.mark.parametrize("cause", ["drive_saturation", "camera_tilt_coupling", "accelerometer_lag"])
+def test_a_blind_trial_hides_what_the_plain_form_describes(cause: str, tmp_path: Path) -> None:
+    hidden_there = prepare("one", 1, 31, tmp_path, SECONDS, cause)["hidden"][0]
+    assert hidden_there["detail_nats"] <= hidden_there["nats"] / 3.0
+    assert 0.0 < hidden_there["detail"] <= 1.0
 
 
 def test_every_name_has_its_turn_before_any_comes_again() -> None:

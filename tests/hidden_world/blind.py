@@ -14,7 +14,7 @@ import numpy as np
 from tests.hidden_world.bundle import FAST, FRAMES, write_bundle
 from tests.hidden_world.draw import departure_of, draw_case
 from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect
-from tests.hidden_world.oracle import Oracle, best_plain, scale_to
+from tests.hidden_world.oracle import Oracle, fitted_plain, scale_to
 from tests.hidden_world.rig import TICK_S
 from tests.hidden_world.world import Case, Recording, make
 
@@ -23,6 +23,9 @@ CLEAR_NATS = 50.0
 """What a graded case is worth at least."""
 _MOST_NATS = 800.0
 _REDRAWS = 8
+_MOST_DETAIL = 1.0 / 3.0
+"""Of an effect's nats, what its plain form may leave: more, and another cause may well describe it better."""
+_FINER = 3
 
 
 def prepare(
@@ -43,12 +46,17 @@ def prepare(
         random = np.random.default_rng((own, 51))
         for which in range(len(names)):
             aim = exp(random.uniform(log(1.2 * CLEAR_NATS), log(_MOST_NATS)))
-            case = scale_to(case, aim, which, oracle)
+            case = _sized(case, aim, which, oracle)
         alone = [oracle.nats(replace(case, effects=(e,)), to_the_end=True) for e in case.effects]
-        if all(CLEAR_NATS <= nats < float("inf") for nats in alone):
+        fits = [
+            fitted_plain(case, which, oracle=oracle) for which in range(len(names)) if names[which] in CAUSES
+        ]
+        rough = [nats for _, nats in fits] or [0.0] * len(alone)
+        if all(_clear(nats, beside) for nats, beside in zip(alone, rough, strict=True)):
             break
     else:
         raise ValueError(f"{names}: no draw of seed {seed}, trial {number}, shows it at {CLEAR_NATS} nats")
+    fitted = [plain for plain, _ in fits] or list(case.effects)
     recording = make(case)
     write_bundle(recording, folder)
     shown = oracle.by_channel(case) if case.effects else {}
@@ -58,7 +66,7 @@ def prepare(
         "seed": own,
         "duration_s": case.duration_s,
         "damped": case.damped,
-        "hidden": [_told(case, which, alone[which], oracle) for which in range(len(names))],
+        "hidden": [_told(case, *one) for one in zip(case.effects, fitted, alone, rough, strict=True)],
         "hold_out": hold_out(case.duration_s),
         "floor": _floor(recording),
         "strongest": _COLUMN.get(strongest or ""),
@@ -85,10 +93,28 @@ def names_of(kind: str, number: int, seed: int) -> tuple[str, ...]:
 _COLUMN = {source: column for column, (source, _) in (FAST | FRAMES).items()}
 
 
-def _told(case: Case, which: int, nats: float, oracle: Oracle) -> dict[str, Any]:
-    effect = case.effects[which]
+def _sized(case: Case, aim: float, which: int, oracle: Oracle) -> Case:
+    """At about so many nats, its details made finer while the plain form describes too little of them."""
+    case = scale_to(case, aim, which, oracle)
+    for _ in range(_FINER):
+        if case.effects[which].name not in CAUSES:
+            return case
+        nats = oracle.nats(replace(case, effects=(case.effects[which],)))
+        if fitted_plain(case, which, oracle=oracle)[1] <= _MOST_DETAIL * nats:
+            return case
+        finer = replace(case.effects[which], detail=0.5 * case.effects[which].detail)
+        effects = tuple(finer if place == which else e for place, e in enumerate(case.effects))
+        case = scale_to(replace(case, effects=effects), aim, which, oracle)
+    return case
+
+
+def _clear(nats: float, detail_nats: float) -> bool:
+    """Whether a recording shows an effect, and its plain form is what it shows."""
+    return CLEAR_NATS <= nats < float("inf") and detail_nats <= max(_MOST_DETAIL * nats, 1.0)
+
+
+def _told(case: Case, effect: Effect, fitted: Effect, nats: float, detail_nats: float) -> dict[str, Any]:
     known = effect.name in CAUSES
-    fitted: Effect = best_plain(case, which, oracle=oracle) if known else effect
     return {
         "cause": effect.name,
         "variant": effect.kind,
@@ -97,6 +123,8 @@ def _told(case: Case, which: int, nats: float, oracle: Oracle) -> dict[str, Any]
         "departure": departure_of(fitted, case.rig),
         "law": known and CAUSES[effect.name].law,
         "nats": nats,
+        "detail": effect.detail,
+        "detail_nats": detail_nats,
     }
 
 

@@ -49,7 +49,7 @@ def _tilt(v: _View, e: Effect) -> None:
     slopes = v.rig.slopes
     slope = slopes[0] * v.rows[:, 2] + (slopes[1] * v.rows[:, 4] if len(slopes) > 1 else 0.0)
     angle = v.rows[:, 6] + (1.0 - 0.03 * e.detail) * slope
-    v.image -= e["rotation_px_per_rad"] * (np.sin(angle) if e.detail else angle)
+    v.image -= e["rotation_px_per_rad"] * (angle + e.detail * (np.sin(angle) - angle))
 
 
 def _second_axis(v: _View, e: Effect) -> None:

@@ -59,7 +59,8 @@ def converted(rig: Rig, effects: tuple[Effect, ...], signal: Array) -> Array:
             if effect.detail == 0.0:
                 out = np.clip(out, -limit, limit)
             else:
-                out = out / (1.0 + np.abs(out / limit) ** 40.0) ** (1.0 / 40.0)
+                power = 40.0 / effect.detail
+                out = out / (1.0 + np.abs(out / limit) ** power) ** (1.0 / power)
     return np.asarray(out)
 
 
@@ -90,10 +91,11 @@ def _sensitivity(r: _Reading, e: Effect) -> None:
 
 def _lag(r: _Reading, e: Effect) -> None:
     """Plain: a pure delay. Rough: the extra lateness is that of two equal first-order filters."""
-    extra = e["delay_s"] - r.rig.feeler.lateness_s
-    if e.detail == 0.0 or extra <= 0.0:
+    extra = (e["delay_s"] - r.rig.feeler.lateness_s) * min(e.detail, 1.0)
+    if extra <= 0.0:
         r.lateness_s = e["delay_s"]
         return
+    r.lateness_s = e["delay_s"] - extra
     keep = float(np.exp(-STEP_S / (0.5 * extra)))
     # exact hold, and half a step earlier on average: the group delay of each filter is 0.5 extra + 0.5 STEP_S
     once = lfilter([1.0 - keep], [1.0, -keep], r.fine - r.fine[0]) + r.fine[0]
@@ -106,7 +108,7 @@ def _gravity(r: _Reading, e: Effect) -> None:
     if len(slopes) > 1:
         tilt = tilt + slopes[1] * r.rows[::FINE, 4]
     tilt = tilt[: len(r.time)]
-    r.added += e["gain_m_s2_per_rad"] * (np.sin(tilt) if e.detail else tilt)
+    r.added += e["gain_m_s2_per_rad"] * (tilt + e.detail * (np.sin(tilt) - tilt))
 
 
 def _hum(r: _Reading, e: Effect) -> None:

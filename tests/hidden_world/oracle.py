@@ -176,27 +176,38 @@ def _enough(
 
 
 def best_plain(case: Case, which: int = 0, rounds: int = 4, oracle: Oracle | None = None) -> Effect:
-    """The plain form's parameters that describe the rough effect best, noise apart, beside a refitted baseline.
+    """The plain form's parameters that describe the rough effect best, noise apart, beside a refitted baseline."""
+    return fitted_plain(case, which, rounds, oracle)[0]
 
-    Gauss-Newton on what the baseline leaves of rough minus plain. Laws: what was drawn, counted.
+
+def fitted_plain(
+    case: Case, which: int = 0, rounds: int = 4, oracle: Oracle | None = None
+) -> tuple[Effect, float]:
+    """The same, and the nats that the plain form cannot describe.
+
+    A scan of the size where it is a threshold, then Gauss-Newton on what the baseline leaves of rough minus plain.
+    Laws: what was drawn, counted.
     """
     effect = case.effects[which]
     if _is_law(effect):
-        return _counted(case, effect)
+        return _counted(case, effect), 0.0
     names = _fitted(effect)
     if not names:
-        return effect.plain
+        return effect.plain, 0.0
     alone = replace(case, effects=(effect,))
     clean = run(alone)
     base = (oracle or Oracle(alone)).base(alone, clean.command, len(clean.blow_time))
     there = whitened(alone, clean)
-    plain = effect.plain
 
     def left(tried: Effect) -> Array:
         made = replace(case, effects=(tried,))
         return base.left(there - whitened(made, run(made, Open(command=clean.command))))
 
+    plain = effect.plain
     now = left(plain)
+    for tried in _thresholds(effect):
+        if float(np.sum((after := left(tried)) ** 2)) < float(np.sum(now**2)):
+            plain, now = tried, after
     for _ in range(rounds):
         columns, units = [], []
         for name in names:
@@ -204,6 +215,7 @@ def best_plain(case: Case, which: int = 0, rounds: int = 4, oracle: Oracle | Non
             columns.append(left(plain.with_value(name, plain[name] + unit)) - now)
             units.append(unit)
         steps = np.linalg.lstsq(np.stack(columns, axis=1), -now, rcond=None)[0]
+        gained = 0.0
         for share in (1.0, 0.3, 0.1):
             tried = plain
             for name, unit, step in zip(names, units, steps.tolist(), strict=True):
@@ -216,11 +228,22 @@ def best_plain(case: Case, which: int = 0, rounds: int = 4, oracle: Oracle | Non
             if gained > 0.0:
                 plain, now = tried, after
                 break
-        else:
-            return plain
         if gained < 0.01:
-            return plain
-    return plain
+            break
+    return plain, 0.5 * float(np.sum(now**2))
+
+
+_SCANNED = {
+    "drive_saturation": (0.96, 0.97, 0.98, 0.99),
+    "accelerometer_clipping": (0.96, 0.97, 0.98, 0.99),
+    "gear_backlash": (0.6, 0.75, 0.9, 1.1),
+}
+
+
+def _thresholds(effect: Effect) -> list[Effect]:
+    """Other sizes to start from, where a small change of the plain form may change nothing."""
+    size = CAUSES[effect.name].size
+    return [effect.plain.with_value(size, part * effect[size]) for part in _SCANNED.get(effect.name, ())]
 
 
 def _is_law(effect: Effect) -> bool:

@@ -128,7 +128,9 @@ def _lag(made: Inside, e: Effect) -> None:
 
 
 def _saturation(made: Inside, e: Effect) -> None:
-    made.works = made.works._replace(soft_top=e["max_velocity_rad_s"], soft_power=40.0 if e.detail else 0.0)
+    made.works = made.works._replace(
+        soft_top=e["max_velocity_rad_s"], soft_power=40.0 / e.detail if e.detail else 0.0
+    )
 
 
 def _deadband(made: Inside, e: Effect) -> None:
@@ -139,7 +141,7 @@ def _deadband(made: Inside, e: Effect) -> None:
 
 
 def _backlash(made: Inside, e: Effect) -> None:
-    made.works = made.works._replace(play=e["gap_rad"], teeth_rate=500.0 if e.detail else 3000.0)
+    made.works = made.works._replace(play=e["gap_rad"], teeth_rate=3000.0 / (1.0 + 5.0 * e.detail))
 
 
 def _friction(made: Inside, e: Effect) -> None:
