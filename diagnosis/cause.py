@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.fit import Fit
+from diagnosis.frequency_course import Course, frequency_courses
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -19,15 +21,22 @@ class Trial:
 
     shape: quantities set first (a frequency, an onset). columns: each a set of quantities whose effect, beside the
     shape, is one direction in which the data may depart. one_sided: only a positive amount of it makes sense.
-    options: of the world (an extra mode, a play behind the encoder). certain: to be refitted whatever its score, as
-    the data themselves show it in a way that no small change of the simulation does.
+    options: of the world (an extra mode, a play behind the encoder). exact: to be refitted from these very values,
+    whatever its score, as they are worked out from the data, too far off for a score. certain: to be refitted whatever
+    its score, and taken first, as the data themselves show it in a way that no small change of the simulation does.
     """
 
     shape: Overrides
     columns: tuple[Overrides, ...]
     one_sided: bool = False
     options: tuple[tuple[str, object], ...] = ()
+    exact: bool = False
     certain: bool = False
+
+    @property
+    def asked(self) -> bool:
+        """Whether it is to be refitted whatever its score."""
+        return self.exact or self.certain
 
 
 @dataclass(frozen=True)
@@ -56,6 +65,25 @@ class Context:
     def top_command_rad_s(self) -> float:
         """Largest command."""
         return float(np.max(np.abs(self.world.measured.command))) if self.world.measured.cycles else 0.0
+
+    @cached_property
+    def _courses(self) -> dict[str, Course]:
+        """How the arm's frequency is seen to go, as long as the fit has no course of it."""
+        start = self.world.space.vector()
+        names = ("arm.frequency_ratio", "arm.frequency_rate_per_s", "arm.cubic_per_m2")
+        if any(self.value(name) != start[self.world.space.place[name]] for name in names):
+            return {}
+        return frequency_courses(self.world, self.fit.predicted.motion)
+
+    def along_a_course(self, cause: str, name: str) -> list["Trial"]:
+        """The trial that starts from how the arm's frequency is seen to go, if as the cause has it; name: its own."""
+        course = self._courses.get(cause)
+        if course is None:
+            return []
+        start = self.world.space.vector()  # one frequency's fit has bent all else to make up for it
+        shape = {other: float(start[self.world.space.place[other]]) for other in self.world.baseline_names()}
+        shape |= {other: value for other, value in course.start.items() if other != name}
+        return [Trial(shape, ({name: course.start[name]},), exact=True)]
 
     def onsets(self, count: int) -> list[float]:
         """Evenly spread instants at which something may have begun, s."""

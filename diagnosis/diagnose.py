@@ -17,6 +17,7 @@ from diagnosis import verdict as say
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from diagnosis.fit import Fit, Split, fit, make_data
+from diagnosis.frequency_course import frequency_courses
 from diagnosis.impacts import carried, fit_with_impacts
 from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.measured import ClockGap, Measured, dated_by_requests, read_measured, reclocked
@@ -30,6 +31,7 @@ from diagnosis.world import World
 Tick = Callable[[float, str], None]
 
 _RECLOCKED_NATS = 10.0
+_CHANGED_NATS = 20.0
 _MOST_GAPS = 3
 _ASIDE_S = 0.4
 
@@ -124,7 +126,25 @@ def _baseline(world: World, split: Split) -> Fit:
             seen = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
             there = world.changed(impacts=seen.world.impacts)
             return fit(make_data(there, split), carried(seen, there), there.baseline_names())
-    return fit_with_impacts(world, split)
+    return _along_a_course(world, split) or fit_with_impacts(world, split)
+
+
+def _along_a_course(world: World, split: Split) -> Fit | None:
+    """Where the arm's frequency plainly changes, any one frequency hides the blows in a part of the recording and makes
+    up others: the baseline's fit with the blows that are seen with its course. None where one frequency does."""
+    begun = world.space.vector()
+    courses = frequency_courses(world, world.predict(begun).motion)
+    if not courses:
+        return None
+    course = max(courses.values(), key=lambda one: one.nats)
+    for name, value in course.start.items():
+        begun[world.space.place[name]] = value
+    seen = fit_with_impacts(world, split, begun)
+    start, neutral = carried(seen, seen.world), seen.world.space.vector()
+    for name in course.start:
+        start[seen.world.space.place[name]] = neutral[seen.world.space.place[name]]
+    one = fit(make_data(seen.world, split), start, seen.world.baseline_names())
+    return one if seen.train_nats - one.train_nats > _CHANGED_NATS else None
 
 
 def _dated(baseline: Fit, split: Split) -> Fit:

@@ -116,25 +116,38 @@ def _refined(last: Fit, number: int) -> float:
     return -phase / w
 
 
-def fit_with_impacts(world: World, split: Split) -> Fit:
-    """The baseline's fit, with as many segments as there were blows."""
+def fit_with_impacts(world: World, split: Split, start: Array | None = None) -> Fit:
+    """The baseline's fit, with as many segments as there were blows. start: vector of the world, if not its own."""
     data = make_data(world, split)
-    last = fit(data, world.space.vector(), (), iterations=0)
-    impacts: set[int] = set(world.impacts)
+    last = fit(data, world.space.vector() if start is None else start, (), iterations=0)
+    last = _with_blows(last, split, fitted=False)
+    # the noise laws as they are now, rather than as they seemed at the start
+    return refit_with(last, split, last.world.impacts)
+
+
+def with_hidden_blows(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
+    """The fit with blows that show only now that it holds a cause more (of quantities `extra`), if they are any that
+    the held-out part bears out."""
+    more = _with_blows(last, split, extra)
+    gained = float((more.held_nats - last.held_nats).sum())
+    return more if more.world.impacts != last.world.impacts and gained > 0.0 else last
+
+
+def _with_blows(last: Fit, split: Split, extra: tuple[str, ...] = (), fitted: bool = True) -> Fit:
+    """Blows sought in what is left, again and again. fitted: whether the fit is one, or only a start."""
+    impacts: set[int] = set(last.world.impacts)
     for turn in range(5):
-        share = _FIRST_SHARE if turn == 0 else _SHARE
-        cycle_s = world.measured.cycle_s
+        share = _SHARE if turn or fitted else _FIRST_SHARE
+        cycle_s = last.world.measured.cycle_s
         period = 1.0 / last.value("modes.0.frequency_hz")
         new = {round(t / cycle_s) for t in find_jumps(last, share)}
         new = {k for k in new if all(abs(k - old) * cycle_s > 0.6 * period for old in impacts)}
-        if turn and not new:
+        if (turn or fitted) and not new:
             break
         impacts |= new
-        last = refit_with(last, split, tuple(sorted(impacts)))
-        last, impacts = _sharpened(last, split)
-    last = pruned(last, split)
-    # the noise laws as they are now, rather than as they seemed at the start
-    return refit_with(last, split, last.world.impacts)
+        last = refit_with(last, split, tuple(sorted(impacts)), extra)
+        last, impacts = _sharpened(last, split, extra)
+    return pruned(last, split, extra)
 
 
 def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = ()) -> Fit:
@@ -173,7 +186,7 @@ def carried(last: Fit, world: World) -> Array:
     return start
 
 
-def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
+def _sharpened(last: Fit, split: Split, extra: tuple[str, ...]) -> tuple[Fit, set[int]]:
     """Blows moved to where they leave the deflection without a jump."""
     world = last.world
     cycle_s = world.measured.cycle_s
@@ -185,7 +198,7 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
         moved = sorted(set(moved))
         if tuple(moved) == world.impacts:
             break
-        last = refit_with(last, split, tuple(moved))
+        last = refit_with(last, split, tuple(moved), extra)
         world = last.world
     return last, set(world.impacts)
 

@@ -63,10 +63,15 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     """
     if "acceleration" not in data.world.channels:
         return None
-    residual = data.world.channels["acceleration"] - last.predicted.channels["acceleration"]
-    known = np.isfinite(residual)
+    measured, predicted = data.world.channels["acceleration"], last.predicted.channels["acceleration"]
+    residual = measured - predicted
+    # a sensor at its limit scatters less
+    limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
+    known = np.isfinite(residual) & (np.abs(measured) < limit) & (np.abs(predicted) < limit)
+    if known.sum() < _FEWEST_SAMPLES:
+        return None
     sigma = _robust(residual[known])
-    doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(last.predicted.channels["acceleration"]))
+    doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(predicted))
     u = np.abs(np.nan_to_num(residual)) / doubt
     spikes = known & (u > _SPIKE) & ~_crowded(u > _SPIKE)
     count = int(spikes.sum())
@@ -93,6 +98,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     )
 
 
+_AT_THE_LIMIT, _FEWEST_SAMPLES = 0.9, 100
 _STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
 
 

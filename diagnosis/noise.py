@@ -39,29 +39,47 @@ class Colour:
         return np.where(np.isnan(residual), np.nan, white)
 
 
-def wander_colour(residual: Array, longest_frames: float) -> Colour:
-    """Colour of an arrival residual from its first autocovariances, its straight trend and its outliers taken off.
+_TIMES = 12
+_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.985)
+_WANDER_NATS = 6.0
 
+
+def wander_colour(residual: Array, longest_frames: float) -> Colour:
+    """Colour of an arrival residual by restricted maximum likelihood: a straight trend is projected out, and what it
+    takes with it of a slow wander is allowed for (Patterson and Thompson, Biometrika 58, 1971).
+
+    Without that a wander as long as the recording would seem shorter and smaller than it is, and a drift surer.
     longest_frames: a wander may last so long, not longer: what lasts longer is a drift.
     """
     r = residual[np.isfinite(residual)]
-    if len(r) < 60:
-        return Colour()
-    x = np.arange(len(r)) - 0.5 * len(r)
-    r = r - np.median(r)
-    r = r - x * (x @ r) / (x @ x)
-    limit = 4.0 * 1.4826 * float(np.median(np.abs(r))) + 1e-12
-    r = np.clip(r - r.mean(), -limit, limit)
     n = len(r)
-    g = [float(r[: n - lag] @ r[lag:]) / n for lag in (0, 1, 2, 4, 8)]
-    if g[1] <= 0.05 * g[0] or g[4] <= 0.0:
+    if n < 60:
         return Colour()
-    stay = (g[4] / g[1]) ** (1.0 / 7.0)
-    stay = min(max(stay, 0.0), 1.0 - 1.0 / longest_frames)
-    if stay <= 0.0:
-        return Colour()
-    wander = min(g[1] / stay, g[0])
-    return _steady(stay, wander, max(g[0] - wander, 0.02 * g[0]))
+    x = np.linspace(-1.0, 1.0, n)
+    r = r - np.median(r)
+    r = r - x * float(x @ r) / float(x @ x)
+    limit = 4.0 * 1.4826 * float(np.median(np.abs(r))) + 1e-12
+    columns = np.stack((np.ones(n), x, np.clip(r - r.mean(), -limit, limit)))
+    plain = _restricted(columns)
+    best, colour = plain + _WANDER_NATS, Colour()
+    for time in np.geomspace(2.0, longest_frames, _TIMES):
+        for share in _SHARES:
+            one = _steady(1.0 - 1.0 / float(time), share, 1.0 - share)
+            nats = _restricted(lfilter([1.0, -one.stay], [1.0, -one.moving], columns)[:, 1:])
+            if nats > best:
+                best, colour = nats, one
+    return colour
+
+
+def _restricted(columns: Array) -> float:
+    """Restricted log-likelihood per sample of the last row as white noise about the others, times their number."""
+    design, values = columns[:-1], columns[-1]
+    normal = design @ design.T
+    left = float(values @ values - (design @ values) @ np.linalg.solve(normal, design @ values))
+    free = columns.shape[1] - len(design)
+    _, spread = np.linalg.slogdet(normal)
+    nats: float = -0.5 * free * log(max(left / free, 1e-30)) - 0.5 * float(spread)
+    return nats
 
 
 def _steady(stay: float, wander: float, white: float) -> Colour:

@@ -181,7 +181,7 @@ def screen(
             if one is not None:
                 best.append(one)
         best.sort(key=lambda item: -item.nats)
-        scored += [*best[:3], *(one for one in best[3:] if one.trial.certain)]
+        scored += [*best[:3], *(one for one in best[3:] if one.trial.asked)]
     scored.sort(key=lambda item: -item.nats)
     if threshold_nats is not None:
         return Screening(scored, threshold_nats)
@@ -233,7 +233,7 @@ def _score(
     chance = nothing if noise is None else 0.5 * np.sum((q.T.astype(np.float32) @ noise) ** 2, axis=0)
     amounts = np.zeros(len(norms))
     amounts[norms > 1e-6] = (vectors[:, good] / np.sqrt(values[good])) @ share / norms[norms > 1e-6]
-    if trial.one_sided and amounts[0] <= 0.0 and not trial.certain:
+    if trial.one_sided and amounts[0] <= 0.0 and not trial.asked:
         return None, chance
     nats = white.gain(q @ share)
     for column, amount in zip(trial.columns, amounts, strict=True):
@@ -241,7 +241,7 @@ def _score(
         for name, value in column.items():
             place = world.space.place[name]
             shaped[place] = start[place] + bounded * (value - start[place])
-    if trial.one_sided and cause.settle:  # a threshold: its value is the trial's own
+    if trial.exact or (trial.one_sided and cause.settle):  # a threshold: its value is the trial's own
         for name, value in trial.columns[0].items():
             shaped[world.space.place[name]] = value
     return Scored(cause, trial, nats, amounts, world, world.space.clipped(shaped)), chance

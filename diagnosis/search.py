@@ -6,21 +6,22 @@ from math import erf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
-from diagnosis.fit import Data, Fit, Split, fit, make_data, strayed
-from diagnosis.impacts import carried, pruned
+from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
+from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
 from diagnosis.screen import Scored, Screening, screen, variant
-from diagnosis.world import World
 
 Array = NDArray[np.float64]
 
 MOST_CAUSES = 4
 _REFITTED = 7  # causes
 _STARTS = 2  # of each
+_ITERATIONS, _ITERATIONS_FAR = 6, 15
 _LEAST_HELD_NATS = 3.0
 
 
@@ -112,11 +113,25 @@ def search(
         taken[stage.taken.cause] = stage.taken
         found.findings.append(stage.taken)
         if stage.taken.law is None:
-            found.final = pruned(stage.taken.fit, split, (*free, *stage.taken.free))
+            found.final = _completed(stage.taken, split, (*free, *stage.taken.free))
             usual = set(found.final.world.baseline_names())
             free = tuple(name for name in found.final.free if name not in usual)
     _drop_needless(found, split)
     return found
+
+
+def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
+    """The fit of a cause that is taken: without blows that were none, with those that it hid, and with the law of the
+    arrivals as it is without the cause in it."""
+    kept = pruned(taken.fit, split, free)
+    final = with_hidden_blows(kept, split, free)
+    if final.world.impacts != kept.world.impacts:
+        final = _settled(final, CAUSES[taken.cause], split)
+    if CATALOGUE[taken.cause].place == "timing" and "arrival" in final.colour:
+        data = make_data(final.world, split)
+        now = final.colour | {"arrival": colours(data, final.vector)["arrival"]}
+        final = fit(data, final.vector, final.free, colour=now)
+    return final
 
 
 def _stage(
@@ -130,10 +145,7 @@ def _stage(
 ) -> Stage:
     screening = screen(data, last, causes, threshold_nats=threshold)
     by_law = [_of_law(data, last, law) for law in laws(data, last) if law.cause not in taken]
-    refits = [
-        (one.cause, _refitted(one.world, one.start, one.cause, free, last, split))
-        for one in _to_refit(screening)
-    ]
+    refits = [(one.cause, _refitted(one, free, last, split)) for one in _to_refit(screening)]
     top = max((refitted.train_nats for _, refitted in refits), default=0.0)
     near = [
         (cause, _settled(refitted, cause, split))
@@ -154,6 +166,7 @@ def _stage(
 
 
 _OVERLAP = 0.6
+_LEAST_OF_A_LAW = 0.25
 _LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
 
 
@@ -195,12 +208,19 @@ def _same_thing(earlier: Stage, one: Candidate) -> bool:
 
 def _chosen(ranked: list[Candidate], screening: Screening, data: Data) -> Candidate | None:
     """The best that convinces; laws wait until no cause of another kind does, as what a wrong simulation leaves looks
-    like noise of another law."""
+    like noise of another law: but not for one that explains far less than they do."""
     convincing = [one for one in ranked if _convincing(one, screening, data)]
+    by_law = max((_both(one) for one in convincing if one.law is not None), default=0.0)
     convincing.sort(
-        key=lambda one: (not one.certain, one.law is not None)
-    )  # stable: the best first within each
+        key=lambda one: (
+            one.law is None and _both(one) < _LEAST_OF_A_LAW * by_law, not one.certain, one.law is not None,
+        )
+    )  # stable: the best first within each  # fmt: skip
     return convincing[0] if convincing else None
+
+
+def _both(one: Candidate) -> float:
+    return one.train_gain + one.held_gain
 
 
 _DISAGREE = 0.1
@@ -221,7 +241,7 @@ def _to_refit(screening: Screening) -> list[Scored]:
     starts: dict[str, int] = {}
     asked = []
     for one in screening.scored:
-        if one.trial.certain:
+        if one.trial.asked:
             asked.append(one)
             continue
         if one.nats < screening.threshold_nats:
@@ -235,11 +255,10 @@ def _to_refit(screening: Screening) -> list[Scored]:
     return asked
 
 
-def _refitted(
-    world: World, start: Array, cause: Cause, free: tuple[str, ...], last: Fit, split: Split
-) -> Fit:
-    names = tuple(dict.fromkeys((*world.baseline_names(), *free, *cause.free(world))))
-    return fit(make_data(world, split), start, names, iterations=6, colour=last.colour)
+def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fit:
+    names = tuple(dict.fromkeys((*one.world.baseline_names(), *free, *one.cause.free(one.world))))
+    turns = _ITERATIONS_FAR if one.trial.exact else _ITERATIONS
+    return fit(make_data(one.world, split), one.start, names, iterations=turns, colour=last.colour)
 
 
 def _with_straying(
@@ -334,6 +353,7 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
 
 
 _ONSETS = 41
+_JUST_S = 1e-7  # before a frame
 _ONSET_REACH_S = 0.8
 
 
@@ -345,9 +365,9 @@ def _onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
     if name is None:
         return refitted, 0.0
     now = refitted.value(name)
-    received = refitted.world.measured.frames.received_s
+    received = refitted.world.in_order_s
     if name.startswith("timing.") and len(received) > 2:
-        tried = received[np.abs(received - now) < _ONSET_REACH_S] - 1e-6
+        tried = received[np.abs(received - now) < _ONSET_REACH_S] - _JUST_S
     else:
         tried = now + np.linspace(-_ONSET_REACH_S, _ONSET_REACH_S, _ONSETS)
     if len(tried) < 3:
@@ -359,8 +379,7 @@ def _onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
     moved = fit(make_data(refitted.world, split), vector, refitted.free, iterations=3, colour=refitted.colour)
     train, held = _by_onset(moved, name, tried, split)
     odds = _odds(train)
-    top = held.max(axis=0)
-    averaged = top + np.log(odds @ np.exp(held - top))
+    averaged = logsumexp(np.log(np.maximum(odds, 1e-300))[:, None] + held, axis=0)
     located = _odds(train + held.sum(axis=1))
     spread = float(np.sqrt(located @ (tried - located @ tried) ** 2)) + 0.25 * float(
         np.median(np.diff(tried))
@@ -399,6 +418,8 @@ def _settled(refitted: Fit, cause: Cause, split: Split) -> Fit:
     for name, first in cause.settle.items():
         at = best.world.space.place[name]
         onset = "onset" in name
+        # a change of the arm's motion turns the phase of all that follows
+        along = refitted.free if name == "arm.onset_s" else own
         step = first * (1.0 if onset else max(abs(best.value(name)), 1e-3) * 10.0)
         least = 4.0 * best.world.measured.cycle_s if onset else 0.02 * step
         while step > least:
@@ -406,7 +427,7 @@ def _settled(refitted: Fit, cause: Cause, split: Split) -> Fit:
             for sign in (1.0, -1.0):
                 start = best.vector.copy()
                 start[at] += sign * step
-                trial = fit(data, start, [n for n in own if n != name], iterations=1, colour=best.colour)
+                trial = fit(data, start, [n for n in along if n != name], iterations=1, colour=best.colour)
                 if trial.train_nats > best.train_nats + 0.02:
                     best, moved = trial, True
                     break

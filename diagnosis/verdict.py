@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from diagnosis.catalogue import CAUSES
 from diagnosis.experiments import experiment
-from diagnosis.fit import Data, Fit, Split, make_data
+from diagnosis.fit import Data, Fit, Split, least_level, make_data
 from diagnosis.search import Candidate, Found, Stage, confidence, inseparable
 from diagnosis.structure import Remains, Structure, examine
 
@@ -164,7 +164,7 @@ def _held_out(one: Candidate, previous: Fit, split: Split) -> dict[str, float]:
     for name in previous.world.channels:
         before, spread, _ = _error(previous, first, name)
         after, _, _ = _error(one.fit, last, name)
-        if before > 0.0 and 1.0 - after / before > best[0]:
+        if before > least_level(previous.world, name) and 1.0 - after / before > best[0]:
             best = (1.0 - after / before, before / spread, after / spread)
     reduction, before, after = best
     return {

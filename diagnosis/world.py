@@ -5,10 +5,11 @@ arrival (per frame: when it was read, less when it was exposed).
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
@@ -22,6 +23,7 @@ Array = NDArray[np.float64]
 FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection")
 FRAME_CHANNELS = ("displacement", "arrival")
 NEVER_S = 1e9
+_TIE_S = 2e-7
 UNLIMITED = 1e9
 
 
@@ -67,6 +69,9 @@ class World:
         self.impacts, self.extra_modes = impacts, extra_modes
         self.behind_encoder = behind_encoder
         self.frame_clock: FrameClock = clock or frame_clock(measured.frames, model)
+        # a clock that is set back makes frames seem to come before those before them
+        received = measured.frames.received_s
+        self.in_order_s = np.maximum.accumulate(received) + _TIE_S * np.arange(len(received))
         self.modes = len(model.arm.modes) + extra_modes
         self.length = 0.0 if measured.pair else (model.arm.length_m or 1.0)
         self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
@@ -329,8 +334,7 @@ class World:
             phase = 2.0 * pi * vector[at["accelerometer.hum_hz"]] * t
             value = value + sine * np.sin(phase) + cosine * np.cos(phase)
         most = vector[at["accelerometer.range_m_s2"]]
-        shown: Array = np.clip(value, -most, most)
-        return shown
+        return _clipped(value, float(most), self.model.accelerometer.noise_std_m_s2)
 
     def instants(self, vector: Array) -> Array:
         """Mid-exposure of each frame as the vector has it, s."""
@@ -338,14 +342,14 @@ class World:
         frames = self.measured.frames
         delay = vector[at["timing.capture_delay_s"]]
         if clock.arrival:
-            stepped = frames.received_s >= vector[at["timing.step_onset_s"]]
+            stepped = self.in_order_s >= vector[at["timing.step_onset_s"]]
             instants = frames.received_s - delay - np.where(stepped, vector[at["timing.step_s"]], 0.0)
             instants = instants - vector[at["timing.delay_rate"]] * frames.received_s
         else:
             skew = 1.0 + 1e-6 * vector[at["timing.skew_ppm"]]
             instants = clock.grid_s * skew + vector[at["timing.arrival_s"]] - delay
             if frames.asked:  # requests carry the time that stepped
-                stepped = frames.received_s >= vector[at["timing.step_onset_s"]]
+                stepped = self.in_order_s >= vector[at["timing.step_onset_s"]]
                 instants = instants - np.where(stepped, vector[at["timing.step_s"]], 0.0)
         frames_late = vector[at["timing.stale_frames"]]
         if frames_late:
@@ -363,7 +367,7 @@ class World:
         due = due + vector[at["timing.delay_rate"]] * (frames.received_s - middle)
         if frames.asked:  # requests and arrivals step together
             return np.asarray(due)
-        stepped = frames.received_s >= vector[at["timing.step_onset_s"]]
+        stepped = self.in_order_s >= vector[at["timing.step_onset_s"]]
         known: Array = due + np.where(stepped, vector[at["timing.step_s"]], 0.0)
         return known
 
@@ -385,6 +389,24 @@ class World:
         if bend:
             value = value * (1.0 + bend * value * value)
         return value, rate
+
+
+def _clipped(value: Array, most: float, noise: float) -> Array:
+    """What a sensor with a limit shows on average of a value in normal noise: near the limit, less than either. The
+    mean of min(x + n, R) is x - s (phi(a) + a Phi(a)) with a = (x - R) / s; so for the other side."""
+    shown = np.clip(value, -most, most)
+    near = np.abs(value) > most - 4.0 * noise
+    if noise > 0.0 and near.any():
+        x = value[near]
+        above, below = (x - most) / noise, (-x - most) / noise
+        shown[near] = x - noise * (_excess(above) - _excess(below))
+    return shown
+
+
+def _excess(a: Array) -> Array:
+    """Mean of the part of a standard normal variable above -a."""
+    beyond: Array = np.exp(-0.5 * a * a) / sqrt(2.0 * pi) + a * ndtr(a)
+    return beyond
 
 
 def _late(values: Array, cycles: float) -> Array:

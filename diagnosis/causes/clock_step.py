@@ -6,12 +6,14 @@ from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 
 _OUTSTANDING = 6.0  # robust deviations
 _SIDE = 15  # frames
+_JUST_S = 1e-7  # before a frame
 
 
 def _trials(context: Context) -> list[Trial]:
     received = context.world.measured.frames.received_s
+    in_order = context.world.in_order_s
     jumps = np.argsort(-np.abs(np.diff(received) - np.median(np.diff(received))))[:4]
-    onsets = {*context.onsets(16), *(float(received[i + 1]) - 1e-6 for i in jumps)}
+    onsets = {*context.onsets(16), *(float(in_order[i + 1]) - _JUST_S for i in jumps)}
     trials = [Trial({"timing.step_onset_s": onset}, ({"timing.step_s": 0.002},)) for onset in sorted(onsets)]
     seen = _seen(context)
     if seen is not None:
@@ -32,7 +34,7 @@ def _seen(context: Context) -> float | None:
     step = float(np.nanmedian(late[i : i + _SIDE]) - np.nanmedian(late[i - _SIDE : i]))
     if step * surprise[i] <= 0.0 or abs(step) < 0.5 * abs(float(surprise[i])):
         return None
-    return float(context.world.measured.frames.received_s[i]) - 1e-6
+    return float(context.world.in_order_s[i]) - _JUST_S
 
 
 CAUSE = Cause(

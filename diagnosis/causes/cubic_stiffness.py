@@ -5,7 +5,11 @@ from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
 
 def _trials(context: Context) -> list[Trial]:
     unit = 1.0 / context.amplitude_m**2
-    return [Trial({}, ({"arm.cubic_per_m2": share * unit},)) for share in (0.003, 0.03, -0.03, 0.2, -0.2)]
+    name = "arm.cubic_per_m2"
+    return [
+        *(Trial({}, ({name: share * unit},)) for share in (0.003, 0.03, -0.03, 0.2, -0.2)),
+        *context.along_a_course("cubic_stiffness", name),
+    ]
 
 
 CAUSE = Cause(

@@ -1,18 +1,32 @@
 """A payload taken up or put down."""
 
+from dataclasses import replace
+
 from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
+
+ID, RATIO = "payload_change", "arm.frequency_ratio"
 
 
 def _trials(context: Context) -> list[Trial]:
-    return [
-        Trial({"arm.onset_s": onset}, ({"arm.frequency_ratio": 1.0 + size},))
+    trials = [
+        Trial({"arm.onset_s": onset}, ({RATIO: 1.0 + size},))
         for onset in context.onsets(16)
         for size in (0.002, 0.05, -0.05)
+    ]
+    return [*trials, *(one for seen in context.along_a_course(ID, RATIO) for one in _about(seen, context))]
+
+
+def _about(seen: Trial, context: Context) -> list[Trial]:
+    """The onset is known to a few periods, a refit finds it within one."""
+    onset, period = seen.shape["arm.onset_s"], 1.0 / context.value("modes.0.frequency_hz")
+    return [
+        replace(seen, shape={**seen.shape, "arm.onset_s": onset + many * period})
+        for many in (-4.0, -2.0, 0.0, 2.0, 4.0)
     ]
 
 
 CAUSE = Cause(
-    id="payload_change",
+    id=ID,
     needs=arm_moves,
     trials=_trials,
     free=free_of("arm.onset_s", "arm.frequency_ratio"),

@@ -34,7 +34,7 @@ SIZES: dict[str, dict[str, Any]] = {
     "second_bending_mode": {"frequency_hz": 15.0, "damping_ratio": 0.01, "participation": -0.3},
     "coulomb_damping": {"force_per_mass_m_s2": 0.05},
     "quadratic_damping": {"coefficient_per_m": 10.0},
-    "cubic_stiffness": {"coefficient_per_m2": 600.0},
+    "cubic_stiffness": {"coefficient_per_m2": 150.0},
     "payload_change": {"onset_s": 9.0, "frequency_ratio": 0.9},
     "stiffness_drift": {"frequency_rate_hz_per_s": -0.008},
     "periodic_disturbance": {"frequency_hz": 4.3, "amplitude_m_s2": 0.5, "phase_rad": 0.7},
@@ -57,7 +57,7 @@ SIZES: dict[str, dict[str, Any]] = {
     "camera_clock_skew": {"skew_ppm": 500.0},
     "frame_drops": {"fraction": 0.1},
     "delay_bursts": {"rate_hz": 0.5, "duration_s": 0.4, "delay_s": 0.08},
-    "delay_drift": {"rate_s_per_s": 0.002},
+    "delay_drift": {"rate_s_per_s": 0.008},  # the delay's usual wander is worth 0.0004 in twenty seconds
     "stale_frame_buffer": {"onset_s": 9.0, "frames": 2},
     "clock_step": {"onset_s": 9.0, "step_s": 0.1},
 }

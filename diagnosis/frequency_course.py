@@ -1,0 +1,181 @@
+"""How the arm's frequency goes over the recording, where it changes by more than small steps from one frequency show.
+
+In each window of a few periods the vibration is what the joint's motion makes of a mode of some frequency, and a free
+vibration; both are linear but for the frequency, and are projected out (variable projection: Golub and Pereyra, 1973),
+so that each window has a likelihood of the frequency alone, whatever blows the other windows hold. Three courses are
+held against one frequency: a single change, a drift, and w^2 (1 + 3/4 c A^2) with the amplitude A of the vibration (the
+first order of a cubic stiffness). They are where refits start, no more: those decide.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from diagnosis.world import Motion, World
+
+Array = NDArray[np.float64]
+
+_PERIODS = 4.0  # of a window
+_PER_PERIOD = 24  # samples
+_RATIOS = np.exp(np.linspace(np.log(0.6), np.log(1.6), 197))  # half a per cent apart
+_DAMPING = 0.01
+_LEAST_NATS = 15.0
+_LEAST_CHANGE = 0.015
+_LEAST_OF_BEST = 0.5  # nats: a course that explains less is not worth a start
+_FEWEST = 3  # windows on either side of a change
+_CHANGES = np.concatenate([-np.geomspace(0.5, 0.01, 40), np.geomspace(0.01, 1.0, 40)])
+
+
+@dataclass(frozen=True)
+class Course:
+    """One way in which the frequency goes. start: quantities of the world's vector; nats: gained over one frequency."""
+
+    start: dict[str, float]
+    nats: float
+
+
+@dataclass(frozen=True)
+class _Windows:
+    """Of each window: middle, s, and amplitude of the vibration, m; cost: its negative log-likelihood at each hz."""
+
+    middle_s: Array
+    amplitude_m: Array
+    hz: Array
+    cost: Array
+
+    def along(self, hz: Array) -> float:
+        """Cost of a course of the frequency, one value a window."""
+        at = np.clip(np.rint(np.interp(np.log(hz), np.log(self.hz), np.arange(len(self.hz)))), 0, None)
+        return float(self.cost[np.arange(len(hz)), at.astype(np.int64)].sum())
+
+
+def frequency_courses(world: World, motion: Motion) -> dict[str, Course]:
+    """The likeliest course of each kind, by the cause that makes it; without those that are no better than one
+    frequency, or too little to matter.
+
+    motion: of a simulation, whose joint is near the true one.
+    """
+    name = next((one for one in ("acceleration", "deflection") if one in world.channels), None)
+    if name is None or world.measured.pair:
+        return {}
+    windows = _windows(world, motion, name)
+    if len(windows.cost) < 2 * _FEWEST + 1:
+        return {}
+    alone = float(windows.cost.sum(axis=0).min())
+    found = {}
+    for cause, courses in (
+        ("payload_change", _changed(windows)),
+        ("stiffness_drift", _drifting(windows)),
+        ("cubic_stiffness", _stiffening(windows)),
+    ):
+        cost, start = min(courses, key=lambda one: one[0])
+        if alone - cost > _LEAST_NATS:
+            found[cause] = Course(start, alone - cost)
+    most = max((one.nats for one in found.values()), default=0.0)
+    return {cause: one for cause, one in found.items() if one.nats > _LEAST_OF_BEST * most}
+
+
+def _changed(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
+    cost, hz = windows.cost, windows.hz
+    for k in range(_FEWEST, len(cost) - _FEWEST):
+        first, last = cost[:k].sum(axis=0), cost[k + 1 :].sum(axis=0)
+        i, j = int(np.argmin(first)), int(np.argmin(last))
+        ratio = float(hz[j] / hz[i])
+        if abs(ratio - 1.0) < _LEAST_CHANGE and k > _FEWEST:
+            continue
+        whole = float(first[i] + last[j] + min(cost[k, i], cost[k, j]))
+        yield (
+            whole,
+            {
+                "modes.0.frequency_hz": float(hz[i]),
+                "arm.onset_s": float(windows.middle_s[k]),
+                "arm.frequency_ratio": ratio,
+            },
+        )
+
+
+def _drifting(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
+    end = float(windows.middle_s[-1])
+    for change in _CHANGES:
+        for hz in windows.hz:
+            course = hz * (1.0 + change * windows.middle_s / end)
+            yield (
+                windows.along(course),
+                {
+                    "modes.0.frequency_hz": float(hz),
+                    "arm.frequency_rate_per_s": float(change) / end,
+                },
+            )
+
+
+def _stiffening(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
+    shape = (windows.amplitude_m / float(np.max(windows.amplitude_m))) ** 2
+    for change in _CHANGES:
+        for hz in windows.hz:
+            yield (
+                windows.along(hz * np.sqrt(1.0 + change * shape)),
+                {
+                    "modes.0.frequency_hz": float(hz),
+                    "arm.cubic_per_m2": float(change) / (0.75 * float(np.max(windows.amplitude_m)) ** 2),
+                },
+            )
+
+
+def _windows(world: World, motion: Motion, name: str) -> _Windows:
+    h = world.measured.cycle_s
+    f0 = world.model.arm.modes[0].frequency_hz
+    many = max(1, int(1.0 / (_PER_PERIOD * f0) / h))
+    values = _means(world.channels[name], many)
+    pull = world.length * motion.joint[:, 2]
+    rigid = _means(pull, many)
+    step = many * h
+    time = step * np.arange(len(values))
+    per_window = round(_PERIODS / f0 / step)
+    windows = [slice(a, a + per_window) for a in range(0, len(values) - per_window + 1, per_window)]
+    hz = f0 * _RATIOS
+    cost = np.zeros((len(windows), len(hz)))
+    for column, one in enumerate(hz):
+        w = 2.0 * pi * float(one)
+        forced = _means(_answer(pull, w, h, name == "deflection"), many)
+        for row, window in enumerate(windows):
+            known = np.isfinite(values[window])
+            t = (time[window] - time[window.start])[known]
+            fade = np.exp(-_DAMPING * w * t)
+            terms = [fade * np.cos(w * t), fade * np.sin(w * t), np.ones(len(t)), forced[window][known]]
+            if name == "acceleration":
+                terms.append(rigid[window][known])
+            cost[row, column] = _left(np.column_stack(terms), values[window][known])
+    per_m = world.model.accelerometer.scale * (2.0 * pi * f0) ** 2 if name == "acceleration" else 1.0
+    size = np.array([float(np.nanstd(values[window])) if len(values[window]) else 0.0 for window in windows])
+    middle = np.array([time[window.start] + 0.5 * per_window * step for window in windows])
+    return _Windows(middle, np.sqrt(2.0) * np.nan_to_num(size) / abs(per_m), hz, cost)
+
+
+def _left(terms: Array, values: Array) -> float:
+    """Negative log-likelihood of what the terms leave of the values, at its own level."""
+    if len(values) < 2 * terms.shape[1]:
+        return 0.0
+    solved, *_ = np.linalg.lstsq(terms, values, rcond=1e-9)
+    rest = values - terms @ solved
+    least = 1e-12 * float(values @ values) + 1e-30
+    return 0.5 * len(values) * float(np.log(max(float(rest @ rest) / len(values), least)))
+
+
+def _answer(pull: Array, w: float, h: float, deflection: bool) -> Array:
+    """q'' or q of q'' + 2 z w q' + w^2 q = -pull (bilinear)."""
+    k = 2.0 / h
+    drag = 2.0 * _DAMPING * w * k
+    a0, a1, a2 = k * k + drag + w * w, 2.0 * (w * w - k * k), k * k - drag + w * w
+    b = [1.0, 2.0, 1.0] if deflection else [k * k, -2.0 * k * k, k * k]
+    out: Array = lfilter(np.array(b) / a0, [1.0, a1 / a0, a2 / a0], -pull)
+    return out
+
+
+def _means(values: Array, many: int) -> Array:
+    count = len(values) // many
+    means: Array = values[: count * many].reshape(count, many).mean(axis=1)
+    return means
