@@ -63,7 +63,8 @@ def mark(truth: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
         {key: finding.get(key) for key in ("cause", "confidence", "indistinguishable_from", "parameters")}
         for finding in findings
     ]
-    row["answer"] = findings[0]["cause"] if findings else answer["verdict"]
+    open_question = truth["kind"] == "unknown" and not any(_sure(f) for f in findings)
+    row["answer"] = findings[0]["cause"] if findings and not open_question else answer["verdict"]
     row["right"] = _right(truth["kind"], names, answer)
     row["misnamed"] = _misnamed(truth["kind"], names, findings)
     if truth["kind"] == "one" and row["right"]:

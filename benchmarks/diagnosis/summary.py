@@ -7,6 +7,7 @@ from typing import Any
 from benchmarks.diagnosis.mark import median_of
 
 _BINS = (50.0, 100.0, 200.0, 400.0, 800.0, float("inf"))
+_LEAST_TRIALS = 3
 Rows = list[dict[str, Any]]
 
 
@@ -84,15 +85,15 @@ def _by_nats(rows: Rows) -> list[dict[str, Any]]:
 
 
 def _by_cause(rows: Rows) -> dict[str, dict[str, Any]]:
-    """For each cause: how often named, and the size from which on 80 % are named (None: at no size tried), in nats
-    and as rms over the noise's in the channel that shows it most."""
+    """For each cause: how often named, and the size from which on 80 % of at least three trials are named (None: there
+    is none), in nats and as rms over the noise's in the channel that shows it most."""
     out = {}
     for cause in sorted({r["hidden"][0]["cause"] for r in rows}):
         here = sorted(
             (r for r in rows if r["hidden"][0]["cause"] == cause), key=lambda r: r["hidden"][0]["nats"]
         )
         least = None
-        for k in range(len(here)):
+        for k in range(len(here) - _LEAST_TRIALS + 1):
             above = here[k:]
             if sum(r["right"] for r in above) >= 0.8 * len(above):
                 least = here[k]

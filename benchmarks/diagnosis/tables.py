@@ -46,3 +46,5 @@ def lines(result: dict[str, Any]) -> Iterator[str]:
         hidden = ", ".join(miss["hidden"]) or "nothing"
         answered = miss["error"] or f"{miss['verdict']} {', '.join(miss['answers'])}".strip()
         yield f"miss: --seed {result['seed']}, {miss['kind']} {miss['number']}: {hidden}; answered {answered}"
+    if result["misses"]:
+        yield "to look at one: python -m tests.hidden_world.write --trial KIND:NUMBER --seed SEED DIR"

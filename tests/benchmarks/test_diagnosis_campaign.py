@@ -90,7 +90,7 @@ def test_an_unknown_effect_asks_for_unexplained_and_no_confident_name() -> None:
     unsure = mark(
         truth("unknown", gusts), asked(finding("cubic_stiffness", confidence=0.2), verdict="unexplained")
     )
-    assert unsure["right"] and not unsure["misnamed"]
+    assert unsure["right"] and not unsure["misnamed"] and unsure["answer"] == "unexplained"
 
 
 def test_two_effects_ask_for_both_in_any_order() -> None:
@@ -136,6 +136,21 @@ def test_rates_and_misses() -> None:
     text = "\n".join(lines(result))
     assert "2 of 3" in text and "miss: --seed 5, one 0" in text
     json.dumps(result, allow_nan=False)
+
+
+def test_a_least_size_takes_three_trials() -> None:
+    rows = [
+        mark(truth(hidden=[HIDDEN | {"nats": nats}]), asked(finding(cause)))
+        for nats, cause in (
+            (60.0, "drive_lag"),
+            (90.0, "drive_dead_time"),
+            (120.0, "drive_dead_time"),
+            (150.0, "drive_dead_time"),
+        )
+    ]
+    by_cause = summary(rows, 4, 1)["by_cause"]["drive_dead_time"]
+    assert by_cause["least_nats_80_percent"] == 90.0
+    assert summary(rows[2:], 2, 1)["by_cause"]["drive_dead_time"]["least_nats_80_percent"] is None
 
 
 def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
