@@ -103,9 +103,9 @@ _STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
 
 
 def _steepness(predicted: Array) -> Array:
-    """Largest change from sample to sample close by: where the motion jumps, an instant that is slightly off makes a
-    residual that is no spike."""
-    change = np.abs(np.diff(predicted, prepend=predicted[0]))
+    """Largest jump from sample to sample close by, less the slope that goes on: where the motion jumps, an instant that
+    is slightly off makes a residual that is no spike."""
+    change = np.abs(np.diff(predicted, 2, prepend=predicted[0], append=predicted[-1]))
     return np.asarray(maximum_filter1d(change, 2 * _STEEP_SAMPLES + 1), dtype=np.float64)
 
 

@@ -484,7 +484,8 @@ def confidence(stage: Stage) -> float:
 
 
 def inseparable(stage: Stage) -> list[str]:
-    """Causes that predict the held-out part as well as the one taken, as far as it can be told."""
+    """Causes that predict the held-out part as well as the one taken, as far as it can be told, or that are likelier
+    by all data together."""
     taken = stage.taken
     if taken is None or taken.law is not None:
         return []
@@ -496,7 +497,7 @@ def inseparable(stage: Stage) -> list[str]:
         spread = float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1)))
         lead = float(difference.sum()) + one.surprise - taken.surprise
         train = taken.train_gain - one.train_gain + one.surprise - taken.surprise
-        as_good = lead < max(2.0, spread) and train < 6.0 and one.held_gain > 0.7 * taken.held_gain
-        if as_good or one.cause in stage.other_names:
+        as_good = (lead < max(2.0, spread) and train < 6.0) or lead + train < 0.0
+        if (as_good and one.held_gain > 0.7 * taken.held_gain) or one.cause in stage.other_names:
             near.append(one.cause)
     return near

@@ -8,7 +8,7 @@ from diagnosis.fit import make_data
 from diagnosis.laws import laws
 from diagnosis.measured import Frames, Measured
 from diagnosis.split import interleaved
-from tests.diagnosis.synthetic import fitted, measured
+from tests.diagnosis.synthetic import NOISE, fitted, measured
 
 SECONDS = 12.0
 SPLIT = interleaved(SECONDS)
@@ -50,6 +50,14 @@ def test_spikes_are_counted_and_sized() -> None:
     rate, size = found["impulse_noise"]["rate_hz"], found["impulse_noise"]["amplitude_m_s2"]
     assert abs(rate[0] - 5.0) < 3.0 * max(rate[1], 0.1)
     assert abs(size[0] - 8.0) < 0.3
+
+
+def test_few_spikes_are_seen_in_a_quick_motion() -> None:
+    data = measured(SECONDS, 4)
+    quiet = data.acceleration.copy()
+    at = np.array([900, 3500, 5100, 7700, 9100, 11050])
+    quiet[at] += 12.0 * NOISE["acceleration"]
+    assert len(found_in(replace(data, acceleration=quiet))) == 1
 
 
 def test_lost_frames_are_counted() -> None:
