@@ -5,11 +5,10 @@ arrival (per frame: when it was read, less when it was exposed).
 """
 
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
@@ -334,7 +333,8 @@ class World:
             phase = 2.0 * pi * vector[at["accelerometer.hum_hz"]] * t
             value = value + sine * np.sin(phase) + cosine * np.cos(phase)
         most = vector[at["accelerometer.range_m_s2"]]
-        return _clipped(value, float(most), self.model.accelerometer.noise_std_m_s2)
+        shown: Array = np.clip(value, -most, most)
+        return shown
 
     def instants(self, vector: Array) -> Array:
         """Mid-exposure of each frame as the vector has it, s."""
@@ -389,24 +389,6 @@ class World:
         if bend:
             value = value * (1.0 + bend * value * value)
         return value, rate
-
-
-def _clipped(value: Array, most: float, noise: float) -> Array:
-    """What a sensor with a limit shows on average of a value in normal noise: near the limit, less than either. The
-    mean of min(x + n, R) is x - s (phi(a) + a Phi(a)) with a = (x - R) / s; so for the other side."""
-    shown = np.clip(value, -most, most)
-    near = np.abs(value) > most - 4.0 * noise
-    if noise > 0.0 and near.any():
-        x = value[near]
-        above, below = (x - most) / noise, (-x - most) / noise
-        shown[near] = x - noise * (_excess(above) - _excess(below))
-    return shown
-
-
-def _excess(a: Array) -> Array:
-    """Mean of the part of a standard normal variable above -a."""
-    beyond: Array = np.exp(-0.5 * a * a) / sqrt(2.0 * pi) + a * ndtr(a)
-    return beyond
 
 
 def _late(values: Array, cycles: float) -> Array:

@@ -1,11 +1,9 @@
-"""A slow wander is known for what it is, although a drift is taken off it; a limit bends the mean of noise."""
+"""A slow wander is known for what it is, although a drift is taken off it."""
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from diagnosis.noise import Colour, wander_colour
-from diagnosis.world import _clipped
 
 Array = NDArray[np.float64]
 
@@ -49,10 +47,3 @@ def test_a_drift_is_about_as_sure_as_the_wander_lets_it_be() -> None:
 def test_white_values_have_no_colour() -> None:
     seen = [wander_colour(np.random.default_rng(seed).standard_normal(900), 900.0) for seed in range(40)]
     assert sum(one.stay > 0.0 for one in seen) <= 1
-
-
-@pytest.mark.parametrize("value", [-2.4, -2.0, 1.3, 1.9, 2.1, 3.5])
-def test_the_mean_of_clipped_noise(value: float) -> None:
-    noisy = value + 0.5 * np.random.default_rng(1).standard_normal(400_000)
-    mean = float(np.clip(noisy, -2.0, 2.0).mean())
-    assert float(_clipped(np.array([value]), 2.0, 0.5)[0]) == pytest.approx(mean, abs=4e-3)
