@@ -57,7 +57,8 @@ def draw_sizes(by_nats: list[dict[str, Any]], by_cause: dict[str, dict[str, Any]
         right.plot([s for s, _ in known], [i for _, i in known], marker, label=shown)
     counts = [f"{name}  {by_cause[name]['named']}/{by_cause[name]['trials']}" for name in names]
     right.set_yticks(range(len(names)), counts, fontsize=8)
-    right.set_xscale("log")
+    if right.dataLim.x1 > 0.0:  # without any size there is nothing to scale
+        right.set_xscale("log")
     right.set_xlabel("least size from which on 80 % were named")
     right.grid(axis="x", alpha=0.3)
     right.legend(fontsize=8)

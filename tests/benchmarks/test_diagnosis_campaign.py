@@ -9,6 +9,7 @@ import pytest
 from benchmarks.diagnosis.campaign import run, schedule
 from benchmarks.diagnosis.hidden import hidden_world
 from benchmarks.diagnosis.mark import mark
+from benchmarks.diagnosis.picture import draw_campaign
 from benchmarks.diagnosis.summary import summary, wilson
 from benchmarks.diagnosis.tables import lines
 from benchmarks.diagnosis.trial import trial
@@ -151,6 +152,11 @@ def test_a_least_size_takes_three_trials() -> None:
     by_cause = summary(rows, 4, 1)["by_cause"]["drive_dead_time"]
     assert by_cause["least_nats_80_percent"] == 90.0
     assert summary(rows[2:], 2, 1)["by_cause"]["drive_dead_time"]["least_nats_80_percent"] is None
+
+
+def test_pictures_are_drawn_where_no_cause_has_a_least_size(tmp_path: Path) -> None:
+    draw_campaign(summary([mark(truth(), asked(finding("drive_lag")))], 1, 1), tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"confusion.png", "sizes.png"}
 
 
 def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
