@@ -36,11 +36,10 @@ def lines(result: dict[str, Any]) -> Iterator[str]:
         yield f"{row['from_nats']:.0f} {to} nats: {row['named']} of {row['trials']} named, {row['detected']} detected"
     for name, row in result["by_cause"].items():
         least, noise = row["least_nats_80_percent"], row["least_over_noise_80_percent"]
-        from_on = (
-            "at no size 80 %"
-            if least is None
-            else f"80 % from {least:.0f} nats on ({noise:.2g} of the noise)"
-        )
+        if least is not None:
+            from_on = f"80 % from {least:.0f} nats on ({noise:.2g} of the noise)"
+        else:
+            from_on = "at no size 80 %" if row["trials"] > 2 else "too few to tell from what size on"
         yield f"{name:<34} {row['named']} of {row['trials']} named, {row['detected']} detected; {from_on}"
     for miss in result["misses"]:
         hidden = ", ".join(miss["hidden"]) or "nothing"
