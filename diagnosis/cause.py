@@ -55,6 +55,10 @@ class Context:
         """A quantity as fitted."""
         return self.fit.value(name)
 
+    def declared(self, name: str) -> float:
+        """A quantity as the model has it: nothing of a cause, or what its effects say."""
+        return self.world.space[name].start
+
     @property
     def amplitude_m(self) -> float:
         """Largest deflection of the first mode."""

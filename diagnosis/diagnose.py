@@ -9,12 +9,14 @@ import msgspec
 import numpy as np
 import tomli_w
 
+from common.effects import declared
 from common.model import Model, check_model
 from common.recording.reader import Recording, open_recording
 from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
 from diagnosis.ceiling import below, ceiling_of
+from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from diagnosis.fit import Fit, Split, fit, make_data
 from diagnosis.frequency_course import frequency_courses
@@ -67,7 +69,7 @@ def diagnose(
     """Diagnose one recording. Raises UserError where it holds too little."""
     recording = open_recording(path)
     given = model is not None or bool(recording.header.model.strip())
-    model = model or model_of(recording)
+    model = declared(model or model_of(recording))
     tick(0.02, "reading")
     measured = read_measured(recording, model)
     if measured.pair and not given:
@@ -86,6 +88,7 @@ def diagnose_measured(
     tick: Tick = lambda done, what: None,
 ) -> Diagnosis:
     """Diagnose data that are already in memory."""
+    model = declared(model)
     world = World(measured, model)
     if not world.channels:
         raise UserError(
@@ -104,8 +107,8 @@ def diagnose_measured(
     tick(0.92, "what is left")
     judged = say.judge(found, split)
     extended = refitted_model(model, found.final)
-    effects = [*model.effects, *(effect_of(one, found.final) for one in found.findings)]
-    extended = msgspec.structs.replace(extended, effects=effects)
+    effects = [effect_of(one, found.final) for one in found.findings]
+    extended = msgspec.structs.replace(extended, effects=with_found(model.effects, effects))
     table = {
         "verdict": judged.verdict,
         "channels": say.channel_table(found, judged, split),

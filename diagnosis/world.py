@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
+from diagnosis.declared_effects import declared_quantities, is_behind_encoder, waves_to_refit
 from diagnosis.frame_clock import FrameClock, frame_clock
 from diagnosis.kernel import K, run
 from diagnosis.measured import Measured
@@ -66,7 +67,7 @@ class World:
         """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: the frames', if known."""
         self.measured, self.model = measured, model
         self.impacts, self.extra_modes = impacts, extra_modes
-        self.behind_encoder = behind_encoder
+        self.behind_encoder = behind_encoder or is_behind_encoder(model)
         self.frame_clock: FrameClock = clock or frame_clock(measured.frames, model)
         # a clock that is set back makes frames seem to come before those before them
         received = measured.frames.received_s
@@ -210,6 +211,11 @@ class World:
             sets["pair.gain"] = (w * w * out / (float(np.std(measured.force)) or 1.0), np.inf)
             sets["pair.offset"] = (float(np.nanmean(measured.deflection)), out)
             sets["pair.input_offset"] = (0.0, float(np.std(measured.force)))
+        for name, value in declared_quantities(self.model).items():
+            old = space[name]
+            space.quantities[space.place[name]] = Quantity(
+                name, value, old.low, old.high, old.step, old.prior_std
+            )
         for name, (start, std) in sets.items():
             at = space.place[name]
             old = space.quantities[at]
@@ -235,6 +241,7 @@ class World:
             names.append("start.theta")
         if "joint_velocity" in has or "joint_position" in has:
             names.append("start.omega")
+        names += waves_to_refit(self.model)
         if "acceleration" in has:
             names.append("accelerometer.bias_m_s2")
         if "displacement" in has:

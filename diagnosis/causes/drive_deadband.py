@@ -6,9 +6,9 @@ from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:
-    top = context.top_command_rad_s
+    top, known = context.top_command_rad_s, context.declared("drive.deadband_rad_s")
     return [
-        Trial({}, ({"drive.deadband_rad_s": share * top},), one_sided=True)
+        Trial({}, ({"drive.deadband_rad_s": share * top},), one_sided=known == 0.0)
         for share in np.geomspace(0.001, 0.4, 28).tolist()
     ]
 

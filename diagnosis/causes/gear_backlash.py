@@ -4,11 +4,12 @@ from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:
-    sides = [False]
-    if {"joint_position", "joint_velocity"} & set(context.world.channels):
+    known = context.declared("drive.gap_rad")
+    sides = [context.world.behind_encoder]
+    if known == 0.0 and {"joint_position", "joint_velocity"} & set(context.world.channels):
         sides.append(True)
     return [
-        Trial({}, ({"drive.gap_rad": gap},), one_sided=True, options=(("behind_encoder", behind),))
+        Trial({}, ({"drive.gap_rad": gap},), one_sided=known == 0.0, options=(("behind_encoder", behind),))
         for behind in sides
         for gap in (
             0.0001,

@@ -5,8 +5,9 @@ from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
 
 def _trials(context: Context) -> list[Trial]:
     top = context.top_command_rad_s
+    known = context.declared("drive.velocity_loss_rad_s")
     return [
-        Trial({}, ({"drive.velocity_loss_rad_s": share * top},), one_sided=True)
+        Trial({}, ({"drive.velocity_loss_rad_s": known + share * top},), one_sided=known == 0.0)
         for share in (0.002, 0.01, 0.04, 0.1, 0.2)
     ]
 

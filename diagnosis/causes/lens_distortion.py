@@ -7,9 +7,10 @@ from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 
 def _trials(context: Context) -> list[Trial]:
     seen = context.world.channels["displacement"]
+    known = context.declared("camera.lens_per_px2")
     widest = float(np.nanmax(np.abs(seen))) or 1.0
     return [
-        Trial({}, ({"camera.lens_per_px2": share / widest**2},))
+        Trial({}, ({"camera.lens_per_px2": known + share / widest**2},))
         for share in (0.001, 0.03, -0.03, 0.15, -0.15)
     ]
 

@@ -4,8 +4,9 @@ from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:
+    known = context.declared("arm.quadratic_per_m")
     return [
-        Trial({}, ({"arm.quadratic_per_m": share / context.amplitude_m},), one_sided=True)
+        Trial({}, ({"arm.quadratic_per_m": known + share / context.amplitude_m},), one_sided=known == 0.0)
         for share in (0.002, 0.02, 0.1)
     ]
 

@@ -8,7 +8,10 @@ def _trials(context: Context) -> list[Trial]:
     turn = 1.0 / (context.value("modes.0.frequency_hz") * context.world.measured.duration_s**2)
     name = "arm.frequency_rate_per_s"
     return [
-        *(Trial({}, ({name: share * turn},)) for share in (0.02, 0.5, -0.5, 2.0, -2.0)),
+        *(
+            Trial({}, ({name: context.declared(name) + share * turn},))
+            for share in (0.02, 0.5, -0.5, 2.0, -2.0)
+        ),
         *context.along_a_course("stiffness_drift", name),
     ]
 

@@ -1,0 +1,74 @@
+"""The effects that a model file already has, as values of the simulation's quantities.
+
+A recording is held against its model as it is: an effect that the model has is no departure, and one that is found
+again was there to another amount. Effects that are but another value of a key are folded in before (common.effects).
+Lost frames, bursts, spikes and steps of a clock come by chance: no simulation foretells them, and they are found anew.
+"""
+
+from math import cos, sin
+
+from common.effects import effect_of
+from common.model import EffectValue, Model
+
+_QUANTITIES: dict[str, dict[str, str]] = {
+    "coulomb_damping": {"force_per_mass_m_s2": "arm.coulomb_m_s2"},
+    "quadratic_damping": {"coefficient_per_m": "arm.quadratic_per_m"},
+    "cubic_stiffness": {"coefficient_per_m2": "arm.cubic_per_m2"},
+    "payload_change": {"onset_s": "arm.onset_s", "frequency_ratio": "arm.frequency_ratio"},
+    "drive_deadband": {"deadband_rad_s": "drive.deadband_rad_s"},
+    "gear_backlash": {"gap_rad": "drive.gap_rad"},
+    "joint_friction": {"velocity_loss_rad_s": "drive.velocity_loss_rad_s"},
+    "accelerometer_bias_drift": {"rate_m_s3": "accelerometer.rate_m_s3"},
+    "accelerometer_sensitivity_drift": {"rate_per_s": "accelerometer.rate_per_s"},
+    "gravity_leakage": {"gain_m_s2_per_rad": "accelerometer.gravity_m_s2_per_rad"},
+    "tracking_drift": {"rate_px_per_s": "camera.rate_px_per_s"},
+    "lens_distortion": {"coefficient_per_px2": "camera.lens_per_px2"},
+    "camera_clock_skew": {"skew_ppm": "timing.skew_ppm"},
+    "delay_drift": {"rate_s_per_s": "timing.delay_rate"},
+    "stale_frame_buffer": {"onset_s": "timing.stale_onset_s", "frames": "timing.stale_frames"},
+}
+_WAVES = {"periodic_disturbance": "arm.periodic", "mains_hum": "accelerometer.hum"}
+
+
+def declared_quantities(model: Model) -> dict[str, float]:
+    """Start values by quantity, for the effects of a model whose foldable ones have been folded in."""
+    found: dict[str, float] = {}
+    for cause, quantities in _QUANTITIES.items():
+        effect = effect_of(model, cause)
+        if effect is not None:
+            found |= {quantity: float(effect[name]) for name, quantity in quantities.items()}
+    drift = effect_of(model, "stiffness_drift")
+    if drift is not None:
+        found["arm.frequency_rate_per_s"] = drift["frequency_rate_hz_per_s"] / model.arm.modes[0].frequency_hz
+    for cause, prefix in _WAVES.items():
+        wave = effect_of(model, cause)
+        if wave is not None:
+            found[f"{prefix}_hz"] = wave["frequency_hz"]
+            amplitude = wave["amplitude_m_s2"]
+            found[f"{prefix}_sin"] = amplitude * cos(wave["phase_rad"])
+            found[f"{prefix}_cos"] = amplitude * sin(wave["phase_rad"])
+    return found
+
+
+def waves_to_refit(model: Model) -> list[str]:
+    """Quantities of waves whose phase is another in each recording: the baseline refits them."""
+    return [
+        f"{prefix}_{part}"
+        for cause, prefix in _WAVES.items()
+        if effect_of(model, cause) is not None
+        for part in ("sin", "cos")
+    ]
+
+
+def is_behind_encoder(model: Model) -> bool:
+    """Whether the model has a play behind the joint's encoder."""
+    play = effect_of(model, "gear_backlash")
+    return bool(play and play["behind_encoder"])
+
+
+def with_found(
+    effects: list[dict[str, EffectValue]], found: list[dict[str, EffectValue]]
+) -> list[dict[str, EffectValue]]:
+    """A model's effects with those found: what is found of a cause that the model had is its new amount."""
+    causes = {one["cause"] for one in found}
+    return [*(one for one in effects if one["cause"] not in causes), *found]
