@@ -166,22 +166,36 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
         if part is not None:
             gains += _sums(block[out], (part.nats - part.plain_nats)[out], size)
     period = 1.0 / data.world.model.camera.frame_rate_hz
-    lengths = np.array([(b - a) * period for a, b in runs])
+    lengths = np.array([(end - a) * period for (a, _), end in zip(runs, _ends(residual, runs), strict=True)])
     duration = data.world.measured.duration_s
     depth = _depths(residual, runs)
-    count = len(runs)
+    rate, usual = len(runs) / duration, float(np.median(lengths))  # one prolonged by another is longer
     return LawFound(
         "delay_bursts",
         {
-            "rate_hz": (count / duration, float(np.sqrt(count)) / duration),
+            "rate_hz": (rate, rate / float(np.sqrt(len(runs)))),
             "duration_s": (
-                float(lengths.mean()), float(lengths.std() / np.sqrt(count)) + 0.3 * period,
+                usual, 1.25 * float(lengths.std() / np.sqrt(len(runs))) + 0.3 * period,
             ),
-            "delay_s": (float(np.mean(depth)), float(np.std(depth) / np.sqrt(count)) + 1e-4),
+            "delay_s": (float(np.mean(depth)), float(np.std(depth) / np.sqrt(len(runs))) + 1e-4),
         },
         total,
         gains,
     )  # fmt: skip
+
+
+_HELD_UP = 0.75
+
+
+def _ends(residual: Array, runs: list[tuple[int, int]]) -> list[int]:
+    """Where each burst ends: the frames after it are late only as they may not overtake its last ones."""
+    usual = float(np.nanmedian(residual))
+    ends = []
+    for a, b in runs:
+        late = residual[a:b] - usual
+        full = np.flatnonzero(late > _HELD_UP * np.nanmedian(late))
+        ends.append(a + int(full[-1]) + 1 if len(full) else b)
+    return ends
 
 
 def _depths(residual: Array, runs: list[tuple[int, int]]) -> Array:

@@ -1,5 +1,6 @@
 """On a recording that `simulate` makes, the cause is named, first, and its parameters lie within ten per cent.
 
+Where the effect comes by chance, twenty seconds hold few of it: a rate is then known within its stated deviation.
 One cause and none are asked of every run; STILLARM_ALL_CAUSES=1 asks all, for half an hour.
 """
 
@@ -12,6 +13,7 @@ from diagnosis.diagnose import Diagnosis, diagnose
 from tests.diagnosis.simulated import SIZES, effect, record
 
 ALWAYS = ("quadratic_damping",)
+BY_CHANCE = {"impulse_noise", "frame_drops", "delay_bursts"}
 ALL = bool(os.environ.get("STILLARM_ALL_CAUSES"))
 
 
@@ -28,7 +30,8 @@ def test_the_cause_is_named_and_measured(cause: str, tmp_path: Path) -> None:
     parameters = result.table["findings"][0]["parameters"]
     for name, true in SIZES[cause].items():
         if name in parameters:
-            assert parameters[name]["value"] == pytest.approx(true, rel=0.1)
+            chance = 3.0 * parameters[name]["std"] if cause in BY_CHANCE else 0.0
+            assert parameters[name]["value"] == pytest.approx(true, rel=0.1, abs=chance)
     written = next(one for one in result.extended.effects if one["cause"] == cause)
     assert set(SIZES[cause]) <= set(written)
 
