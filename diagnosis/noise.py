@@ -218,10 +218,12 @@ def level(residual: Array, least: float) -> float:
     """Standard deviation of a residual, its outliers bounded."""
     if not len(residual):
         return max(least, 1e-12)
-    power = float(np.sqrt(np.mean(residual * residual)))
+    with np.errstate(over="ignore"):  # a candidate that runs away
+        power = float(np.sqrt(np.mean(residual * residual)))
     limit = HUBER * max(1.4826 * float(np.median(np.abs(residual))), least, 0.2 * power)
-    short = np.clip(residual, -limit, limit)
-    return max(float(np.sqrt(np.mean(short * short))), least, 1e-12)
+    with np.errstate(over="ignore"):
+        short = np.clip(residual, -limit, limit)
+        return max(float(np.sqrt(np.mean(short * short))), least, 1e-12)
 
 
 def log_likelihood(u: Array, std: float) -> Array:

@@ -16,6 +16,9 @@ from diagnosis.fit import Data, Fit
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+ON_ITS_PAST = "each value depends on those before it"
+"""The dependence of what is left of a motion that the simulation does not have."""
+
 _LAGS = 12
 _CLIP = 6.0
 _SPIKE = 5.0
@@ -57,7 +60,7 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
             blocks = np.bincount(block[held], gains[held], count).astype(np.float64)
             return Uneven(name, law, float(gains[train].sum()), blocks)
 
-        found.append(told("each value depends on those before it", _memory(r, train)))
+        found.append(told(ON_ITS_PAST, _memory(r, train)))
         if name in ("acceleration", "displacement", "deflection"):
             found.append(told("the arm is driven at its own frequency", _driven(data, last, name, r, train)))
         if name not in _ENCODER:

@@ -125,6 +125,14 @@ def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[
     return table
 
 
+_HARDLY = 0.2
+
+
+def is_sure_of(finding: dict[str, Any], table: dict[str, Any]) -> bool:
+    """Whether a finding may be put forward: not where structure is left that dwarfs it."""
+    return bool(table["verdict"] != "unexplained" or finding["confidence"] >= _HARDLY)
+
+
 def findings(found: Found, judged: Judged, split: Split) -> list[dict[str, Any]]:
     """The findings as diagnosis.json has them."""
     listed = []

@@ -87,8 +87,16 @@ def _unexplained(result: Diagnosis, left: dict[str, Any]) -> str:
     return (
         "<section><h2>What is left, and has no name</h2>"
         f"<p>In the {escape(panels.WORDS[name])}, between {low:.3g} and {high:.3g} Hz; it depends on: "
-        f"{escape(left['dependence'])}. For prediction only, without a physical meaning, a regression on the "
-        f"simulated state gives <code>{escape(left['term'])}</code>.</p><figure>{figure}</figure></section>"
+        f"{escape(left['dependence'])}. {_term(left['term'])}</p><figure>{figure}</figure></section>"
+    )
+
+
+def _term(term: str) -> str:
+    if not term:
+        return "No term of the simulated state predicts it."
+    return (
+        "For prediction only, without a physical meaning, a regression on the simulated state gives "
+        f"<code>{escape(term)}</code>."
     )
 
 

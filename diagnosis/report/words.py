@@ -7,7 +7,9 @@ from common.causes import CAUSES
 from diagnosis.catalogue import CAUSES as SEARCHED
 from diagnosis.diagnose import Diagnosis
 from diagnosis.report.panels import WORDS
+from diagnosis.scatter import ON_ITS_PAST
 from diagnosis.search import Candidate, Stage
+from diagnosis.verdict import is_sure_of
 
 NAMES = {
     "second_bending_mode": "a second bending mode",
@@ -63,7 +65,8 @@ def unit_of(cause: str, parameter: str) -> str:
 def verdict_sentence(result: Diagnosis) -> str:
     """The verdict in one sentence."""
     table = result.table
-    parts = [_named(one) for one in table["findings"]]
+    parts = [_named(one) for one in table["findings"] if is_sure_of(one, table)]
+    unsure = [_named(one) for one in table["findings"] if not is_sure_of(one, table)]
     left = table["unexplained"]
     if table["verdict"] == "none":
         return "Nothing is wrong with this simulation beyond the values of its own parameters."
@@ -73,6 +76,8 @@ def verdict_sentence(result: Diagnosis) -> str:
             f"the {WORDS.get(left['channel'], left['channel'])} holds structure at {low:.3g} to {high:.3g} Hz "
             "that none of the known causes explains"
         )
+        if unsure:
+            rest += f"; {', and '.join(unsure)} may be a small part of it, or only imitate one"
         if not parts:
             return rest[0].upper() + rest[1:] + "."
         return f"The simulation lacks {', and '.join(parts)}; beyond that, {rest}."
@@ -140,15 +145,28 @@ def next_steps(result: Diagnosis) -> list[str]:
             steps.append(f"To tell {names} apart: {finding['experiment']}.")
     if table["unexplained"]:
         left = table["unexplained"]
-        steps.append(
-            f"What is left in the {WORDS.get(left['channel'], left['channel'])} depends on: {left['dependence']}. "
-            "Record again with that alone varied, all else at rest, and diagnose both recordings."
-        )
+        where = f"What is left in the {WORDS.get(left['channel'], left['channel'])}"
+        if left["dependence"] == ON_ITS_PAST:
+            steps.append(
+                f"{where} is of a motion that the model does not have. Look for resonances in the shaded band "
+                "of its spectrum; where the rig is known to have one, add it to the model as a mode and diagnose again."
+            )
+        else:
+            steps.append(
+                f"{where} depends on: {left['dependence']}. Record again with that alone varied, all else at rest, and "
+                "diagnose both recordings."
+            )
+    sure = all(is_sure_of(one, table) for one in table["findings"])
     if table["findings"] or table["baseline_changes"]:
         steps.append(
             "extended.toml beside this page is the model with these changes: give it to `stillarm simulate --model`, "
             "or to the controller's configuration as its model. Diagnose a new recording with it "
-            "(`stillarm diagnose REC --model extended.toml`): it should say that nothing is wrong."
+            "(`stillarm diagnose REC --model extended.toml`): "
+            + (
+                "it should say that nothing is wrong."
+                if sure and not table["unexplained"]
+                else "it shows what lasts."
+            )
         )
     else:
         steps.append("Keep the model. Diagnose again after the rig has been changed, or has aged.")

@@ -122,6 +122,8 @@ def _plain(value: Any) -> Any:
 
 def sentence(table: dict[str, Any]) -> str:
     """The verdict in one sentence."""
+    from diagnosis.verdict import is_sure_of
+
     parts = []
     for finding in table["findings"]:
         numbers = finding["parameters"].items()
@@ -129,7 +131,10 @@ def sentence(table: dict[str, Any]) -> str:
         near = finding["indistinguishable_from"]
         name = " or ".join([finding["cause"], *near])
         cut = 100.0 * finding["held_out"]["reduction"]
-        parts.append(f"{name} ({values}; cuts the held-out error by {cut:.0f} %)")
+        unsure = (
+            "" if is_sure_of(finding, table) else f"hardly, with confidence {finding['confidence']:.2g}: "
+        )
+        parts.append(f"{unsure}{name} ({values}; cuts the held-out error by {cut:.0f} %)")
     blows = f"; {len(table['events'])} blows that no sensor measured" if table["events"] else ""
     if table["verdict"] == "none":
         return f"nothing wrong with the simulation beyond its parameters{blows}"
@@ -141,4 +146,5 @@ def sentence(table: dict[str, Any]) -> str:
         f"{left['channel']} holds structure at {low:.3g} to {high:.3g} Hz that no known cause explains "
         f"(depends on: {left['dependence']})"
     )
-    return "; ".join([*parts, rest]) + blows
+    surely = bool(parts) and is_sure_of(table["findings"][0], table)
+    return "; ".join([*parts, rest] if surely else [rest, *parts]) + blows

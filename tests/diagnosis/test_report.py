@@ -15,7 +15,9 @@ from diagnosis.report.page import report_page
 from diagnosis.report.picture import _TELLING
 from diagnosis.report.sections import gains
 from diagnosis.report.sections import use as use_section
-from diagnosis.report.words import NAMES, number
+from diagnosis.report.words import NAMES, next_steps, number, verdict_sentence
+from diagnosis.scatter import ON_ITS_PAST
+from stillarm.commands.diagnose_command import sentence
 from tests.diagnosis.synthetic import MODEL, measured
 
 
@@ -118,3 +120,24 @@ def test_figures_take_the_pages_colours() -> None:
 )
 def test_numbers_have_the_digits_that_mean_something(value: float, std: float, text: str) -> None:
     assert number(value, std) == text
+
+
+def test_a_finding_that_what_is_left_dwarfs_is_not_put_forward(found: Diagnosis) -> None:
+    """Its name comes after what has none, and the page does not send anybody to look for nothing wrong."""
+    table = found.table
+    unsure = [{**one, "confidence": 0.01} for one in table["findings"]]
+    left = {"channel": "acceleration", "band_hz": [2.0, 9.0], "dependence": ON_ITS_PAST, "term": ""}
+    doubtful = replace(
+        found, table={**table, "verdict": "unexplained", "unexplained": left, "findings": unsure}
+    )
+    said = verdict_sentence(doubtful)
+    assert said.startswith("The accelerometer holds structure") or said.startswith(
+        "The acceleration holds structure"
+    )
+    assert "may be a small part of it" in said
+    assert sentence(doubtful.table).startswith("acceleration holds structure")
+    steps = " ".join(next_steps(doubtful))
+    assert "nothing is wrong" not in steps and "alone varied" not in steps and "a mode" in steps
+    assert "No term of the simulated state" in report_page(doubtful)
+    sure = {**doubtful.table, "findings": [{**one, "confidence": 0.9} for one in unsure]}
+    assert "may be a small part" not in verdict_sentence(replace(found, table=sure))
