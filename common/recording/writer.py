@@ -13,6 +13,7 @@ from mcap.records import DataEnd, Footer
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from common.recording.append_file import AppendFile
+from common.recording.chunk_indices import PackedChunkIndices
 from common.recording.header import METADATA_NAME, NOTES_NAME, RecordingHeader, header_metadata
 from common.recording.json_schema import json_schema
 from common.recording.topics import TOPIC_INDEX, TOPICS
@@ -20,6 +21,7 @@ from common.user_error import UserError
 
 _CHUNK_BYTES = 1 << 20
 _CHUNK_NS = 500_000_000  # of log time: what a killed writer may lose
+_CHUNK_INDICES = "_Writer__chunk_indices"  # the library keeps objects there, for good
 _MAX_TIME_S = 9.2e9
 _MAX_LOG_TIME_NS = (1 << 63) - 1  # some readers take it as signed
 
@@ -36,6 +38,7 @@ class RecordingWriter:
         self._file = AppendFile(path_or_file)
         self._origin_ns = header.origin_unix_ns
         self._writer = Writer(self._file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)  # type: ignore[arg-type]
+        setattr(self._writer, _CHUNK_INDICES, PackedChunkIndices())
         self._encode = msgspec.json.Encoder().encode
         self._channels: dict[str, int] = {}
         self._sequences = [0] * (len(TOPICS) + 1)
