@@ -23,6 +23,7 @@ from controller.fused.layout import Layout
 from controller.fused.sensor_health import AccelerometerHealth
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 _OUTLIER = 16.0  # normalised innovation squared
 _SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of a blow, by the accelerometer, standard deviations squared
@@ -121,6 +122,7 @@ class FrameFusion:
         self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
         self._arrived: tuple[VisualSample, float] | None = None
         self._left: Block | None = None  # taken in, its end not yet reached
+        self._aimed: tuple[Look, Array, float, tuple[Array, Array, ComplexArray]] | None = None
         self._looked: Looked | None = None
         self._taken: tuple[Array, Seen] | None = None
         self._received_s = 0.0
@@ -290,34 +292,35 @@ class FrameFusion:
             started_s, float(self.dating.nominal[Law.CLOCK]) - received_s, gain
         )
 
-    def look(
-        self,
-        sample: VisualSample,
-        received_s: float,
-        joint_input: JointInput,
-        suspicion: float,
-        sees: bool,
-    ) -> bool:
-        """A measured frame, accepted before, with all blocks before its exposure taken in.
-
-        suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
-        Returns whether it is of use; `take` comes next then, before anything else.
+    def aim(self, sample: VisualSample, received_s: float, joint_input: JointInput) -> None:
+        """A measured frame, accepted before, with all blocks before its exposure taken in: by each filter its instant,
+        and what the joint did then. `look` comes next, before anything else.
         """
         self.take_arrival()
         self.leave_block()
-        at, bank, weights = self._at, self.bank, self.evidence.weights
+        at, bank = self._at, self.bank
         value = sample.displacement_x_px * at.per_px
         noise = self._noise_m2
         if isfinite(sample.variance_x_px2) and sample.variance_x_px2 > 0.0:
             noise = max(noise, at.per_px**2 * sample.variance_x_px2)
         if self._images == 0:
             bank.x[:, at.offset] = value - at.lever * joint_input.position_at(received_s - self.delay_s)
+        self._go_blind(received_s)
+        times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
+        image = Look(value, noise, joint_input)
+        self._aimed = image, times, received_s, self._joint_at(image, times)
+
+    def look(self, suspicion: float, sees: bool) -> bool:
+        """The image aimed at; whether it is of use: `take` comes next then, before anything else.
+
+        suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
+        """
+        assert self._aimed is not None
+        (image, times, received_s, joint), self._aimed = self._aimed, None
+        at, bank, weights = self._at, self.bank, self.evidence.weights
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
-        self._go_blind(received_s)
-        image = Look(value, noise, joint_input)
-        times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
-        seen = self._look(image, times)
+        seen = bank.look(image.value_m, times, *joint, image.noise)
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
@@ -327,8 +330,6 @@ class FrameFusion:
             times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
-        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, at.shift, at.shift] + bank.jitter)
-        surprise = np.where(times - reach > received_s, np.inf, surprise)
         self._outliers = self._votes = 0
         self._looked = Looked(image, times, received_s, seen, surprise)
         return True
@@ -338,7 +339,9 @@ class FrameFusion:
         if self._looked is None:
             return
         image, times, received_s, seen, surprise = self._looked
-        self._looked, bank = None, self.bank
+        self._looked, bank, t = None, self.bank, self._at.shift
+        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
+        surprise = np.where(times - reach > received_s, np.inf, surprise)
         self.evidence.weigh(surprise, seen.variance, blind=self._blind)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
@@ -432,9 +435,13 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
+        return self.bank.look(image.value_m, times, *self._joint_at(image, times), image.noise)
+
+    def _joint_at(self, image: Look, times: Array) -> tuple[Array, Array, ComplexArray]:
+        """What the joint alone moved the tip by at those instants, m, its rate, and what it did to the phasors."""
         lever = self._at.lever
         theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times, _SLOPE_S)
-        return self.bank.look(image.value_m, times, theta * lever, rate * lever, step, image.noise)
+        return theta * lever, rate * lever, step
 
     def _joint_still(self, image: Look, times: Array) -> bool:
         best = self.evidence.best

@@ -37,15 +37,16 @@ class _Work(Enum):
     NONE = 0
     DATE = 1
     ARRIVAL = 2
-    LOOK = 3
-    WEIGH = 4
-    SETTLE = 5
-    MERGE = 6
-    PRESENT = 7
-    BLOCKS = 8
+    AIM = 3
+    LOOK = 4
+    WEIGH = 5
+    SETTLE = 6
+    MERGE = 7
+    PRESENT = 8
+    BLOCKS = 9
 
 
-_OF_FRAME = frozenset((_Work.DATE, _Work.ARRIVAL, _Work.LOOK, _Work.WEIGH))
+_OF_FRAME = frozenset((_Work.DATE, _Work.ARRIVAL, _Work.AIM, _Work.LOOK, _Work.WEIGH))
 
 
 class FusedMethod:
@@ -265,21 +266,25 @@ class FusedMethod:
     def _take_arrival(self) -> None:
         assert self._frame is not None
         self.frames.take_arrival()
-        self._work = _Work.LOOK if self._frame[2] else _Work.SETTLE
+        self._work = _Work.AIM if self._frame[2] else _Work.SETTLE
 
-    def _look_at_image(self, now_s: float) -> None:
+    def _aim_at_image(self) -> None:
         """The image that waits, once the blocks before it have been taken in."""
         assert self._frame is not None
-        frames = self.frames
-        instant = frames.expected_instant_s()
+        instant = self.frames.expected_instant_s()
         if self._blocks and self._blocks[0].end_s <= instant:
             self._take_oldest_block()
             return
         sample, received_s, _ = self._frame
-        of_use = frames.look(
-            sample, received_s, self._joint_input, self._blows.suspicion, self._accelerometer_sees(now_s)
-        )
-        self._last_frame_s, self._last_instant_s = received_s, instant
+        self.frames.aim(sample, received_s, self._joint_input)
+        self._last_instant_s = instant
+        self._work = _Work.LOOK
+
+    def _look_at_image(self, now_s: float) -> None:
+        assert self._frame is not None
+        frames, (sample, received_s, _) = self.frames, self._frame
+        of_use = frames.look(self._blows.suspicion, self._accelerometer_sees(now_s))
+        self._last_frame_s = received_s
         if frames.blow:
             self._blows.forget()
         self._work = _Work.WEIGH if of_use else _Work.SETTLE
@@ -302,9 +307,11 @@ class FusedMethod:
         self._dated.append((frame, self.frames.delay_s, self.frames.delay_std_s))
 
     def _weigh_what_was_seen(self) -> None:
-        """Before anything else changes the bank."""
+        """Before anything else changes the bank; what was only aimed at is aimed at anew."""
         if self._work is _Work.WEIGH:
             self._weigh_image()
+        elif self._work is _Work.LOOK:
+            self._work = _Work.AIM
 
     def _work_off(self, time_s: float) -> None:
         """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
@@ -314,6 +321,8 @@ class FusedMethod:
             self._date_frame()
         elif self._work is _Work.ARRIVAL:
             self._take_arrival()
+        elif self._work is _Work.AIM:
+            self._aim_at_image()
         elif self._work is _Work.LOOK:
             self._look_at_image(time_s)
         elif self._work is _Work.WEIGH:
