@@ -3,6 +3,7 @@
 import argparse
 import json
 import math
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,32 +48,68 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="do not simulate what the extended model is worth to the controller (some seconds)",
     )
     parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="several recordings: a Dask scheduler whose workers see the same files (default: this machine's cores)",
+    )
+    parser.add_argument(
         "--out", type=Path, default=Path("diagnosis"), metavar="DIR", help="folder for the results"
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Diagnose each recording; with several, each has a folder of its own name."""
+    """Diagnose each recording by itself."""
     one_blas_thread()
     from common.model import load_model
     from diagnosis.diagnose import diagnose
     from stillarm.progress import progress_bar
 
     model = load_model(arguments.model) if arguments.model else None
-    several = len(arguments.recordings) > 1
     stems = [path.stem for path in arguments.recordings]
     if len(set(stems)) < len(stems):
         raise UserError("diagnose: two recordings have the same name, and so would their folders; rename one")
-    for path in arguments.recordings:
-        with progress_bar(f"diagnose {path.name}") as progress:
-            result = diagnose(path, model, arguments.hold_out, lambda done, what: progress(0.9 * done))
-            if not arguments.no_use:
-                put_to_use(result, path, model)
-        folder = make_folder(arguments.out / path.stem if several else arguments.out)
-        write(result, folder)
-        print(f"{path}: {sentence(result.table)}")
-        print(f"{folder / 'report.html'} shows it; {folder / 'extended.toml'} is the model that has it")
+    if len(arguments.recordings) > 1 or arguments.scheduler is not None:
+        return _many(arguments, model)
+    (path,) = arguments.recordings
+    with progress_bar(f"diagnose {path.name}") as progress:
+        result = diagnose(path, model, arguments.hold_out, lambda done, what: progress(0.9 * done))
+        if not arguments.no_use:
+            put_to_use(result, path, model)
+    folder = make_folder(arguments.out)
+    write(result, folder)
+    _tell(path, folder, sentence(result.table))
     return 0
+
+
+def _many(arguments: argparse.Namespace, model: "Model | None") -> int:
+    """Side by side; each has a folder of its own name. Exit status 1 where one could not be diagnosed."""
+    from stillarm.commands.diagnose_many import Job, diagnose_all, executor_for
+    from stillarm.progress import progress_bar
+
+    out = arguments.out.absolute()
+    jobs = [
+        Job(path.absolute(), out / path.stem, model, tuple(arguments.hold_out), not arguments.no_use)
+        for path in arguments.recordings
+    ]
+    done = []
+    with (
+        executor_for(arguments.scheduler, len(jobs)) as executor,
+        progress_bar(f"diagnose {len(jobs)} recordings") as progress,
+    ):
+        for one in diagnose_all(jobs, executor):
+            done.append(one)
+            progress(len(done) / len(jobs))
+    for one in sorted(done, key=lambda one: jobs.index(one.job)):
+        if one.failed:
+            print(f"stillarm: {one.said}", file=sys.stderr)
+        else:
+            _tell(one.job.path, one.job.folder, one.said)
+    return int(any(one.failed for one in done))
+
+
+def _tell(path: Path, folder: Path, said: str) -> None:
+    print(f"{path}: {said}")
+    print(f"{folder / 'report.html'} shows it; {folder / 'extended.toml'} is the model that has it")
 
 
 def write(result: "Diagnosis", folder: Path) -> None:

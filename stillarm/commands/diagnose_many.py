@@ -1,0 +1,88 @@
+"""Many recordings diagnosed side by side, on any concurrent.futures executor: this machine's cores, or Dask's."""
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context
+from os import cpu_count
+from pathlib import Path
+from typing import Any
+
+from common.model import Model
+from common.user_error import UserError
+
+_CONNECT_S = 10
+
+
+@dataclass(frozen=True)
+class Job:
+    """A recording to diagnose, and the folder for what comes of it. use: simulate what the extended model is worth."""
+
+    path: Path
+    folder: Path
+    model: Model | None
+    hold_out: tuple[tuple[float, float], ...]
+    use: bool
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of a job: the verdict in one sentence, or what was wrong with the recording."""
+
+    job: Job
+    said: str
+    failed: bool = False
+
+
+def diagnose_one(job: Job) -> Done:
+    """One job, in whatever process; what is wrong with one recording stops no other."""
+    from stillarm.one_thread import one_blas_thread
+
+    one_blas_thread()
+    from common.output_folder import make_folder
+    from diagnosis.diagnose import diagnose
+    from stillarm.commands.diagnose_command import put_to_use, sentence, write
+
+    try:
+        result = diagnose(job.path, job.model, job.hold_out)
+        if job.use:
+            put_to_use(result, job.path, job.model)
+        write(result, make_folder(job.folder))
+    except UserError as error:
+        return Done(job, str(error), failed=True)
+    return Done(job, sentence(result.table))
+
+
+def diagnose_all(jobs: Sequence[Job], executor: Executor) -> Iterator[Done]:
+    """Every job, as they are done. Raises UserError when the executor's workers are lost."""
+    futures = [executor.submit(diagnose_one, job) for job in jobs]
+    for future in as_completed(futures):
+        try:
+            yield future.result()
+        except (OSError, RuntimeError, ImportError) as error:
+            raise UserError(f"diagnose: a worker was lost: {error}; is stillarm installed there?") from None
+
+
+@contextmanager
+def executor_for(scheduler: str | None, jobs: int) -> Iterator[Executor]:
+    """Dask's at that address, else this machine's cores. Raises UserError where there is none."""
+    if scheduler is None:
+        with ProcessPoolExecutor(min(jobs, cpu_count() or 1), mp_context=get_context("spawn")) as pool:
+            yield pool
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise UserError("--scheduler: needs Dask's distributed: pip install 'stillarm[cluster]'") from None
+    try:
+        connect: Any = Client
+        client = connect(scheduler, timeout=_CONNECT_S)
+    except (OSError, ValueError) as error:
+        raise UserError(
+            f"--scheduler {scheduler}: no Dask scheduler answers there ({error}); start one with `dask scheduler`"
+        ) from None
+    try:
+        yield client.get_executor()
+    finally:
+        client.close()

@@ -1,0 +1,64 @@
+"""Several recordings side by side: on threads here, on Dask where it is installed; one that is bad stops no other."""
+
+import json
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from common.user_error import UserError
+from stillarm.commands import diagnose_many
+from stillarm.commands.diagnose_many import Job, diagnose_all, executor_for
+from stillarm.main import main
+from tests.diagnosis.simulated import record
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Nothing wrong with it."""
+    return record(tmp_path_factory.mktemp("many"))
+
+
+@contextmanager
+def threads(scheduler: str | None, jobs: int) -> Iterator[ThreadPoolExecutor]:
+    with ThreadPoolExecutor(2) as pool:
+        yield pool
+
+
+def test_each_has_its_folder_and_a_bad_one_stops_no_other(
+    recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(diagnose_many, "executor_for", threads)
+    bad = tmp_path / "bad.mcap"
+    bad.write_bytes(b"no recording")
+    out = tmp_path / "out"
+    assert main(["diagnose", str(bad), str(recording), "--no-use", "--out", str(out)]) == 1
+    said = capsys.readouterr()
+    assert [line for line in said.err.splitlines() if "bad.mcap" in line]
+    assert "nothing wrong" in said.out
+    assert json.loads((out / "recording" / "diagnosis.json").read_text())["verdict"] == "none"
+    assert not (out / "bad").exists()
+
+
+def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(diagnose_many, "_CONNECT_S", 1)
+    with (
+        pytest.raises(UserError, match="no Dask scheduler answers there"),
+        executor_for("tcp://127.0.0.1:9", 2),
+    ):
+        pass
+
+
+def test_dask_s_workers_diagnose_as_this_process_does(recording: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    job = Job(recording, tmp_path / "out", None, (), use=False)
+    with (
+        distributed.LocalCluster(1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        executor_for(cluster.scheduler_address, 1) as executor,
+    ):
+        (done,) = diagnose_all([job], executor)
+    assert not done.failed and "nothing wrong" in done.said
+    assert (tmp_path / "out" / "report.html").exists()
