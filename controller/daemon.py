@@ -9,6 +9,7 @@ from pathlib import Path
 from common.configuration import is_simulated_rig, load_assumed_model, load_configuration, model_path
 from common.effects import not_used_by_controller
 from common.left_behind import remove_left_blocks
+from common.loop_processor import beside_the_loop
 from common.recording.header import live_header
 from common.recording.recorder_client import RECORDING_CUT, RecorderClient
 from common.service_notify import notify
@@ -51,10 +52,11 @@ def run(
         devices.start()
         clock = CycleClock(cycle_s, time.monotonic() + _START_UP_S)
         header = live_header(configuration_path, configuration, devices.session, clock.origin_s)
-        recorder = RecorderClient.start(
-            record, header, telemetry=configuration.telemetry, process_name="controller"
-        )
-        statistics = start_statistics(block.name, recorder.process_id)
+        with beside_the_loop():
+            recorder = RecorderClient.start(
+                record, header, telemetry=configuration.telemetry, process_name="controller"
+            )
+            statistics = start_statistics(block.name, recorder.process_id)
         warm_up(model, configuration.controller, model_name)
         log_start("controller", configuration, configuration_path)
         for note in filter(None, (not_used_by_controller(model), *devices.notes)):

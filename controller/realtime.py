@@ -12,6 +12,7 @@ import resource
 from pathlib import Path
 from typing import NamedTuple
 
+from common.loop_processor import loop_processor
 from common.priority import run_fifo
 
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
@@ -111,7 +112,7 @@ class RealTime:
         except OSError:
             missing.append(CPU_LATENCY)
         try:
-            os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+            os.sched_setaffinity(0, {loop_processor()})
         except (OSError, AttributeError):
             missing.append(PINNED)
         if not run_fifo(PRIORITY):

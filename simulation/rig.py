@@ -25,6 +25,7 @@ from common.configuration import Configuration, Rig, load_configuration, load_tr
 from common.effects import declared
 from common.left_behind import remove_left_blocks
 from common.link_key import load_key
+from common.loop_processor import leave_it_to_the_loop
 from common.model import Model, length_of
 from common.priority import raise_priority, run_fifo
 from common.recording.header import live_header
@@ -88,6 +89,7 @@ def run(
     CameraTiming(model.camera, model.timing, rig, rig.seed, origin_s=0.0, after_delivery_s=AFTER_DELIVERY_S)
     remove_left_blocks()
     raise_priority(_NICENESS)
+    leave_it_to_the_loop()
     stop = StopSignal()
     recorder = None
     if truth_path is not None:

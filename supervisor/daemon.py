@@ -7,7 +7,8 @@ import cv2
 
 from common.configuration import Configuration, load_configuration
 from common.datagram import Kind
-from common.link_key import load_key
+from common.link_key import is_loopback, load_key
+from common.loop_processor import leave_it_to_the_loop
 from common.priority import raise_priority
 from common.recording.header import live_header
 from common.recording.recorder_client import RECORDING_CUT, RecorderClient
@@ -38,6 +39,8 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     configuration = load_configuration(configuration_path)
     hold_instance("supervisor", configuration.link.supervisor_port)
     raise_priority(_NICENESS)
+    if is_loopback(configuration.link.controller_host):
+        leave_it_to_the_loop()
     cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
     # What OpenCV warns of, the camera's driver says in one line, with the remedy.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)

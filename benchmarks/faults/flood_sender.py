@@ -12,6 +12,7 @@ from pathlib import Path
 import msgspec
 
 from benchmarks.faults.faulty_link import forged
+from common.loop_processor import leave_it_to_the_loop
 from common.user_error import UserError
 
 RATE_HZ = 20_000
@@ -65,9 +66,7 @@ def send(address: tuple[str, int], datagrams: list[bytes], rate_hz: float, durat
 
 def main(host: str, port: int, rate_hz: float, duration_s: float) -> int:
     """Datagrams come on standard input, as a msgpack array; how many were sent goes to standard output."""
-    processors = os.sched_getaffinity(0)
-    if len(processors) > 1:  # as the sender would be another computer
-        os.sched_setaffinity(0, processors - {max(processors)})
+    leave_it_to_the_loop()  # as the sender would be another computer
     datagrams = msgspec.msgpack.decode(sys.stdin.buffer.read(), type=list[bytes])
     print(json.dumps({"sent": send((host, port), datagrams, rate_hz, duration_s)}), flush=True)
     return 0

@@ -12,6 +12,7 @@ from benchmarks.loop import cyclictest
 from benchmarks.loop.own_work import OwnWork
 from benchmarks.loop.slices import Measured, by_name, run_slice
 from common.configuration import default_configuration_path, load_assumed_model, load_configuration
+from common.loop_processor import loop_processor
 from controller.realtime import FIFO, RealTime
 from controller.warm_up import warm_up
 
@@ -40,7 +41,7 @@ def run(duration_s: float, progress: Callable[[float], None] = lambda done: None
     try:
         for _ in range(_WARM_CYCLES):
             work()
-        processor = max(os.sched_getaffinity(0))
+        processor = loop_processor()
         for turn in range(turns):
             run_slice(loop, length_s, cycle_s, work)
             run_slice(floor, length_s, cycle_s)
