@@ -5,8 +5,10 @@ capture delay back: an image is taken in at its own instant, and what the accele
 afterwards (present.py).
 """
 
+from cmath import exp
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +38,17 @@ _sum = np.add.reduce  # as ndarray.sum, at half the cost for so few numbers
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 
 
+class Expected(NamedTuple):
+    """What each filter expects of an image: its value, m, the deflection in it, m, the value's rate, m/s, (filters,),
+    and its slope by the state, (filters, n).
+    """
+
+    value: Array
+    deflection: Array
+    rate: Array
+    slope: Array
+
+
 @dataclass(slots=True)
 class Seen:
     """One image as each filter sees it before taking it in; arrays of shape (filters,)."""
@@ -59,13 +72,12 @@ class FilterBank:
         """variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s, (filters,)."""
         self._at = layout
         self._diagonal = np.arange(layout.size)
-        self._unit = np.eye(layout.size)[None].repeat(FILTERS, axis=0)
+        self._move = np.eye(layout.size)[None, : 2 * layout.modes].repeat(FILTERS, axis=0)
         self.begin(variance, jitter_s)
         self.edge_s = 0.0
         self._iw = 1j * layout.w
-        m = layout.modes
-        self._i_cos, self._i_sin = np.arange(0, 2 * m, 2), np.arange(1, 2 * m, 2)
-        self._i_w, self._i_d = np.arange(2 * m, 3 * m), np.arange(3 * m, 4 * m)
+        self._w, self._sigma = layout.w.tolist(), layout.sigma.tolist()
+        self._per_acceleration = -1.0 / layout.w_first**2
 
     def begin(self, variance: Array, jitter_s: Array) -> None:
         """All states zero, with that variance, (filters, n); jitter_s: white spread of the instants, (filters,)."""
@@ -104,14 +116,25 @@ class FilterBank:
     def look_at_block(self, block: Block, one: int) -> tuple[float, float, float]:
         """By filter `one`: the block's value without bias and joint, what it should be, and the latter's variance."""
         at = self._at
-        x = self.x[one]
-        z, slow = x[at.cosine] - 1j * x[at.sine], -at.sigma - x[at.decay] + 1j * x[at.frequency]
-        gain = (slow + 1j * at.w) ** 2 * np.array(block.turn) * (-1.0 / at.w_first**2)
-        seen = float((z * gain * np.exp(slow * (block.time_s - self.edge_s))).real.sum())
-        row = np.empty(2 * at.modes)
-        row[at.cosine], row[at.sine] = gain.real, gain.imag
-        variance = float(row @ self.p[one, at.phasor, at.phasor] @ row)
-        return block.value - block.forced - float(x[at.bias]), seen, variance
+        x: list[float] = self.x[
+            one
+        ].tolist()  # plain floats: of one filter these are too few numbers for arrays
+        m, lag, seen = at.modes, block.time_s - self.edge_s, 0.0
+        row: list[float] = []
+        for i, turn in enumerate(block.turn):
+            slow = complex(-self._sigma[i] - x[3 * m + i], x[2 * m + i])
+            gain = (slow + 1j * self._w[i]) ** 2 * turn * self._per_acceleration
+            seen += (complex(x[2 * i], -x[2 * i + 1]) * gain * exp(slow * lag)).real
+            row += (gain.real, gain.imag)
+        lines = self.p[one, at.phasor, at.phasor].tolist()
+        variance = sum(
+            [
+                a * b * entry
+                for a, line in zip(row, lines, strict=True)
+                for b, entry in zip(row, line, strict=True)
+            ]
+        )
+        return block.value - block.forced - x[at.bias], seen, variance
 
     def move_on(self, block: Block, noise: Array) -> None:
         """From the block's start to its end, adding `noise` (filters, n) to the covariances' diagonals."""
@@ -119,17 +142,25 @@ class FilterBank:
         dt = block.end_s - self.edge_s
         turn = np.exp(self._rates() * dt)
         z = self.phasors() * turn
-        f = self._unit.copy()
-        c, s = self._i_cos, self._i_sin
-        f[:, c, c] = f[:, s, s] = turn.real
-        f[:, c, s], f[:, s, c] = turn.imag, -turn.imag
-        f[:, c, self._i_w], f[:, s, self._i_w] = -dt * z.imag, -dt * z.real
-        f[:, c, self._i_d], f[:, s, self._i_d] = -dt * z.real, dt * z.imag
+        f, m = self._move, at.modes  # the rows of the phasors; all else stays
+        for i in range(m):
+            c, s, kw, kd = 2 * i, 2 * i + 1, 2 * m + i, 3 * m + i
+            by_rate = dt * z[:, i]
+            f[:, c, c] = f[:, s, s] = turn.real[:, i]
+            f[:, c, s] = turn.imag[:, i]
+            f[:, s, c] = -turn.imag[:, i]
+            f[:, s, kd] = by_rate.imag
+            f[:, c, kw] = -by_rate.imag
+            f[:, s, kw] = f[:, c, kd] = -by_rate.real
         z += np.array(block.step) * (0.5 + 0.5 * turn)
         self.x[:, at.cosine], self.x[:, at.sine] = z.real, -z.imag
-        p = f @ self.p @ f.transpose(0, 2, 1)
-        self.p = 0.5 * (p + p.transpose(0, 2, 1))
-        self.p[:, self._diagonal, self._diagonal] += noise
+        p, moved = self.p, f @ self.p
+        p[:, at.phasor, :] = moved
+        p[:, :, at.phasor] = moved.transpose(0, 2, 1)
+        p[:, at.phasor, at.phasor] = moved @ f.transpose(0, 2, 1)
+        self.p = p = 0.5 * (p + p.transpose(0, 2, 1))
+        diagonal = p.reshape(FILTERS, -1)[:, :: at.size + 1]
+        diagonal += noise
         self.edge_s = block.end_s
 
     def advance_dating(
@@ -181,19 +212,10 @@ class FilterBank:
         self.p[:, ahead, :] = self.p[:, :, ahead] = 0.0
         self.p[:, ahead, ahead] = variance
 
-    def look(
-        self,
-        value_m: float,
-        times_s: Array,
-        joint_m: Array,
-        joint_rate: Array,
-        step: ComplexArray,
-        noise: float,
-    ) -> Seen:
-        """An image that shows value_m, exposed at times_s (filters,) when the joint alone moved the tip by joint_m.
+    def expect(self, times_s: Array, joint_m: Array, joint_rate: Array, step: ComplexArray) -> Expected:
+        """What an image exposed at times_s (filters,) should show, when the joint alone moved the tip by joint_m.
 
-        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (filters, m). noise: variance,
-        m^2.
+        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (filters, m).
         """
         at = self._at
         z, slow = self.phasors(), self._rates()
@@ -213,7 +235,12 @@ class FilterBank:
         drawn = own * (lag * -scale[:, None])
         slope[:, at.frequency], slope[:, at.decay] = drawn.imag, drawn.real
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
-        residual = value_m - scale * tip - self.x[:, at.offset]
+        return Expected(scale * tip + self.x[:, at.offset], deflection, rate, slope)
+
+    def look(self, value_m: float, expected: Expected, noise: float) -> Seen:
+        """An image that shows value_m, beside what it should show. noise: variance, m^2."""
+        at = self._at
+        deflection, rate, slope = expected.deflection, expected.rate, expected.slope
         # second order: products of two uncertain quantities, and a large shift bends the sinusoid
         p, w2 = self.p, at.w_first**2
         unknown = self.jitter + p[:, at.shift, at.shift]
@@ -223,7 +250,7 @@ class FilterBank:
         bend = 0.5 * (w2 * deflection * unknown) ** 2
         extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
         ph = (p @ slope[:, :, None])[:, :, 0]
-        return Seen(residual, _sum(ph * slope, 1) + extra, rate, slope)
+        return Seen(value_m - expected.value, _sum(ph * slope, 1) + extra, rate, slope)
 
     def take_image(self, seen: Seen, extra: Array, phase_only: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).

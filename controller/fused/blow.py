@@ -63,7 +63,7 @@ class BlowDetector:
         power = (shape * np.array(self._weights)) @ shape.transpose(0, 2, 1)
         power += self._prior / max(usual_m, 1e-9) ** 2
         match = shape @ np.array(self._residuals)
-        covariance = np.linalg.inv(power)
+        covariance = 1.0 / power if len(self._prior) == 1 else np.linalg.inv(power)
         sizes = (covariance @ match[:, :, None])[:, :, 0]
         evidence = (match * sizes).sum(axis=1)
         best = int(np.argmax(evidence))

@@ -12,7 +12,7 @@ from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
 from controller.fused.arrivals import ArrivalSpread
-from controller.fused.bank import FILTERS, LAWS, FilterBank, Law, Seen
+from controller.fused.bank import FILTERS, LAWS, Expected, FilterBank, Law, Seen
 from controller.fused.blocks import Block, Jump
 from controller.fused.clock_rate import ClockRate
 from controller.fused.dating import Dating
@@ -66,14 +66,22 @@ class Look(NamedTuple):
     joint_input: JointInput
 
 
+class Aimed(NamedTuple):
+    """An image to be looked at next. times: its instant by each filter, s."""
+
+    image: Look
+    times: Array
+    received_s: float
+    expected: Expected
+
+
 class Looked(NamedTuple):
-    """An image looked at, to be taken in next. times: its instant by each filter, s; surprise: (filters,)."""
+    """An image looked at, to be taken in next. times: its instant by each filter, s."""
 
     image: Look
     times: Array
     received_s: float
     seen: Seen
-    surprise: Array
 
 
 class FrameFusion:
@@ -99,6 +107,7 @@ class FrameFusion:
         self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
         self._state_noise = start.state_noise(settings, at)
         self._phasor_share = start.phasor_share(settings)
+        self._carried = np.eye(at.size)[: 2 * at.modes]
         self._least_jitter = np.where(_LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._joint_date = JointDate()
         self._clock_rate = ClockRate(start.spread_s(model), model.timing.cycle_s)
@@ -121,15 +130,16 @@ class FrameFusion:
         self._blind = False
         self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
         self._arrived: tuple[VisualSample, float] | None = None
-        self._left: Block | None = None  # taken in, its end not yet reached
-        self._aimed: tuple[Look, Array, float, tuple[Array, Array, ComplexArray]] | None = None
+        self._begun: Array | None = None
+        self._left: Block | None = None  # looked at, its end not yet reached
+        self._left_variance: float | None = None  # with which it is yet to be taken in
+        self._aimed: Aimed | None = None
         self._looked: Looked | None = None
-        self._taken: tuple[Array, Seen] | None = None
-        self._received_s = 0.0
+        self._taken: tuple[Array, Array, Seen, float] | None = None
 
     def take_block(self, block: Block) -> None:
-        """The oldest block of the accelerometer not yet taken in; leaves it to `leave_block` to move on to its end."""
-        self.leave_block()
+        """Look at the oldest block of the accelerometer not yet taken in; `leave_block` does the rest."""
+        self.finish_block()
         bank = self.bank
         for jump in block.jumps:
             bank.inflate(jump)
@@ -145,19 +155,29 @@ class FrameFusion:
             if not health.mute:  # what contradicts the images counts less (Huber)
                 self._unused_blocks = 0
                 huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
-                bank.take_block(block, block.variance * max(huber, health.doubt))
+                self._left_variance = block.variance * max(huber, health.doubt)
         self._left = block
 
     def leave_block(self) -> bool:
-        """Move on to the end of the block taken in last; False where that has been done."""
+        """Take in the block looked at last, then, in a second call, move on to its end; False where all is done."""
         if self._left is None:
             return False
-        block, bank, self._left = self._left, self.bank, None
+        block, bank = self._left, self.bank
+        if self._left_variance is not None:
+            bank.take_block(block, self._left_variance)
+            self._left_variance = None
+            return True
+        self._left = None
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
         bank.move_on(block, noise)
         return True
+
+    def finish_block(self) -> None:
+        """All that is left to do with the block looked at last."""
+        while self.leave_block():
+            pass
 
     def _phasor_noise(self) -> Array:
         noise: Array = self._phasor_share * self.amplitude_m**2 + 0.01 * self._noise_m2
@@ -175,8 +195,8 @@ class FrameFusion:
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
         self.settle()
-        self.take_arrival()
-        self.leave_block()
+        self._finish_dates()
+        self.finish_block()
         first = not self.dating.started
         if not self.dating.accept(sample, received_s):
             return False
@@ -212,10 +232,20 @@ class FrameFusion:
         started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
         self.dating.nominal[Law.JITTER] += self._joint_correction_s(sample, received_s)
         self.bank.take_arrival(late[_LAW_OF], noise[_LAW_OF], walk[_LAW_OF])
-        self._take_started(started)
+        self._begun = started
 
-    def _take_started(self, started: Array) -> None:
-        """n_i plus a frame less each law's nominal instant, (laws,), s: followed once its wander is known."""
+    def _finish_dates(self) -> None:
+        self.take_arrival()
+        self.take_started()
+
+    def take_started(self) -> None:
+        """What n_i tells after the arrival, if that has not been taken in: followed once its wander is known."""
+        if self._begun is None:
+            return
+        started, self._begun = (
+            self._begun,
+            None,
+        )  # n_i plus a frame less each law's nominal instant, (laws,), s
         elapsed, between = self.dating.elapsed, self._between
         noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
@@ -296,8 +326,8 @@ class FrameFusion:
         """A measured frame, accepted before, with all blocks before its exposure taken in: by each filter its instant,
         and what the joint did then. `look` comes next, before anything else.
         """
-        self.take_arrival()
-        self.leave_block()
+        self._finish_dates()
+        self.finish_block()
         at, bank = self._at, self.bank
         value = sample.displacement_x_px * at.per_px
         noise = self._noise_m2
@@ -308,7 +338,7 @@ class FrameFusion:
         self._go_blind(received_s)
         times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
         image = Look(value, noise, joint_input)
-        self._aimed = image, times, received_s, self._joint_at(image, times)
+        self._aimed = Aimed(image, times, received_s, bank.expect(times, *self._joint_at(image, times)))
 
     def look(self, suspicion: float, sees: bool) -> bool:
         """The image aimed at; whether it is of use: `take` comes next then, before anything else.
@@ -316,11 +346,11 @@ class FrameFusion:
         suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
         """
         assert self._aimed is not None
-        (image, times, received_s, joint), self._aimed = self._aimed, None
+        (image, times, received_s, expected), self._aimed = self._aimed, None
         at, bank, weights = self._at, self.bank, self.evidence.weights
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
-        seen = bank.look(image.value_m, times, *joint, image.noise)
+        seen = bank.look(image.value_m, expected, image.noise)
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
@@ -331,37 +361,35 @@ class FrameFusion:
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
         self._outliers = self._votes = 0
-        self._looked = Looked(image, times, received_s, seen, surprise)
+        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, at.shift, at.shift] + bank.jitter)
+        surprise = np.where(times - reach > received_s, np.inf, surprise)
+        self.evidence.weigh(surprise, seen.variance, blind=self._blind)
+        self._looked = Looked(image, times, received_s, seen)
         return True
 
     def take(self) -> None:
         """Take in the image looked at, if there is one."""
         if self._looked is None:
             return
-        image, times, received_s, seen, surprise = self._looked
-        self._looked, bank, t = None, self.bank, self._at.shift
-        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
-        surprise = np.where(times - reach > received_s, np.inf, surprise)
-        self.evidence.weigh(surprise, seen.variance, blind=self._blind)
+        (image, times, received_s, seen), self._looked = self._looked, None
+        bank = self.bank
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0), phase_only)
-        self._taken = own, seen
-        instants = self.dating.nominal[_LAW_OF] + bank.x[:, self._at.shift] + own
-        self._tell_delay(received_s - instants, spread)
-        self._received_s = received_s
+        self._taken = own, spread, seen, received_s
 
-    def settle(self) -> None:
-        """What the image taken in last leaves to do before the next one, if anything."""
+    def settle(self) -> bool:
+        """What the image taken in last leaves to do before anything else; whether it has told a delay."""
         if self._taken is None:
-            return
-        own, seen = self._taken
-        self._taken = None
+            return False
+        (own, spread, seen, received_s), self._taken = self._taken, None
         bank, t = self.bank, self._at.shift
+        self._tell_delay(received_s - (self.dating.nominal[_LAW_OF] + bank.x[:, t] + own), spread)
         self._learn_jitter(own, seen)
-        self.evidence.respawn(bank, self.dating, self._received_s - self.delay_s, self.delay_std_s)
+        self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
-            self._shifts.append((self._received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
+            self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
+        return True
 
     @property
     def blind(self) -> bool:
@@ -435,7 +463,8 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
-        return self.bank.look(image.value_m, times, *self._joint_at(image, times), image.noise)
+        bank = self.bank
+        return bank.look(image.value_m, bank.expect(times, *self._joint_at(image, times)), image.noise)
 
     def _joint_at(self, image: Look, times: Array) -> tuple[Array, Array, ComplexArray]:
         """What the joint alone moved the tip by at those instants, m, its rate, and what it did to the phasors."""
@@ -471,7 +500,7 @@ class FrameFusion:
 
     def merged(self, now_s: float) -> Merged:
         """Phasors at the bank's instant, with the covariance that they have at now_s for want of newer images."""
-        self.leave_block()
+        self.finish_block()
         bank, at, w = self.bank, self._at, self.evidence.weights
         best = self.evidence.best
         if w[best] > _CLEAR:
@@ -481,17 +510,18 @@ class FrameFusion:
             d = bank.x - x
             p = (w @ bank.p.reshape(FILTERS, -1)).reshape(at.size, at.size) + (d * w[:, None]).T @ d
         m = at.modes
-        z = x[at.cosine] - 1j * x[at.sine]
+        phasors: list[complex] = (x[at.cosine] - 1j * x[at.sine]).tolist()
         lag = now_s - bank.edge_s
-        f = np.eye(at.size)[: 2 * m]
-        for i in range(m):
+        f = self._carried  # the rows of the phasors
+        for i, one in enumerate(phasors):
+            by_rate = lag * one
             c, s, kw, kd = 2 * i, 2 * i + 1, 2 * m + i, 3 * m + i
-            f[c, kw], f[s, kw] = -lag * z[i].imag, -lag * z[i].real
-            f[c, kd], f[s, kd] = -lag * z[i].real, lag * z[i].imag
-        covariance = f @ p @ f.T
-        covariance[range(2 * m), range(2 * m)] += self.phasor_noise() * lag
-        self.amplitude_m = float(np.abs(z).sum())
-        slow = -at.sigma - x[at.decay] + 1j * x[at.frequency]
-        return Merged(
-            z.tolist(), slow.tolist(), float(x[at.bias]), float(p[at.bias, at.bias]), covariance.tolist()
-        )
+            f[c, kw], f[s, kd] = -by_rate.imag, by_rate.imag
+            f[s, kw] = f[c, kd] = -by_rate.real
+        covariance: list[list[float]] = (f @ p @ f.T).tolist()
+        noise = self.phasor_noise() * lag
+        for i, line in enumerate(covariance):
+            line[i] += noise
+        self.amplitude_m = sum([abs(one) for one in phasors])
+        slow: list[complex] = (-at.sigma - x[at.decay] + 1j * x[at.frequency]).tolist()
+        return Merged(phasors, slow, float(x[at.bias]), float(p[at.bias, at.bias]), covariance)

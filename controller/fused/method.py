@@ -37,16 +37,17 @@ class _Work(Enum):
     NONE = 0
     DATE = 1
     ARRIVAL = 2
-    AIM = 3
-    LOOK = 4
-    WEIGH = 5
-    SETTLE = 6
-    MERGE = 7
-    PRESENT = 8
-    BLOCKS = 9
+    STARTED = 3
+    AIM = 4
+    LOOK = 5
+    TAKE = 6
+    SETTLE = 7
+    MERGE = 8
+    PRESENT = 9
+    BLOCKS = 10
 
 
-_OF_FRAME = frozenset((_Work.DATE, _Work.ARRIVAL, _Work.AIM, _Work.LOOK, _Work.WEIGH))
+_OF_FRAME = frozenset(list(_Work)[_Work.DATE.value : _Work.MERGE.value])
 
 
 class FusedMethod:
@@ -201,8 +202,8 @@ class FusedMethod:
             block.step = tuple(one + more for one, more in zip(block.step, step, strict=True))
             block.jumps += (jump,)
         if block is None or block not in self._blocks:
-            self._weigh_what_was_seen()
-            self.frames.leave_block()
+            self._take_what_was_seen()
+            self.frames.finish_block()
             self.frames.bank.add(step)
             self.frames.bank.inflate(jump)
             self._snapshot = None if block is None else self._snapshot
@@ -264,8 +265,12 @@ class FusedMethod:
         self._work = _Work.ARRIVAL if self.frames.accept(sample, received_s) else _Work.SETTLE
 
     def _take_arrival(self) -> None:
-        assert self._frame is not None
         self.frames.take_arrival()
+        self._work = _Work.STARTED
+
+    def _take_started(self) -> None:
+        assert self._frame is not None
+        self.frames.take_started()
         self._work = _Work.AIM if self._frame[2] else _Work.SETTLE
 
     def _aim_at_image(self) -> None:
@@ -287,18 +292,23 @@ class FusedMethod:
         self._last_frame_s = received_s
         if frames.blow:
             self._blows.forget()
-        self._work = _Work.WEIGH if of_use else _Work.SETTLE
+        self._work = _Work.TAKE if of_use else _Work.SETTLE
         if not of_use:
             self._tell_date(sample.frame)
 
-    def _weigh_image(self) -> None:
+    def _take_image(self) -> None:
         assert self._frame is not None
         self.frames.take()
-        self._tell_date(self._frame[0].frame)
         self._work = _Work.SETTLE
 
+    def _settle(self) -> None:
+        assert self._frame is not None
+        if self.frames.settle():
+            self._tell_date(self._frame[0].frame)
+        self._work = _Work.MERGE
+
     def _take_oldest_block(self) -> None:
-        self._weigh_what_was_seen()
+        self._take_what_was_seen()
         block = self._blocks.popleft()
         self.frames.take_block(block)
         self._taken.append(block)
@@ -306,12 +316,14 @@ class FusedMethod:
     def _tell_date(self, frame: int) -> None:
         self._dated.append((frame, self.frames.delay_s, self.frames.delay_std_s))
 
-    def _weigh_what_was_seen(self) -> None:
+    def _take_what_was_seen(self) -> None:
         """Before anything else changes the bank; what was only aimed at is aimed at anew."""
-        if self._work is _Work.WEIGH:
-            self._weigh_image()
-        elif self._work is _Work.LOOK:
+        if self._work is _Work.LOOK:
             self._work = _Work.AIM
+        if self._work is _Work.TAKE:
+            self._take_image()
+        if self._work is _Work.SETTLE:
+            self._settle()
 
     def _work_off(self, time_s: float) -> None:
         """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
@@ -321,26 +333,31 @@ class FusedMethod:
             self._date_frame()
         elif self._work is _Work.ARRIVAL:
             self._take_arrival()
+        elif self._work is _Work.STARTED:
+            self._take_started()
         elif self._work is _Work.AIM:
             self._aim_at_image()
         elif self._work is _Work.LOOK:
             self._look_at_image(time_s)
-        elif self._work is _Work.WEIGH:
-            self._weigh_image()
+        elif self._work is _Work.TAKE:
+            self._take_image()
         elif self._work is _Work.SETTLE:
-            self.frames.settle()
-            self._work = _Work.MERGE
+            self._settle()
         elif self._work is _Work.MERGE:
             self._merge(time_s)
             self._work = _Work.PRESENT
         elif self._work is _Work.PRESENT:
             self._restart_present(time_s)
-            self._work = _Work.BLOCKS
+            self._work = _Work.BLOCKS if self._block_ahead() else _Work.NONE
         elif self._work is _Work.BLOCKS:
-            if self._blocks and self._blocks[0].end_s <= self._last_instant_s + _AHEAD_FRAMES * self._frame_s:
+            if self._block_ahead():
                 self._take_oldest_block()
-            else:
-                self._work = _Work.NONE
+            self._work = _Work.BLOCKS if self._block_ahead() else _Work.NONE
+
+    def _block_ahead(self) -> bool:
+        """Whether there is a block that the next image will want taken in."""
+        until_s = self._last_instant_s + _AHEAD_FRAMES * self._frame_s
+        return bool(self._blocks) and self._blocks[0].end_s <= until_s
 
     def _merge(self, now_s: float) -> None:
         self._snapshot = self.frames.merged(now_s)

@@ -141,14 +141,16 @@ class AccelerometerHealth:
     @property
     def reason(self) -> str:
         """What is wrong with the sensor, the gravest first; empty for nothing."""
-        found = {
-            "accelerometer silent": self._missing > _STUCK_CYCLES,
-            "accelerometer stuck": self._same > _STUCK_CYCLES,
-            "accelerometer does not show the vibration": self.mute,
-            "accelerometer clipped": self._cut >= _STUCK_CYCLES // 2,
-            "accelerometer contradicts the images": self._against.strain > _STRAINED,
-            "accelerometer's bias drifts": self._drifting > 0.5,
-            "accelerometer spiking": self._spikes > _SPIKING,
-            "accelerometer noisy": self.variance > _NOISY * self._stated,
-        }
-        return next((name for name, there in found.items() if there), "")
+        for there, name in (
+            (self._missing > _STUCK_CYCLES, "accelerometer silent"),
+            (self._same > _STUCK_CYCLES, "accelerometer stuck"),
+            (self.mute, "accelerometer does not show the vibration"),
+            (self._cut >= _STUCK_CYCLES // 2, "accelerometer clipped"),
+            (self._against.strain > _STRAINED, "accelerometer contradicts the images"),
+            (self._drifting > 0.5, "accelerometer's bias drifts"),
+            (self._spikes > _SPIKING, "accelerometer spiking"),
+            (self.variance > _NOISY * self._stated, "accelerometer noisy"),
+        ):
+            if there:
+                return name
+        return ""
