@@ -38,15 +38,17 @@ _sum = np.add.reduce  # as ndarray.sum, at half the cost for so few numbers
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 
 
-class Expected(NamedTuple):
-    """What each filter expects of an image: its value, m, the deflection in it, m, the value's rate, m/s, (filters,),
-    and its slope by the state, (filters, n).
+class Vibration(NamedTuple):
+    """What each filter expects of the arm at its instant, as an image would show it: lag since edge_s, s, (filters, 1);
+    by mode, (filters, m), exp((slow + i w) t) and the phasor turned by it, m; deflection, m, and its rate, m/s,
+    (filters,).
     """
 
-    value: Array
+    lag: Array
+    turn: ComplexArray
+    own: ComplexArray
     deflection: Array
     rate: Array
-    slope: Array
 
 
 @dataclass(slots=True)
@@ -56,7 +58,7 @@ class Seen:
     residual: Array
     variance: Array
     rate: Array
-    slope: Array  # (filters, n)
+    ph: Array  # covariance times the slope of the image's value by the state, (filters, n)
 
     @property
     def surprise(self) -> Array:
@@ -212,10 +214,9 @@ class FilterBank:
         self.p[:, ahead, :] = self.p[:, :, ahead] = 0.0
         self.p[:, ahead, ahead] = variance
 
-    def expect(self, times_s: Array, joint_m: Array, joint_rate: Array, step: ComplexArray) -> Expected:
-        """What an image exposed at times_s (filters,) should show, when the joint alone moved the tip by joint_m.
-
-        joint_rate: rate of joint_m, m/s. step: joint's phasor increments since edge_s, (filters, m).
+    def vibration_at(self, times_s: Array, step: ComplexArray) -> Vibration:
+        """What each filter expects of the arm at times_s (filters,). step: joint's phasor increments since edge_s,
+        (filters, m).
         """
         at = self._at
         z, slow = self.phasors(), self._rates()
@@ -224,25 +225,29 @@ class FilterBank:
         turn = np.exp(fast * lag + self._iw * self.edge_s) * at.image_gain
         own = z * turn
         total = own + step * turn
-        blur = np.exp(-0.5 * self.jitter * at.w_first**2)
+        return Vibration(lag, turn, own, _sum(total.real, 1), _sum((fast * total).real, 1))
+
+    def look(
+        self, value_m: float, vibration: Vibration, joint_m: Array, joint_rate: Array, noise: float
+    ) -> Seen:
+        """An image that shows value_m of that vibration, when the joint alone moved the tip by joint_m (filters,).
+
+        joint_rate: rate of joint_m, m/s, (filters,). noise: variance, m^2.
+        """
+        at, p, w2 = self._at, self.p, self._at.w_first**2
+        blur = np.exp(-0.5 * w2 * self.jitter)
         scale = 1.0 + self.x[:, at.scale]
-        deflection = _sum(total.real, 1) * blur
+        deflection = vibration.deflection * blur
         tip = joint_m + deflection
-        rate = scale * (joint_rate + _sum((fast * total).real, 1))
+        rate = scale * (joint_rate + vibration.rate)
         slope = np.zeros_like(self.x)
-        seen = turn * (scale * blur)[:, None]
+        seen = vibration.turn * (scale * blur)[:, None]
         slope[:, at.cosine], slope[:, at.sine] = seen.real, seen.imag
-        drawn = own * (lag * -scale[:, None])
+        drawn = vibration.own * (vibration.lag * -scale[:, None])
         slope[:, at.frequency], slope[:, at.decay] = drawn.imag, drawn.real
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
-        return Expected(scale * tip + self.x[:, at.offset], deflection, rate, slope)
-
-    def look(self, value_m: float, expected: Expected, noise: float) -> Seen:
-        """An image that shows value_m, beside what it should show. noise: variance, m^2."""
-        at = self._at
-        deflection, rate, slope = expected.deflection, expected.rate, expected.slope
+        residual = value_m - scale * tip - self.x[:, at.offset]
         # second order: products of two uncertain quantities, and a large shift bends the sinusoid
-        p, w2 = self.p, at.w_first**2
         unknown = self.jitter + p[:, at.shift, at.shift]
         phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
         rate2 = rate * rate
@@ -250,7 +255,7 @@ class FilterBank:
         bend = 0.5 * (w2 * deflection * unknown) ** 2
         extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
         ph = (p @ slope[:, :, None])[:, :, 0]
-        return Seen(value_m - expected.value, _sum(ph * slope, 1) + extra, rate, slope)
+        return Seen(residual, _sum(ph * slope, 1) + extra, rate, ph)
 
     def take_image(self, seen: Seen, extra: Array, phase_only: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).
@@ -261,8 +266,7 @@ class FilterBank:
         of the instant as a whole, s^2; each (filters,).
         """
         t = self._at.shift
-        ph = (self.p @ seen.slope[:, :, None])[:, :, 0]
-        variance = seen.variance * extra
+        ph, variance = seen.ph, seen.variance * extra
         gain = ph / variance[:, None]
         vague = self._vague(seen.rate) | phase_only
         if vague.any():

@@ -12,7 +12,7 @@ from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
 from controller.fused.arrivals import ArrivalSpread
-from controller.fused.bank import FILTERS, LAWS, Expected, FilterBank, Law, Seen
+from controller.fused.bank import FILTERS, LAWS, FilterBank, Law, Seen, Vibration
 from controller.fused.blocks import Block, Jump
 from controller.fused.clock_rate import ClockRate
 from controller.fused.dating import Dating
@@ -72,16 +72,18 @@ class Aimed(NamedTuple):
     image: Look
     times: Array
     received_s: float
-    expected: Expected
+    joint: tuple[Array, Array]
+    vibration: Vibration
 
 
 class Looked(NamedTuple):
-    """An image looked at, to be taken in next. times: its instant by each filter, s."""
+    """An image looked at, to be taken in next. times: its instant by each filter, s; surprise: (filters,)."""
 
     image: Look
     times: Array
     received_s: float
     seen: Seen
+    surprise: Array
 
 
 class FrameFusion:
@@ -338,7 +340,7 @@ class FrameFusion:
         self._go_blind(received_s)
         times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
         image = Look(value, noise, joint_input)
-        self._aimed = Aimed(image, times, received_s, bank.expect(times, *self._joint_at(image, times)))
+        self._aimed = Aimed(image, times, received_s, *self._expected(image, times))
 
     def look(self, suspicion: float, sees: bool) -> bool:
         """The image aimed at; whether it is of use: `take` comes next then, before anything else.
@@ -346,11 +348,11 @@ class FrameFusion:
         suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
         """
         assert self._aimed is not None
-        (image, times, received_s, expected), self._aimed = self._aimed, None
+        (image, times, received_s, joint, vibration), self._aimed = self._aimed, None
         at, bank, weights = self._at, self.bank, self.evidence.weights
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
-        seen = bank.look(image.value_m, expected, image.noise)
+        seen = bank.look(image.value_m, vibration, *joint, image.noise)
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
@@ -361,18 +363,18 @@ class FrameFusion:
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
         self._outliers = self._votes = 0
-        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, at.shift, at.shift] + bank.jitter)
-        surprise = np.where(times - reach > received_s, np.inf, surprise)
-        self.evidence.weigh(surprise, seen.variance, blind=self._blind)
-        self._looked = Looked(image, times, received_s, seen)
+        self._looked = Looked(image, times, received_s, seen, surprise)
         return True
 
     def take(self) -> None:
         """Take in the image looked at, if there is one."""
         if self._looked is None:
             return
-        (image, times, received_s, seen), self._looked = self._looked, None
-        bank = self.bank
+        (image, times, received_s, seen, surprise), self._looked = self._looked, None
+        bank, t = self.bank, self._at.shift
+        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
+        surprise = np.where(times - reach > received_s, np.inf, surprise)
+        self.evidence.weigh(surprise, seen.variance, blind=self._blind)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0), phase_only)
@@ -463,14 +465,14 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
-        bank = self.bank
-        return bank.look(image.value_m, bank.expect(times, *self._joint_at(image, times)), image.noise)
+        joint, vibration = self._expected(image, times)
+        return self.bank.look(image.value_m, vibration, *joint, image.noise)
 
-    def _joint_at(self, image: Look, times: Array) -> tuple[Array, Array, ComplexArray]:
-        """What the joint alone moved the tip by at those instants, m, its rate, and what it did to the phasors."""
-        lever = self._at.lever
-        theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times, _SLOPE_S)
-        return theta * lever, rate * lever, step
+    def _expected(self, image: Look, times: Array) -> tuple[tuple[Array, Array], Vibration]:
+        """What the joint alone moved the tip by at those instants, m, and its rate; and the vibration."""
+        bank, lever = self.bank, self._at.lever
+        theta, rate, step = image.joint_input.seen_from(bank.edge_s, times, _SLOPE_S)
+        return (theta * lever, rate * lever), bank.vibration_at(times, step)
 
     def _joint_still(self, image: Look, times: Array) -> bool:
         best = self.evidence.best
