@@ -15,6 +15,7 @@ from common.recording.reader import Recording, open_recording
 from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
+from diagnosis.candidate import Found
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
@@ -25,7 +26,7 @@ from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.measured import ClockGap, Measured, dated_by_requests, read_measured, reclocked
 from diagnosis.noise import DoubtColour, log_likelihood
 from diagnosis.pair_start import with_resonance_of
-from diagnosis.search import Found, search
+from diagnosis.search import search
 from diagnosis.split import interleaved, stated
 from diagnosis.verdict import Judged
 from diagnosis.world import World

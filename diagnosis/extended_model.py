@@ -6,8 +6,8 @@ import msgspec
 
 from common.causes import CAUSES
 from common.model import EffectValue, Model
+from diagnosis.candidate import Candidate
 from diagnosis.fit import Fit
-from diagnosis.search import Candidate
 
 
 def refitted_model(model: Model, final: Fit) -> Model:

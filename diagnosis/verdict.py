@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
+from diagnosis.choice import confidence, inseparable
 from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, least_level, make_data
-from diagnosis.search import Candidate, Found, Stage, confidence, inseparable
 from diagnosis.structure import Remains, Structure, examine
 
 Array = NDArray[np.float64]

@@ -4,11 +4,11 @@ from math import floor, isfinite, log10
 from typing import Any
 
 from common.causes import CAUSES
+from diagnosis.candidate import Candidate, Stage
 from diagnosis.catalogue import CAUSES as SEARCHED
 from diagnosis.diagnose import Diagnosis
 from diagnosis.report.panels import WORDS
 from diagnosis.scatter import ON_ITS_PAST
-from diagnosis.search import Candidate, Stage
 from diagnosis.verdict import is_sure_of
 
 NAMES = {

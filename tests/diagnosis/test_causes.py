@@ -9,6 +9,7 @@ import pytest
 from common.causes import CAUSES as CATALOGUE
 from common.model import load_model
 from common.scenario import Scenario, Strike
+from diagnosis.candidate import Candidate
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Context
 from diagnosis.diagnose import model_text
@@ -16,7 +17,6 @@ from diagnosis.extended_model import effect_of
 from diagnosis.fit import Fit
 from diagnosis.impacts import carried
 from diagnosis.screen import residual_peaks, variant
-from diagnosis.search import Candidate
 from diagnosis.split import interleaved
 from simulation.virtual_time import VirtualRun, simulate
 from tests.diagnosis.simulated import MODEL as RIG_MODEL

@@ -1,0 +1,54 @@
+"""What the search hands on: a cause refitted, a step with all its rivals, and the end."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.fit import Fit
+from diagnosis.laws import LawFound
+from diagnosis.screen import Screening
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A cause refitted. law: set for a law of noise or timing, which changes no fit. certain: the data show it by
+    themselves, so that its gain need not be the same in all blocks."""
+
+    cause: str
+    fit: Fit
+    train_gain: float
+    held_gain: float
+    held_std: float
+    block_gains: Array
+    values: dict[str, tuple[float, float]]
+    law: LawFound | None = None
+    free: tuple[str, ...] = ()
+    note: str = ""
+    surprise: float = 0.0
+    certain: bool = False
+
+
+@dataclass
+class Stage:
+    """One step of the search: what was screened, who was refitted (best first), who was taken.
+
+    other_names: causes that a later stage would have added, and that explain the same thing.
+    """
+
+    screening: Screening
+    candidates: list[Candidate]
+    taken: Candidate | None
+    other_names: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Found:
+    """The search's end: the fit with all findings, each with its candidates at the time."""
+
+    baseline: Fit
+    final: Fit
+    findings: list[Candidate] = field(default_factory=list)
+    stages: list[Stage] = field(default_factory=list)

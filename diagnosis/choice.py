@@ -1,0 +1,157 @@
+"""Which of the refitted causes is taken, and how surely: by what each predicts of the held-out part."""
+
+from math import erf, sqrt
+
+import numpy as np
+
+from common.causes import CAUSES as CATALOGUE
+from diagnosis.candidate import Candidate, Found, Stage
+from diagnosis.catalogue import CAUSES
+from diagnosis.fit import Data
+from diagnosis.onset import onset_of
+from diagnosis.screen import Screening
+
+LEAST_HELD_NATS = 3.0
+_OVERLAP = 0.6
+_LEAST_OF_A_LAW = 0.25
+_LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
+_DISAGREE = 0.1
+
+
+def next_to_take(stage: Stage, found: Found, data: Data) -> Candidate | None:
+    """The stage's best that adds something of its own: no other name for what is already found, and no small change
+    that the first finding's simple form would leave of its true one."""
+    for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
+        if not _convincing(one, stage.screening, data):
+            continue
+        if found.findings and one.law is None and one.held_gain < _least_share(one, found.findings[0]):
+            continue
+        rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
+        if not rivals:
+            return one
+        for earlier in rivals:
+            earlier.other_names.append(one.cause)
+    return None
+
+
+def _least_share(one: Candidate, first: Candidate) -> float:
+    """Nats that a simple form may leave of its true one: in the same place more than elsewhere, and a sensor's none
+    outside of its own channel."""
+    here, there = CATALOGUE[one.cause].place, CATALOGUE[first.cause].place
+    if here == there:
+        return _LEAST_SHARE * first.held_gain
+    return _LEAST_SHARE_ELSEWHERE * first.held_gain if there in ("arm", "drive") else 0.0
+
+
+def _same_thing(earlier: Stage, one: Candidate) -> bool:
+    """Whether a cause explained alone most of what was then taken, and adds little to it: one thing, two names."""
+    taken = earlier.taken
+    alone = next((c for c in earlier.candidates if c.cause == one.cause), None)
+    if taken is None or alone is None or taken.law is not None or one.law is not None:
+        return False
+    return _both(alone) > _OVERLAP * _both(taken) and _both(one) < _OVERLAP * _both(alone)
+
+
+def _both(one: Candidate) -> float:
+    return one.train_gain + one.held_gain
+
+
+def choose(ranked: list[Candidate], screening: Screening, data: Data) -> Candidate | None:
+    """The best that convinces; laws wait until no cause of another kind does, as what a wrong simulation leaves looks
+    like noise of another law: but not for one that explains far less than they do."""
+    convincing = [one for one in ranked if _convincing(one, screening, data)]
+    by_law = max((_both(one) for one in convincing if one.law is not None), default=0.0)
+    convincing.sort(
+        key=lambda one: (
+            one.law is None and _both(one) < _LEAST_OF_A_LAW * by_law, not one.certain, one.law is not None,
+        )
+    )  # stable: the best first within each  # fmt: skip
+    return convincing[0] if convincing else None
+
+
+def in_doubt(chosen: Candidate | None, ranked: list[Candidate]) -> bool:
+    """Whether nothing convinces, or what is held out speaks against the cause that explains most: something strays."""
+    if chosen is None or chosen.law is not None:
+        return True
+    if chosen.certain:
+        return False
+    most = max(one.train_gain for one in ranked if one.law is None)
+    return chosen.train_gain < (1.0 - _DISAGREE) * most
+
+
+def rank(candidates: list[Candidate]) -> list[Candidate]:
+    """The best of each cause, best first."""
+    best: dict[str, Candidate] = {}
+    for candidate in candidates:
+        rival = best.get(candidate.cause)
+        if rival is None or candidate.train_gain > rival.train_gain:
+            best[candidate.cause] = candidate
+    return sorted(best.values(), key=lambda one: -_merit(one))
+
+
+def _merit(one: Candidate) -> float:
+    """Held-out gain, less what each number beyond the first costs, and what is unlikely before any data."""
+    return one.held_gain - 1.0 * (max(len(one.free), 1) - 1) - one.surprise
+
+
+def _convincing(one: Candidate, screening: Screening, data: Data) -> bool:
+    """Whether the gain is more than chance: on the part that was searched, and on the held-out part."""
+    penalty = LEAST_HELD_NATS + 0.5 * len(one.free)
+    if (
+        one.law is None and onset_of(CAUSES[one.cause]) is not None
+    ):  # it may lie in the held-out part altogether
+        return one.held_gain > 0.0 and _both(one) > screening.threshold_nats + penalty and _plausible(one)
+    return (
+        one.train_gain > screening.threshold_nats
+        and one.held_gain > penalty
+        and (one.certain or one.held_gain > one.held_std)
+        and _plausible(one)
+    )
+
+
+def _plausible(one: Candidate) -> bool:
+    """Whether every parameter lies where the catalogue has it."""
+    known = {parameter.name: parameter for parameter in CATALOGUE[one.cause].parameters}
+    for name, (value, _) in one.values.items():
+        parameter = known.get(name)
+        if parameter is not None and parameter.kind in ("number", "whole"):
+            slack = 1e-9 * max(abs(parameter.lowest), abs(parameter.highest))
+            if not parameter.lowest - slack <= value <= parameter.highest + slack:
+                return False
+    return True
+
+
+def confidence(stage: Stage) -> float:
+    """Probability that the one taken is the right one: by its lead over the next, in standard errors over blocks."""
+    taken = stage.taken
+    if taken is None:
+        return 0.0
+    rivals = [one for one in stage.candidates if one.cause != taken.cause]
+    certain = 0.5 * (1.0 + erf((taken.held_gain / max(taken.held_std, 1.0)) / sqrt(2.0)))
+    if not rivals:
+        return min(0.99, certain)
+    rival = max(rivals, key=_merit)
+    lead = _merit(taken) - _merit(rival)
+    difference = taken.block_gains - rival.block_gains
+    spread = max(float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1))), 2.0)
+    return float(min(0.99, certain * 0.5 * (1.0 + erf(lead / spread / sqrt(2.0)))))
+
+
+def inseparable(stage: Stage) -> list[str]:
+    """Causes that predict the held-out part as well as the one taken, as far as it can be told, or that are likelier
+    by all data together."""
+    taken = stage.taken
+    if taken is None or taken.law is not None:
+        return []
+    near = []
+    for one in stage.candidates:
+        if one.cause == taken.cause or one.law is not None:
+            continue
+        difference = taken.block_gains - one.block_gains
+        spread = float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1)))
+        lead = float(difference.sum()) + one.surprise - taken.surprise
+        train = taken.train_gain - one.train_gain + one.surprise - taken.surprise
+        as_good = (lead < max(2.0, spread) and train < 6.0) or lead + train < 0.0
+        if (as_good and one.held_gain > 0.7 * taken.held_gain) or one.cause in stage.other_names:
+            near.append(one.cause)
+    return near
