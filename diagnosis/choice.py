@@ -7,7 +7,6 @@ import numpy as np
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
-from diagnosis.fit import Data
 from diagnosis.onset import onset_of
 from diagnosis.screen import Screening
 
@@ -18,11 +17,11 @@ _LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
 _DISAGREE = 0.1
 
 
-def next_to_take(stage: Stage, found: Found, data: Data) -> Candidate | None:
+def next_to_take(stage: Stage, found: Found) -> Candidate | None:
     """The stage's best that adds something of its own: no other name for what is already found, and no small change
     that the first finding's simple form would leave of its true one."""
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
-        if not _convincing(one, stage.screening, data):
+        if not _convincing(one, stage.screening):
             continue
         if found.findings and one.law is None and one.held_gain < _least_share(one, found.findings[0]):
             continue
@@ -56,10 +55,10 @@ def _both(one: Candidate) -> float:
     return one.train_gain + one.held_gain
 
 
-def choose(ranked: list[Candidate], screening: Screening, data: Data) -> Candidate | None:
+def choose(ranked: list[Candidate], screening: Screening) -> Candidate | None:
     """The best that convinces; laws wait until no cause of another kind does, as what a wrong simulation leaves looks
     like noise of another law: but not for one that explains far less than they do."""
-    convincing = [one for one in ranked if _convincing(one, screening, data)]
+    convincing = [one for one in ranked if _convincing(one, screening)]
     by_law = max((_both(one) for one in convincing if one.law is not None), default=0.0)
     convincing.sort(
         key=lambda one: (
@@ -94,7 +93,7 @@ def _merit(one: Candidate) -> float:
     return one.held_gain - 1.0 * (max(len(one.free), 1) - 1) - one.surprise
 
 
-def _convincing(one: Candidate, screening: Screening, data: Data) -> bool:
+def _convincing(one: Candidate, screening: Screening) -> bool:
     """Whether the gain is more than chance: on the part that was searched, and on the held-out part."""
     penalty = LEAST_HELD_NATS + 0.5 * len(one.free)
     if (

@@ -65,7 +65,7 @@ def search(
         screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
         threshold = screened[0] if screened else None
         stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, threshold)
-        stage.taken = next_to_take(stage, found, data)
+        stage.taken = next_to_take(stage, found)
         found.stages.append(stage)
         if stage.taken is None or step == MOST_CAUSES:
             break
@@ -115,10 +115,10 @@ def _stage(
     certain = {one.cause.id for one in screening.scored if one.trial.certain}
     fits = (_of_fit(cause, one, last, split) for cause, one in near)
     ranked = rank([*by_law, *(replace(one, certain=one.cause in certain) for one in fits)])
-    chosen = choose(ranked, screening, data)
+    chosen = choose(ranked, screening)
     if in_doubt(chosen, ranked) and top - last.train_nats > 2.0 * screening.threshold_nats:
-        others = rank([*by_law, *_with_straying(data, last, split, near, free)])
-        other = choose(others, screening, data)
+        others = rank([*by_law, *_with_straying(data, last, split, near)])
+        other = choose(others, screening)
         if other is not None and (chosen is None or other.law is None):
             ranked, chosen = others, other
     return Stage(screening, ranked, chosen)
@@ -149,9 +149,7 @@ def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fi
     return fit(make_data(one.world, split), one.start, names, iterations=turns, colour=last.colour)
 
 
-def _with_straying(
-    data: Data, last: Fit, split: Split, refits: list[tuple[Cause, Fit]], free: tuple[str, ...]
-) -> list[Candidate]:
+def _with_straying(data: Data, last: Fit, split: Split, refits: list[tuple[Cause, Fit]]) -> list[Candidate]:
     """The leading candidates once more, what the best of them leaves taken for noise that strays slowly."""
     best = max((one for _, one in refits), key=lambda one: one.train_nats)
     colour = strayed(make_data(best.world, split), best)

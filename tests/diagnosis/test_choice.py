@@ -1,0 +1,124 @@
+"""The choice among refitted causes, on candidates made by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.candidate import Candidate, Found, Stage
+from diagnosis.choice import choose, confidence, in_doubt, inseparable, next_to_take, rank
+from diagnosis.laws import LawFound
+from diagnosis.screen import Screening
+
+SCREENING = Screening([], threshold_nats=8.0)
+BLOCKS = 10
+LAW = LawFound("impulse_noise", {}, 0.0, np.zeros(BLOCKS))
+
+
+def candidate(cause: str, train: float, held: float) -> Candidate:
+    """One quantity, the held-out gain the same in all blocks; none of its fit is asked for."""
+    gains = np.full(BLOCKS, held / BLOCKS)
+    return Candidate(cause, None, train, held, 0.0, gains, {}, free=("one",))  # type: ignore[arg-type]
+
+
+def law(cause: str, train: float, held: float) -> Candidate:
+    """A law of noise."""
+    return replace(candidate(cause, train, held), law=LAW)
+
+
+def found(*stages: Stage) -> Found:
+    """A search that has come so far."""
+    taken = [stage.taken for stage in stages if stage.taken is not None]
+    return Found(None, None, taken, list(stages))  # type: ignore[arg-type]
+
+
+LAG, FRICTION = candidate("drive_lag", 200.0, 100.0), candidate("joint_friction", 150.0, 60.0)
+
+
+def test_rank_keeps_the_better_start_of_a_cause_and_puts_the_largest_held_out_gain_first() -> None:
+    worse = replace(LAG, train_gain=190.0, held_gain=120.0)
+    assert rank([FRICTION, worse, LAG]) == [LAG, FRICTION]
+
+
+def test_rank_charges_for_further_quantities_and_for_unlikely_values() -> None:
+    assert rank([replace(LAG, surprise=41.0), FRICTION])[0] is FRICTION
+    assert rank([replace(LAG, held_gain=60.5, free=("one", "two")), FRICTION])[0] is FRICTION
+
+
+@pytest.mark.parametrize(
+    "short",
+    [
+        replace(LAG, train_gain=7.9),
+        replace(LAG, held_gain=3.4),
+        replace(LAG, held_std=101.0),
+        replace(LAG, values={"bandwidth_hz": (-1.0, 0.1)}),
+    ],
+    ids=["by chance", "too small a gain", "in few blocks", "outside the catalogue"],
+)
+def test_what_falls_short_of_one_condition_is_not_chosen(short: Candidate) -> None:
+    assert choose([LAG, FRICTION], SCREENING) is LAG
+    assert choose([short, FRICTION], SCREENING) is FRICTION
+
+
+def test_an_onset_may_lie_where_it_is_held_out() -> None:
+    payload = candidate("payload_change", 1.0, 90.0)
+    assert choose([payload], SCREENING) is payload
+    assert choose([replace(LAG, train_gain=1.0)], SCREENING) is None
+
+
+def test_a_law_waits_but_not_for_what_explains_far_less() -> None:
+    noise = law("impulse_noise", 700.0, 300.0)
+    assert choose([noise, LAG], SCREENING) is LAG
+    assert choose([noise, FRICTION], SCREENING) is noise
+
+
+def test_what_the_data_show_by_themselves_comes_first() -> None:
+    certain = replace(FRICTION, certain=True, held_std=1e3)
+    assert choose([LAG, certain], SCREENING) is certain
+
+
+def test_doubt_where_nothing_convinces_or_another_explains_more_of_what_was_searched() -> None:
+    assert in_doubt(None, [LAG])
+    assert in_doubt(law("impulse_noise", 700.0, 300.0), [LAG])
+    assert in_doubt(FRICTION, [LAG, FRICTION])
+    assert not in_doubt(LAG, [LAG, FRICTION])
+    assert not in_doubt(replace(FRICTION, certain=True), [LAG, FRICTION])
+
+
+def test_another_name_for_what_is_found_is_noted_and_not_taken() -> None:
+    first = Stage(SCREENING, [LAG, FRICTION], LAG)
+    again = replace(FRICTION, train_gain=50.0, held_gain=20.0)
+    assert next_to_take(Stage(SCREENING, [again], again), found(first)) is None
+    assert set(first.other_names) == {"joint_friction"}
+
+
+def test_a_cause_that_explained_little_alone_is_taken_next() -> None:
+    first = Stage(SCREENING, [LAG, replace(FRICTION, train_gain=30.0, held_gain=9.0)], LAG)
+    assert next_to_take(Stage(SCREENING, [FRICTION], FRICTION), found(first)) is FRICTION
+    assert first.other_names == []
+
+
+def test_what_a_simple_form_leaves_of_the_first_finding_is_not_taken() -> None:
+    first = found(Stage(SCREENING, [LAG], replace(LAG, held_gain=1000.0)))
+    same_place, elsewhere = candidate("joint_friction", 90.0, 39.0), candidate("lens_distortion", 90.0, 39.0)
+    assert next_to_take(Stage(SCREENING, [same_place], same_place), first) is None
+    assert next_to_take(Stage(SCREENING, [elsewhere], elsewhere), first) is elsewhere
+    less = replace(elsewhere, held_gain=9.0)
+    assert next_to_take(Stage(SCREENING, [less], less), first) is None
+
+
+def test_confidence_grows_with_the_lead() -> None:
+    alone = confidence(Stage(SCREENING, [LAG], LAG))
+    ahead = confidence(Stage(SCREENING, [LAG, FRICTION], LAG))
+    level = confidence(Stage(SCREENING, [LAG, replace(FRICTION, held_gain=100.0)], LAG))
+    assert alone == pytest.approx(0.99) and ahead == pytest.approx(0.99)
+    assert level == pytest.approx(0.5)
+    assert confidence(Stage(SCREENING, [LAG], None)) == 0.0
+
+
+def test_inseparable_is_what_predicts_as_well() -> None:
+    as_good = candidate("joint_friction", 198.0, 99.0)
+    assert inseparable(Stage(SCREENING, [LAG, as_good], LAG)) == ["joint_friction"]
+    assert inseparable(Stage(SCREENING, [LAG, FRICTION], LAG)) == []
+    noted = Stage(SCREENING, [LAG, FRICTION], LAG, other_names=["joint_friction"])
+    assert inseparable(noted) == ["joint_friction"]
