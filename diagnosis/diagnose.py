@@ -70,7 +70,7 @@ def diagnose(
     """Diagnose one recording. Raises UserError where it holds too little."""
     recording = open_recording(path)
     given = model is not None or bool(recording.header.model.strip())
-    model = declared(model or model_of(recording))
+    model = model or model_of(recording)
     tick(0.02, "reading")
     measured = read_measured(recording, model)
     if measured.pair and not given:
