@@ -4,7 +4,7 @@ Channels: acceleration, joint_position, joint_velocity, deflection (on the contr
 arrival (per frame: when it was read, less when it was exposed).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -212,17 +212,14 @@ class World:
             sets["pair.offset"] = (float(np.nanmean(measured.deflection)), out)
             sets["pair.input_offset"] = (0.0, float(np.std(measured.force)))
         for name, value in declared_quantities(self.model).items():
-            old = space[name]
-            space.quantities[space.place[name]] = Quantity(
-                name, value, old.low, old.high, old.step, old.prior_std
-            )
+            space.quantities[space.place[name]] = replace(space[name], start=value)
         for name, (start, std) in sets.items():
             at = space.place[name]
             old = space.quantities[at]
             step = old.step if name != "pair.gain" else 1e-4 * abs(start)
             step = step if name != "pair.offset" else 1e-4 * float(np.nanstd(measured.deflection))
             step = step if name != "pair.input_offset" else 1e-4 * std
-            space.quantities[at] = Quantity(name, start, old.low, old.high, step, std)
+            space.quantities[at] = replace(old, start=start, step=step, prior_std=std)
         return space
 
     def baseline_names(self) -> list[str]:
