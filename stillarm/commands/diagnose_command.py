@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from common.output_folder import make_folder
 from common.user_error import UserError
 from stillarm.one_thread import one_blas_thread
 
 if TYPE_CHECKING:
     from common.model import Model
     from diagnosis.diagnose import Diagnosis
+    from stillarm.commands.diagnose_many import Done
 
 
 def _span(text: str) -> tuple[float, float]:
@@ -58,31 +58,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Diagnose each recording by itself."""
+    """Diagnose each recording by itself. Exit status 1 where one could not be diagnosed."""
     one_blas_thread()
     from common.model import load_model
-    from diagnosis.diagnose import diagnose
-    from stillarm.progress import progress_bar
 
     model = load_model(arguments.model) if arguments.model else None
     stems = [path.stem for path in arguments.recordings]
     if len(set(stems)) < len(stems):
         raise UserError("diagnose: two recordings have the same name, and so would their folders; rename one")
-    if len(arguments.recordings) > 1 or arguments.scheduler is not None:
-        return _many(arguments, model)
+    alone = len(arguments.recordings) == 1 and arguments.scheduler is None
+    done = [_alone(arguments, model)] if alone else _side_by_side(arguments, model)
+    for one in done:
+        if one.failed:
+            print(f"stillarm: {one.said}", file=sys.stderr)
+            continue
+        folder = one.job.folder
+        print(f"{one.job.path}: {one.said}")
+        print(f"{folder / 'report.html'} shows it; {folder / 'extended.toml'} is the model that has it")
+    return int(any(one.failed for one in done))
+
+
+def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
+    """In this process, into the folder itself."""
+    from stillarm.commands.diagnose_many import Job, diagnose_one
+    from stillarm.progress import progress_bar
+
     (path,) = arguments.recordings
+    job = Job(path, arguments.out, model, tuple(arguments.hold_out), not arguments.no_use)
     with progress_bar(f"diagnose {path.name}") as progress:
-        result = diagnose(path, model, arguments.hold_out, lambda done, what: progress(0.9 * done))
-        if not arguments.no_use:
-            put_to_use(result, path, model)
-    folder = make_folder(arguments.out)
-    write(result, folder)
-    _tell(path, folder, sentence(result.table))
-    return 0
+        return diagnose_one(job, progress)
 
 
-def _many(arguments: argparse.Namespace, model: "Model | None") -> int:
-    """Side by side; each has a folder of its own name. Exit status 1 where one could not be diagnosed."""
+def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list[Done]":
+    """Each into a folder of its own name; in the order in which they were given."""
     from stillarm.commands.diagnose_many import Job, diagnose_all, executor_for
     from stillarm.progress import progress_bar
 
@@ -99,17 +107,7 @@ def _many(arguments: argparse.Namespace, model: "Model | None") -> int:
         for one in diagnose_all(jobs, executor):
             done.append(one)
             progress(len(done) / len(jobs))
-    for one in sorted(done, key=lambda one: jobs.index(one.job)):
-        if one.failed:
-            print(f"stillarm: {one.said}", file=sys.stderr)
-        else:
-            _tell(one.job.path, one.job.folder, one.said)
-    return int(any(one.failed for one in done))
-
-
-def _tell(path: Path, folder: Path, said: str) -> None:
-    print(f"{path}: {said}")
-    print(f"{folder / 'report.html'} shows it; {folder / 'extended.toml'} is the model that has it")
+    return sorted(done, key=lambda one: jobs.index(one.job))
 
 
 def write(result: "Diagnosis", folder: Path) -> None:

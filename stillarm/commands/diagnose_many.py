@@ -1,6 +1,6 @@
-"""Many recordings diagnosed side by side, on any concurrent.futures executor: this machine's cores, or Dask's."""
+"""One recording diagnosed, or many side by side on any executor: this machine's cores, or Dask's."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -35,8 +35,8 @@ class Done:
     failed: bool = False
 
 
-def diagnose_one(job: Job) -> Done:
-    """One job, in whatever process; what is wrong with one recording stops no other."""
+def diagnose_one(job: Job, progress: Callable[[float], None] = lambda done: None) -> Done:
+    """One job, in whatever process; what is wrong with one recording stops no other. progress takes the share done."""
     from stillarm.one_thread import one_blas_thread
 
     one_blas_thread()
@@ -45,7 +45,7 @@ def diagnose_one(job: Job) -> Done:
     from stillarm.commands.diagnose_command import put_to_use, sentence, write
 
     try:
-        result = diagnose(job.path, job.model, job.hold_out)
+        result = diagnose(job.path, job.model, job.hold_out, lambda done, what: progress(0.9 * done))
         if job.use:
             put_to_use(result, job.path, job.model)
         write(result, make_folder(job.folder))

@@ -10,7 +10,7 @@ import pytest
 
 from common.user_error import UserError
 from stillarm.commands import diagnose_many
-from stillarm.commands.diagnose_many import Job, diagnose_all, executor_for
+from stillarm.commands.diagnose_many import Job, diagnose_all, diagnose_one, executor_for
 from stillarm.main import main
 from tests.diagnosis.simulated import record
 
@@ -62,3 +62,20 @@ def test_dask_s_workers_diagnose_as_this_process_does(recording: Path, tmp_path:
         (done,) = diagnose_all([job], executor)
     assert not done.failed and "nothing wrong" in done.said
     assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_bad_one_by_itself_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bad = tmp_path / "bad.mcap"
+    bad.write_bytes(b"no recording")
+    out = tmp_path / "out"
+    assert main(["diagnose", str(bad), "--out", str(out)]) == 1
+    said = capsys.readouterr()
+    assert said.err.startswith(f"stillarm: {bad}") and len(said.err.splitlines()) == 1
+    assert not said.out and not out.exists()
+
+
+def test_progress_never_falls_and_leaves_a_share_for_the_use(recording: Path, tmp_path: Path) -> None:
+    shares: list[float] = []
+    done = diagnose_one(Job(recording, tmp_path / "out", None, (), use=False), shares.append)
+    assert not done.failed
+    assert shares == sorted(shares) and 0.8 < shares[-1] <= 0.9
