@@ -12,6 +12,7 @@ import resource
 from pathlib import Path
 from typing import NamedTuple
 
+from common.blas_threads import BLAS_THREADS
 from common.loop_processor import loop_processor
 from common.priority import run_fifo
 
@@ -20,8 +21,6 @@ _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4  # malloc.h
 PRIORITY = 60
 _CPU_LATENCY = Path("/dev/cpu_dma_latency")
 _UNIT = "in a systemd unit"
-BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-"""To be set to 1 in the environment before numpy is imported: a second thread has no place in the loop."""
 
 
 class Missing(NamedTuple):

@@ -10,7 +10,9 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
-_ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+from common.blas_threads import BLAS_THREADS
+
+_ONE_THREAD = dict.fromkeys(BLAS_THREADS, "1")
 
 
 class Lost(Exception):

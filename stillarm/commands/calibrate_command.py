@@ -4,8 +4,8 @@ import argparse
 from datetime import UTC, datetime
 from pathlib import Path
 
+from common.blas_threads import one_blas_thread
 from common.user_error import UserError
-from stillarm.one_thread import one_blas_thread
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

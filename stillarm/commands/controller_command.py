@@ -1,9 +1,9 @@
 """`stillarm controller`: the 1 ms cycle."""
 
 import argparse
-import os
 from pathlib import Path
 
+from common.blas_threads import one_blas_thread
 from stillarm.arguments import seconds
 
 
@@ -23,8 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")  # before numpy: a second thread has no place in the loop
+    one_blas_thread()
     from controller.daemon import run as run_controller
 
     run_controller(

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from common.blas_threads import one_blas_thread
 from common.user_error import UserError
-from stillarm.one_thread import one_blas_thread
 
 if TYPE_CHECKING:
     from common.model import Model

@@ -9,6 +9,7 @@ from os import cpu_count
 from pathlib import Path
 from typing import Any
 
+from common.blas_threads import one_blas_thread
 from common.model import Model
 from common.user_error import UserError
 
@@ -37,8 +38,6 @@ class Done:
 
 def diagnose_one(job: Job, progress: Callable[[float], None] = lambda done: None) -> Done:
     """One job, in whatever process; what is wrong with one recording stops no other. progress takes the share done."""
-    from stillarm.one_thread import one_blas_thread
-
     one_blas_thread()
     from common.output_folder import make_folder
     from diagnosis.diagnose import diagnose
