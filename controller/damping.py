@@ -123,13 +123,17 @@ class JointDamping:
         return not std * std > share * (q * q + of_rate * of_rate)
 
     def _across(
-        self, crossing: PlayCrossing, play: GearPlay, estimate: Estimate, wanted_rad_s: float
+        self,
+        crossing: PlayCrossing,
+        play: GearPlay,
+        estimate: Estimate,
+        predicted_m: float,
+        wanted_rad_s: float,
     ) -> float:
         """The motor's velocity across the play, so far as the damping's limit leaves room for it."""
         lead, w = self.lead_s, self._w
-        predicted = self.predicted_m(estimate)
         rate = estimate.deflection_rate_m_s - w * w * lead * estimate.deflection_m
-        across = crossing.velocity_rad_s(self._gain * predicted, self._gain * rate, play)
+        across = crossing.velocity_rad_s(self._gain * predicted_m, self._gain * rate, play)
         most = self._settings.max_velocity_rad_s
         return (
             min(max(across, -most - wanted_rad_s), most - wanted_rad_s) if abs(wanted_rad_s) < most else 0.0
@@ -179,7 +183,7 @@ class JointDamping:
         else:
             both = self._gain * predicted + away / settings.return_time_s
         if self._crossing is not None and play is not None:
-            both += self._across(self._crossing, play, estimate, both)
+            both += self._across(self._crossing, play, estimate, predicted, both)
         if not isfinite(both):
             self._weight = 0.0
             return 0.0, DampingStatus.NO_PREDICTION
