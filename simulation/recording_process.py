@@ -5,6 +5,7 @@ depend on the messages alone.
 """
 
 import multiprocessing
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -65,16 +66,16 @@ class RecordingProcess:
         """Complete the files; may be called twice. Raises UserError when one could not be written."""
         if self._connection.closed:
             return
-        try:
+        failure: str | None = None
+        with suppress(EOFError, OSError):
             if self._batch:
                 self._connection.send_bytes(self._encode(self._batch))
             self._connection.send_bytes(b"")
             failure = self._connection.recv()
-        except (EOFError, OSError):
-            self._process.join()
-            failure = f"the recording's process died (exit status {self._process.exitcode})"
         self._process.join()
         self._connection.close()
+        if failure is None:
+            raise UserError(f"the recording's process died (exit status {self._process.exitcode})")
         if failure:
             raise UserError(failure)
 

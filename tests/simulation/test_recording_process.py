@@ -44,3 +44,12 @@ def test_a_file_that_cannot_be_written_is_one_line_and_no_hang(tmp_path: Path) -
         files.close()
     assert "a.mcap" in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_process_that_died_is_one_line_that_says_how(tmp_path: Path) -> None:
+    """Once: closed again, nothing is left to say."""
+    files = RecordingProcess([(tmp_path / "a.mcap", HEADER)])
+    files._process.kill()
+    with pytest.raises(UserError, match=r"the recording's process died \(exit status -9\)"):
+        files.close()
+    files.close()
