@@ -109,8 +109,8 @@ class Evidence:
         self._refuted_for = np.where(low, self._refuted_for + 1.0, 0.0)
         for target in np.flatnonzero(self._refuted_for > _MEMORY_FRAMES).tolist():
             self._refuted_for[target] = 0.0
-            law = target % LAWS
-            of_law = law + LAWS * int(np.argmax(self.weights[law::LAWS]))
+            law = Law(target % LAWS)
+            of_law = self.likeliest(law)
             if self.weights[of_law] > 0.05:
                 bank.copy(target, of_law)
             else:

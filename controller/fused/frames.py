@@ -450,7 +450,7 @@ class FrameFusion:
 
         A counter of arrivals does not tell of lost frames, nor of a buffer that has begun to hand over older ones.
         """
-        clock = int(Law.CLOCK) + LAWS * int(np.argmax(self.evidence.weights[Law.CLOCK :: LAWS]))
+        clock = self.evidence.likeliest(Law.CLOCK)
         variance = float(self.bank.p[clock, self._at.shift, self._at.shift])
         if sqrt(variance) > self._frame_s / 5.0 or self.evidence.law(Law.CLOCK) < 0.05:
             return 0
