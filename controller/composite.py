@@ -12,7 +12,7 @@ from common.beam import tip_slopes_per_m
 from common.model import Model
 from common.user_error import UserError
 from common.visual_sample import VisualSample
-from controller.estimate import Estimate, Status
+from controller.estimate import MOST_UNDATED, Estimate, Status
 from controller.history import CycleHistory
 from controller.joint_motion import HISTORY_S, JointMotion
 
@@ -20,7 +20,6 @@ _ZERO_PERIODS = 3.0  # the image's zero is the mean over the first periods
 _JUMP_RAD = 0.02  # from one image to the next: the image has another zero
 _LONGEST_STEP_S = 0.1
 _STABLE = 2.0  # gain margin of the slow loop
-_UNDATED = 4  # images: no method takes longer to say the delay of one
 
 
 class CompositeControl:
@@ -53,7 +52,7 @@ class CompositeControl:
         self._commanded = CycleHistory(held)
         self._frame = -1
         self._captured_s = 0.0
-        self._undated: deque[tuple[VisualSample, float]] = deque(maxlen=_UNDATED)
+        self._undated: deque[tuple[VisualSample, float]] = deque(maxlen=MOST_UNDATED)
         self.restart()
 
     def restart(self) -> None:

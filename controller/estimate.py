@@ -9,6 +9,10 @@ import msgspec
 from common.visual_sample import VisualSample
 from controller.joint_motion import JointMotion
 
+MOST_UNDATED = 4
+"""Frames to be kept until a method dates them (Estimate.dated): the one that it was at work on, the last two of those
+that then come in one cycle (it looks at no more of them), and one to spare."""
+
 
 class Status(StrEnum):
     """How far a delay or a prediction can be relied on."""

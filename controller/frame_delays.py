@@ -4,9 +4,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from common.visual_sample import VisualSample
-from controller.estimate import DelayEstimate, Estimate
-
-_AWAITED = 4  # frames: no method takes longer
+from controller.estimate import MOST_UNDATED, DelayEstimate, Estimate
 
 
 class FrameDelays:
@@ -15,7 +13,7 @@ class FrameDelays:
     def __init__(self) -> None:
         """None read yet."""
         self._count = 0
-        self._awaited: deque[tuple[int, int]] = deque(maxlen=_AWAITED)  # place, frame
+        self._awaited: deque[tuple[int, int]] = deque(maxlen=MOST_UNDATED)  # place, frame
 
     def told(self, samples: Sequence[VisualSample], estimate: Estimate) -> list[tuple[int, DelayEstimate]]:
         """Places of frames with the best that has been said of their delays yet; asked once a cycle.
