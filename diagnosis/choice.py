@@ -3,12 +3,15 @@
 from math import erf, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.onset import onset_of
 from diagnosis.screen import Screening
+
+Array = NDArray[np.float64]
 
 LEAST_HELD_NATS = 3.0
 _OVERLAP = 0.6
@@ -131,9 +134,13 @@ def confidence(stage: Stage) -> float:
         return min(0.99, certain)
     rival = max(rivals, key=_merit)
     lead = _merit(taken) - _merit(rival)
-    difference = taken.block_gains - rival.block_gains
-    spread = max(float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1))), 2.0)
+    spread = max(_spread(taken.block_gains - rival.block_gains), 2.0)
     return float(min(0.99, certain * 0.5 * (1.0 + erf(lead / spread / sqrt(2.0)))))
+
+
+def _spread(difference: Array) -> float:
+    """Standard error of a lead's sum over the blocks that tell anything."""
+    return float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1)))
 
 
 def inseparable(stage: Stage) -> list[str]:
@@ -147,10 +154,9 @@ def inseparable(stage: Stage) -> list[str]:
         if one.cause == taken.cause or one.law is not None:
             continue
         difference = taken.block_gains - one.block_gains
-        spread = float(np.std(difference) * sqrt(max(int(np.count_nonzero(difference)), 1)))
         lead = float(difference.sum()) + one.surprise - taken.surprise
         train = taken.train_gain - one.train_gain + one.surprise - taken.surprise
-        as_good = (lead < max(2.0, spread) and train < 6.0) or lead + train < 0.0
+        as_good = (lead < max(2.0, _spread(difference)) and train < 6.0) or lead + train < 0.0
         if (as_good and one.held_gain > 0.7 * taken.held_gain) or one.cause in stage.other_names:
             near.append(one.cause)
     return near
