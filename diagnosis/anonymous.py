@@ -52,42 +52,49 @@ class Explained:
 def explained(data: Data, last: Fit) -> Explained:
     """What terms without a name explain of a fit's residual."""
     parts = _Parts(data, last)
-    terms = list(_terms(last))
-    columns = np.stack([parts.stack(term.change) for term in terms], axis=1)
-    train, base = parts.train, parts.base
-    q, _ = np.linalg.qr(base[train])
-    inside = columns[train] - q @ (q.T @ columns[train])
-    residual = parts.residual[train] - q @ (q.T @ parts.residual[train])
-    size = np.sqrt(np.sum(inside**2, axis=0))
-    whole = np.sqrt(np.sum(columns[train] ** 2, axis=0))
+    columns = _Columns(parts)
+    names, acts_on = [], []
+    for term in _terms(last):
+        columns.add(parts.pieces(term.change))
+        names.append(term.name)
+        acts_on.append(term.channel)
+    # beside the fitted parameters: q is an orthonormal basis of their slopes on the training part, zero elsewhere
+    train, base, q = parts.train, parts.base, np.zeros_like(parts.base)
+    q[train], _ = np.linalg.qr(base[train])
+    residual = np.where(train, parts.residual, 0.0)
+    residual -= q @ (q.T @ residual)
+    shares = columns.times(q)
+    whole = columns.training_sizes()
+    size = np.sqrt(np.maximum(whole**2 - np.sum(shares**2, axis=1), 0.0))
     usable = (size > 1e-3 * whole) & (size > 1e-9)
     chosen: list[int] = []
     gained, first = 0.0, 0.0
     rest = residual
-    least = 3.0 + log(max(len(terms), 1))
+    least = 3.0 + log(max(len(names), 1))
     while len(chosen) < _MOST_TERMS:
-        score = np.where(usable, (inside.T @ rest) ** 2 / np.maximum(size, 1e-12) ** 2, 0.0)
+        score = np.where(usable, columns.times(rest) ** 2 / np.maximum(size, 1e-12) ** 2, 0.0)
         score[chosen] = 0.0
         best = int(np.argmax(score))
         if 0.5 * score[best] < least:
             break
         chosen.append(best)
-        x = inside[:, chosen]
+        x = columns.whole(chosen) * train[:, None]
+        x -= q @ (q.T @ x)
         amounts, *_ = np.linalg.lstsq(x, residual, rcond=None)
         rest = residual - x @ amounts
         gained = 0.5 * float(residual @ residual - rest @ rest)
         first = gained if len(chosen) == 1 else first
     if not chosen:
         return Explained((), (), "", 0.0, 0.0, np.zeros(len(data.split.held)))
-    x = np.concatenate((base, columns[:, chosen]), axis=1)
+    x = np.concatenate((base, columns.whole(chosen)), axis=1)
     weights, *_ = np.linalg.lstsq(x[train], parts.residual[train], rcond=None)
     before, after = parts.residual, parts.residual - x @ weights
     gains = 0.5 * (before**2 - after**2)
     blocks = np.bincount(parts.block[parts.held], gains[parts.held], len(data.split.held)).astype(np.float64)
     return Explained(
-        tuple(terms[i].name for i in chosen),
+        tuple(names[i] for i in chosen),
         tuple(float(w) for w in weights[base.shape[1] :]),
-        terms[chosen[0]].channel,
+        acts_on[chosen[0]],
         gained,
         first,
         blocks,
@@ -95,15 +102,22 @@ def explained(data: Data, last: Fit) -> Explained:
 
 
 class _Parts:
-    """All channels' whitened residuals over their levels, one after the other, with the fitted parameters' slopes."""
+    """All channels' whitened residuals over their levels, one after the other, with the fitted parameters' slopes.
+
+    spans: which samples of the whole are a channel's.
+    """
 
     def __init__(self, data: Data, last: Fit) -> None:
         self.last = last
-        slopes = jacobian(last.world, last.vector, last.free, last.predicted.channels, last.colour)
+        slopes = jacobian(last.world, last.vector, last.free, last.predicted, last.colour)
         self._std = {name: last.sigma[name] / THIN.get(name, 1) ** 0.5 for name in last.residuals}
         residual, base, train, held, block = [], [], [], [], []
+        self.spans: dict[str, slice] = {}
+        at = 0
         for name, values in last.residuals.items():
             u = np.nan_to_num(thinned(name, values)) / self._std[name]
+            self.spans[name] = slice(at, at + len(u))
+            at += len(u)
             residual.append(np.clip(u, -_CLIP, _CLIP))
             base.append(slopes[name] / self._std[name])
             train.append(thinned_mask(name, data.train[name]))
@@ -117,19 +131,61 @@ class _Parts:
         self.train, self.held = np.concatenate(train), np.concatenate(held)
         self.block = np.concatenate(block)
 
-    def stack(self, change: dict[str, Array]) -> Array:
-        """A change of the channels as one column."""
-        out = []
-        for name, values in self.last.residuals.items():
-            step = THIN.get(name, 1)
-            if name not in change:
-                out.append(np.zeros(len(values) // step if step > 1 else len(values)))
-                continue
+    def pieces(self, change: dict[str, Array]) -> dict[str, Array]:
+        """A change of the channels that it touches, as their residuals are: whitened, thinned, over the level."""
+        found = {}
+        for name, values in change.items():
             colour = self.last.colour.get(name)
-            white = colour.whiten(change[name]) if colour is not None else change[name]
-            out.append(np.nan_to_num(thinned(name, white)) / self._std[name])
-        whole: Array = np.concatenate(out)
-        return whole
+            white = colour.whiten(values) if colour is not None else values
+            found[name] = np.nan_to_num(thinned(name, white)) / self._std[name]
+        return found
+
+
+class _Columns:
+    """What each term changes, kept by channel: most touch one alone, and the whole would be zeros for the most part."""
+
+    def __init__(self, parts: _Parts) -> None:
+        self._parts = parts
+        self._rows: dict[str, list[Array]] = {name: [] for name in parts.spans}
+        self._of: dict[str, list[int]] = {name: [] for name in parts.spans}
+        self._count = 0
+
+    def add(self, pieces: dict[str, Array]) -> None:
+        """One more term."""
+        for name, values in pieces.items():
+            self._rows[name].append(values)
+            self._of[name].append(self._count)
+        self._count += 1
+
+    def times(self, others: Array) -> Array:
+        """Inner products of each term with vectors over the whole, (samples,) or (samples, k): (terms,) or
+        (terms, k).
+        """
+        found = np.zeros((self._count, *others.shape[1:]))
+        for name, span in self._parts.spans.items():
+            for index, row in zip(self._of[name], self._rows[name], strict=True):
+                found[index] += row @ others[span]
+        return found
+
+    def training_sizes(self) -> Array:
+        """Length of each term's part that trains, (terms,)."""
+        found = np.zeros(self._count)
+        for name, span in self._parts.spans.items():
+            train = self._parts.train[span]
+            for index, row in zip(self._of[name], self._rows[name], strict=True):
+                part = row[train]
+                found[index] += part @ part
+        result: Array = np.sqrt(found)
+        return result
+
+    def whole(self, chosen: list[int]) -> Array:
+        """Those terms over the whole, (samples, chosen)."""
+        found = np.zeros((len(self._parts.residual), len(chosen)))
+        for name, span in self._parts.spans.items():
+            for place, index in enumerate(chosen):
+                if index in self._of[name]:
+                    found[span, place] = self._rows[name][self._of[name].index(index)]
+        return found
 
 
 def _terms(last: Fit) -> Iterator[Term]:

@@ -1,7 +1,6 @@
 """Maximum likelihood in free run: Gauss-Newton with derivatives by differences, noise levels learnt on the way."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from math import sqrt
 
@@ -19,15 +18,13 @@ from diagnosis.noise import (
     slow_colour,
     wander_colour,
 )
+from diagnosis.side_by_side import side_by_side
 from diagnosis.world import Predicted, World
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Colours = dict[str, Colour | DoubtColour]
 
-POOL = ThreadPoolExecutor(
-    2, thread_name_prefix="simulate"
-)  # the compiled loop lets go of the interpreter's lock
 _WANDER_S = 15.0
 _SETTLED_NATS = 0.02
 THIN = {"joint_position": 8, "joint_velocity": 8}
@@ -101,7 +98,9 @@ def thinned(name: str, values: Array) -> Array:
     if step == 1:
         return values
     count = len(values) // step
-    means: Array = values[: count * step].reshape(count, step).mean(axis=1)
+    means: Array = np.ascontiguousarray(values[: count * step]).reshape(count, step) @ np.full(
+        step, 1.0 / step
+    )
     return means
 
 
@@ -156,9 +155,8 @@ def jacobian(
     world: World,
     vector: Array,
     names: Sequence[str],
-    base: dict[str, Array],
+    base: Predicted,
     colour: Colours,
-    pool: Executor = POOL,
 ) -> dict[str, Array]:
     """Derivative of each channel's (whitened, thinned) prediction by each named quantity, (samples, names)."""
     steps = []
@@ -177,14 +175,17 @@ def jacobian(
 
     def column(index: int) -> None:
         moved, step = steps[index]
-        predicted = world.predict(moved).channels
+        predicted = world.predict(moved, base).channels
         for channel, columns in found.items():
-            slope = (predicted[channel] - base[channel]) / step
+            if predicted[channel] is base.channels[channel]:
+                columns[:, index] = 0.0
+                continue
+            slope = (predicted[channel] - base.channels[channel]) / step
             columns[:, index] = thinned(
                 channel, colour[channel].whiten(slope) if channel in colour else slope
             )
 
-    list(pool.map(column, range(len(names))))
+    side_by_side(column, range(len(names)))
     return found
 
 
@@ -265,7 +266,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     for _ in range(iterations):
         if not free:
             break
-        slopes = jacobian(world, vector, free, predicted.channels, colour)
+        slopes = jacobian(world, vector, free, predicted, colour)
         normal = np.zeros((len(free), len(free)))
         right = np.zeros(len(free))
         for name, slope in slopes.items():

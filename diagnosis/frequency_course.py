@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from diagnosis.side_by_side import side_by_side
 from diagnosis.world import Motion, World
 
 Array = NDArray[np.float64]
@@ -137,18 +138,21 @@ def _windows(world: World, motion: Motion, name: str) -> _Windows:
     per_window = round(_PERIODS / f0 / step)
     windows = [slice(a, a + per_window) for a in range(0, len(values) - per_window + 1, per_window)]
     hz = f0 * _RATIOS
-    cost = np.zeros((len(windows), len(hz)))
-    for column, one in enumerate(hz):
-        w = 2.0 * pi * float(one)
+
+    def costs(one: float) -> list[float]:
+        w, found = 2.0 * pi * one, []
         forced = _means(_answer(pull, w, h, name == "deflection"), many)
-        for row, window in enumerate(windows):
+        for window in windows:
             known = np.isfinite(values[window])
             t = (time[window] - time[window.start])[known]
             fade = np.exp(-_DAMPING * w * t)
             terms = [fade * np.cos(w * t), fade * np.sin(w * t), np.ones(len(t)), forced[window][known]]
             if name == "acceleration":
                 terms.append(rigid[window][known])
-            cost[row, column] = _left(np.column_stack(terms), values[window][known])
+            found.append(_left(np.column_stack(terms), values[window][known]))
+        return found
+
+    cost = np.array(side_by_side(costs, hz.tolist())).reshape(len(hz), len(windows)).T
     per_m = world.model.accelerometer.scale * (2.0 * pi * f0) ** 2 if name == "acceleration" else 1.0
     size = np.array([float(np.nanstd(values[window])) if len(values[window]) else 0.0 for window in windows])
     middle = np.array([time[window.start] + 0.5 * per_window * step for window in windows])

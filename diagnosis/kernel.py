@@ -250,3 +250,31 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                     _move(q, v, i, push, sig[i], wd[i], w2[i], starts[j], fades[j], c, s, left)
             if nonlinear:
                 _kick(v, q, w2, constants, now + h, gain, force, k * substeps + part + 1, h)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def tip_of(
+    joint: Array,
+    q: Array,
+    qdd: Array,
+    length: float,
+    slopes: Array,
+    out_deflection: Array,
+    out_tip: Array,
+    out_acceleration: Array,
+    out_angle: Array,
+) -> None:
+    """The tip's deflection, m, path, m, its acceleration, m/s^2, and angle, rad, from what `run` fills.
+
+    slopes: (m,) tip's angle by the deflection of each mode, rad/m.
+    """
+    for k in range(joint.shape[0]):
+        deflection = acceleration = angle = 0.0
+        for i in range(q.shape[1]):
+            deflection += q[k, i]
+            acceleration += qdd[k, i]
+            angle += slopes[i] * q[k, i]
+        out_deflection[k] = deflection
+        out_tip[k] = length * joint[k, 0] + deflection
+        out_acceleration[k] = length * joint[k, 2] + acceleration
+        out_angle[k] = joint[k, 0] + angle

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.cause import Cause, Context, Trial
-from diagnosis.fit import POOL, THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask
+from diagnosis.fit import THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask
 from diagnosis.impacts import carried
 from diagnosis.noise import HUBER
-from diagnosis.world import World
+from diagnosis.side_by_side import side_by_side
+from diagnosis.world import Predicted, World
 
 Array = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ class _Whitened:
             self.spans[name] = slice(at, at + len(u))
             at += len(u)
         self.residual = np.concatenate(parts)
-        slopes = jacobian(world, last.vector, last.free, last.predicted.channels, last.colour)
+        slopes = jacobian(world, last.vector, last.free, last.predicted, last.colour)
         stacked = np.concatenate([slopes[n][self._masks[n]] * self.weights[n][:, None] for n in slopes])
         norms = np.linalg.norm(stacked, axis=0)
         keep = norms > 1e-12
@@ -159,7 +160,7 @@ def screen(
         noise = np.random.default_rng(_SEED).standard_normal((len(white.residual), _DRAWS), dtype=np.float32)
     largest = np.zeros(_DRAWS)
     context = Context(last, residual_peaks(last))
-    worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, dict[str, Array]]] = {}
+    worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
     scored: list[Scored] = []
     for index, cause in enumerate(causes):
         tick(index / len(causes))
@@ -170,13 +171,13 @@ def screen(
             if trial.options not in worlds:
                 world = variant(last.world, dict(trial.options))
                 start = carried(last, world)
-                worlds[trial.options] = (world, start, world.predict(start).channels)
+                worlds[trial.options] = (world, start, world.predict(start))
 
         def score(trial: Trial, cause: Cause = cause) -> tuple[Scored | None, Array]:
             return _score(white, cause, trial, worlds[trial.options], noise)
 
         best: list[Scored] = []
-        for one, chance in POOL.map(score, trials):
+        for one, chance in side_by_side(score, trials):
             np.maximum(largest, chance, out=largest)
             if one is not None:
                 best.append(one)
@@ -202,7 +203,7 @@ def _score(
     white: _Whitened,
     cause: Cause,
     trial: Trial,
-    at: tuple[World, Array, dict[str, Array]],
+    at: tuple[World, Array, Predicted],
     noise: NDArray[np.float32] | None,
 ) -> tuple[Scored | None, Array]:
     world, start, base = at
@@ -215,8 +216,8 @@ def _score(
         moved = shaped.copy()
         for name, value in column.items():
             moved[world.space.place[name]] = value
-        predicted = world.predict(world.space.clipped(moved)).channels
-        change = {name: predicted[name] - base[name] for name in predicted}
+        predicted = world.predict(world.space.clipped(moved), base).channels
+        change = {name: predicted[name] - base.channels[name] for name in predicted}
         if all(np.isfinite(values).all() for values in change.values()):
             directions.append(white.direction(change))
     if len(directions) != len(trial.columns):

@@ -17,6 +17,7 @@ from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
 from diagnosis.onset import onset_seen, settled
 from diagnosis.screen import Scored, Screening, screen, variant
+from diagnosis.side_by_side import meanwhile, side_by_side
 
 Array = NDArray[np.float64]
 
@@ -102,16 +103,18 @@ def _stage(
     free: tuple[str, ...],
     threshold: float | None,
 ) -> Stage:
+    found_laws = meanwhile(laws, data, last)
     screening = screen(data, last, causes, threshold_nats=threshold)
-    by_law = [_of_law(data, last, law) for law in laws(data, last) if law.cause not in taken]
-    refits = [(one.cause, _refitted(one, free, last, split)) for one in _to_refit(screening)]
+    by_law = [_of_law(data, last, law) for law in found_laws.result() if law.cause not in taken]
+    refits = side_by_side(lambda one: (one.cause, _refitted(one, free, last, split)), _to_refit(screening))
     top = max((refitted.train_nats for _, refitted in refits), default=0.0)
-    near = [
-        (cause, settled(refitted, cause, split))
-        if refitted.train_nats - last.train_nats > 0.5 * (top - last.train_nats)
-        else (cause, refitted)
-        for cause, refitted in refits
-    ]
+
+    def near_the_top(one: tuple[Cause, Fit]) -> tuple[Cause, Fit]:
+        cause, refitted = one
+        close = refitted.train_nats - last.train_nats > 0.5 * (top - last.train_nats)
+        return cause, settled(refitted, cause, split) if close else refitted
+
+    near = side_by_side(near_the_top, refits)
     certain = {one.cause.id for one in screening.scored if one.trial.certain}
     fits = (_of_fit(cause, one, last, split) for cause, one in near)
     ranked = rank([*by_law, *(replace(one, certain=one.cause in certain) for one in fits)])

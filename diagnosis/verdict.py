@@ -11,6 +11,7 @@ from diagnosis.catalogue import CAUSES
 from diagnosis.choice import confidence, inseparable
 from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, least_level, make_data
+from diagnosis.side_by_side import meanwhile
 from diagnosis.structure import Remains, Structure, examine
 
 Array = NDArray[np.float64]
@@ -39,10 +40,13 @@ class Judged:
 def judge(found: Found, split: Split) -> Judged:
     """Whether significant structure remains after all findings, or a term without a name beats them."""
     known_laws = frozenset(one.cause for one in found.findings if one.law is not None)
+    after = (
+        meanwhile(examine, make_data(found.final.world, split), found.final, known_laws)
+        if found.findings
+        else None
+    )
     first = examine(make_data(found.baseline.world, split), found.baseline)
-    last = first
-    if found.findings:
-        last = examine(make_data(found.final.world, split), found.final, known_laws)
+    last = first if after is None else after.result()
     worst = last.worst
     named = [one for one in found.findings if one.law is None]
     gained = sum(max(one.held_gain, 0.0) for one in found.findings)

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from common.beam import tip_slopes_per_m
 from common.model import Model
 from diagnosis.declared_effects import declared_quantities, is_behind_encoder, waves_to_refit
+from diagnosis.exposure import expose
 from diagnosis.frame_clock import FrameClock, frame_clock
-from diagnosis.kernel import K, run
+from diagnosis.kernel import K, run, tip_of
 from diagnosis.measured import Measured
 from diagnosis.space import Quantity, Space
 
@@ -24,6 +25,7 @@ FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection
 FRAME_CHANNELS = ("displacement", "arrival")
 NEVER_S = 1e9
 _TIE_S = 2e-7
+_SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 UNLIMITED = 1e9
 
 
@@ -38,6 +40,8 @@ class Motion:
     tip: Array
     tip_acceleration: Array
     tip_angle: Array
+    of: bytes
+    """The quantities that it follows from."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +87,9 @@ class World:
         self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
         self.channels = self._present_channels()
         self.space = self._layout()
+        self._moving = np.array(
+            [at for name, at in self.space.place.items() if not name.startswith(_SEEN_ONLY)]
+        )
 
     def changed(
         self,
@@ -286,17 +293,19 @@ class World:
             self._command, force, self.measured.cycle_s, self.substeps, constants, modes,
             self._jump_cycles, jumps, joint, motor, q, qdd,
         )  # fmt: skip
-        deflection = q.sum(axis=1)
+        deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+        tip_of(joint, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
         return Motion(
-            joint, motor, q, deflection,
-            self.length * joint[:, 0] + deflection,
-            self.length * joint[:, 2] + qdd.sum(axis=1),
-            joint[:, 0] + q @ self._slopes,
-        )  # fmt: skip
+            joint, motor, q, deflection, tip, tip_acceleration, tip_angle, vector[self._moving].tobytes()
+        )
 
-    def predict(self, vector: Array) -> Predicted:
-        """All channels that were measured."""
-        motion, at = self.move(vector), self.space.place
+    def predict(self, vector: Array, near: Predicted | None = None) -> Predicted:
+        """All channels that were measured. near: its motion is taken where the vector says the same of it."""
+        at = self.space.place
+        if near is not None and near.motion.of == vector[self._moving].tobytes():
+            motion = near.motion
+        else:
+            motion = self.move(vector)
         found: dict[str, Array] = {}
         rate = np.empty(0)
         if "joint_position" in self.channels:
@@ -382,10 +391,8 @@ class World:
             - vector[at["camera.rotation_px_per_rad"]] * motion.tip_angle
         )
         instants = self.instants(vector)
-        value = _exposed(scene, instants, self.model.camera.exposure_s, self.measured.cycle_s)
-        h = 0.002
-        ahead = np.interp(instants + h, self.cycle_times, scene)
-        rate = (ahead - np.interp(instants - h, self.cycle_times, scene)) / (2.0 * h)
+        value, rate = np.empty(len(instants)), np.empty(len(instants))
+        expose(scene, instants, self.model.camera.exposure_s, self.measured.cycle_s, value, rate)
         value = (
             value + vector[at["camera.offset_px"]] + vector[at["camera.rate_px_per_s"]] * frames.received_s
         )
@@ -410,27 +417,6 @@ def _late(values: Array, cycles: float) -> Array:
         - oldest * ((1.0 + f) * f * (1.0 - f) / 6.0)
     )
     return between
-
-
-def _exposed(scene: Array, instants: Array, exposure_s: float, cycle_s: float) -> Array:
-    """Mean of the scene's place over each exposure."""
-    times = np.arange(len(scene)) * cycle_s
-    if exposure_s < cycle_s:
-        return np.interp(instants, times, scene)
-    way = np.concatenate(([0.0], np.cumsum(0.5 * (scene[1:] + scene[:-1])))) * cycle_s
-    start, end = instants - 0.5 * exposure_s, instants + 0.5 * exposure_s
-    inside = (start >= 0.0) & (end <= times[-1])
-    mean = (_integral(way, scene, end, cycle_s) - _integral(way, scene, start, cycle_s)) / exposure_s
-    return np.where(inside, mean, np.interp(instants, times, scene))
-
-
-def _integral(way: Array, scene: Array, t: Array, cycle_s: float) -> Array:
-    """Integral of the scene's piecewise linear place from 0 to t."""
-    x = np.clip(t / cycle_s, 0.0, len(scene) - 1.0)
-    k = np.minimum(x.astype(np.int64), len(scene) - 2)
-    f = x - k
-    way_there: Array = way[k] + cycle_s * f * (scene[k] + 0.5 * f * (scene[k + 1] - scene[k]))
-    return way_there
 
 
 def _upsampled(force: Array, factor: int) -> Array:
