@@ -278,3 +278,45 @@ def tip_of(
         out_tip[k] = length * joint[k, 0] + deflection
         out_acceleration[k] = length * joint[k, 2] + acceleration
         out_angle[k] = joint[k, 0] + angle
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def free_decay(frequency_hz: float, damping_ratio: float, dt: float, out: Array) -> None:
+    """A free mode from q = 1, q' = 0 and from q = 0, q' = 1, at each cycle: out (n, 4): q and q'' of either."""
+    w = 2.0 * np.pi * frequency_hz
+    sig, wd = damping_ratio * w, w * np.sqrt(max(1e-12, 1.0 - damping_ratio**2))
+    decay = np.exp(-sig * dt)
+    c, s = decay * np.cos(wd * dt), decay * np.sin(wd * dt)
+    x, y = 1.0, 0.0  # exp(-sig t) cos(wd t), exp(-sig t) sin(wd t)
+    for k in range(out.shape[0]):
+        q, v = x + sig / wd * y, -w * w / wd * y
+        out[k, 0], out[k, 1] = q, -2.0 * sig * v - w * w * q
+        q, v = y / wd, x - sig / wd * y
+        out[k, 2], out[k, 3] = q, -2.0 * sig * v - w * w * q
+        x, y = c * x - s * y, c * y + s * x
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_decay(
+    decay: Array,
+    first: int,
+    dq: float,
+    dv: float,
+    slope: float,
+    q: Array,
+    deflection: Array,
+    tip: Array,
+    acceleration: Array,
+    angle: Array,
+) -> None:
+    """Add to a mode's q, and to what `tip_of` fills, its answer to a jump by dq and dv at cycle `first`.
+
+    decay: (n, 4) of `free_decay`. slope: tip's angle by the mode's deflection, rad/m.
+    """
+    for k in range(first, q.shape[0]):
+        more = dq * decay[k - first, 0] + dv * decay[k - first, 2]
+        q[k] += more
+        deflection[k] += more
+        tip[k] += more
+        angle[k] += slope * more
+        acceleration[k] += dq * decay[k - first, 1] + dv * decay[k - first, 3]

@@ -24,6 +24,7 @@ _DRAWS = 48
 _SEED = 20240229
 _PEAKS = 6
 _LEAST_PERIODS = 3.0
+_MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
 _EULER = 0.5772156649
 
 
@@ -77,21 +78,24 @@ class _Whitened:
         self.basis = scaled @ (vectors[:, good] / np.sqrt(values[good]))
         self.residual = self.residual - self.basis @ (self.basis.T @ self.residual)
 
-    def direction(self, change: dict[str, Array]) -> Array:
-        """A change of the predictions, weighted, without the baseline's directions."""
+    def weighted(self, predicted: Predicted, base: Predicted, out: Array) -> None:
+        """Fill in how a prediction differs from another, weighted as the residual is, (samples,)."""
         colour = self.last.colour
-        parts = []
         for name, weight in self.weights.items():
-            values = colour[name].whiten(change[name]) if name in colour else change[name]
-            values = thinned(name, values)
-            parts.append(values[self._masks[name]] * weight)
-        whole: Array = np.concatenate(parts)
-        size = float(whole @ whole)
+            if predicted.channels[name] is base.channels[name]:
+                out[self.spans[name]] = 0.0
+                continue
+            change = predicted.channels[name] - base.channels[name]
+            values = colour[name].whiten(change) if name in colour else change
+            out[self.spans[name]] = thinned(name, values)[self._masks[name]] * weight
+
+    def without_baseline(self, changes: Array) -> None:
+        """Take the baseline's directions out of changes, (samples, k), in place."""
+        size = np.einsum("ij,ij->j", changes, changes)
         for _ in range(2):  # again where rounding may exceed what the first time leaves
-            whole = whole - self.basis @ (self.basis.T @ whole)
-            if float(whole @ whole) > 1e-6 * size:
+            changes -= self.basis @ (self.basis.T @ changes)
+            if (np.einsum("ij,ij->j", changes, changes) > 1e-6 * size).all():
                 break
-        return whole
 
     def gain(self, explained: Array) -> float:
         """Log-likelihood gained by taking `explained` off the residual, each channel's level learnt anew."""
@@ -211,18 +215,16 @@ def _score(
     shaped = start.copy()
     for name, value in trial.shape.items():
         shaped[world.space.place[name]] = value
-    directions = []
-    for column in trial.columns:
+    near = world.predict(world.space.clipped(shaped), base) if len(trial.columns) > _MANY else base
+    d = np.empty((len(white.residual), len(trial.columns)), order="F")
+    for index, column in enumerate(trial.columns):
         moved = shaped.copy()
         for name, value in column.items():
             moved[world.space.place[name]] = value
-        predicted = world.predict(world.space.clipped(moved), base).channels
-        change = {name: predicted[name] - base.channels[name] for name in predicted}
-        if all(np.isfinite(values).all() for values in change.values()):
-            directions.append(white.direction(change))
-    if len(directions) != len(trial.columns):
+        white.weighted(world.predict(world.space.clipped(moved), near), base, d[:, index])
+    if not np.isfinite(d).all():
         return None, nothing
-    d = np.stack(directions, axis=1)
+    white.without_baseline(d)
     norms = np.linalg.norm(d, axis=0)
     if not (norms > 1e-6).any():
         return None, nothing

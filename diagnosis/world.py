@@ -15,7 +15,7 @@ from common.model import Model
 from diagnosis.declared_effects import declared_quantities, is_behind_encoder, waves_to_refit
 from diagnosis.exposure import expose
 from diagnosis.frame_clock import FrameClock, frame_clock
-from diagnosis.kernel import K, run, tip_of
+from diagnosis.kernel import K, add_decay, free_decay, run, tip_of
 from diagnosis.measured import Measured
 from diagnosis.space import Quantity, Space
 
@@ -25,6 +25,7 @@ FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection
 FRAME_CHANNELS = ("displacement", "arrival")
 NEVER_S = 1e9
 _TIE_S = 2e-7
+_DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 UNLIMITED = 1e9
 
@@ -40,8 +41,8 @@ class Motion:
     tip: Array
     tip_acceleration: Array
     tip_angle: Array
-    of: bytes
-    """The quantities that it follows from."""
+    of: Array
+    """Values of the quantities that it follows from."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,13 @@ class World:
         self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
         self.channels = self._present_channels()
         self.space = self._layout()
+        self._jumps = {
+            self.space.place[f"jump.{j}.{i}.{part}"]: (int(cycle), i, part == "v")
+            for j, cycle in enumerate(self._jump_cycles)
+            for i in range(self.modes)
+            for part in "qv"
+        }
+        self._decays: dict[tuple[float, float], Array] = {}
         self._moving = np.array(
             [at for name, at in self.space.place.items() if not name.startswith(_SEEN_ONLY)]
         )
@@ -295,23 +303,19 @@ class World:
         )  # fmt: skip
         deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
         tip_of(joint, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
-        return Motion(
-            joint, motor, q, deflection, tip, tip_acceleration, tip_angle, vector[self._moving].tobytes()
-        )
+        of = vector[self._moving]
+        return Motion(joint, motor, q, deflection, tip, tip_acceleration, tip_angle, of)
 
     def predict(self, vector: Array, near: Predicted | None = None) -> Predicted:
         """All channels that were measured. near: its motion is taken where the vector says the same of it."""
         at = self.space.place
-        if near is not None and near.motion.of == vector[self._moving].tobytes():
-            motion = near.motion
-        else:
-            motion = self.move(vector)
+        motion = self._moved(vector, near.motion) if near is not None else self.move(vector)
         found: dict[str, Array] = {}
         rate = np.empty(0)
-        if "joint_position" in self.channels:
-            found["joint_position"] = self._reported(motion, 0)
-        if "joint_velocity" in self.channels:
-            found["joint_velocity"] = self._reported(motion, 1)
+        same_joint = near is not None and motion.joint is near.motion.joint
+        for which, name in enumerate(("joint_position", "joint_velocity")):
+            if name in self.channels:
+                found[name] = near.channels[name] if near and same_joint else self._reported(motion, which)
         if "deflection" in self.channels:
             found["deflection"] = motion.deflection + vector[at["pair.offset"]]
         if "acceleration" in self.channels:
@@ -321,6 +325,48 @@ class World:
         if "arrival" in self.channels:
             found["arrival"] = self._arrivals(vector)
         return Predicted(found, rate, motion)
+
+    def _moved(self, vector: Array, near: Motion) -> Motion:
+        """The arm's motion, from one nearby where nothing differs but what jumps: a linear mode's answer adds up."""
+        differ = self._moving[vector[self._moving] != near.of]
+        if not len(differ):
+            return near
+        jumps = [self._jumps.get(int(place)) for place in differ]
+        if None in jumps or not self._answers_linearly(vector, {one[1] for one in jumps if one is not None}):
+            return self.move(vector)
+        q, deflection, tip = near.q.copy(), near.deflection.copy(), near.tip.copy()
+        tip_acceleration, tip_angle = near.tip_acceleration.copy(), near.tip_angle.copy()
+        was = dict(zip(self._moving.tolist(), near.of.tolist(), strict=True))
+        for place, one in zip(differ.tolist(), jumps, strict=True):
+            assert one is not None
+            cycle, mode, velocity = one
+            amount = float(vector[place]) - was[place]
+            add_decay(
+                self._decay(vector, mode), cycle, 0.0 if velocity else amount, amount if velocity else 0.0,
+                self._slopes[mode], q[:, mode], deflection, tip, tip_acceleration, tip_angle,
+            )  # fmt: skip
+        of = vector[self._moving]
+        return Motion(near.joint, near.motor, q, deflection, tip, tip_acceleration, tip_angle, of)
+
+    def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
+        """Whether these modes keep their frequency, and answer a jump whatever else they do."""
+        at = self.space.place
+        steady = vector[at["arm.frequency_ratio"]] == 1.0 and vector[at["arm.frequency_rate_per_s"]] == 0.0
+        bends = ("arm.coulomb_m_s2", "arm.quadratic_per_m", "arm.cubic_per_m2")
+        return bool(steady) and (0 not in modes or not any(vector[at[name]] for name in bends))
+
+    def _decay(self, vector: Array, mode: int) -> Array:
+        """What a jump of a mode does from then on; the last few are remembered."""
+        first = self.space.place[f"modes.{mode}.frequency_hz"]
+        key = (float(vector[first]), float(vector[first + 1]))
+        known = self._decays.get(key)
+        if known is None:
+            known = np.empty((self.measured.cycles, 4))
+            free_decay(*key, self.measured.cycle_s, known)
+            if len(self._decays) >= _DECAYS:
+                self._decays.clear()
+            self._decays[key] = known
+        return known
 
     def _reported(self, motion: Motion, which: int) -> Array:
         """Joint position (0) or velocity (1) as the drive reports it, joint_age_s old."""
