@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from common.blas_threads import one_blas_thread
-from common.user_error import UserError
+from stillarm.found_model import print_parameters, write_model
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +26,6 @@ def run(arguments: argparse.Namespace) -> int:
     from common.recording.reader import open_recording
     from diagnosis.calibrate import calibrate
     from diagnosis.commissioning.verdict import judge, marked
-    from diagnosis.diagnose import model_text
     from diagnosis.measured import read_measured
     from stillarm.progress import progress_bar
 
@@ -40,14 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
     if verdict.good and not measured.pair:
         made = marked(made, found, recording_date(recording.header.origin_unix_ns), str(arguments.recording))
     check_model(made, str(arguments.out))
-    for key, (value, std) in found.parameters.items():
-        print(f"  {key:<34} {value:>12.6g} +- {std:.2g}")
-    try:
-        arguments.out.write_text(model_text(made))
-    except OSError as error:
-        raise UserError(
-            f"{arguments.out}: cannot be written ({error.strerror}); name another file with -o"
-        ) from None
+    print_parameters(found.parameters)
+    write_model(made, arguments.out)
     print(f"  {verdict.text}")
     shown = {name: error for name, error in found.nrmse.items() if name != "arrival"} or found.nrmse
     worst = max(shown.items(), key=lambda one: one[1])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from common.user_error import UserError
 from stillarm.arguments import seconds
+from stillarm.found_model import print_parameters, write_model
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -77,7 +78,6 @@ def run(arguments: argparse.Namespace) -> int:
     from diagnosis.commissioning.picture import draw
     from diagnosis.commissioning.procedure import commission
     from diagnosis.commissioning.verdict import marked
-    from diagnosis.diagnose import model_text
     from stillarm.progress import progress_bar
 
     with progress_bar("commission") as progress:
@@ -101,15 +101,9 @@ def run(arguments: argparse.Namespace) -> int:
         date = datetime.now(UTC).date().isoformat()
         found = marked(found, done.found, date, str(folder / "moves.mcap"))
     check_model(found, str(arguments.model_out))
-    for key, (value, std) in done.found.parameters.items():
-        print(f"  {key:<34} {value:>12.6g} +- {std:.2g}")
+    print_parameters(done.found.parameters)
     draw(done, folder / "commissioning.png")
-    try:
-        arguments.model_out.write_text(model_text(found))
-    except OSError as error:
-        raise UserError(
-            f"{arguments.model_out}: cannot be written ({error.strerror}); name another file with -o"
-        ) from None
+    write_model(found, arguments.model_out)
     print(f"{folder / 'commissioning.png'} shows it; name {arguments.model_out} as the configuration's model")
     print(f"{arguments.model_out}: {done.verdict.text}")
     return 0 if done.verdict.good else 1

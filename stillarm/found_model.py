@@ -1,0 +1,26 @@
+"""What an identification has found: its numbers on the terminal, its model in a file."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from common.user_error import UserError
+
+if TYPE_CHECKING:
+    from common.model import Model
+
+
+def print_parameters(parameters: Mapping[str, tuple[float, float]]) -> None:
+    """A line each: name, value, standard deviation."""
+    for key, (value, std) in parameters.items():
+        print(f"  {key:<34} {value:>12.6g} +- {std:.2g}")
+
+
+def write_model(model: "Model", path: Path) -> None:
+    """Write the model file. Raises UserError where that cannot be."""
+    from diagnosis.diagnose import model_text
+
+    try:
+        path.write_text(model_text(model))
+    except OSError as error:
+        raise UserError(f"{path}: cannot be written ({error.strerror}); name another file with -o") from None
