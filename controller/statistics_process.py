@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+from common.child_process import start_module, stop_process
 from common.service_notify import Watchdog
 from common.stop_signal import StopSignal
 from common.structured_log import log
@@ -34,33 +35,20 @@ def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
 
     recorder: the number of the recorder's process, whose end it tells.
     """
-    root = str(Path(__file__).resolve().parents[1])
-    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return subprocess.Popen(
-        [
-            sys.executable,
-            "-P",
-            "-m",
-            "controller.statistics_process",
-            block_name,
-            str(os.getpid()),
-            str(recorder),
-        ],
+    return start_module(
+        "controller.statistics_process",
+        block_name,
+        str(os.getpid()),
+        str(recorder),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         start_new_session=True,
-        env={**os.environ, "PYTHONPATH": search},
     )
 
 
 def stop_statistics(process: subprocess.Popen[bytes], timeout_s: float = 3.0) -> None:
     """Ask it to end, and see that it does; may be called twice."""
-    process.terminate()
-    try:
-        process.wait(timeout_s)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
+    stop_process(process, timeout_s)
 
 
 class Statistics:

@@ -7,11 +7,11 @@ import socket
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import msgspec
 
 from benchmarks.faults.faulty_link import forged
+from common.child_process import start_module
 from common.loop_processor import leave_it_to_the_loop
 from common.user_error import UserError
 
@@ -28,14 +28,9 @@ def start_flood(
     """
     rng = random.Random(seed)
     datagrams = [forged(rng.choice(true), rng) for _ in range(_FORGERIES)]
-    root = str(Path(__file__).resolve().parents[2])
-    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
     words = ("127.0.0.1", str(port), str(rate_hz), str(duration_s))
-    process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "benchmarks.faults.flood_sender", *words],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": search},
+    process = start_module(
+        "benchmarks.faults.flood_sender", *words, stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     assert process.stdin is not None
     with process.stdin as stdin:

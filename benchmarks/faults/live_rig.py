@@ -4,7 +4,6 @@ import contextlib
 import os
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import tomli_w
 
 from benchmarks.faults.judge import Trace
 from benchmarks.faults.udp_proxy import UdpProxy
+from common.child_process import start_module
 from common.model import load_model
 from common.priority import run_fifo
 from common.shared_memory import SharedBlock, block_path
@@ -101,15 +101,13 @@ class LiveRig:
             self.proxy.forget()
             self.recordings += 1
             words += ["--record", str(self.recording), "--allow-non-realtime"]
-        root = str(Path(__file__).resolve().parents[2])
-        search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
         with (self.folder / f"{name}.log").open("ab") as log:
-            self._processes[name] = subprocess.Popen(
-                [sys.executable, "-P", "-m", "stillarm", *words],
+            self._processes[name] = start_module(
+                "stillarm",
+                *words,
                 stdout=log,
                 stderr=log,
-                env={**os.environ, "PYTHONPATH": search},
-                preexec_fn=ended_with_parent(),  # noqa: PLW1509 - no thread runs, and it calls the kernel only
+                preexec_fn=ended_with_parent(),  # no thread runs, and it calls the kernel only
             )
 
     def await_command(self, within_s: float = _READY_WITHIN_S) -> float:

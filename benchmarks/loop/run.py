@@ -3,7 +3,6 @@
 import os
 import secrets
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.loop.slices import by_name
+from common.child_process import start_module
 from common.shared_memory import block_path
 from common.user_error import UserError
 from controller.histogram import WORDS, MicrosecondHistogram
@@ -117,18 +117,7 @@ _CYCLE_S = 0.001
 
 
 def _start_timer(block_name: str, origin_s: float) -> subprocess.Popen[bytes]:
-    root = str(Path(__file__).resolve().parents[2])
-    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    words = [
-        sys.executable,
-        "-P",
-        "-m",
-        "benchmarks.loop.floor_timer",
-        block_name,
-        repr(origin_s),
-        repr(_CYCLE_S),
-    ]
-    return subprocess.Popen(words, env={**os.environ, "PYTHONPATH": search})
+    return start_module("benchmarks.loop.floor_timer", block_name, repr(origin_s), repr(_CYCLE_S))
 
 
 def _wait(condition: Callable[[], bool], processes: DemoProcesses) -> None:

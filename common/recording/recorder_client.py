@@ -9,11 +9,11 @@ import os
 import secrets
 import selectors
 import subprocess
-import sys
 from pathlib import Path
 
 import msgspec
 
+from common.child_process import start_module
 from common.configuration import Telemetry
 from common.recording.header import RecordingHeader
 from common.recording.topics import TOPICS
@@ -114,18 +114,13 @@ def _spawn(order: RecorderOrder, ring_name: str) -> subprocess.Popen[bytes]:
     """Start the recorder in a session of its own, where neither Ctrl-C nor a hang-up of the terminal reaches
     it.
     """
-    root = str(Path(__file__).resolve().parents[2])
-    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    process = subprocess.Popen(
-        # -P: a folder named 'common' where the user happens to stand must not take this package's place
-        [
-            *(sys.executable, "-P", "-m", "common.recording.recorder_process"),
-            *(ring_name, str(os.getpid())),
-        ],
+    process = start_module(
+        "common.recording.recorder_process",
+        ring_name,
+        str(os.getpid()),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         start_new_session=True,
-        env={**os.environ, "PYTHONPATH": search},
     )
     assert process.stdin is not None and process.stdout is not None
     with contextlib.suppress(BrokenPipeError), process.stdin as stdin:

@@ -6,11 +6,8 @@ of its parent, a bound exceeded or the operator's stop all end in the loop's own
 
 import contextlib
 import json
-import os
-import signal
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from math import nan
@@ -20,6 +17,7 @@ from typing import Any
 import msgspec
 import tomli_w
 
+from common.child_process import start_module, stop_process
 from common.configuration import Configuration, load_configuration, model_path
 from common.model import Model
 from common.recording.reader import open_recording
@@ -160,16 +158,14 @@ def feed(watch: Watch, row: dict[str, Any]) -> None:
 @contextlib.contextmanager
 def _controller(words: list[str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
     """The process; told to stop, and waited for, on every way out."""
-    root = str(Path(__file__).resolve().parents[2])
-    search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
     with log.open("wb") as said:
-        process = subprocess.Popen(
-            # -P: a folder named 'common' where the user happens to stand must not take this package's place
-            [sys.executable, "-P", "-m", "stillarm", "controller", *words],
+        process = start_module(
+            "stillarm",
+            "controller",
+            *words,
             stdout=said,
             stderr=subprocess.STDOUT,
-            env={**os.environ, "PYTHONPATH": search},
-            preexec_fn=ended_with_parent(),  # noqa: PLW1509 - no thread runs yet, and it calls the kernel only
+            preexec_fn=ended_with_parent(),  # no thread runs yet, and it calls the kernel only
         )
     try:
         yield process
@@ -179,14 +175,7 @@ def _controller(words: list[str], log: Path) -> Iterator[subprocess.Popen[bytes]
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
     """Ask it to come to rest and end; where it does not, end it: the drive's own dead man then stops the joint."""
-    if process.poll() is not None:
-        return
-    process.send_signal(signal.SIGTERM)
-    try:
-        process.wait(_STOP_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
+    stop_process(process, _STOP_S)
 
 
 def _refuse_fault(estimates: dict[str, Any]) -> None:

@@ -1,13 +1,11 @@
 """The demo's processes: started, watched, stopped. Each writes what it says to a log of its own."""
 
-import os
-import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+from common.child_process import start_module, stop_process
 from common.user_error import UserError
 from simulation.demo.parent_death import ended_with_parent
 
@@ -25,16 +23,14 @@ class DemoProcesses:
 
     def start(self, name: str, *arguments: str) -> None:
         """Start `stillarm NAME ARGUMENTS`; it ends when this process does, killed or not."""
-        root = str(Path(__file__).resolve().parents[2])
-        search = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
         with self._log(name).open("wb") as log:
-            self._running[name] = subprocess.Popen(
-                # -P: a folder named 'common' where the user happens to stand must not take this package's place
-                [sys.executable, "-P", "-m", "stillarm", name, *arguments],
+            self._running[name] = start_module(
+                "stillarm",
+                name,
+                *arguments,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, "PYTHONPATH": search},
-                preexec_fn=ended_with_parent(),  # noqa: PLW1509 - no thread runs yet, and it calls the kernel only
+                preexec_fn=ended_with_parent(),  # no thread runs yet, and it calls the kernel only
             )
 
     def process_id(self, name: str) -> int:
@@ -72,14 +68,8 @@ class DemoProcesses:
     def stop(self, name: str) -> None:
         """Ask a process to stop, and wait for it; kill it when it does not."""
         process = self._running.pop(name, None)
-        if process is None or process.poll() is not None:
-            return
-        process.send_signal(signal.SIGTERM)
-        try:
-            process.wait(_STOP_WITHIN_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        if process is not None:
+            stop_process(process, _STOP_WITHIN_S)
 
     def stop_all(self) -> None:
         """Stop whatever runs, the controller first."""
