@@ -48,10 +48,13 @@ class _Windows:
     hz: Array
     cost: Array
 
-    def along(self, hz: Array) -> float:
-        """Cost of a course of the frequency, one value a window."""
-        at = np.clip(np.rint(np.interp(np.log(hz), np.log(self.hz), np.arange(len(self.hz)))), 0, None)
-        return float(self.cost[np.arange(len(hz)), at.astype(np.int64)].sum())
+    def along(self, shape: Array) -> tuple[int, float]:
+        """The likeliest of all courses hz * shape, one value a window: place of its hz, and its cost."""
+        step = np.log(self.hz[1] / self.hz[0])  # they lie evenly in the logarithm
+        places = np.arange(len(self.hz))[:, None] + np.rint(np.log(shape) / step).astype(np.int64)
+        costs = self.cost[np.arange(len(shape)), np.clip(places, 0, len(self.hz) - 1)].sum(axis=1)
+        best = int(np.argmin(costs))
+        return best, float(costs[best])
 
 
 def frequency_courses(world: World, motion: Motion) -> dict[str, Course]:
@@ -102,28 +105,17 @@ def _changed(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
 def _drifting(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
     end = float(windows.middle_s[-1])
     for change in _CHANGES:
-        for hz in windows.hz:
-            course = hz * (1.0 + change * windows.middle_s / end)
-            yield (
-                windows.along(course),
-                {
-                    "modes.0.frequency_hz": float(hz),
-                    "arm.frequency_rate_per_s": float(change) / end,
-                },
-            )
+        best, cost = windows.along(1.0 + change * windows.middle_s / end)
+        hz, rate = float(windows.hz[best]), float(change) / end
+        yield cost, {"modes.0.frequency_hz": hz, "arm.frequency_rate_per_s": rate}
 
 
 def _stiffening(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
     shape = (windows.amplitude_m / float(np.max(windows.amplitude_m))) ** 2
     for change in _CHANGES:
-        for hz in windows.hz:
-            yield (
-                windows.along(hz * np.sqrt(1.0 + change * shape)),
-                {
-                    "modes.0.frequency_hz": float(hz),
-                    "arm.cubic_per_m2": float(change) / (0.75 * float(np.max(windows.amplitude_m)) ** 2),
-                },
-            )
+        best, cost = windows.along(np.sqrt(1.0 + change * shape))
+        cubic = float(change) / (0.75 * float(np.max(windows.amplitude_m)) ** 2)
+        yield cost, {"modes.0.frequency_hz": float(windows.hz[best]), "arm.cubic_per_m2": cubic}
 
 
 def _windows(world: World, motion: Motion, name: str) -> _Windows:

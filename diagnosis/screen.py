@@ -5,7 +5,6 @@ them, after the fitted parameters have had their share, predicts the log-likelih
 applied to simulated white residuals give the law of the largest of all gains when nothing is wrong.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -154,7 +153,6 @@ def screen(
     data: Data,
     last: Fit,
     causes: list[Cause],
-    tick: Callable[[float], None] = lambda done: None,
     threshold_nats: float | None = None,
 ) -> Screening:
     """Score every trial of every cause against the fit so far. threshold_nats: known from an earlier round."""
@@ -165,28 +163,30 @@ def screen(
     largest = np.zeros(_DRAWS)
     context = Context(last, residual_peaks(last))
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
-    scored: list[Scored] = []
-    for index, cause in enumerate(causes):
-        tick(index / len(causes))
+    todo: list[tuple[Cause, Trial]] = []
+    for cause in causes:
         if not cause.needs(last.world):
             continue
-        trials = cause.trials(context)
-        for trial in trials:
+        for trial in cause.trials(context):
+            todo.append((cause, trial))
             if trial.options not in worlds:
                 world = variant(last.world, dict(trial.options))
                 start = carried(last, world)
                 worlds[trial.options] = (world, start, world.predict(start))
 
-        def score(trial: Trial, cause: Cause = cause) -> tuple[Scored | None, Array]:
-            return _score(white, cause, trial, worlds[trial.options], noise)
+    def score(one: tuple[Cause, Trial]) -> tuple[Scored | None, Array]:
+        cause, trial = one
+        return _score(white, cause, trial, worlds[trial.options], noise)
 
-        best: list[Scored] = []
-        for one, chance in side_by_side(score, trials):
-            np.maximum(largest, chance, out=largest)
-            if one is not None:
-                best.append(one)
-        best.sort(key=lambda item: -item.nats)
-        scored += [*best[:3], *(one for one in best[3:] if one.trial.asked)]
+    best: dict[str, list[Scored]] = {}
+    for (cause, _), (one, chance) in zip(todo, side_by_side(score, todo), strict=True):
+        np.maximum(largest, chance, out=largest)
+        if one is not None:
+            best.setdefault(cause.id, []).append(one)
+    scored: list[Scored] = []
+    for of_cause in best.values():
+        of_cause.sort(key=lambda item: -item.nats)
+        scored += [*of_cause[:3], *(one for one in of_cause[3:] if one.trial.asked)]
     scored.sort(key=lambda item: -item.nats)
     if threshold_nats is not None:
         return Screening(scored, threshold_nats)
@@ -226,19 +226,23 @@ def _score(
         return None, nothing
     white.without_baseline(d)
     norms = np.linalg.norm(d, axis=0)
-    if not (norms > 1e-6).any():
+    seen = norms > 1e-6
+    if not seen.any():
         return None, nothing
-    unit = d[:, norms > 1e-6] / norms[norms > 1e-6]
-    values, vectors = np.linalg.eigh(unit.T @ unit)
-    good = values > 1e-8
-    q = unit @ (vectors[:, good] / np.sqrt(values[good]))
-    share = q.T @ white.residual
-    chance = nothing if noise is None else 0.5 * np.sum((q.T.astype(np.float32) @ noise) ** 2, axis=0)
+    d = d if seen.all() else d[:, seen]
+    d /= norms[seen]
+    # an orthonormal basis of them is d @ basis
+    values, vectors = np.linalg.eigh(d.T @ d)
+    basis = vectors[:, values > 1e-8] / np.sqrt(values[values > 1e-8])
+    share = basis.T @ (d.T @ white.residual)
+    chance = nothing
+    if noise is not None:
+        chance = 0.5 * np.sum((basis.T @ (d.T.astype(np.float32) @ noise)) ** 2, axis=0)
     amounts = np.zeros(len(norms))
-    amounts[norms > 1e-6] = (vectors[:, good] / np.sqrt(values[good])) @ share / norms[norms > 1e-6]
+    amounts[seen] = basis @ share / norms[seen]
     if trial.one_sided and amounts[0] <= 0.0 and not trial.asked:
         return None, chance
-    nats = white.gain(q @ share)
+    nats = white.gain(d @ (basis @ share))
     for column, amount in zip(trial.columns, amounts, strict=True):
         bounded = min(max(amount, 0.3), 2.5) if trial.one_sided else amount
         for name, value in column.items():

@@ -1,7 +1,6 @@
 """Whoever floods: sends given datagrams again and again at a rate, from another process, off the loop's processor."""
 
 import json
-import os
 import random
 import socket
 import subprocess
