@@ -4,6 +4,8 @@ Both run in virtual time on the same rig, which is the extended model itself, th
 ring-down in which predictions are scored, then a ring-down that is damped.
 """
 
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -55,7 +57,20 @@ class _InMemory:
 def worth_in_use(
     plain: Model, extended: Model, configuration: Configuration, seed: int = 1
 ) -> dict[str, Any]:
-    """Prediction error and residual vibration with either model: {"before": {...}, "after": {...}, "note"}.
+    """`begin_use` and its answer, one run after the other in this process."""
+    return begin_use(plain, extended, configuration, seed)()
+
+
+def begin_use(
+    plain: Model,
+    extended: Model,
+    configuration: Configuration,
+    seed: int = 1,
+    run_each: Callable[..., Iterable[dict[str, float]]] = map,
+) -> Callable[[], dict[str, Any]]:
+    """Prediction error and residual vibration with either model: {"before": {...}, "after": {...}, "note"}, when asked.
+
+    run_each: as `map`; an executor's begins both runs at once, in other processes.
 
     prediction_error_moving_rms, prediction_error_free_rms: rms of estimated less true deflection, from half a second
     after a blow on, while the joint moves and while the arm rings freely; residual_vibration_rms: rms of the true
@@ -65,11 +80,13 @@ def worth_in_use(
     if extended.arm.length_m is None:
         raise UserError("arm.length_m: needed for a deflection and absent from the model")
     rig = msgspec.structs.replace(extended, effects=[_from_the_start(effect) for effect in extended.effects])
-    return {
-        "before": _scores(rig, plain, configuration, seed),
-        "after": _scores(rig, extended, configuration, seed),
-        "note": not_used_by_controller(extended),
-    }
+    scores = run_each(partial(_scores, rig, configuration, seed), (plain, extended))
+
+    def answer() -> dict[str, Any]:
+        before, after = scores
+        return {"before": before, "after": after, "note": not_used_by_controller(extended)}
+
+    return answer
 
 
 def _from_the_start(effect: dict[str, EffectValue]) -> dict[str, EffectValue]:
@@ -78,7 +95,7 @@ def _from_the_start(effect: dict[str, EffectValue]) -> dict[str, EffectValue]:
     return {**effect, "onset_s": 0.0} if "onset_s" in known else effect
 
 
-def _scores(rig: Model, assumed: Model, configuration: Configuration, seed: int) -> dict[str, float]:
+def _scores(rig: Model, configuration: Configuration, seed: int, assumed: Model) -> dict[str, float]:
     kept = _InMemory()
     simulate(VirtualRun(configuration, rig, assumed, SCENARIO, seed, name="the extended model"), kept, kept)
     truth, said = np.array(kept.truth), np.array(kept.estimates)

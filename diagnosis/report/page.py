@@ -1,5 +1,6 @@
 """report.html: one page that stands alone, readable on paper and in dark mode."""
 
+from collections.abc import Callable
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -10,8 +11,11 @@ from diagnosis.report import sections
 from diagnosis.report.words import verdict_sentence
 
 
-def report_page(result: Diagnosis) -> str:
-    """The page's text; nothing in it is loaded from elsewhere."""
+def report_page(result: Diagnosis, await_use: Callable[[], None] = lambda: None) -> str:
+    """The page's text; nothing in it is loaded from elsewhere.
+
+    await_use: called last, before what `diagnosis.use` adds to the result's table is read.
+    """
     measured = result.found.final.world.measured
     name = Path(measured.name).name
     style = files("diagnosis.report").joinpath("style.css").read_text()
@@ -26,17 +30,13 @@ def report_page(result: Diagnosis) -> str:
         f"{name}, {measured.duration_s:.1f} s at {1.0 / measured.cycle_s:g} Hz, {len(measured.frames)} frames; "
         f"{held:.1f} s of it held out of every fit; stillarm {program_version()}"
     )
-    body = "".join(
-        (
-            sections.findings(result),
-            sections.gains(result),
-            sections.use(result),
-            sections.what_next(result),
-            sections.baseline(result),
-            sections.considered(result),
-            sections.residuals(result),
-        )
+    head = sections.findings(result) + sections.gains(result)
+    tail = "".join(
+        each(result)
+        for each in (sections.what_next, sections.baseline, sections.considered, sections.residuals)
     )
+    await_use()
+    body = head + sections.use(result) + tail
     verdict = str(result.table["verdict"])
     return (
         "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"

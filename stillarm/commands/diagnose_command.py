@@ -4,6 +4,8 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,13 +82,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
     """In this process, into the folder itself."""
-    from stillarm.commands.diagnose_many import Job, diagnose_one
+    from stillarm.commands.diagnose_many import Job, beside, diagnose_one
     from stillarm.progress import progress_bar
 
     (path,) = arguments.recordings
     job = Job(path, arguments.out, model, tuple(arguments.hold_out), not arguments.no_use)
-    with progress_bar(f"diagnose {path.name}") as progress:
-        return diagnose_one(job, progress)
+    with (
+        beside() if job.use else nullcontext(map) as run_each,
+        progress_bar(f"diagnose {path.name}") as progress,
+    ):
+        return diagnose_one(job, progress, run_each)
 
 
 def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list[Done]":
@@ -110,34 +115,50 @@ def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list
     return sorted(done, key=lambda one: jobs.index(one.job))
 
 
-def write(result: "Diagnosis", folder: Path) -> None:
-    """diagnosis.json, extended.toml, report.html."""
+def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> None:
+    """diagnosis.json, extended.toml, report.html. await_use: of `put_to_use`."""
     from diagnosis.diagnose import model_text
     from diagnosis.report.page import report_page
 
+    page = report_page(result, await_use)
     (folder / "diagnosis.json").write_text(json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n")
     (folder / "extended.toml").write_text(model_text(result.extended))
-    (folder / "report.html").write_text(report_page(result))
+    (folder / "report.html").write_text(page)
 
 
-def put_to_use(result: "Diagnosis", path: Path, model: "Model | None") -> None:
-    """Add to the result what the extended model is worth to the controller, where it differs and can be run."""
+def put_to_use(
+    result: "Diagnosis", path: Path, model: "Model | None", run_each: Callable[..., Iterable[Any]]
+) -> Callable[[], None]:
+    """Begin to find what the extended model is worth to the controller, where it differs and can be run; returns what
+    awaits that, and adds it to the result. run_each: as `map`, or an executor's.
+    """
     from common.configuration import load_configuration
     from common.recording.reader import open_recording
     from diagnosis.diagnose import model_of
-    from diagnosis.use import worth_in_use
+    from diagnosis.use import begin_use
     from simulation.simulated_recording import default_simulation_configuration
 
     table = result.table
     if result.found.final.world.measured.pair or not (table["findings"] or table["baseline_changes"]):
-        return
+        return lambda: None
     plain = model or model_of(open_recording(path))
+    configuration = load_configuration(default_simulation_configuration())
     try:
-        table["use"] = worth_in_use(
-            plain, result.extended, load_configuration(default_simulation_configuration())
-        )
+        found = begin_use(plain, result.extended, configuration, run_each=run_each)
     except UserError as error:
-        table["use"] = {"before": None, "after": None, "note": f"not simulated: {error}"}
+        found = _not_simulated(error)
+
+    def await_use() -> None:
+        try:
+            table["use"] = found()
+        except UserError as error:
+            table["use"] = _not_simulated(error)()
+
+    return await_use
+
+
+def _not_simulated(error: UserError) -> Callable[[], dict[str, Any]]:
+    return lambda: {"before": None, "after": None, "note": f"not simulated: {error}"}
 
 
 def _plain(value: Any) -> Any:

@@ -1,6 +1,6 @@
 """One recording diagnosed, or many side by side on any executor: this machine's cores, or Dask's."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -36,8 +36,14 @@ class Done:
     failed: bool = False
 
 
-def diagnose_one(job: Job, progress: Callable[[float], None] = lambda done: None) -> Done:
-    """One job, in whatever process; what is wrong with one recording stops no other. progress takes the share done."""
+def diagnose_one(
+    job: Job,
+    progress: Callable[[float], None] = lambda done: None,
+    run_each: Callable[..., Iterable[Any]] = map,
+) -> Done:
+    """One job, in whatever process; what is wrong with one recording stops no other. progress takes the share done;
+    run_each, as `map`, the simulations of what a model is worth.
+    """
     one_blas_thread()
     from common.output_folder import make_folder
     from diagnosis.diagnose import diagnose
@@ -45,12 +51,25 @@ def diagnose_one(job: Job, progress: Callable[[float], None] = lambda done: None
 
     try:
         result = diagnose(job.path, job.model, job.hold_out, lambda done, what: progress(0.9 * done))
-        if job.use:
-            put_to_use(result, job.path, job.model)
-        write(result, make_folder(job.folder))
+        await_use = put_to_use(result, job.path, job.model, run_each) if job.use else lambda: None
+        write(result, make_folder(job.folder), await_use)
     except UserError as error:
         return Done(job, str(error), failed=True)
     return Done(job, sentence(result.table))
+
+
+@contextmanager
+def beside() -> Iterator[Callable[..., Iterable[Any]]]:
+    """A `map` that runs in two processes of its own; they get ready meanwhile."""
+    one_blas_thread()
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        for _ in range(2):
+            pool.submit(_get_ready)
+        yield pool.map
+
+
+def _get_ready() -> None:
+    import diagnosis.use  # noqa: F401
 
 
 def diagnose_all(jobs: Sequence[Job], executor: Executor) -> Iterator[Done]:
