@@ -94,16 +94,14 @@ def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:
     """What a jump has to exceed: several times the median of all, or of those near by if that is less, for a blow that
     is not yet found raises them all."""
     overall = _OUTSTANDING * float(np.median(jump[full])) if full.any() else 0.0
-    limit = np.full(len(jump), overall)
-    for i in range(len(jump)):
-        sides = np.r_[
-            max(0, i - 5 * period) : max(0, i - 3 * period // 2), i + 3 * period // 2 : i + 5 * period
-        ]
-        sides = sides[sides < len(jump)]
-        sides = sides[full[sides]]
-        if len(sides) > 3 * period:
-            limit[i] = min(overall, _NEAR * float(np.median(jump[sides])))
-    return limit
+    reach, near = 5 * period, 3 * period // 2
+    known = np.pad(np.where(full, jump, np.inf), reach, constant_values=np.inf)
+    around = np.lib.stride_tricks.sliding_window_view(known, 2 * reach)  # row i: from i - reach on
+    ordered = np.sort(np.delete(around[: len(jump)], np.s_[reach - near : reach + near], axis=1), axis=1)
+    count = np.isfinite(ordered).sum(axis=1)
+    row = np.arange(len(jump))
+    middle = 0.5 * (ordered[row, np.maximum(count - 1, 0) // 2] + ordered[row, count // 2])
+    return np.where(count > 3 * period, np.minimum(overall, _NEAR * middle), overall)
 
 
 def _refined(last: Fit, number: int) -> float:

@@ -75,8 +75,17 @@ def _kick(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _tabulate(table: Array, spans: Array, rate: float, sig: Array, wd: Array) -> None:
-    """What each kind of stretch turns each mode by: decay cos, decay sin; last row: what is left of theta''."""
+def _tabulate(
+    table: Array, yields: Array, spans: Array, rate: float, sig: Array, wd: Array, w2: Array
+) -> None:
+    """What each kind of stretch turns each mode by: decay cos, decay sin; last row: what is left of theta''.
+
+    yields: how far each mode gives way to a steady theta'' and to one that fades at `rate`, s^2, and 1 / wd.
+    """
+    for i in range(sig.shape[0]):
+        yields[i, 0] = 1.0 / w2[i]
+        yields[i, 1] = 1.0 / (rate * rate - 2.0 * sig[i] * rate + w2[i])
+        yields[i, 2] = 1.0 / wd[i]
     for kind in range(spans.shape[0]):
         span = spans[kind]
         for i in range(sig.shape[0]):
@@ -94,17 +103,21 @@ def _move(
     push: float,
     sig: float,
     wd: float,
-    w2: float,
+    per_wd: float,
+    way: float,
     start: float,
     fade: float,
     turn_cos: float,
     turn_sin: float,
     left: float,
 ) -> None:
-    """Mode i over one stretch, under theta'' = start exp(-fade t): its particular solution, and free about that."""
-    level = -push * start / (fade * fade - 2.0 * sig * fade + w2)
+    """Mode i over one stretch, under theta'' = start exp(-fade t): its particular solution, and free about that.
+
+    way: 1 / (fade^2 - 2 sig fade + w^2).
+    """
+    level = -push * start * way
     x = q[i] - level
-    y = (v[i] + fade * level + sig * x) / wd
+    y = (v[i] + fade * level + sig * x) * per_wd
     a = x * turn_cos + y * turn_sin
     b = y * turn_cos - x * turn_sin
     faded = level * left if fade > 0.0 else level
@@ -153,7 +166,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     lengths = np.array(
         [fraction * dt, (1.0 - fraction) * dt, dt / substeps]
     )  # kinds of stretches; the last: a substep
-    table = np.zeros((3, m, 3))
+    table, yields, per_rate = np.zeros((3, m, 3)), np.zeros((m, 3)), 1.0 / rate
     h = dt / substeps
     nonlinear = coulomb != 0.0 or quadratic != 0.0 or cubic != 0.0 or ps != 0.0 or pc != 0.0 or force.size > 0
     q, v = np.zeros(m), np.zeros(m)
@@ -177,7 +190,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                 sig[i] = modes[i, 1] * w
                 wd[i] = w * np.sqrt(max(1e-12, 1.0 - modes[i, 1] ** 2))
                 w2[i] = w * w
-            _tabulate(table, lengths, rate, sig, wd)
+            _tabulate(table, yields, lengths, rate, sig, wd, w2)
         # what the sensors see at the start of the cycle
         out_joint[k, 0], out_joint[k, 1], out_joint[k, 2] = theta, omega, alpha
         out_motor[k, 0], out_motor[k, 1] = theta_m, omega_m
@@ -216,7 +229,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                 fade = 0.0
             else:
                 change = error * (1.0 - stay)
-                theta_m += target * span - error * (1.0 - stay) / rate
+                theta_m += target * span - error * (1.0 - stay) * per_rate
                 fade = rate
             omega_m += change
             alpha_m = min(max(rate * (target - omega_m), -max_acceleration), max_acceleration)
@@ -247,7 +260,8 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                 for i in range(m):
                     push = modes[i, 2] * length
                     c, s, left = table[kinds[j], i, 0], table[kinds[j], i, 1], table[kinds[j], i, 2]
-                    _move(q, v, i, push, sig[i], wd[i], w2[i], starts[j], fades[j], c, s, left)
+                    way = yields[i, 1] if fades[j] > 0.0 else yields[i, 0]
+                    _move(q, v, i, push, sig[i], wd[i], yields[i, 2], way, starts[j], fades[j], c, s, left)
             if nonlinear:
                 _kick(v, q, w2, constants, now + h, gain, force, k * substeps + part + 1, h)
 

@@ -1,7 +1,7 @@
 """One recording diagnosed, or many side by side on any executor: this machine's cores, or Dask's."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -60,12 +60,28 @@ def diagnose_one(
 
 @contextmanager
 def beside() -> Iterator[Callable[..., Iterable[Any]]]:
-    """A `map` that runs in two processes of its own; they get ready meanwhile."""
+    """A `map` that runs at once in two processes of its own, which get ready meanwhile; in this one where they die."""
     one_blas_thread()
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+
+        def run_each(work: Callable[[Any], Any], items: Iterable[Any]) -> Iterable[Any]:
+            given = list(items)
+            try:
+                begun = [pool.submit(work, item) for item in given]
+            except BrokenExecutor:
+                return map(work, given)
+            return (_answer(future, work, item) for future, item in zip(begun, given, strict=True))
+
         for _ in range(2):
             pool.submit(_get_ready)
-        yield pool.map
+        yield run_each
+
+
+def _answer(future: Future[Any], work: Callable[[Any], Any], item: Any) -> Any:
+    try:
+        return future.result()
+    except BrokenExecutor:
+        return work(item)
 
 
 def _get_ready() -> None:
