@@ -74,7 +74,7 @@ class _Whitened:
         # an orthonormal basis by the eigenvectors of the small Gram matrix
         values, vectors = np.linalg.eigh(scaled.T @ scaled)
         good = values > 1e-9 * values[-1] if len(values) else np.empty(0, bool)
-        self.basis = scaled @ (vectors[:, good] / np.sqrt(values[good]))
+        self.basis = np.asfortranarray(scaled @ (vectors[:, good] / np.sqrt(values[good])))
         self.residual = self.residual - self.basis @ (self.basis.T @ self.residual)
 
     def weighted(self, predicted: Predicted, base: Predicted, out: Array) -> None:
@@ -92,7 +92,8 @@ class _Whitened:
         """Take the baseline's directions out of changes, (samples, k), in place."""
         size = np.einsum("ij,ij->j", changes, changes)
         for _ in range(2):  # again where rounding may exceed what the first time leaves
-            changes -= self.basis @ (self.basis.T @ changes)
+            shares = self.basis.T @ changes
+            changes -= (shares.T @ self.basis.T).T  # in the order in which both lie in memory
             if (np.einsum("ij,ij->j", changes, changes) > 1e-6 * size).all():
                 break
 
