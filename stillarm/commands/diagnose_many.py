@@ -62,7 +62,9 @@ def diagnose_one(
 def beside() -> Iterator[Callable[..., Iterable[Any]]]:
     """A `map` that runs at once in two processes of its own, which get ready meanwhile; in this one where they die."""
     one_blas_thread()
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["diagnosis.use"])  # imported once, for both
+    with ProcessPoolExecutor(2, mp_context=context) as pool:
 
         def run_each(work: Callable[[Any], Any], items: Iterable[Any]) -> Iterable[Any]:
             given = list(items)
@@ -72,8 +74,7 @@ def beside() -> Iterator[Callable[..., Iterable[Any]]]:
                 return map(work, given)
             return (_answer(future, work, item) for future, item in zip(begun, given, strict=True))
 
-        for _ in range(2):
-            pool.submit(_get_ready)
+        pool.submit(_get_ready)
         yield run_each
 
 
@@ -85,7 +86,7 @@ def _answer(future: Future[Any], work: Callable[[Any], Any], item: Any) -> Any:
 
 
 def _get_ready() -> None:
-    import diagnosis.use  # noqa: F401
+    """Have the first process started."""
 
 
 def diagnose_all(jobs: Sequence[Job], executor: Executor) -> Iterator[Done]:
