@@ -68,13 +68,17 @@ class Seen:
 
 
 class FilterBank:
-    """States x (filters, n), covariances p (filters, n, n)."""
+    """States x (filters, n), covariances p (filters, n, n).
+
+    moved: how often each filter's frequencies and decay were changed or loosened otherwise than by a measurement.
+    """
 
     def __init__(self, layout: Layout, variance: Array, jitter_s: Array) -> None:
         """variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s, (filters,)."""
         self._at = layout
         self._diagonal = np.arange(layout.size)
         self._move = np.eye(layout.size)[None, : 2 * layout.modes].repeat(FILTERS, axis=0)
+        self.moved = [0] * FILTERS
         self.begin(variance, jitter_s)
         self.edge_s = 0.0
         self._iw = 1j * layout.w
@@ -88,6 +92,10 @@ class FilterBank:
         self.p = np.zeros((FILTERS, n, n))
         self.p[:, self._diagonal, self._diagonal] = variance
         self.jitter = jitter_s**2
+        self._all_moved()
+
+    def _all_moved(self) -> None:
+        self.moved = [one + 1 for one in self.moved]
 
     def phasors(self) -> ComplexArray:
         """Z = a - i b of each mode, (filters, m): mode i deflects Re(Z exp(i w t))."""
@@ -342,6 +350,7 @@ class FilterBank:
         i = np.arange(3 * at.modes, 4 * at.modes)
         self.p[:, i, i] += (0.01 * at.w) ** 2
         self.p[:, at.scale, at.scale] += 0.1**2
+        self._all_moved()
 
     def loosen_bias(self, variance: float) -> None:
         """The accelerometer's bias has changed by about the root of variance, m^2."""
@@ -358,7 +367,9 @@ class FilterBank:
             self.p[target, i, i] = variance
             self.x[target, i] = 0.0
         self.x[target, at.shift] = shift_s
+        self.moved[target] += 1
 
     def copy(self, target: int, source: int) -> None:
         """Give filter `target` all that `source` of the same law knows."""
         self.x[target], self.p[target] = self.x[source], self.p[source]
+        self.moved[target] += 1

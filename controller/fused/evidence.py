@@ -1,5 +1,7 @@
 """Which filter the images bear out: probabilities with a fading memory, and refuted filters started again."""
 
+from math import log
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,7 @@ _MEMORY_FRAMES = 60.0
 _REFUTED, _UNLIKELY = 1e-4, 0.1
 _USUAL_FRAMES, _LEAST_USUAL = 300.0, 0.01
 _BLIND_HANDICAP = 50.0  # in the logarithm of the probability: only a full refutation (_LOWEST) outweighs it
+_LEVEL_FRAMES, _LEAST_DISTURBED, _MOST_DISTURBED = 300.0, 0.01, 0.5
 _LARGEST_SURPRISE = 25.0  # one image may not decide alone
 _LOWEST = -60.0
 _UNPROVEN = 7.0  # by so much less likely than the best, in the logarithm, a filter begins anew
@@ -39,11 +42,14 @@ class Evidence:
         """No image has told anything."""
         self._log = np.zeros(FILTERS)
         self._refuted_for = np.zeros(FILTERS)
+        self._disturbed = start.DISTURBED
+        self._level = np.zeros(FILTERS)
+        self._expect_level()
         self._normalise()
         self._usual: Array = self._by_law()
 
     def _normalise(self) -> None:
-        total = self._prior + self._log
+        total = self._prior + self._level + self._log
         weights = np.exp(total - total.max())
         self.weights: Array = weights / weights.sum()
 
@@ -75,7 +81,18 @@ class Evidence:
         np.maximum(self._log, _LOWEST, out=self._log)
         self._normalise()
         if not blind:
+            self._learn_level()
             self._usual += (self._by_law() - self._usual) / _USUAL_FRAMES
+
+    def _learn_level(self) -> None:
+        """How often the arm is disturbed: the probability that it is, slowly averaged, is what is expected of it."""
+        now = float(self.weights[LAWS:].sum())
+        learnt = self._disturbed + (now - self._disturbed) / _LEVEL_FRAMES
+        self._disturbed = min(max(learnt, _LEAST_DISTURBED), _MOST_DISTURBED)
+        self._expect_level()
+
+    def _expect_level(self) -> None:
+        self._level[LAWS:] = log(self._disturbed / (1.0 - self._disturbed))
 
     def admit_stamps(self, bank: FilterBank, dating: Dating) -> None:
         """The camera stamps its frames: from now on that law counts, starting from what the best one knows."""
@@ -133,7 +150,7 @@ class Evidence:
         self._while_seeing = self._prior
         laws = np.log(np.maximum(self._usual, _LEAST_USUAL))
         laws[self._usual < _UNLIKELY] -= _BLIND_HANDICAP
-        self._prior = np.tile(laws, LEVELS) + start.level_beliefs()
+        self._prior = np.tile(laws, LEVELS)
 
     def see_again(self) -> None:
         """The accelerometer is back."""

@@ -20,6 +20,7 @@ from controller.fused.evidence import Evidence
 from controller.fused.joint_date import JointDate
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
+from controller.fused.learnt_walks import LearntWalks
 from controller.fused.sensor_health import AccelerometerHealth
 
 Array = NDArray[np.float64]
@@ -108,6 +109,8 @@ class FrameFusion:
         self.evidence = Evidence(model, settings, at, length_m)
         self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
         self._state_noise = start.state_noise(settings, at)
+        self._walks = LearntWalks(at, self._state_noise, LAWS)
+        self._lead_walk = 0.0  # of the law DRIFT, as assumed, s^2/s
         self._phasor_share = start.phasor_share(settings)
         self._carried = np.eye(at.size)[: 2 * at.modes]
         self._least_jitter = np.where(_LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
@@ -261,13 +264,15 @@ class FrameFusion:
         noise[Law.STEADY] = noise[Law.DRIFT] = between.white
         own = 0.5 * (between.walk + self._started[Law.CLOCK].walk - self._spread[Law.CLOCK].walk)
         walk[Law.STEADY] = between.walk * elapsed[Law.STEADY]
-        walk[Law.DRIFT] = max(own, _OF_STARTED * between.walk) * elapsed[Law.DRIFT]
+        self._lead_walk = max(own, _OF_STARTED * between.walk)
+        walk[Law.DRIFT] = self._walks.lead.share * self._lead_walk * elapsed[Law.DRIFT]
         self._strange = self._strange + 1 if self._is_strange(started, noise) else 0
         if self._strange == 0:
             self.bank.take_started(started[_LAW_OF], noise[_LAW_OF], walk[_LAW_OF])
         elif self._strange > _STRANGE_FRAMES:
             self._strange = 0
             self.bank.forget_started((start.AHEAD_FRAMES * self._frame_s) ** 2)
+            self._walks.lead.forget()
             for spread in (*self._started, between):
                 spread.restart()
 
@@ -391,6 +396,10 @@ class FrameFusion:
         self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
+            self._walks.forget()
+        else:
+            law = self.evidence.best % LAWS
+            self._walks.see(bank, law, self._lead_walk if law == Law.DRIFT else 0.0)
         return True
 
     @property

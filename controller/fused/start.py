@@ -20,6 +20,7 @@ SKEW = 60e-6  # two crystals, each some tens of ppm off; 200 ppm lies within thr
 _STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
 AHEAD_FRAMES = 1.0  # n_i before mid-exposure: half a frame, a whole one, or two
 _LEAST_DELAY_SPREAD_S = 0.002
+DISTURBED = 0.2  # probability of that level before anything is seen
 _DRIFT_RETURN = 0.35  # 1/s: the delay wanders over its spread in some seconds
 
 
@@ -101,14 +102,9 @@ def phasor_share(settings: Fused) -> Array:
 
 
 def beliefs(model: Model) -> Array:
-    """Logarithm of the probability of each filter before anything is seen, (filters,)."""
+    """Logarithm of the probability of each filter's law before anything is seen, (filters,)."""
     clock = 0.75 if model.camera.mode == "freerun" else 0.1
     rest = (1.0 - clock) / 3.0
     laws = np.log(np.array((clock, 1e-300, rest, rest, rest)))
-    result: Array = np.tile(laws, LEVELS) + level_beliefs()
+    result: Array = np.tile(laws, LEVELS)
     return result
-
-
-def level_beliefs() -> Array:
-    """Logarithm of the probability of each filter's level of disturbance, (filters,)."""
-    return np.repeat(np.log(np.array((0.8, 0.2))), LAWS)

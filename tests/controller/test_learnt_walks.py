@@ -1,0 +1,138 @@
+"""Walks whose rate is learnt: by a scalar filter of their own, and inside the fused method."""
+
+import numpy as np
+import pytest
+
+from common.configuration import Controller as Settings
+from controller.fused.bank import FILTERS, LAWS, FilterBank, Law
+from controller.fused.evidence import Evidence
+from controller.fused.layout import Layout
+from controller.fused.learnt_walks import LearntWalk, LearntWalks
+from controller.fused.method import FusedMethod
+from tests.reference.ringing_world import judge, model_for, ring
+
+AMPLITUDE = 0.006
+
+
+def filtered(true_share: float, seed: int, *, learn: bool = True) -> tuple[float, float, float]:
+    """A random walk of unit variance a second, true_share of it, seen ten times a second with unit noise.
+
+    Returns normalised error squared, error squared, and the share's logarithm, means over the second half of 1200 s.
+    """
+    random = np.random.default_rng(seed)
+    walk, dt = LearntWalk(), 0.1
+    truth = value = 0.0
+    variance = 1.0
+    ratios, errors, shares = [], [], []
+    for k in range(12000):
+        truth += np.sqrt(true_share * dt) * random.standard_normal()
+        variance += (walk.share if learn else 1.0) * dt
+        gain = variance / (variance + 1.0)
+        value += gain * (truth + random.standard_normal() - value)
+        variance *= 1.0 - gain
+        if k % 15 == 14:
+            walk.see(value, variance, 15 * dt)
+        if k >= 6000:
+            errors.append((value - truth) ** 2)
+            ratios.append(errors[-1] / variance)
+            shares.append(np.log(walk.share))
+    return float(np.mean(ratios)), float(np.mean(errors)), float(np.mean(shares))
+
+
+@pytest.mark.parametrize("true_share", [0.2, 1.0, 6.0])
+def test_a_filter_that_learns_how_far_its_state_walks_is_calibrated(true_share: float) -> None:
+    """Where it walks less than assumed, as assumed, and further: four seeds each."""
+    learnt = np.array([filtered(true_share, seed) for seed in range(4)])
+    assert 0.75 < learnt[:, 0].mean() < 1.35
+    assert abs(learnt[:, 2].mean() - np.log(true_share)) < 0.5
+
+
+def test_a_state_that_stands_still_is_better_known() -> None:
+    """The share falls to its bound; what is stated is still too much, for it is a walk's, but half of what it was."""
+    learnt = np.array([filtered(0.0, seed) for seed in range(4)]).mean(axis=0)
+    assumed = np.array([filtered(0.0, seed, learn=False) for seed in range(4)]).mean(axis=0)
+    assert learnt[2] < np.log(0.15)
+    assert learnt[1] < 0.6 * assumed[1]
+    assert 0.4 < learnt[0] < 1.0
+
+
+def test_a_filter_that_does_not_learn_is_not_calibrated() -> None:
+    """What the tests above would find: too sure of itself where the state walks further."""
+    assert filtered(6.0, 1, learn=False)[0] > 1.7
+
+
+def test_what_was_not_measured_teaches_nothing() -> None:
+    """Its variance has grown by all that was assumed."""
+    walk = LearntWalk()
+    for k in range(20):
+        walk.see(0.0, 1.0 + k, 1.0)
+    assert walk.share == 1.0
+
+
+def test_the_share_stays_within_bounds() -> None:
+    """A fifth and three times the deviation, however still or wild the estimate."""
+    still, wild = LearntWalk(), LearntWalk()
+    for k in range(60):
+        still.see(0.0, 1.0, 1.0)
+        wild.see(100.0 * (k % 2), 1.0, 1.0)
+    assert still.share == 0.04
+    assert wild.share == 9.0
+
+
+def test_an_estimate_that_something_else_has_moved_teaches_nothing() -> None:
+    """As when frequencies are loosened for a payload: the stretch is given up."""
+    model = model_for(AMPLITUDE, 0.3)
+    at = Layout(model, 2.0)
+    noise = np.full((FILTERS, at.size), 1e-4)
+    bank = FilterBank(at, np.full((FILTERS, at.size), 1e-4), np.zeros(FILTERS))
+    walks = LearntWalks(at, noise, LAWS)
+    for k in range(1, 20):
+        bank.edge_s = 2.0 * k
+        bank.x[:, at.frequency] = float(k % 2)
+        bank.loosen()
+        bank.p[:] = np.eye(at.size) * 1e-4
+        walks.see(bank, Law.CLOCK, 0.0)
+    assert np.all(noise == 1e-4)
+    for k in range(20, 30):
+        bank.edge_s = 2.0 * k
+        bank.x[:, at.frequency] = float(k % 2)
+        walks.see(bank, Law.CLOCK, 0.0)
+    assert np.all(noise[:LAWS, at.frequency] > 2e-4)
+    assert np.all(noise[LAWS:] == 1e-4)
+
+
+def test_how_often_the_arm_is_disturbed_is_learnt() -> None:
+    """The disturbed level is expected less where it explains the images worse, and again where it does better."""
+    model = model_for(AMPLITUDE, 0.3)
+    evidence = Evidence(model, Settings().fused, Layout(model, 2.0), 2.0)
+    better = np.repeat(np.array((1.0, 1.05)), LAWS)
+    surprise = np.ones(FILTERS)
+    first = float(evidence.weights[LAWS:].sum())
+    for _ in range(1200):
+        evidence.weigh(surprise, better, blind=False)
+    quiet = float(evidence.weights[LAWS:].sum())
+    for _ in range(2400):
+        evidence.weigh(surprise, better[::-1], blind=False)
+    disturbed = float(evidence.weights[LAWS:].sum())
+    assert first == pytest.approx(0.2)
+    assert quiet < 0.01
+    assert disturbed > 0.7
+
+
+def walking(seed: int, share_per_root_s: float) -> FusedMethod:
+    """The method after 20 s of an arm struck now and then, whose frequency walks by that share."""
+    model = model_for(AMPLITUDE, 0.3)
+    random = np.random.default_rng(seed)
+    steps = np.cumsum(share_per_root_s * np.sqrt(0.05) * random.standard_normal(2000))
+    trial = ring(model, seed, 20.0, delay="drift", frequency=lambda t: 1.0 + float(steps[int(t / 0.05)]))
+    method = FusedMethod(model, Settings().fused, "model")
+    judge(method, model, trial)
+    return method
+
+
+def test_the_method_learns_how_far_the_frequency_walks() -> None:
+    """Less than it allows for where it is constant, more where it walks five times as far."""
+    assumed = (Settings().fused.frequency_walk * 2.0 * np.pi * 2.6) ** 2
+    still, restless = (float(walking(3, walk).frames._state_noise[0, 2]) / assumed for walk in (0.0, 0.0005))
+    assert still < 0.7
+    assert restless > 1.5
