@@ -36,7 +36,7 @@ class LearntWalk:
     def see(self, value: float, variance: float, assumed: float) -> None:
         """The estimate at the end of a stretch, where the next begins; assumed: the walk's variance over it.
 
-        The share falls by a fifth at most; a step of three deviations makes it seven times larger.
+        The share falls by a quarter at most; a step of three deviations makes it eleven times larger.
         """
         walked = self.share * assumed
         expected = self._variance - variance + walked
