@@ -59,12 +59,7 @@ class Seen:
     variance: Array
     rate: Array
     ph: Array  # covariance times the slope of the image's value by the state, (filters, n)
-
-    @property
-    def surprise(self) -> Array:
-        """Normalised innovation squared."""
-        result: Array = self.residual**2 / self.variance
-        return result
+    surprise: Array  # normalised innovation squared
 
 
 class FilterBank:
@@ -263,7 +258,8 @@ class FilterBank:
         bend = 0.5 * (w2 * deflection * unknown) ** 2
         extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
         ph = (p @ slope[:, :, None])[:, :, 0]
-        return Seen(residual, _sum(ph * slope, 1) + extra, rate, ph)
+        variance = _sum(ph * slope, 1) + extra
+        return Seen(residual, variance, rate, ph, residual * residual / variance)
 
     def take_image(self, seen: Seen, extra: Array, phase_only: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).

@@ -56,11 +56,11 @@ class Evidence:
     @property
     def best(self) -> int:
         """The most probable filter."""
-        return int(np.argmax(self.weights))
+        return int(self.weights.argmax())
 
     def likeliest(self, law: Law) -> int:
         """The more probable one of a law's filters."""
-        return int(law) + LAWS * int(np.argmax(self.weights[law::LAWS]))
+        return int(law) + LAWS * int(self.weights[law::LAWS].argmax())
 
     def law(self, law: Law) -> float:
         """Probability of a law, whatever the level of disturbance."""

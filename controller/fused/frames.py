@@ -46,6 +46,7 @@ _CONFIRMED = 0.25  # of the variance of the clock's rate: what images have left 
 _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _LAW_OF = np.arange(FILTERS) % LAWS
 _CLOCKED = (_LAW_OF == Law.CLOCK) | (_LAW_OF == Law.STAMPS)
+_LEARNING = np.where((_LAW_OF == Law.DRIFT) | (_LAW_OF == Law.JITTER), 0.01, 0.0)  # of the jitter, a frame
 _NO_FILTER = np.zeros(FILTERS, dtype=np.bool_)
 
 
@@ -377,8 +378,9 @@ class FrameFusion:
             return
         (image, times, received_s, seen, surprise), self._looked = self._looked, None
         bank, t = self.bank, self._at.shift
-        reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
-        surprise = np.where(times - reach > received_s, np.inf, surprise)
+        if times.max() > received_s:
+            reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
+            surprise = np.where(times - reach > received_s, np.inf, surprise)
         self.evidence.weigh(surprise, seen.variance, blind=self._blind)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
@@ -493,10 +495,7 @@ class FrameFusion:
         jitter = self.bank.jitter
         share = seen.rate * jitter
         moment = own * own + jitter - share * share / seen.variance
-        learning = (_LAW_OF == Law.DRIFT) | (_LAW_OF == Law.JITTER)
-        self.bank.jitter = np.where(
-            learning, np.maximum(jitter + 0.01 * (moment - jitter), self._least_jitter), jitter
-        )
+        self.bank.jitter = np.maximum(jitter + _LEARNING * (moment - jitter), self._least_jitter)
 
     def _tell_delay(self, delays: Array, spread: Array) -> None:
         w = self.evidence.weights
