@@ -70,22 +70,20 @@ class Evidence:
         result: Array = self.weights.reshape(LEVELS, LAWS).sum(axis=0)
         return result
 
-    def weigh(self, surprise: Array, variance: Array, *, blind: bool) -> None:
-        """Take in an image's normalised innovations squared and their variances, m^2.
-
-        blind: without an accelerometer.
-        """
+    def weigh(self, surprise: Array, variance: Array) -> None:
+        """Take in an image's normalised innovations squared and their variances, m^2."""
         keep = 1.0 - 1.0 / _MEMORY_FRAMES
         self._log = keep * self._log - 0.5 * (np.minimum(surprise, _LARGEST_SURPRISE) + np.log(variance))
         self._log -= self._log.max()
         np.maximum(self._log, _LOWEST, out=self._log)
         self._normalise()
-        if not blind:
-            self._learn_level()
-            self._usual += (self._by_law() - self._usual) / _USUAL_FRAMES
 
-    def _learn_level(self) -> None:
-        """How often the arm is disturbed: the probability that it is, slowly averaged, is what is expected of it."""
+    def remember(self) -> None:
+        """After an image, seen beside an accelerometer: which laws are usual, and how often the arm is disturbed.
+
+        The probability that it is, slowly averaged, is what is expected of the next image.
+        """
+        self._usual += (self._by_law() - self._usual) / _USUAL_FRAMES
         now = float(self.weights[LAWS:].sum())
         learnt = self._disturbed + (now - self._disturbed) / _LEVEL_FRAMES
         self._disturbed = min(max(learnt, _LEAST_DISTURBED), _MOST_DISTURBED)

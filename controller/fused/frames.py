@@ -142,6 +142,7 @@ class FrameFusion:
         self._aimed: Aimed | None = None
         self._looked: Looked | None = None
         self._taken: tuple[Array, Array, Seen, float] | None = None
+        self._settled: float | None = None
 
     def take_block(self, block: Block) -> None:
         """Look at the oldest block of the accelerometer not yet taken in; `leave_block` does the rest."""
@@ -201,6 +202,7 @@ class FrameFusion:
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
         self.settle()
+        self._end_image()
         self._finish_dates()
         self.finish_block()
         first = not self.dating.started
@@ -381,7 +383,7 @@ class FrameFusion:
         if times.max() > received_s:
             reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
             surprise = np.where(times - reach > received_s, np.inf, surprise)
-        self.evidence.weigh(surprise, seen.variance, blind=self._blind)
+        self.evidence.weigh(surprise, seen.variance)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0), phase_only)
@@ -395,14 +397,23 @@ class FrameFusion:
         bank, t = self.bank, self._at.shift
         self._tell_delay(received_s - (self.dating.nominal[_LAW_OF] + bank.x[:, t] + own), spread)
         self._learn_jitter(own, seen)
+        self._settled = received_s
+        return True
+
+    def _end_image(self) -> None:
+        """The last that an image leaves to do: filters that are refuted, and walks."""
+        if self._settled is None:
+            return
+        received_s, self._settled = self._settled, None
+        bank, t = self.bank, self._at.shift
         self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
             self._walks.forget()
         else:
+            self.evidence.remember()
             law = self.evidence.best % LAWS
             self._walks.see(bank, law, self._lead_walk if law == Law.DRIFT else 0.0)
-        return True
 
     @property
     def blind(self) -> bool:
@@ -510,6 +521,7 @@ class FrameFusion:
 
     def merged(self, now_s: float) -> Merged:
         """Phasors at the bank's instant, with the covariance that they have at now_s for want of newer images."""
+        self._end_image()
         self.finish_block()
         bank, at, w = self.bank, self._at, self.evidence.weights
         best = self.evidence.best

@@ -63,8 +63,8 @@ class JointInput:
     def positions_at(self, times_s: Array) -> Array:
         """theta at instants of the last second, rad; shape as times_s."""
         low, fraction = self._places(times_s)
-        before = self._position[low % _HELD]
-        result: Array = before + fraction * (self._position[(low + 1) % _HELD] - before)
+        before = self._position.take(low, mode="wrap")
+        result: Array = before + fraction * (self._position.take(low + 1, mode="wrap") - before)
         return result
 
     def seen_from(self, edge_s: float, times_s: Array, slope_s: float) -> tuple[Array, Array, ComplexArray]:
@@ -76,17 +76,18 @@ class JointInput:
         low, fraction = self._places(
             np.concatenate((times_s, (edge_s,), times_s + slope_s, times_s - slope_s))
         )
-        here, there = low % _HELD, (low + 1) % _HELD
-        before = self._position[here]
-        theta = before + fraction * (self._position[there] - before)
-        here, there = here[: k + 1], there[: k + 1]
-        held = self._held[here]
-        sums = held + fraction[: k + 1, None] * (self._held[there] - held)
+        after = low + 1
+        before = self._position.take(low, mode="wrap")
+        theta = before + fraction * (self._position.take(after, mode="wrap") - before)
+        held = self._held.take(low[: k + 1], axis=0, mode="wrap")
+        sums = held + fraction[: k + 1, None] * (self._held.take(after[: k + 1], axis=0, mode="wrap") - held)
         rate = (theta[k + 1 : 2 * k + 1] - theta[2 * k + 1 :]) * (0.5 / slope_s)
         return theta[:k], rate, sums[:k] - sums[k]
 
     def _places(self, times_s: Array) -> tuple[NDArray[np.int64], Array]:
         newest = 0 if self._cycle is None else self._cycle
-        places = np.minimum(np.maximum(times_s / self._cycle_s, newest - _HELD + 2.0), newest - 1e-9)
-        low = np.floor(places).astype(np.int64)
+        places = np.minimum(
+            np.maximum(times_s / self._cycle_s, max(newest - _HELD + 2.0, 0.0)), newest - 1e-9
+        )
+        low = places.astype(np.int64)
         return low, places - low

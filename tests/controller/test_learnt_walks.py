@@ -109,10 +109,12 @@ def test_how_often_the_arm_is_disturbed_is_learnt() -> None:
     surprise = np.ones(FILTERS)
     first = float(evidence.weights[LAWS:].sum())
     for _ in range(1200):
-        evidence.weigh(surprise, better, blind=False)
+        evidence.weigh(surprise, better)
+        evidence.remember()
     quiet = float(evidence.weights[LAWS:].sum())
     for _ in range(2400):
-        evidence.weigh(surprise, better[::-1], blind=False)
+        evidence.weigh(surprise, better[::-1])
+        evidence.remember()
     disturbed = float(evidence.weights[LAWS:].sum())
     assert first == pytest.approx(0.2)
     assert quiet < 0.01
