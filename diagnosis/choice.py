@@ -1,6 +1,6 @@
 """Which of the refitted causes is taken, and how surely: by what each predicts of the held-out part."""
 
-from math import erf, sqrt
+from math import erf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
-from diagnosis.onset import onset_of
+from diagnosis.onset import ONSETS, onset_of
 from diagnosis.screen import Screening
 
 Array = NDArray[np.float64]
@@ -18,6 +18,9 @@ _OVERLAP = 0.6
 _LEAST_OF_A_LAW = 0.25
 _LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
 _DISAGREE = 0.1
+_TOLD_APART_NATS = 3.0
+_SURE = 2.0  # standard errors
+_NEARLY = 0.8  # of the held-out gain
 
 
 def next_to_take(stage: Stage, found: Found) -> Candidate | None:
@@ -68,7 +71,32 @@ def choose(ranked: list[Candidate], screening: Screening) -> Candidate | None:
             one.law is None and _both(one) < _LEAST_OF_A_LAW * by_law, not one.certain, one.law is not None,
         )
     )  # stable: the best first within each  # fmt: skip
-    return convincing[0] if convincing else None
+    return _likelier(convincing[0], convincing) if convincing else None
+
+
+def _likelier(first: Candidate, convincing: list[Candidate]) -> Candidate:
+    """The first, or one that predicts what is held out nearly as well, or as well as far as blocks can tell, and that
+    all data together find likelier: what is held out is a third of them, and says whether, not always which."""
+    tied = [one for one in convincing if one.certain == first.certain and _tie(first, one)]
+    best = max(tied, key=_weight, default=first)
+    return best if _weight(best) > _weight(first) + _TOLD_APART_NATS else first
+
+
+def _tie(one: Candidate, other: Candidate) -> bool:
+    """Whether the held-out part speaks for either of two causes by no more than twice its standard error over blocks,
+    or by a small share of what both gain."""
+    if one.law is not None or other.law is not None:
+        return False
+    difference = one.block_gains - other.block_gains
+    lead = float(difference.sum()) + other.surprise - one.surprise
+    few = (1.0 - _NEARLY) * max(one.held_gain, other.held_gain)
+    return abs(lead) < max(_SURE * max(1.0, _spread(difference)), few)
+
+
+def _weight(one: Candidate) -> float:
+    """Nats gained in all data, less what its numbers, an onset among them, gain by being fitted."""
+    onset = one.law is None and onset_of(CAUSES[one.cause]) is not None
+    return _both(one) - one.surprise - 2.0 * len(one.fit.free) - (log(ONSETS) if onset else 0.0)
 
 
 def in_doubt(chosen: Candidate | None, ranked: list[Candidate]) -> bool:
@@ -135,6 +163,8 @@ def confidence(stage: Stage) -> float:
     rival = max(rivals, key=_merit)
     lead = _merit(taken) - _merit(rival)
     spread = max(_spread(taken.block_gains - rival.block_gains), 2.0)
+    if lead < 0.0 and _tie(taken, rival):  # taken for what all data say, of which a third is held out
+        lead, spread = _weight(taken) - _weight(rival), sqrt(3.0) * spread
     return float(min(0.99, certain * 0.5 * (1.0 + erf(lead / spread / sqrt(2.0)))))
 
 

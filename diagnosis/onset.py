@@ -11,7 +11,7 @@ from diagnosis.fit import Fit, Split, fit, make_data
 
 Array = NDArray[np.float64]
 
-_ONSETS = 41
+ONSETS = 41
 _JUST_S = 1e-7  # before a frame
 _ONSET_REACH_S = 0.8
 
@@ -28,7 +28,7 @@ def onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
     if name.startswith("timing.") and len(received) > 2:
         tried = received[np.abs(received - now) < _ONSET_REACH_S] - _JUST_S
     else:
-        tried = now + np.linspace(-_ONSET_REACH_S, _ONSET_REACH_S, _ONSETS)
+        tried = now + np.linspace(-_ONSET_REACH_S, _ONSET_REACH_S, ONSETS)
     if len(tried) < 3:
         return refitted, 0.0
     train, held = _by_onset(refitted, name, tried, split)

@@ -6,19 +6,27 @@ import numpy as np
 import pytest
 
 from diagnosis.candidate import Candidate, Found, Stage
-from diagnosis.choice import choose, confidence, in_doubt, inseparable, next_to_take, rank
+from diagnosis.choice import _likelier, choose, confidence, in_doubt, inseparable, next_to_take, rank
 from diagnosis.laws import LawFound
 from diagnosis.screen import Screening
+from tests.diagnosis.synthetic import fitted, measured
 
 SCREENING = Screening([], threshold_nats=8.0)
 BLOCKS = 10
 LAW = LawFound("impulse_noise", {}, 0.0, np.zeros(BLOCKS))
+LAST = fitted(measured(6.0, 3))
+SCATTER = np.array([9.0, -6.0, 3.0, -5.0, 4.0, -8.0, 7.0, -4.0, 6.0, -6.0])
 
 
 def candidate(cause: str, train: float, held: float) -> Candidate:
-    """One quantity, the held-out gain the same in all blocks; none of its fit is asked for."""
+    """One quantity, the held-out gain the same in all blocks; all share one fit."""
     gains = np.full(BLOCKS, held / BLOCKS)
-    return Candidate(cause, None, train, held, 0.0, gains, {}, free=("one",))  # type: ignore[arg-type]
+    return Candidate(cause, LAST, train, held, 0.0, gains, {}, free=("one",))
+
+
+def scattered(one: Candidate, by: float) -> Candidate:
+    """The same, its gain uneven over the blocks."""
+    return replace(one, block_gains=one.block_gains + by * SCATTER)
 
 
 def law(cause: str, train: float, held: float) -> Candidate:
@@ -122,3 +130,27 @@ def test_inseparable_is_what_predicts_as_well() -> None:
     assert inseparable(Stage(SCREENING, [LAG, FRICTION], LAG)) == []
     noted = Stage(SCREENING, [LAG, FRICTION], LAG, other_names=["joint_friction"])
     assert inseparable(noted) == ["joint_friction"]
+
+
+@pytest.mark.parametrize(
+    ("scatter", "taken"),
+    [
+        (10.0, "drive_dead_time"),
+        (0.1, "drive_lag"),
+    ],  # a lead of 120 within, and far beyond, its standard error
+)
+def test_all_data_tell_two_causes_apart_where_the_held_out_part_does_not(scatter: float, taken: str) -> None:
+    lag = scattered(candidate("drive_lag", 620.0, 470.0), scatter)
+    dead = candidate("drive_dead_time", 800.0, 350.0)
+    assert _likelier(lag, [lag, dead]).cause == taken
+
+
+def test_a_small_share_of_the_held_out_gain_is_no_reason_against_all_data() -> None:
+    lag, dead = candidate("drive_lag", 620.0, 470.0), candidate("drive_dead_time", 720.0, 430.0)
+    assert choose([lag, dead], SCREENING) is dead
+
+
+def test_confidence_is_that_of_all_data_where_they_decided() -> None:
+    lag = scattered(candidate("drive_lag", 620.0, 470.0), 3.0)
+    dead = candidate("drive_dead_time", 800.0, 430.0)
+    assert confidence(Stage(SCREENING, [lag, dead], dead)) > 0.7
