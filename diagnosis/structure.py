@@ -7,11 +7,13 @@ from numpy.typing import NDArray
 
 from diagnosis.anonymous import Explained, explained
 from diagnosis.fit import Data, Fit
+from diagnosis.noise import DoubtColour
 from diagnosis.scatter import Uneven, uneven
 
 Array = NDArray[np.float64]
 
 _LEAST_HELD_NATS, _LEAST_TRAIN_NATS = 8.0, 12.0
+_IN_DOUBT = 2.0  # times the image's noise at rest, once scaled by what the instants' doubt is worth
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,12 @@ def examine(data: Data, last: Fit, known_laws: frozenset[str] = frozenset()) -> 
 
 
 def _dated_by_arrival(one: Uneven, last: Fit) -> bool:
-    """An image dated by its arrival is off by its speed times the delay's scatter: that is no discovery."""
-    return one.channel == "displacement" and last.world.frame_clock.arrival
+    """An image dated by its arrival is off by its speed times the delay's scatter: that is no discovery, as long as the
+    scatter that the delay is known to have explains it."""
+    if one.channel != "displacement" or not last.world.frame_clock.arrival:
+        return False
+    colour = last.colour.get("displacement")
+    return not isinstance(colour, DoubtColour) or last.sigma["displacement"] < _IN_DOUBT * colour.noise_px
 
 
 def _of_terms(terms: Explained, last: Fit) -> str:
