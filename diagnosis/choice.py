@@ -21,6 +21,7 @@ _DISAGREE = 0.1
 _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
+_MOST_HELD = 4  # frames
 
 
 def next_to_take(stage: Stage, found: Found) -> Candidate | None:
@@ -179,7 +180,7 @@ def inseparable(stage: Stage) -> list[str]:
     taken = stage.taken
     if taken is None or taken.law is not None:
         return []
-    near = []
+    near = ["stale_frame_buffer"] if _by_whole_frames(taken) else []
     for one in stage.candidates:
         if one.cause == taken.cause or one.law is not None:
             continue
@@ -189,4 +190,16 @@ def inseparable(stage: Stage) -> list[str]:
         as_good = (lead < max(2.0, _spread(difference)) and train < 6.0) or lead + train < 0.0
         if (as_good and one.held_gain > 0.7 * taken.held_gain) or one.cause in stage.other_names:
             near.append(one.cause)
-    return near
+    return list(dict.fromkeys(near))
+
+
+def _by_whole_frames(one: Candidate) -> bool:
+    """Whether the frames' clock stepped on by as much as a queue that holds a frame more, or a few, would make it seem:
+    nothing tells when a frame of a counting camera was ready."""
+    world = one.fit.world
+    if one.cause != "clock_step" or not world.frame_clock.counted:
+        return False
+    step, doubt = one.values["step_s"]
+    whole = round(step * world.model.camera.frame_rate_hz)
+    off = step - whole / world.model.camera.frame_rate_hz
+    return 1 <= whole <= _MOST_HELD and abs(off) < 2.0 * doubt

@@ -26,6 +26,7 @@ from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.measured import ClockGap, Measured, dated_by_requests, read_measured, reclocked
 from diagnosis.noise import DoubtColour, log_likelihood
 from diagnosis.pair_start import with_resonance_of
+from diagnosis.repeated_stamps import held_back, without
 from diagnosis.search import search
 from diagnosis.split import interleaved, stated
 from diagnosis.verdict import Judged
@@ -107,7 +108,9 @@ def diagnose_measured(
     tick(0.05, "baseline")
     baseline = _dated(_baseline(world, split), split)
     baseline, steps = _without_steps(baseline, split)
-    found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=steps)
+    baseline, old = _without_old_images(baseline, split)
+    known = (*steps, *old)
+    found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=known)
     tick(0.92, "what is left")
     judged = say.judge(found, split)
     extended = refitted_model(model, found.final)
@@ -217,6 +220,30 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
             steps.append(forward_step(gap, measured, gains, gained))
             baseline = other
     return baseline, as_one(steps)
+
+
+def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
+    """The baseline with the frames of a stamped, triggered camera read as early as before a buffer held them back."""
+    world = baseline.world
+    if world.frame_clock.counted or world.frame_clock.arrival:
+        return baseline, []
+    period = 1.0 / world.model.camera.frame_rate_hz
+    held = held_back(world.measured.frames, period)
+    if held is None:
+        return baseline, []
+    mended = World(without(world.measured, held, period), world.model, world.impacts)
+    other = fit(make_data(mended, split), carried(baseline, mended), mended.baseline_names())
+    gains = other.held_nats - baseline.held_nats
+    gained = other.train_nats - baseline.train_nats
+    onset = float(world.measured.frames.received_s[held.first])
+    law = LawFound(
+        "stale_frame_buffer",
+        {"onset_s": (onset, 0.5 * period), "frames": (float(held.frames), 0.0)},
+        gained,
+        gains,
+        note="captured_s comes twice: the buffer hands over the stamp with the old image",
+    )
+    return (other, [law]) if gained + float(gains.sum()) > 0.0 else (baseline, [])
 
 
 def _frames_go_on(world: World, gap: ClockGap) -> bool:

@@ -14,6 +14,7 @@ from diagnosis.fit import Data, Fit
 from diagnosis.late_bursts import find_bursts
 from diagnosis.measured import ClockGap, Measured
 from diagnosis.noise import HUBER, LEAST
+from diagnosis.repeated_stamps import held_back
 
 Array = NDArray[np.float64]
 
@@ -224,6 +225,8 @@ def _stamp_step(data: Data, last: Fit) -> LawFound | None:
     known = np.isfinite(stamps)
     if known.sum() < 40 or not clock.counted:
         return None
+    if held_back(frames, 1.0 / data.world.model.camera.frame_rate_hz) is not None:
+        return None  # an old image with its own stamp
     off = stamps[known] - clock.grid_s[known]
     x = clock.grid_s[known]
     # the largest single jump, straight lines of one slope on both sides

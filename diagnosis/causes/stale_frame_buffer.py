@@ -15,6 +15,16 @@ def _values(fit: Fit) -> Values:
     return plain(fit, onset_s="timing.stale_onset_s", frames="timing.stale_frames")
 
 
+_WHOLE, _MOST_NATS = 0.02, 100.0  # frames; nats
+
+
+def _unwhole(fit: Fit) -> float:
+    """A buffer holds whole frames."""
+    frames = fit.value("timing.stale_frames")
+    doubt = max(fit.std.get("timing.stale_frames", 0.0), _WHOLE)
+    return min(0.5 * ((frames - round(frames)) / doubt) ** 2, _MOST_NATS)
+
+
 CAUSE = Cause(
     id="stale_frame_buffer",
     needs=has("displacement"),
@@ -22,4 +32,5 @@ CAUSE = Cause(
     free=free_of("timing.stale_frames"),
     parameters_of=_values,
     settle={"timing.stale_onset_s": 0.5},
+    surprise=_unwhole,
 )

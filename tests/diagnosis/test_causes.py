@@ -1,5 +1,6 @@
 """Every cause: looked for by trials that do something, told by the contract's parameters, written as an effect."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -144,3 +145,11 @@ def test_extended_models_load_and_run(tmp_path: Path) -> None:
 def test_noise_is_what_the_data_were_given(plain: Fit) -> None:
     for name, level in NOISE.items():
         assert plain.sigma[name] == pytest.approx(level, rel=0.1)
+
+
+@pytest.mark.parametrize(("frames", "likely"), [(1.0, True), (2.004, True), (3.06, False)])
+def test_a_buffer_holds_whole_frames(plain: Fit, frames: float, likely: bool) -> None:
+    vector = plain.vector.copy()
+    vector[plain.world.space.place["timing.stale_frames"]] = frames
+    one = replace(plain, vector=vector, std={"timing.stale_frames": 0.002})
+    assert (CAUSES["stale_frame_buffer"].surprise(one) < 1.0) is likely
