@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.choice import confidence, inseparable
@@ -19,14 +20,15 @@ Array = NDArray[np.float64]
 _SHARE_LEFT = 0.15  # of what the findings gain, held out
 _LEAD_NATS = 5.0
 _LIKENESS = 0.3  # a cause that a term without a name beats
+_CHANNEL_OF_LAWS = {"accelerometer": "acceleration", "timing": "arrival"}
 
 
 @dataclass(frozen=True)
 class Judged:
     """The verdict with its structures before and after, per channel.
 
-    left: what remains after all findings, if that is much. unnamed_lead: nats by which a term without a name does
-    better than the first finding; above zero, the finding is at most a likeness.
+    left: what remains after all findings, if that is much. unnamed_lead: nats by which a term, or where something is
+    left a law, without a name does better than the first finding; above zero, the finding is at most a likeness.
     """
 
     verdict: str
@@ -54,6 +56,8 @@ def judge(found: Found, split: Split) -> Judged:
     lead = _lead(named[0], first, split) if named else 0.0
     if lead > 0.0 and left is None:
         left = _unnamed(first)
+    if named and left is not None:
+        lead = max(lead, _lead_of_laws(named[0], first))
     if named and left is None and _too_many(found, named[0]):
         left = first.worst or _unnamed(first)
     verdict = "unexplained" if left is not None else ("named" if found.findings else "none")
@@ -75,6 +79,14 @@ def _lead(one: Candidate, first: Remains, split: Split) -> float:
     return lead if lead > _LEAD_NATS + 0.01 * named else 0.0
 
 
+def _lead_of_laws(one: Candidate, first: Remains) -> float:
+    """The same of laws without a name: where one goes on explaining what is left, and explained more than the finding
+    did before there was any, the finding may be but the part of it that has a name."""
+    named = one.train_gain + one.held_gain
+    lead = max(law.train_nats + law.nats for law in first.channels.values()) - named
+    return lead if lead > _LEAD_NATS + 0.01 * named else 0.0
+
+
 def _too_many(found: Found, one: Candidate) -> bool:
     """Whether the first finding is one of three or more that the data cannot tell apart: no name is known then."""
     stage = next(stage for stage in found.stages if stage.taken is one)
@@ -90,7 +102,10 @@ def _unnamed(first: Remains) -> Structure:
 def sure(one: Candidate, stage: Stage, judged: Judged) -> float:
     """Probability that a finding is right: by its lead over the other causes, and over what has no name."""
     gained = max(one.held_gain, 1e-9)
-    likeness = _LIKENESS if judged.unnamed_lead > 0.0 else 1.0
+    channel = judged.left.channel if judged.left is not None else None
+    # what a wrong simulation leaves looks like noise of another law
+    doubtful = one.law is not None and channel == _CHANNEL_OF_LAWS.get(CATALOGUE[one.cause].place)
+    likeness = _LIKENESS if judged.unnamed_lead > 0.0 or doubtful else 1.0
     return likeness * confidence(stage) * gained / (gained + judged.left_nats)
 
 
