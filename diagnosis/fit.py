@@ -190,7 +190,8 @@ def jacobian(
 
 
 def colours(data: Data, vector: Array) -> Colours:
-    """Colour of what the delay's law makes of the residuals: arrivals in freerun, images of a triggered camera."""
+    """Colour of what the delay's law makes of the residuals: arrivals in freerun, images of a triggered camera, dated
+    by arrivals, or by requests that are noted to the cycle."""
     world = data.world
     predicted = world.predict(vector)
     found: Colours = {}
@@ -206,6 +207,12 @@ def colours(data: Data, vector: Array) -> Colours:
             world.measured.frames.received_s,
             max(world.model.camera.noise_std_px, LEAST["displacement"]),
             world.model.timing.capture_delay_std_s,
+        )
+    if "displacement" in world.channels and world.measured.frames.asked:
+        noise_px = max(world.model.camera.noise_std_px, LEAST["displacement"])
+        noted_s = world.measured.cycle_s / sqrt(12.0)
+        found["displacement"] = DoubtColour(
+            predicted.rate_px_s, world.measured.frames.received_s, noise_px, noted_s, 0.0, 1.0
         )
     return found
 

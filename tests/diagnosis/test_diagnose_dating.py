@@ -23,8 +23,11 @@ TRIGGERED = msgspec.structs.replace(
 )
 
 
-def triggered(step_s: float) -> Measured:
-    """Images exposed when they were asked for, read a scattering time later; the frames' clock steps at ONSET_S."""
+def triggered(step_s: float, noted_s: float = 0.0) -> Measured:
+    """Images exposed when they were asked for, read a scattering time later; the frames' clock steps at ONSET_S.
+
+    noted_s: requests are noted to so much.
+    """
     data = measured(SECONDS, 3)
     random = np.random.default_rng(5)
     count = int((SECONDS - 0.4) * TRIGGERED.camera.frame_rate_hz)
@@ -38,6 +41,8 @@ def triggered(step_s: float) -> Measured:
     vector[world.space.place["jump.0.0.q"]] = 0.02
     seen = world.predict(vector).channels["displacement"] + random.normal(0.0, NOISE["displacement"], count)
     late = np.where(begun >= ONSET_S, step_s, 0.0)
+    if noted_s:
+        begun = np.floor(begun / noted_s) * noted_s
     return replace(data, frames=Frames(number, read + late, begun + late, seen, none))
 
 
@@ -51,3 +56,9 @@ def test_doubt_of_instants_excuses_no_more_than_the_delay_scatters() -> None:
     for step_s, excused in ((0.0, True), (STEP_S, False)):
         last = fit_with_impacts(World(triggered(step_s), TRIGGERED), SPLIT)  # dated by arrivals
         assert examine(make_data(last.world, SPLIT), last).channels["displacement"].white is excused
+
+
+def test_requests_noted_to_the_cycle_are_no_discovery() -> None:
+    last = fit_with_impacts(World(dated_by_requests(triggered(0.0, 0.001)), TRIGGERED), SPLIT)
+    assert examine(make_data(last.world, SPLIT), last).channels["displacement"].white
+    assert last.sigma["displacement"] < 1.2 * NOISE["displacement"]
