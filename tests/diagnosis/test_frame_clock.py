@@ -73,3 +73,19 @@ def test_a_triggered_camera_can_be_dated_by_when_each_frame_was_asked_for() -> N
     assert not clock.arrival
     assert not clock.counted
     assert np.diff(clock.grid_s) == pytest.approx(np.full(199, 1.0 / RATE))
+
+
+@pytest.mark.parametrize("step_s", [0.0, 0.034, -0.02])
+def test_stamps_of_another_quartz_are_told_in_the_controllers_time(step_s: float) -> None:
+    random = np.random.default_rng(3)
+    count = 900
+    begun = np.arange(count) / 30.0 + random.uniform(0.0, 0.001, count)
+    stamps = (begun + 283.0) * (1.0 + 40e-6)
+    late = np.where(begun > 12.0, step_s, 0.0)
+    noted = np.floor((begun + late) / 0.001) * 0.001
+    frames = Frames(np.arange(count), noted + 0.1, noted, np.zeros(count), stamps)
+    clock = frame_clock(frames, Model(camera=Camera(mode="triggered", frame_rate_hz=30.0)))
+    assert not clock.counted
+    assert not clock.arrival
+    off = clock.grid_s - begun
+    assert np.ptp(off) < 1.5e-4  # without: 1.2 ms
