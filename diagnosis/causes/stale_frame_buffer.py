@@ -19,10 +19,10 @@ _WHOLE, _MOST_NATS = 0.02, 100.0  # frames; nats
 
 
 def _unwhole(fit: Fit) -> float:
-    """A buffer holds whole frames."""
+    """A buffer holds whole frames, at least one."""
     frames = fit.value("timing.stale_frames")
     doubt = max(fit.std.get("timing.stale_frames", 0.0), _WHOLE)
-    return min(0.5 * ((frames - round(frames)) / doubt) ** 2, _MOST_NATS)
+    return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, _MOST_NATS)
 
 
 CAUSE = Cause(

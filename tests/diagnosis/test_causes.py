@@ -147,7 +147,7 @@ def test_noise_is_what_the_data_were_given(plain: Fit) -> None:
         assert plain.sigma[name] == pytest.approx(level, rel=0.1)
 
 
-@pytest.mark.parametrize(("frames", "likely"), [(1.0, True), (2.004, True), (3.06, False)])
+@pytest.mark.parametrize(("frames", "likely"), [(1.0, True), (2.004, True), (3.06, False), (0.008, False)])
 def test_a_buffer_holds_whole_frames(plain: Fit, frames: float, likely: bool) -> None:
     vector = plain.vector.copy()
     vector[plain.world.space.place["timing.stale_frames"]] = frames
