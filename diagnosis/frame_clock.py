@@ -17,7 +17,7 @@ from diagnosis.measured import Frames
 Array = NDArray[np.float64]
 
 _LARGEST_STEP = 200  # frames: a counter that jumps further was reset
-_FEWEST, _OUTSTANDING, _LEAST_JUMP_S = 100, 6.0, 1e-3
+_FEWEST, _OUTSTANDING, _LEAST_JUMP_S, _MOST_JUMPS = 100, 6.0, 1e-3, 5
 _QUARTZ, _SURE = 2e-4, 3.0
 
 
@@ -64,13 +64,19 @@ def _tick_of_stamps(frames: Frames) -> float:
     if frames.asked or known.sum() < _FEWEST:
         return 1.0
     stamps = frames.captured_s[known]
-    steps = np.diff(frames.started_s[known] - stamps)
+    apart = frames.started_s[known] - stamps
+    steps = np.diff(apart)
     off = np.abs(steps - np.median(steps))
-    jumps = off > _OUTSTANDING * 1.4826 * float(np.median(off)) + _LEAST_JUMP_S
-    apart = np.concatenate(([0.0], np.cumsum(np.where(jumps, 0.0, steps))))
-    (rate, _), covariance = np.polyfit(stamps - stamps[0], apart, 1, cov=True)
-    told = _SURE * float(np.sqrt(covariance[0, 0])) < abs(float(rate)) < _QUARTZ
-    return 1.0 + float(rate) if told else 1.0
+    jumps = np.flatnonzero(off > _OUTSTANDING * 1.4826 * float(np.median(off)) + _LEAST_JUMP_S)
+    if len(jumps) > _MOST_JUMPS:
+        return 1.0
+    x = stamps - stamps.mean()
+    design = np.stack([x, np.ones(len(x)), *(np.arange(len(x)) > i for i in jumps)], axis=1)
+    amounts, *_ = np.linalg.lstsq(design, apart - apart[0], rcond=None)
+    left = apart - apart[0] - design @ amounts
+    spread = float(np.linalg.pinv(design.T @ design)[0, 0] * np.mean(left**2)) ** 0.5
+    told = _SURE * spread < abs(float(amounts[0])) < _QUARTZ
+    return 1.0 + float(amounts[0]) if told else 1.0
 
 
 def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
