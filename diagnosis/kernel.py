@@ -39,7 +39,8 @@ class K(IntEnum):
     THETA0 = 19
     OMEGA0 = 20
     FORCE_GAIN = 21  # of the force input on the first mode
-    SIZE = 22
+    BLUR_S = 22  # of a command's arrival, as an accelerometer shows it, to either side
+    SIZE = 23
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -157,7 +158,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     onset, ratio, drift = constants[13], constants[14], constants[15]
     pw, ps, pc = constants[16], constants[17], constants[18]
     theta_m, omega_m = constants[19], constants[20]
-    gain = constants[21]
+    gain, blur = constants[21], constants[22]
     theta, omega, alpha = theta_m, omega_m, 0.0
     whole = int(np.floor(dead / dt + 1e-9))
     fraction = min(max(dead / dt - whole, 0.0), 1.0)
@@ -233,6 +234,14 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                 fade = rate
             omega_m += change
             alpha_m = min(max(rate * (target - omega_m), -max_acceleration), max_acceleration)
+            # read about a command's arrival, an accelerometer shows a share of what it brings
+            near = min(fraction, 1.0 - fraction) * dt
+            if half == 1 and near < blur:
+                other = max(newer + 1 if fraction < 0.5 else older, 0)
+                if other < n:
+                    beside = rate * (_obeyed(command[other], limit, deadband, loss) - omega_m)
+                    beside = min(max(beside, -max_acceleration), max_acceleration)
+                    alpha_m += 0.5 * (1.0 - near / blur) * (beside - alpha_m)
             if theta_m > highest or theta_m < lowest:
                 theta_m = min(max(theta_m, lowest), highest)
                 start, fade = -(omega_m - change) / span, 0.0

@@ -157,6 +157,7 @@ class World:
         for name, start, low, high, step in (
             ("drive.bandwidth_hz", drive.bandwidth_hz, 0.1, 2000.0, 1e-3 * drive.bandwidth_hz),
             ("drive.dead_time_s", drive.dead_time_s, 0.0, 1.0, 1e-5),
+            ("drive.blur_s", 0.0, 0.0, 0.5 * measured.cycle_s, 1e-6),
             ("drive.max_velocity_rad_s", drive.max_velocity_rad_s, 1e-4, UNLIMITED, 1e-4),
             ("drive.deadband_rad_s", 0.0, 0.0, 10.0, 1e-4),
             ("drive.velocity_loss_rad_s", 0.0, 0.0, 10.0, 1e-5),
@@ -287,6 +288,7 @@ class World:
         constants[K.PERIODIC_COS] = vector[at["arm.periodic_cos"]]
         constants[K.THETA0], constants[K.OMEGA0] = vector[at["start.theta"]], vector[at["start.omega"]]
         constants[K.FORCE_GAIN] = vector[at["pair.gain"]]
+        constants[K.BLUR_S] = vector[at["drive.blur_s"]]
         modes = np.empty((m, 3))
         jumps = np.empty((len(self._jump_cycles), m, 2))
         for i in range(m):

@@ -203,3 +203,13 @@ def test_the_joint_stops_at_the_end_of_its_range() -> None:
     theta, omega, *_ = simulated({"HIGHEST": 0.1})
     assert theta.max() == pytest.approx(0.1)
     assert np.all(omega[1200:1300] == 0.0)
+
+
+@pytest.mark.parametrize("blur", [0.0, 0.2])
+def test_acceleration_jumps_where_the_dead_time_passes_a_cycle_unless_it_is_blurred(blur: float) -> None:
+    def read(dead_cycles: float, blur: float = blur) -> Array:
+        return simulated({"DEAD_S": dead_cycles * DT, "BLUR_S": blur * DT, "MAX_ACCELERATION": 1e6})[2]
+
+    jump = float(np.max(np.abs(read(3.0 + 1e-4) - read(3.0 - 1e-4))))
+    assert (jump < 1e-2 * float(np.max(np.abs(read(3.0))))) is (blur > 0.0)
+    assert np.array_equal(read(3.5), read(3.5, 0.0))
