@@ -21,6 +21,7 @@ _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _MOST = 40
 _SIGNIFICANT = 6.0
+_CLOSE_S = 2.0
 
 
 def _series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> tuple[Array, Array] | None:
@@ -202,17 +203,30 @@ def _sharpened(last: Fit, split: Split, extra: tuple[str, ...]) -> tuple[Fit, se
 
 
 def pruned(last: Fit, split: Split, extra: tuple[str, ...] = ()) -> Fit:
-    """Without the blows that have turned out to be none."""
-    world = last.world
-    kept = []
-    for j, cycle in enumerate(world.impacts, start=1):
-        size = 0.0
-        for part in ("q", "v"):
-            name = f"jump.{j}.0.{part}"
-            std = last.std.get(name, 0.0)
-            size = max(size, abs(last.value(name)) / std if std > 0.0 else np.inf)
-        if size > _SIGNIFICANT:
-            kept.append(cycle)
-    if len(kept) == len(world.impacts):
-        return last
-    return refit_with(last, split, tuple(kept), extra)
+    """Without the blows that have turned out to be none; of those close to each other, which may well share one blow
+    and each seem needless beside the other, the least goes first."""
+    while True:
+        cycles = last.world.impacts
+        sizes = [_size_in_stds(last, j) for j in range(1, len(cycles) + 1)]
+        near = _CLOSE_S / last.world.measured.cycle_s
+        kept = tuple(
+            cycle
+            for cycle, size in zip(cycles, sizes, strict=True)
+            if size > _SIGNIFICANT
+            or any(
+                less < size and abs(other - cycle) < near for other, less in zip(cycles, sizes, strict=True)
+            )
+        )
+        if len(kept) == len(cycles):
+            return last
+        last = refit_with(last, split, kept, extra)
+
+
+def _size_in_stds(last: Fit, number: int) -> float:
+    """Size of blow `number` in standard deviations, the larger of deflection's and rate's."""
+    size = 0.0
+    for part in ("q", "v"):
+        name = f"jump.{number}.0.{part}"
+        std = last.std.get(name, 0.0)
+        size = max(size, abs(last.value(name)) / std if std > 0.0 else np.inf)
+    return size

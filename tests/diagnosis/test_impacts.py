@@ -4,7 +4,8 @@ from math import pi
 
 import pytest
 
-from diagnosis.impacts import fit_with_impacts
+from diagnosis.fit import fit, make_data
+from diagnosis.impacts import fit_with_impacts, pruned
 from diagnosis.split import interleaved
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
@@ -30,3 +31,14 @@ def test_blows_are_found_within_some_milliseconds(cycles: tuple[int, ...]) -> No
 def test_where_nothing_struck_nothing_is_found() -> None:
     data = measured(8.0, 4)
     assert fit_with_impacts(World(data, MODEL), interleaved(8.0)).world.impacts == ()
+
+
+def test_of_two_blows_that_share_one_where_it_is_held_out_one_stays() -> None:
+    split = interleaved(9.0)
+    assert split.held[4]
+    data = measured(9.0, 3, blow(1, 0.02), impacts=(4300,))
+    both = World(data, MODEL, impacts=(4300, 4700))
+    last = fit(make_data(both, split), both.space.vector(), both.baseline_names())
+    left = pruned(last, split)
+    assert len(left.world.impacts) == 1
+    assert left.train_nats > last.train_nats - 10.0
