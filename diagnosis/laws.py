@@ -15,6 +15,7 @@ from diagnosis.late_bursts import find_bursts
 from diagnosis.measured import ClockGap, Measured
 from diagnosis.noise import HUBER, LEAST
 from diagnosis.repeated_stamps import held_back
+from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
 
@@ -69,6 +70,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     # a sensor at its limit scatters less
     limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
     known = np.isfinite(residual) & (np.abs(measured) < limit) & (np.abs(predicted) < limit)
+    known &= ~unforetold(data, last)[data.blocks["acceleration"]]
     if known.sum() < _FEWEST_SAMPLES:
         return None
     sigma = _robust(residual[known])

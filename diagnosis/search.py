@@ -18,6 +18,7 @@ from diagnosis.laws import LawFound, backward_steps, laws
 from diagnosis.onset import onset_seen, settled
 from diagnosis.screen import Scored, Screening, screen, variant
 from diagnosis.side_by_side import meanwhile, side_by_side
+from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
 
@@ -178,6 +179,7 @@ def _of_law(data: Data, last: Fit, law: LawFound) -> Candidate:
 def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     refitted, spread = onset_seen(refitted, cause, split)
     gains = block_gain(refitted, last)
+    gains[unforetold(make_data(last.world, split), last)] = 0.0
     values = cause.parameters_of(refitted)
     if "onset_s" in values:
         values["onset_s"] = (values["onset_s"][0], spread)

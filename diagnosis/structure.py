@@ -9,6 +9,7 @@ from diagnosis.anonymous import Explained, explained
 from diagnosis.fit import Data, Fit
 from diagnosis.noise import DoubtColour
 from diagnosis.scatter import Uneven, uneven
+from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
 
@@ -54,6 +55,7 @@ def examine(data: Data, last: Fit, known_laws: frozenset[str] = frozenset()) -> 
     laws = uneven(data, last, "impulse_noise" in known_laws)
     excused = {"arrival"} if "delay_bursts" in known_laws else set()
     held = data.split.held if data.split.held.any() else ~data.split.held
+    held = held & ~unforetold(data, last)
     by_terms = _of_terms(terms, last)
     found = {}
     for name in last.residuals:

@@ -1,0 +1,48 @@
+"""A blow where it is held out, in a rig with a mode that fades before the next block."""
+
+from math import pi
+
+import msgspec
+
+from common.model import Arm, Mode
+from diagnosis.catalogue import CAUSES
+from diagnosis.fit import fit, make_data
+from diagnosis.laws import laws
+from diagnosis.search import _of_fit, block_gain
+from diagnosis.split import interleaved
+from diagnosis.structure import examine
+from diagnosis.unforetold import unforetold
+from diagnosis.world import World
+from tests.diagnosis.synthetic import MODEL, measured
+
+STRUCK = 4300
+SPLIT = interleaved(9.0)
+TWO = msgspec.structs.replace(
+    MODEL,
+    arm=Arm(length_m=2.0, modes=[Mode(), Mode(frequency_hz=15.0, damping_ratio=0.12, participation=-0.1)]),
+)
+
+
+def test_a_mode_that_a_blow_shook_and_nothing_else_shows_is_no_discovery() -> None:
+    blow = {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02, "jump.1.1.v": 0.5}
+    data = measured(9.0, 3, blow, impacts=(STRUCK,), model=TWO)
+    world = World(data, TWO, impacts=(STRUCK,))
+    marked = make_data(world, SPLIT)
+    last = fit(marked, world.space.vector(), world.baseline_names())
+    struck = unforetold(marked, last)
+    assert struck.tolist() == [block == 4 for block in range(9)]
+    assert examine(marked, last).channels["acceleration"].white
+    assert not laws(marked, last)
+    otherwise = last.vector.copy()  # the first mode, by less than the training part can tell
+    otherwise[world.space.place["jump.1.0.v"]] *= 1.001
+    other = fit(marked, otherwise, last.free, iterations=0, colour=last.colour)
+    assert abs(block_gain(other, last)[4]) > 1.0
+    assert _of_fit(CAUSES["drive_lag"], other, last, SPLIT).block_gains[4] == 0.0
+
+
+def test_a_blow_that_is_followed_is_foretold() -> None:
+    data = measured(9.0, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(STRUCK,))
+    world = World(data, MODEL, impacts=(STRUCK,))
+    marked = make_data(world, SPLIT)
+    last = fit(marked, world.space.vector(), world.baseline_names())
+    assert not unforetold(marked, last).any()
