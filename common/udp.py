@@ -57,12 +57,13 @@ class UdpSocket:
         """Up to `limit` datagrams that have arrived, oldest first."""
         received: list[bytes] = []
         receive = self._socket.recv
-        with contextlib.suppress(BlockingIOError):
-            while len(received) < limit:
-                try:
-                    received.append(receive(MAX_DATAGRAM_BYTES + 1))
-                except ConnectionError:  # a queued "port unreachable" from an earlier send
-                    continue
+        while len(received) < limit:
+            try:
+                received.append(receive(MAX_DATAGRAM_BYTES + 1))
+            except BlockingIOError:
+                break
+            except ConnectionError:  # a queued "port unreachable" from an earlier send
+                continue
         if self._guard is not None and self._guard.see(len(received)):
             self._shield(self._guard.judge(self.shed))
         return received
@@ -70,12 +71,13 @@ class UdpSocket:
     def drain_with_senders(self, limit: int) -> list[tuple[bytes, Address]]:
         """Up to `limit` datagrams that have arrived, oldest first, each with the address it came from."""
         received: list[tuple[bytes, Address]] = []
-        with contextlib.suppress(BlockingIOError):
-            while len(received) < limit:
-                try:
-                    received.append(self._socket.recvfrom(MAX_DATAGRAM_BYTES + 1))
-                except ConnectionError:  # a queued "port unreachable" from an earlier send
-                    continue
+        while len(received) < limit:
+            try:
+                received.append(self._socket.recvfrom(MAX_DATAGRAM_BYTES + 1))
+            except BlockingIOError:
+                break
+            except ConnectionError:  # a queued "port unreachable" from an earlier send
+                continue
         if self._guard is not None and self._guard.see(len(received)):
             self._shield(self._guard.judge(self.shed))
         return received

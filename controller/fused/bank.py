@@ -60,6 +60,7 @@ class Seen:
     rate: Array
     ph: Array  # covariance times the slope of the image's value by the state, (filters, n)
     surprise: Array  # normalised innovation squared
+    phasor: Array  # variance of the first mode's phasor, m^2, the mean of its parts'
 
 
 class FilterBank:
@@ -259,12 +260,14 @@ class FilterBank:
         extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
         ph = (p @ slope[:, :, None])[:, :, 0]
         variance = _sum(ph * slope, 1) + extra
-        return Seen(residual, variance, rate, ph, residual * residual / variance)
+        return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)
 
-    def take_image(self, seen: Seen, extra: Array, phase_only: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def take_image(
+        self, seen: Seen, extra: Array, phase_only: NDArray[np.bool_] | None
+    ) -> tuple[Array, Array]:
         """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).
 
-        phase_only: filters whose dating images can tell nothing of, (filters,).
+        phase_only: filters whose dating images can tell nothing of, (filters,), if there are any.
 
         Returns what each filter then holds of this frame's own instant beyond its shift: mean, s, and the variance
         of the instant as a whole, s^2; each (filters,).
@@ -272,7 +275,9 @@ class FilterBank:
         t = self._at.shift
         ph, variance = seen.ph, seen.variance * extra
         gain = ph / variance[:, None]
-        vague = self._vague(seen.rate) | phase_only
+        vague = self._vague(seen)
+        if phase_only is not None:
+            vague |= phase_only
         if vague.any():
             for i in (t, self._at.skew, self._at.late, self._at.ahead):
                 gain[vague, i] = 0.0
@@ -286,18 +291,16 @@ class FilterBank:
         spread = self.p[:, t, t] + self.jitter - own * own * variance - 2.0 * own * ph[:, t]
         return own * seen.residual, np.maximum(spread, 1e-14)
 
-    def _vague(self, rate: Array) -> NDArray[np.bool_]:
+    def _vague(self, seen: Seen) -> NDArray[np.bool_]:
         """Which filters know the vibration's rate too badly to tell an instant by it, (filters,).
 
         Phase and instant look alike in an image. Linearised about a wrong rate, as behind a blow, each image would
         seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
         stays.
         """
-        p, at = self.p, self._at
-        w2 = 0.5 * at.w_first**2
-        unknown = w2 * (p[:, 0, 0] + p[:, 1, 1])
-        known = w2 * (self.x[:, 0] ** 2 + self.x[:, 1] ** 2) + rate * rate
-        result: NDArray[np.bool_] = unknown > _VAGUE * known
+        w2, a, b, rate = self._at.w_first**2, self.x[:, 0], self.x[:, 1], seen.rate
+        known = (0.5 * w2) * (a * a + b * b) + rate * rate
+        result: NDArray[np.bool_] = seen.phasor > (_VAGUE / w2) * known
         return result
 
     def _update(self, slope: Array, residual: Array, noise: float) -> None:

@@ -47,7 +47,6 @@ _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _LAW_OF = np.arange(FILTERS) % LAWS
 _CLOCKED = (_LAW_OF == Law.CLOCK) | (_LAW_OF == Law.STAMPS)
 _LEARNING = np.where((_LAW_OF == Law.DRIFT) | (_LAW_OF == Law.JITTER), 0.01, 0.0)  # of the jitter, a frame
-_NO_FILTER = np.zeros(FILTERS, dtype=np.bool_)
 
 
 class Merged(NamedTuple):
@@ -385,7 +384,7 @@ class FrameFusion:
             surprise = np.where(times - reach > received_s, np.inf, surprise)
         self.evidence.weigh(surprise, seen.variance)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
-        phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else _NO_FILTER
+        phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else None
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0), phase_only)
         self._taken = own, spread, seen, received_s
 

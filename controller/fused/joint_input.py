@@ -73,9 +73,10 @@ class JointInput:
         Shapes (k,), (k,), (k, m).
         """
         k = len(times_s)
-        low, fraction = self._places(
-            np.concatenate((times_s, (edge_s,), times_s + slope_s, times_s - slope_s))
-        )
+        asked = np.empty(3 * k + 1)
+        asked[:k], asked[k] = times_s, edge_s
+        asked[k + 1 : 2 * k + 1], asked[2 * k + 1 :] = times_s + slope_s, times_s - slope_s
+        low, fraction = self._places(asked)
         after = low + 1
         before = self._position.take(low, mode="wrap")
         theta = before + fraction * (self._position.take(after, mode="wrap") - before)
