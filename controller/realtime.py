@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from common.blas_threads import BLAS_THREADS
-from common.kept_memory import keep_freed_memory
 from common.loop_processor import loop_processor
 from common.priority import run_fifo
 
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
+_M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4  # malloc.h
 PRIORITY = 60
 _CPU_LATENCY = Path("/dev/cpu_dma_latency")
 _UNIT = "in a systemd unit"
@@ -97,8 +97,10 @@ class RealTime:
         gc.collect()
         gc.freeze()
         gc.disable()
-        keep_freed_memory()
         libc = ctypes.CDLL(None, use_errno=True)
+        if hasattr(libc, "mallopt"):  # what was freed is kept, and large blocks come from there, too
+            libc.mallopt(_M_TRIM_THRESHOLD, ctypes.c_int(2**31 - 1))
+            libc.mallopt(_M_MMAP_MAX, 0)
         if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) != 0:
             missing.append(MEMORY)
         try:

@@ -122,9 +122,7 @@ class FilterBank:
     def look_at_block(self, block: Block, one: int) -> tuple[float, float, float]:
         """By filter `one`: the block's value without bias and joint, what it should be, and the latter's variance."""
         at = self._at
-        x: list[float] = self.x[
-            one
-        ].tolist()  # plain floats: of one filter these are too few numbers for arrays
+        x: list[float] = self.x[one].tolist()  # plain: of one filter these are too few for arrays
         m, lag, seen = at.modes, block.time_s - self.edge_s, 0.0
         row: list[float] = []
         for i, turn in enumerate(block.turn):
