@@ -51,6 +51,15 @@ class Vibration(NamedTuple):
     rate: Array
 
 
+class AimedAtBlock(NamedTuple):
+    """An accelerometer block as each filter sees it: its value by each mode's phasor, and by its slow rate, m s; both
+    (filters, m); residual, m, (filters,)."""
+
+    gain: ComplexArray
+    by_rate: ComplexArray
+    residual: Array
+
+
 @dataclass(slots=True)
 class Seen:
     """One image as each filter sees it before taking it in; arrays of shape (filters,)."""
@@ -95,15 +104,15 @@ class FilterBank:
 
     def phasors(self) -> ComplexArray:
         """Z = a - i b of each mode, (filters, m): mode i deflects Re(Z exp(i w t))."""
-        at = self._at
-        return self.x[:, at.cosine] - 1j * self.x[:, at.sine]
+        pairs: ComplexArray = self.x[:, self._at.phasor].view(np.complex128)
+        return pairs.conj()
 
     def _rates(self) -> ComplexArray:
         """Slow complex rate of each phasor, (filters, m)."""
         at = self._at
         return -at.sigma - self.x[:, at.decay] + 1j * self.x[:, at.frequency]
 
-    def take_block(self, block: Block, variance: float) -> None:
+    def aim_at_block(self, block: Block) -> AimedAtBlock:
         """The accelerometer's block that begins at edge_s: z = - sum Re(lambda^2 Z exp(i w t)) / w_1^2 + bias."""
         at = self._at
         z, slow = self.phasors(), self._rates()
@@ -111,13 +120,20 @@ class FilterBank:
         lag = block.time_s - self.edge_s
         gain = fast * fast * np.exp(slow * lag) * (np.array(block.turn) * (-1.0 / at.w_first**2))
         value = z * gain
-        twice = value * (lag + 2.0 / fast)
+        residual = block.value - block.forced - _sum(value.real, 1) - self.x[:, at.bias]
+        return AimedAtBlock(gain, value * (lag + 2.0 / fast), residual)
+
+    def take_block(self, aimed: AimedAtBlock, variance: float) -> None:
+        """Take in the block that was aimed at last, nothing having changed since; variance, m^2."""
+        at, gain, by_rate = self._at, aimed.gain, aimed.by_rate
         slope = np.zeros_like(self.x)
         slope[:, at.cosine], slope[:, at.sine] = gain.real, gain.imag
-        slope[:, at.frequency], slope[:, at.decay] = -twice.imag, -twice.real
+        slope[:, at.frequency], slope[:, at.decay] = -by_rate.imag, -by_rate.real
         slope[:, at.bias] = 1.0
-        residual = block.value - block.forced - _sum(value.real, 1) - self.x[:, at.bias]
-        self._update(slope, residual, variance)
+        ph = (self.p @ slope[:, :, None])[:, :, 0]
+        weight = ph / (_sum(ph * slope, 1) + variance)[:, None]
+        self.x += weight * aimed.residual[:, None]
+        self.p -= weight[:, :, None] * ph[:, None, :]
 
     def look_at_block(self, block: Block, one: int) -> tuple[float, float, float]:
         """By filter `one`: the block's value without bias and joint, what it should be, and the latter's variance."""
@@ -172,19 +188,19 @@ class FilterBank:
     ) -> None:
         """Frames go on by `elapsed_s` of each filter's clock (filters,): its skew moves its shift.
 
+        shift_noise, skew_noise: growth of the variances, s^2/s and 1/s.
         shift_return: rate at which a wandering delay comes back to its mean, 1/s: without it, a delay that can no
         longer be seen would be thought to wander without bound.
         """
-        at = self._at
-        t, k, late = at.shift, at.skew, at.late
-        back = -np.expm1(-shift_return * np.abs(elapsed_s))
-        self.x[:, t] += elapsed_s * self.x[:, k] - back * (self.x[:, t] + self.x[:, late])
-        by_skew, by_return = elapsed_s[:, None], back[:, None]
-        p = self.p
-        p[:, t, :] += by_skew * p[:, k, :] - by_return * (p[:, t, :] + p[:, late, :])
-        p[:, :, t] += by_skew * p[:, :, k] - by_return * (p[:, :, t] + p[:, :, late])
-        p[:, t, t] += shift_noise
-        p[:, k, k] += skew_noise * np.abs(elapsed_s)
+        x, p, t, k, late = self.x, self.p, self._at.shift, self._at.skew, self._at.late
+        spent_s = np.abs(elapsed_s)
+        back = -np.expm1(-shift_return * spent_s)
+        x[:, t] += elapsed_s * x[:, k] - back * (x[:, t] + x[:, late])
+        line = p[:, t, :] + elapsed_s[:, None] * p[:, k, :] - back[:, None] * (p[:, t, :] + p[:, late, :])
+        own = line[:, t] + elapsed_s * line[:, k] - back * (line[:, t] + line[:, late])
+        p[:, t, :] = p[:, :, t] = line
+        p[:, t, t] = own + shift_noise * spent_s
+        p[:, k, k] += skew_noise * spent_s
 
     def take_arrival(self, difference_s: Array, noise: Array, walk: Array) -> None:
         """Arrival minus nominal instant minus the model's delay (filters,) = shift + late + noise, variance in s^2.
@@ -300,12 +316,6 @@ class FilterBank:
         known = (0.5 * w2) * (a * a + b * b) + rate * rate
         result: NDArray[np.bool_] = seen.phasor > (_VAGUE / w2) * known
         return result
-
-    def _update(self, slope: Array, residual: Array, noise: float) -> None:
-        ph = (self.p @ slope[:, :, None])[:, :, 0]
-        gain = ph / (_sum(ph * slope, 1) + noise)[:, None]
-        self.x += gain * residual[:, None]
-        self.p -= gain[:, :, None] * ph[:, None, :]
 
     def inflate(self, jump: Jump) -> None:
         """A blow has moved the phasors by an unknown amount."""

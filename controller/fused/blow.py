@@ -34,9 +34,11 @@ class BlowDetector:
         """w: angular frequency of each mode, rad/s."""
         ages = np.arange(_BLOCKS)
         after = (ages[None, :] - ages[:, None] + 0.5) * block_s  # row: onset at the start of that block
-        self._shape = np.stack(
+        shape = np.stack(
             [np.where(after > 0.0, (one / w[0]) ** 2 * np.sin(one * after), 0.0) for one in w], axis=1
-        )  # (onsets, modes, blocks)
+        )
+        self._shape = shape  # (onsets, modes, blocks)
+        self._products = shape[:, :, None] * shape[:, None]  # (onsets, modes, modes, blocks)
         self._prior = np.diag([(one / w[0]) ** 4 for one in w])  # modes are struck alike in acceleration
         self._significant = _SIGNIFICANT + _MORE_PER_MODE * (len(w) - 1)
         self.suspicion = 0.0
@@ -59,14 +61,17 @@ class BlowDetector:
         weight = 1.0 / variance if block.count else 0.0
         self._residuals.append(residual_m * weight)
         self._weights.append(weight)
-        shape = self._shape
-        power = (shape * np.array(self._weights)) @ shape.transpose(0, 2, 1)
+        power = self._products @ np.array(self._weights)
         power += self._prior / max(usual_m, 1e-9) ** 2
-        match = shape @ np.array(self._residuals)
-        covariance = 1.0 / power if len(self._prior) == 1 else np.linalg.inv(power)
-        sizes = (covariance @ match[:, :, None])[:, :, 0]
-        evidence = (match * sizes).sum(axis=1)
-        best = int(np.argmax(evidence))
+        match = self._shape @ np.array(self._residuals)
+        if len(self._prior) == 1:
+            covariance = 1.0 / power
+            sizes = match * covariance[:, 0]
+        else:
+            covariance = np.linalg.inv(power)
+            sizes = (covariance @ match[:, :, None])[:, :, 0]
+        evidence = np.add.reduce(match * sizes, 1)
+        best = int(evidence.argmax())
         self.suspicion = float(evidence[best])
         if self.suspicion < self._significant:
             return None

@@ -12,7 +12,7 @@ from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
 from controller.fused.arrivals import ArrivalSpread
-from controller.fused.bank import FILTERS, LAWS, FilterBank, Law, Seen, Vibration
+from controller.fused.bank import FILTERS, LAWS, AimedAtBlock, FilterBank, Law, Seen, Vibration
 from controller.fused.blocks import Block, Jump
 from controller.fused.clock_rate import ClockRate
 from controller.fused.dating import Dating
@@ -35,7 +35,6 @@ _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was n
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
-_SLOPE_S = 0.002  # the joint's rate is taken over twice this
 _OF_STARTED = 0.01  # of the wander between arrival and n_i is n_i's own, at the least
 _STRANGE, _STRANGE_FRAMES = (
     36.0,
@@ -137,14 +136,14 @@ class FrameFusion:
         self._arrived: tuple[VisualSample, float] | None = None
         self._begun: Array | None = None
         self._left: Block | None = None  # looked at, its end not yet reached
-        self._left_variance: float | None = None  # with which it is yet to be taken in
+        self._left_block: tuple[AimedAtBlock, float] | None = None  # yet to be taken in, with that variance
         self._aimed: Aimed | None = None
         self._looked: Looked | None = None
         self._taken: tuple[Array, Array, Seen, float] | None = None
-        self._settled: float | None = None
 
     def take_block(self, block: Block) -> None:
-        """Look at the oldest block of the accelerometer not yet taken in; `leave_block` does the rest."""
+        """Look at the oldest block of the accelerometer not yet taken in; `leave_block` does the rest, before anything
+        else changes the bank."""
         self.finish_block()
         bank = self.bank
         for jump in block.jumps:
@@ -161,7 +160,7 @@ class FrameFusion:
             if not health.mute:  # what contradicts the images counts less (Huber)
                 self._unused_blocks = 0
                 huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
-                self._left_variance = block.variance * max(huber, health.doubt)
+                self._left_block = bank.aim_at_block(block), block.variance * max(huber, health.doubt)
         self._left = block
 
     def leave_block(self) -> bool:
@@ -169,9 +168,9 @@ class FrameFusion:
         if self._left is None:
             return False
         block, bank = self._left, self.bank
-        if self._left_variance is not None:
-            bank.take_block(block, self._left_variance)
-            self._left_variance = None
+        if self._left_block is not None:
+            bank.take_block(*self._left_block)
+            self._left_block = None
             return True
         self._left = None
         dt = block.end_s - bank.edge_s
@@ -201,7 +200,6 @@ class FrameFusion:
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
         self.settle()
-        self._end_image()
         self._finish_dates()
         self.finish_block()
         first = not self.dating.started
@@ -211,7 +209,7 @@ class FrameFusion:
             return True
         dating, t, bank = self.dating, self._at.shift, self.bank
         elapsed = dating.elapsed[_LAW_OF]
-        bank.advance_dating(elapsed, self._shift_return, self._shift_noise * np.abs(elapsed), 1e-14)
+        bank.advance_dating(elapsed, self._shift_return, self._shift_noise, 1e-14)
         for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2
@@ -396,15 +394,6 @@ class FrameFusion:
         bank, t = self.bank, self._at.shift
         self._tell_delay(received_s - (self.dating.nominal[_LAW_OF] + bank.x[:, t] + own), spread)
         self._learn_jitter(own, seen)
-        self._settled = received_s
-        return True
-
-    def _end_image(self) -> None:
-        """The last that an image leaves to do: filters that are refuted, and walks."""
-        if self._settled is None:
-            return
-        received_s, self._settled = self._settled, None
-        bank, t = self.bank, self._at.shift
         self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
@@ -413,6 +402,7 @@ class FrameFusion:
             self.evidence.remember()
             law = self.evidence.best % LAWS
             self._walks.see(bank, law, self._lead_walk if law == Law.DRIFT else 0.0)
+        return True
 
     @property
     def blind(self) -> bool:
@@ -492,12 +482,12 @@ class FrameFusion:
     def _expected(self, image: Look, times: Array) -> tuple[tuple[Array, Array], Vibration]:
         """What the joint alone moved the tip by at those instants, m, and its rate; and the vibration."""
         bank, lever = self.bank, self._at.lever
-        theta, rate, step = image.joint_input.seen_from(bank.edge_s, times, _SLOPE_S)
+        theta, rate, step = image.joint_input.seen_from(bank.edge_s, times)
         return (theta * lever, rate * lever), bank.vibration_at(times, step)
 
     def _joint_still(self, image: Look, times: Array) -> bool:
         best = self.evidence.best
-        _, rate, _ = image.joint_input.seen_from(self.bank.edge_s, times[best : best + 1], _SLOPE_S)
+        _, rate, _ = image.joint_input.seen_from(self.bank.edge_s, times[best : best + 1])
         return abs(float(rate[0])) * self._at.lever < _STILL * self._at.w_first * self.amplitude_m
 
     def _learn_jitter(self, own: Array, seen: Seen) -> None:
@@ -520,7 +510,6 @@ class FrameFusion:
 
     def merged(self, now_s: float) -> Merged:
         """Phasors at the bank's instant, with the covariance that they have at now_s for want of newer images."""
-        self._end_image()
         self.finish_block()
         bank, at, w = self.bank, self._at, self.evidence.weights
         best = self.evidence.best

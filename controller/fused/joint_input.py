@@ -1,6 +1,7 @@
 """What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it."""
 
 from cmath import exp
+from collections import deque
 from math import ceil
 
 import numpy as np
@@ -10,6 +11,7 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _HELD = 1024  # cycles
+_SLOPE_S = 0.002  # the joint's rate is taken over twice this
 
 
 class JointInput:
@@ -24,8 +26,12 @@ class JointInput:
         self._w = w
         self._gain = [-1j * g * cycle_s for g in gain]
         self._half_back = [exp(0.5j * one * cycle_s) for one in w]
-        self._held = np.zeros((_HELD, len(w)), dtype=np.complex128)
-        self._position = np.zeros(_HELD)
+        # by cycle: G of each mode, then theta + i theta'
+        self._held = np.zeros((_HELD, len(w) + 1), dtype=np.complex128)
+        self._position, self._rate = self._held.real[:, -1], self._held.imag[:, -1]
+        self._reach = max(1, round(_SLOPE_S / cycle_s))
+        self._recent: deque[float] = deque(maxlen=2 * self._reach + 1)
+        self._per_s = 0.5 / (self._reach * cycle_s)
         self._cycle: int | None = None
         self.sum = [0j] * len(w)
         self.increment = [0j] * len(w)
@@ -34,10 +40,19 @@ class JointInput:
         self, cycle: int, turn: list[complex], mean_acceleration_rad_s2: float, position_rad: float
     ) -> None:
         """Move on to `cycle`, where exp(i w t) is `turn`; the mean of theta'' over the cycle before."""
+        if self._cycle is None:
+            self._position[:] = position_rad
+            self._recent.extend([position_rad] * (2 * self._reach))
         skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, _HELD)
         self._cycle = cycle
+        recent, position, rates = self._recent, self._position, self._rate
         for back in range(skipped, -1, -1):
-            self._position[(cycle - back) % _HELD] = position_rad
+            here = cycle - back
+            recent.append(position_rad)
+            rate = (position_rad - recent[0]) * self._per_s
+            position[here % _HELD] = position_rad
+            rates[here % _HELD] = rate  # for want of what comes after it
+            rates[(here - self._reach) % _HELD] = rate
         for i, one in enumerate(turn):
             step = self._gain[i] * mean_acceleration_rad_s2 * one.conjugate() * self._half_back[i]
             for back in range(skipped, 0, -1):  # cycles that never came: the same load at their own phase
@@ -58,37 +73,22 @@ class JointInput:
 
     def position_at(self, time_s: float) -> float:
         """theta at an instant of the last second, rad."""
-        return float(self.positions_at(np.array((time_s,)))[0])
+        return float(self.seen_from(time_s, np.array((time_s,)))[0][0])
 
-    def positions_at(self, times_s: Array) -> Array:
-        """theta at instants of the last second, rad; shape as times_s."""
-        low, fraction = self._places(times_s)
-        before = self._position.take(low, mode="wrap")
-        result: Array = before + fraction * (self._position.take(low + 1, mode="wrap") - before)
-        return result
+    def seen_from(self, edge_s: float, times_s: Array) -> tuple[Array, Array, ComplexArray]:
+        """At k instants of the last second: theta, rad, theta', rad/s, and what G has grown by since edge_s.
 
-    def seen_from(self, edge_s: float, times_s: Array, slope_s: float) -> tuple[Array, Array, ComplexArray]:
-        """At k instants of the last second: theta, theta' over twice slope_s, and what G has grown by since edge_s.
-
-        Shapes (k,), (k,), (k, m).
+        Shapes (k,), (k,), (k, m). theta' is taken over 4 ms, which the last 2 ms lack.
         """
-        k = len(times_s)
-        asked = np.empty(3 * k + 1)
+        k, modes = len(times_s), len(self._w)
+        asked = np.empty(k + 1)
         asked[:k], asked[k] = times_s, edge_s
-        asked[k + 1 : 2 * k + 1], asked[2 * k + 1 :] = times_s + slope_s, times_s - slope_s
-        low, fraction = self._places(asked)
-        after = low + 1
-        before = self._position.take(low, mode="wrap")
-        theta = before + fraction * (self._position.take(after, mode="wrap") - before)
-        held = self._held.take(low[: k + 1], axis=0, mode="wrap")
-        sums = held + fraction[: k + 1, None] * (self._held.take(after[: k + 1], axis=0, mode="wrap") - held)
-        rate = (theta[k + 1 : 2 * k + 1] - theta[2 * k + 1 :]) * (0.5 / slope_s)
-        return theta[:k], rate, sums[:k] - sums[k]
-
-    def _places(self, times_s: Array) -> tuple[NDArray[np.int64], Array]:
         newest = 0 if self._cycle is None else self._cycle
-        places = np.minimum(
-            np.maximum(times_s / self._cycle_s, max(newest - _HELD + 2.0, 0.0)), newest - 1e-9
-        )
+        oldest = max(newest - _HELD + 2.0, 0.0)
+        places = np.minimum(np.maximum(asked / self._cycle_s, oldest), newest - 1e-9)
         low = places.astype(np.int64)
-        return low, places - low
+        before = self._held.take(low, axis=0, mode="wrap")
+        after = self._held.take(low + 1, axis=0, mode="wrap")
+        seen = before + (places - low)[:, None] * (after - before)
+        joint = seen[:k, modes]
+        return joint.real, joint.imag, seen[:k, :modes] - seen[k, :modes]
