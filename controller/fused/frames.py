@@ -22,6 +22,7 @@ from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_walks import LearntWalks
 from controller.fused.sensor_health import AccelerometerHealth
+from controller.fused.stated_scale import with_stated_scale
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -140,6 +141,7 @@ class FrameFusion:
         self.amplitude_m = 0.0
         self._outliers = self._votes = self._voted = 0
         self._images = 0
+        self._as_calibrated = True  # neither arm nor scene has changed since the start
         self._late = self._breaks = 0.0
         self.blow = False
         self._unused_blocks = 0
@@ -323,6 +325,7 @@ class FrameFusion:
         self.evidence.begin()
         self.health.begin_comparison()
         self._images = self._outliers = self._votes = 0
+        self._as_calibrated = True
 
     def _is_strange(self, started: Array, noise: Array) -> bool:
         """Whether n_i has jumped, by the most likely filter."""
@@ -457,6 +460,7 @@ class FrameFusion:
         self._breaks += 1.0
         if sees and (self._breaks > 1.5 or suspicion < _SUSPICIOUS):
             self.bank.loosen()  # no blow explains it: the arm or the scene has changed
+            self._as_calibrated = False
         size = 1.5 * abs(float(seen.residual[best]))
         if self._blind and self._shifts:
             then_s, shift, variance = self._shifts[0]
@@ -531,6 +535,8 @@ class FrameFusion:
             x = w @ bank.x
             d = bank.x - x
             p = (w @ bank.p.reshape(FILTERS, -1)).reshape(at.size, at.size) + (d * w[:, None]).T @ d
+        if self._as_calibrated:
+            x, p = with_stated_scale(x, p, at.scale, float(self._first[0, at.scale]))
         m = at.modes
         phasors: list[complex] = (x[at.cosine] - 1j * x[at.sine]).tolist()
         lag = now_s - bank.edge_s
