@@ -10,6 +10,7 @@ from controller.fused.bank import LAWS, Law
 
 _RESET_BACK = 8  # a counter that falls by more than this was reset; by less, the frame is an old one
 _MISMATCH_FRAMES = 2.5
+_MISMATCH_SPREADS = 8.5  # of the delay: six standard deviations of the difference of two
 _STAMP_MISMATCH_FRAMES = 4.0
 
 
@@ -20,9 +21,11 @@ class Dating:
     doubt_s, stamp_doubt_s: how uncertain this step of the clock's and of the stamps' law is, s.
     """
 
-    def __init__(self, frame_s: float, delay_s: float) -> None:
-        """frame_s: nominal period of the frames; delay_s: prior mean of the capture delay."""
+    def __init__(self, frame_s: float, delay_s: float, spread_s: float = 0.0) -> None:
+        """frame_s: nominal period of the frames; delay_s, spread_s: prior mean and spread of the capture delay."""
         self._frame_s = frame_s
+        # one frame late by chance is no jump of the counter
+        self._mismatch = max(_MISMATCH_FRAMES, _MISMATCH_SPREADS * spread_s / frame_s)
         self._delay_s = delay_s
         self.nominal: NDArray[np.float64] = np.zeros(LAWS)
         self.elapsed: NDArray[np.float64] = np.zeros(LAWS)
@@ -50,7 +53,7 @@ class Dating:
                 return False
             passed = max(received_s - self._received_s, 0.0)
             in_frames = passed / self._frame_s
-            if frames < 0 or abs(frames - in_frames) > _MISMATCH_FRAMES + 0.02 * in_frames:
+            if frames < 0 or abs(frames - in_frames) > self._mismatch + 0.02 * in_frames:
                 frames = max(1, round(in_frames))  # reset, jumped, or a count of arrivals with some lost
                 self.doubt_s = 0.7 * self._frame_s
             self.elapsed[Law.CLOCK] = frames * self._frame_s

@@ -114,7 +114,7 @@ class FrameFusion:
         self._at = at
         self._frame_s = start.frame_s(model)
         self._model_delay_s = model.timing.capture_delay_s
-        self.dating = Dating(self._frame_s, self._model_delay_s)
+        self.dating = Dating(self._frame_s, self._model_delay_s, start.spread_s(model))
         self._first = start.variances(model, settings, at, length_m)
         self._first_jitter = start.jitters_s(model)
         self.bank = FilterBank(at, self._first, self._first_jitter)

@@ -121,6 +121,18 @@ def test_frames_are_counted_by_the_counter_and_a_reset_by_the_time_passed() -> N
     assert dating.doubt_s > 0.0
 
 
+def test_a_frame_that_is_very_late_by_chance_is_no_jump_of_the_counter() -> None:
+    """40 ms after the others, with those behind it at once: known for it where the delay spreads by 6.4 ms."""
+    dating = Dating(FRAME_S, 0.074, 0.0064)
+    assert dating.accept(frame(0), 1.0)
+    assert dating.accept(frame(1), 1.0 + FRAME_S + 0.040)
+    assert dating.accept(frame(2), 1.0 + FRAME_S + 0.041)
+    assert dating.nominal[Law.CLOCK] == pytest.approx(0.926 + 2 * FRAME_S)
+    assert dating.accept(frame(3), 1.0 + FRAME_S + 0.041 + 6 * FRAME_S)
+    assert dating.nominal[Law.CLOCK] == pytest.approx(0.926 + 8 * FRAME_S)
+    assert dating.doubt_s > 0.0
+
+
 def test_stamps_that_jump_are_doubted() -> None:
     """A step of the camera's clock does not move the frames by itself."""
     dating = Dating(FRAME_S, 0.074)
