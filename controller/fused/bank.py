@@ -36,6 +36,7 @@ _VAGUE = 0.002  # of the squared rate
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
 _sum = np.add.reduce  # as ndarray.sum, at half the cost for so few numbers
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
+LAW_OF = np.arange(FILTERS) % LAWS
 
 
 class Vibration(NamedTuple):

@@ -11,13 +11,10 @@ from common.configuration import Fused
 from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
-from controller.fused.arrivals import ArrivalSpread
-from controller.fused.bank import FILTERS, LAWS, AimedAtBlock, FilterBank, Law, Seen, Vibration
+from controller.fused.bank import FILTERS, LAW_OF, LAWS, AimedAtBlock, FilterBank, Law, Seen, Vibration
 from controller.fused.blocks import Block, Jump
-from controller.fused.clock_rate import ClockRate
-from controller.fused.dating import Dating
 from controller.fused.evidence import Evidence
-from controller.fused.joint_date import JointDate
+from controller.fused.frame_dates import FrameDates
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_walks import LearntWalks
@@ -36,18 +33,10 @@ _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was n
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
-_OF_STARTED = 0.01  # of the wander between arrival and n_i is n_i's own, at the least
-_STRANGE, _STRANGE_FRAMES = (
-    36.0,
-    10,
-)  # of an n_i: normalised innovation squared, and for how long it is left out
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
-_CONFIRMED = 0.25  # of the variance of the clock's rate: what images have left of it
-_NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _largest = np.maximum.reduce  # as ndarray.max, at half the cost for so few numbers
-_LAW_OF = np.arange(FILTERS) % LAWS
-_CLOCKED = (_LAW_OF == Law.CLOCK) | (_LAW_OF == Law.STAMPS)
-_LEARNING = np.where((_LAW_OF == Law.DRIFT) | (_LAW_OF == Law.JITTER), 0.01, 0.0)  # of the jitter, a frame
+_CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
+_LEARNING = np.where((LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER), 0.01, 0.0)  # of the jitter, a frame
 
 
 class Merged(NamedTuple):
@@ -113,29 +102,20 @@ class FrameFusion:
         self.health = health
         self._at = at
         self._frame_s = start.frame_s(model)
-        self._model_delay_s = model.timing.capture_delay_s
-        self.dating = Dating(self._frame_s, self._model_delay_s, start.spread_s(model))
         self._first = start.variances(model, settings, at, length_m)
         self._first_jitter = start.jitters_s(model)
         self.bank = FilterBank(at, self._first, self._first_jitter)
         self.evidence = Evidence(model, settings, at, length_m)
-        self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
+        self._shift_noise = start.shift_noise(model)
         self._state_noise = start.state_noise(settings, at)
         self._walks = LearntWalks(at, self._state_noise, LAWS)
-        self._lead_walk = 0.0  # of the law DRIFT, as assumed, s^2/s
+        filters = (self.bank, self.evidence)
+        self.dates = FrameDates(model, settings, at, length_m, filters, self._walks.lead)
         self._phasor_share = start.phasor_share(settings)
         self._carried = np.eye(at.size)[: 2 * at.modes]
-        self._least_jitter = np.where(_LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
-        self._joint_date = JointDate()
-        self._clock_rate = ClockRate(start.spread_s(model), model.timing.cycle_s)
-        self._cycle_s = model.timing.cycle_s
+        self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
-        spread = start.spread_s(model)
-        self._spread = [ArrivalSpread(self._frame_s, spread, model.timing.cycle_s) for _ in range(2)]
-        self._started = [ArrivalSpread(self._frame_s, self._frame_s, model.timing.cycle_s) for _ in range(2)]
-        self._strange = 0
-        self._between = ArrivalSpread(self._frame_s, self._frame_s, model.timing.cycle_s)
-        self.delay_s = self._model_delay_s
+        self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
         self._arrival_mean, self._arrival_variance = self.delay_s, self.delay_std_s**2
         self.amplitude_m = 0.0
@@ -147,8 +127,6 @@ class FrameFusion:
         self._unused_blocks = 0
         self._blind = False
         self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
-        self._arrived: tuple[VisualSample, float] | None = None
-        self._begun: Array | None = None
         self._left: Block | None = None  # looked at, its end not yet reached
         self._left_block: tuple[AimedAtBlock, float] | None = None  # yet to be taken in, with that variance
         self._aimed: Aimed | None = None
@@ -206,143 +184,23 @@ class FrameFusion:
         """Growth of the variance of each phasor component, m^2/s."""
         return float(self.evidence.weights @ self._phasor_noise())
 
-    def expected_instant_s(self) -> float:
-        """When the frame accepted last was exposed, by the most likely filter."""
-        best = self.evidence.best
-        return float(self.dating.nominal[best % LAWS] + self.bank.x[best, self._at.shift])
-
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
         self.settle()
         self._finish_dates()
         self.finish_block()
-        first = not self.dating.started
-        if not self.dating.accept(sample, received_s):
-            return False
-        if first:
-            return True
-        dating, t, bank = self.dating, self._at.shift, self.bank
-        elapsed = dating.elapsed[_LAW_OF]
-        bank.advance_dating(elapsed, self._shift_return, self._shift_noise, 1e-14)
-        for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
-            if doubt:
-                bank.p[law::LAWS, t, t] += doubt**2
-                self._restart_watch(law)
-        if dating.stamped and not self.evidence.stamps_admitted:
-            self.evidence.admit_stamps(bank, dating)
-            self._spread[Law.STAMPS].restart()
-            self._started[Law.STAMPS].restart()
-        self._arrived = sample, received_s
-        return True
+        return self.dates.accept(sample, received_s)
 
     def take_arrival(self) -> None:
         """What the arrival of the frame accepted last tells, if that has not been taken in."""
-        if self._arrived is None:
-            return
-        (sample, received_s), self._arrived = self._arrived, None
-        nominal, elapsed = self.dating.nominal, self.dating.elapsed
-        self._watch_clock(received_s)
-        late = received_s - self._model_delay_s - nominal
-        noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
-        for law in (Law.CLOCK, Law.STAMPS):
-            spread = self._spread[law]
-            spread.add(float(late[law]))
-            noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
-        started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
-        self.dating.nominal[Law.JITTER] += self._joint_correction_s(sample, received_s)
-        self.bank.take_arrival(late[_LAW_OF], noise[_LAW_OF], walk[_LAW_OF])
-        self._begun = started
+        if self.dates.take_arrival():  # what a wrong clock has taught of the accelerometer is wrong, too
+            self.health.begin_comparison()
+            self._images = self._outliers = self._votes = 0
+            self._as_calibrated = True
 
     def _finish_dates(self) -> None:
         self.take_arrival()
-        self.take_started()
-
-    def take_started(self) -> None:
-        """What n_i tells after the arrival, if that has not been taken in: followed once its wander is known."""
-        if self._begun is None:
-            return
-        started, self._begun = (
-            self._begun,
-            None,
-        )  # n_i plus a frame less each law's nominal instant, (laws,), s
-        elapsed, between = self.dating.elapsed, self._between
-        noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
-        for law in (Law.CLOCK, Law.STAMPS):
-            spread = self._started[law]
-            spread.add(float(started[law]))
-            if spread.known:
-                noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
-        between.add(float(started[Law.STEADY]))
-        if not between.known:
-            return
-        noise[Law.STEADY] = noise[Law.DRIFT] = between.white
-        own = 0.5 * (between.walk + self._started[Law.CLOCK].walk - self._spread[Law.CLOCK].walk)
-        walk[Law.STEADY] = between.walk * elapsed[Law.STEADY]
-        self._lead_walk = max(own, _OF_STARTED * between.walk)
-        walk[Law.DRIFT] = self._walks.lead.share * self._lead_walk * elapsed[Law.DRIFT]
-        self._strange = self._strange + 1 if self._is_strange(started, noise) else 0
-        if self._strange == 0:
-            self.bank.take_started(started[_LAW_OF], noise[_LAW_OF], walk[_LAW_OF])
-        elif self._strange > _STRANGE_FRAMES:
-            self._strange = 0
-            self.bank.forget_started((start.AHEAD_FRAMES * self._frame_s) ** 2)
-            self._walks.lead.forget()
-            for spread in (*self._started, between):
-                spread.restart()
-
-    def _restart_watch(self, law: Law) -> None:
-        """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
-        self._spread[law].restart()
-        self._started[law].restart()
-        if law is Law.CLOCK:
-            self._joint_date.restart()
-            self._clock_rate.restart()
-
-    def _watch_clock(self, received_s: float) -> None:
-        """Arrivals that run away from the clock refute its period, unless images have confirmed it."""
-        dating, bank, at = self.dating, self.bank, self._at
-        instant = float(dating.nominal[Law.CLOCK])
-        rate = self._clock_rate.add(instant, received_s - instant)
-        if rate is None:
-            return
-        skew = float(bank.p[self.evidence.likeliest(Law.CLOCK), at.skew, at.skew])
-        believed = self.evidence.law(Law.CLOCK) > 0.5
-        if believed and skew < _CONFIRMED * start.SKEW**2:
-            return
-        dating.change_period(1.0 + rate.rate)
-        if believed:
-            self._begin_anew(received_s)
-        else:
-            self.evidence.begin_clock(bank, dating)
-        for target in range(int(Law.CLOCK), FILTERS, LAWS):
-            bank.p[target, at.skew, at.skew] = rate.std**2
-        self._restart_watch(Law.CLOCK)
-
-    def _begin_anew(self, received_s: float) -> None:
-        """What was learnt by a wrong clock is wrong: frequencies, phases, what the accelerometer is worth."""
-        self.bank.begin(self._first, self._first_jitter)
-        self.dating.nominal[:] = received_s - self._model_delay_s
-        self.evidence.begin()
-        self.health.begin_comparison()
-        self._images = self._outliers = self._votes = 0
-        self._as_calibrated = True
-
-    def _is_strange(self, started: Array, noise: Array) -> bool:
-        """Whether n_i has jumped, by the most likely filter."""
-        best, at = self.evidence.best, self._at
-        x, p, law = self.bank.x[best], self.bank.p[best], best % LAWS
-        variance = p[at.shift, at.shift] + p[at.ahead, at.ahead] - 2.0 * p[at.shift, at.ahead] + noise[law]
-        off = started[law] - x[at.shift] + x[at.ahead]
-        return bool(off * off > _STRANGE * variance)
-
-    def _joint_correction_s(self, sample: VisualSample, received_s: float) -> float:
-        """What n_i and the frame's number add to the arrival, s."""
-        spread = self._spread[Law.CLOCK]
-        gain = min(max(sqrt(0.5 * spread.walk * self._frame_s / spread.white), 0.005), 0.3)
-        started_s = sample.started_cycle * self._cycle_s - received_s
-        return self._joint_date.correction_s(
-            started_s, float(self.dating.nominal[Law.CLOCK]) - received_s, gain
-        )
+        self.dates.take_started()
 
     def aim(self, sample: VisualSample, received_s: float, joint_input: JointInput) -> None:
         """A measured frame, accepted before, with all blocks before its exposure taken in: by each filter its instant,
@@ -358,7 +216,7 @@ class FrameFusion:
         if self._images == 0:
             bank.x[:, at.offset] = value - at.lever * joint_input.position_at(received_s - self.delay_s)
         self._go_blind(received_s)
-        times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
+        times = self.dates.instants_s + bank.x[:, at.shift]
         image = Look(value, noise, joint_input)
         self._aimed = Aimed(image, times, received_s, *self._expected(image, times))
 
@@ -379,7 +237,7 @@ class FrameFusion:
             if not self._explain(image, times, received_s, seen, suspicion, sees):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
                 return False
-            times = self.dating.nominal[_LAW_OF] + bank.x[:, at.shift]
+            times = self.dates.instants_s + bank.x[:, at.shift]
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
         self._outliers = self._votes = 0
@@ -407,16 +265,16 @@ class FrameFusion:
         (own, spread, seen, surprise, received_s), self._taken = self._taken, None
         bank, t = self.bank, self._at.shift
         self.evidence.weigh(surprise, seen.variance)
-        self._tell_delay(received_s - (self.dating.nominal[_LAW_OF] + bank.x[:, t] + own), spread)
+        self._tell_delay(received_s - (self.dates.instants_s + bank.x[:, t] + own), spread)
         self._learn_jitter(own, seen)
-        self.evidence.respawn(bank, self.dating, received_s - self.delay_s, self.delay_std_s)
+        self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
             self._walks.forget()
         else:
             self.evidence.remember()
             law = self.evidence.best % LAWS
-            self._walks.see(bank, law, self._lead_walk if law == Law.DRIFT else 0.0)
+            self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
         return True
 
     @property
@@ -429,7 +287,7 @@ class FrameFusion:
         blind = self._unused_blocks > _BLIND_BLOCKS
         if blind and not self._blind:
             instant = received_s - self.delay_s
-            self.evidence.go_blind(self.bank, self.dating, instant, self.delay_std_s)
+            self.evidence.go_blind(self.bank, self.dates.dating, instant, self.delay_std_s)
             self._shifts.clear()
         elif self._blind and not blind:
             self.evidence.see_again()
@@ -452,8 +310,7 @@ class FrameFusion:
         elif suspicion < _EVIDENT and self._outliers < 2:
             return False
         if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * self._frame_s:
-            self.dating.nominal[Law.CLOCK] += self._voted * self._frame_s
-            self._restart_watch(Law.CLOCK)
+            self.dates.recount(self._voted)
             return True
         self.blow = True
         best = self.evidence.best

@@ -270,13 +270,13 @@ class FusedMethod:
 
     def _take_started(self) -> None:
         assert self._frame is not None
-        self.frames.take_started()
+        self.frames.dates.take_started()
         self._work = _Work.AIM if self._frame[2] else _Work.SETTLE
 
     def _aim_at_image(self) -> None:
         """The image that waits, once the blocks before it have been taken in."""
         assert self._frame is not None
-        instant = self.frames.expected_instant_s()
+        instant = self.frames.dates.expected_instant_s()
         if self._blocks and self._blocks[0].end_s <= instant:
             self._take_oldest_block()
             return

@@ -1,0 +1,201 @@
+"""When frames were exposed: by their count, stamps, arrivals and n_i, each law with what it tells the filters."""
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.configuration import Fused
+from common.model import Model
+from common.visual_sample import VisualSample
+from controller.fused import start
+from controller.fused.arrivals import ArrivalSpread
+from controller.fused.bank import FILTERS, LAW_OF, LAWS, FilterBank, Law
+from controller.fused.clock_rate import ClockRate
+from controller.fused.dating import Dating
+from controller.fused.evidence import Evidence
+from controller.fused.joint_date import JointDate
+from controller.fused.layout import Layout
+from controller.fused.learnt_walks import LearntWalk
+
+Array = NDArray[np.float64]
+
+_OF_STARTED = 0.01  # of the wander between arrival and n_i is n_i's own, at the least
+_STRANGE = 36.0  # of an n_i: normalised innovation squared
+_STRANGE_FRAMES = 10  # for so long it is left out
+_CONFIRMED = 0.25  # of the variance of the clock's rate: what images have left of it
+_NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
+_SKEW_NOISE = 1e-14  # 1/s
+
+
+class FrameDates:
+    """Dates each frame: `accept`, then `take_arrival` and `take_started`, which may wait for later cycles.
+
+    lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        settings: Fused,
+        at: Layout,
+        length_m: float,
+        filters: tuple[FilterBank, Evidence],
+        lead: LearntWalk,
+    ) -> None:
+        """filters: told what dates say; lead: how far n_i's lead has been seen to walk."""
+        self._at = at
+        self._bank, self._evidence = filters
+        self._lead = lead
+        self._frame_s, self._cycle_s = start.frame_s(model), model.timing.cycle_s
+        self._model_delay_s = model.timing.capture_delay_s
+        spread_s = start.spread_s(model)
+        self.dating = Dating(self._frame_s, self._model_delay_s, spread_s)
+        self._first = start.variances(model, settings, at, length_m)
+        self._first_jitter = start.jitters_s(model)
+        self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
+        self._joint_date = JointDate()
+        self._clock_rate = ClockRate(spread_s, self._cycle_s)
+        self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s) for _ in range(2)]
+        self._started = [ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s) for _ in range(2)]
+        self._between = ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s)
+        self._strange = 0
+        self.lead_walk = 0.0
+        self._arrived: tuple[VisualSample, float] | None = None
+        self._begun: Array | None = None  # n_i plus a frame less each law's nominal instant, (laws,), s
+
+    @property
+    def instants_s(self) -> Array:
+        """Nominal instant of the frame accepted last by each filter's law, s, (filters,)."""
+        result: Array = self.dating.nominal[LAW_OF]
+        return result
+
+    def expected_instant_s(self) -> float:
+        """When the frame accepted last was exposed, by the most likely filter."""
+        best = self._evidence.best
+        return float(self.dating.nominal[best % LAWS] + self._bank.x[best, self._at.shift])
+
+    def recount(self, frames: int) -> None:
+        """The count was that many frames short."""
+        self.dating.nominal[Law.CLOCK] += frames * self._frame_s
+        self.restart_watch(Law.CLOCK)
+
+    def accept(self, sample: VisualSample, received_s: float) -> bool:
+        """Date a frame, the one before being done with; False for one not to be used."""
+        first = not self.dating.started
+        if not self.dating.accept(sample, received_s):
+            return False
+        if first:
+            return True
+        dating, t, bank = self.dating, self._at.shift, self._bank
+        elapsed = dating.elapsed[LAW_OF]
+        bank.advance_dating(elapsed, self._shift_return, self._shift_noise, _SKEW_NOISE)
+        for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
+            if doubt:
+                bank.p[law::LAWS, t, t] += doubt**2
+                self.restart_watch(law)
+        if dating.stamped and not self._evidence.stamps_admitted:
+            self._evidence.admit_stamps(bank, dating)
+            self._spread[Law.STAMPS].restart()
+            self._started[Law.STAMPS].restart()
+        self._arrived = sample, received_s
+        return True
+
+    def take_arrival(self) -> bool:
+        """What the arrival of the frame accepted last tells, if that has not been taken in; whether it has refuted the
+        clock that was believed, and all that was learnt by it was begun anew."""
+        if self._arrived is None:
+            return False
+        (sample, received_s), self._arrived = self._arrived, None
+        nominal, elapsed = self.dating.nominal, self.dating.elapsed
+        anew = self._watch_clock(received_s)
+        late = received_s - self._model_delay_s - nominal
+        noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
+        for law in (Law.CLOCK, Law.STAMPS):
+            spread = self._spread[law]
+            spread.add(float(late[law]))
+            noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
+        started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
+        self.dating.nominal[Law.JITTER] += self._joint_correction_s(sample, received_s)
+        self._bank.take_arrival(late[LAW_OF], noise[LAW_OF], walk[LAW_OF])
+        self._begun = started
+        return anew
+
+    def take_started(self) -> None:
+        """What n_i tells after the arrival, if that has not been taken in: followed once its wander is known."""
+        if self._begun is None:
+            return
+        started, self._begun = self._begun, None
+        elapsed, between = self.dating.elapsed, self._between
+        noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
+        for law in (Law.CLOCK, Law.STAMPS):
+            spread = self._started[law]
+            spread.add(float(started[law]))
+            if spread.known:
+                noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
+        between.add(float(started[Law.STEADY]))
+        if not between.known:
+            return
+        noise[Law.STEADY] = noise[Law.DRIFT] = between.white
+        own = 0.5 * (between.walk + self._started[Law.CLOCK].walk - self._spread[Law.CLOCK].walk)
+        walk[Law.STEADY] = between.walk * elapsed[Law.STEADY]
+        self.lead_walk = max(own, _OF_STARTED * between.walk)
+        walk[Law.DRIFT] = self._lead.share * self.lead_walk * elapsed[Law.DRIFT]
+        self._strange = self._strange + 1 if self._is_strange(started, noise) else 0
+        if self._strange == 0:
+            self._bank.take_started(started[LAW_OF], noise[LAW_OF], walk[LAW_OF])
+        elif self._strange > _STRANGE_FRAMES:
+            self._strange = 0
+            self._bank.forget_started((start.AHEAD_FRAMES * self._frame_s) ** 2)
+            self._lead.forget()
+            for spread in (*self._started, between):
+                spread.restart()
+
+    def restart_watch(self, law: Law) -> None:
+        """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
+        self._spread[law].restart()
+        self._started[law].restart()
+        if law is Law.CLOCK:
+            self._joint_date.restart()
+            self._clock_rate.restart()
+
+    def _watch_clock(self, received_s: float) -> bool:
+        """Arrivals that run away from the clock refute its period, unless images have confirmed it; whether it was
+        believed."""
+        dating, bank, at = self.dating, self._bank, self._at
+        instant = float(dating.nominal[Law.CLOCK])
+        rate = self._clock_rate.add(instant, received_s - instant)
+        if rate is None:
+            return False
+        skew = float(bank.p[self._evidence.likeliest(Law.CLOCK), at.skew, at.skew])
+        believed = self._evidence.law(Law.CLOCK) > 0.5
+        if believed and skew < _CONFIRMED * start.SKEW**2:
+            return False
+        dating.change_period(1.0 + rate.rate)
+        if believed:
+            bank.begin(self._first, self._first_jitter)
+            dating.nominal[:] = received_s - self._model_delay_s
+            self._evidence.begin()
+        else:
+            self._evidence.begin_clock(bank, dating)
+        for target in range(int(Law.CLOCK), FILTERS, LAWS):
+            bank.p[target, at.skew, at.skew] = rate.std**2
+        self.restart_watch(Law.CLOCK)
+        return believed
+
+    def _is_strange(self, started: Array, noise: Array) -> bool:
+        """Whether n_i has jumped, by the most likely filter."""
+        best, at = self._evidence.best, self._at
+        x, p, law = self._bank.x[best], self._bank.p[best], best % LAWS
+        variance = p[at.shift, at.shift] + p[at.ahead, at.ahead] - 2.0 * p[at.shift, at.ahead] + noise[law]
+        off = started[law] - x[at.shift] + x[at.ahead]
+        return bool(off * off > _STRANGE * variance)
+
+    def _joint_correction_s(self, sample: VisualSample, received_s: float) -> float:
+        """What n_i and the frame's number add to the arrival, s."""
+        spread = self._spread[Law.CLOCK]
+        gain = min(max(sqrt(0.5 * spread.walk * self._frame_s / spread.white), 0.005), 0.3)
+        started_s = sample.started_cycle * self._cycle_s - received_s
+        return self._joint_date.correction_s(
+            started_s, float(self.dating.nominal[Law.CLOCK]) - received_s, gain
+        )
