@@ -14,6 +14,7 @@ from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, least_level, make_data
 from diagnosis.side_by_side import meanwhile
 from diagnosis.structure import Remains, Structure, examine
+from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
 
@@ -47,13 +48,15 @@ def judge(found: Found, split: Split) -> Judged:
         if found.findings
         else None
     )
-    first = examine(make_data(found.baseline.world, split), found.baseline)
+    data = make_data(found.baseline.world, split)
+    first = examine(data, found.baseline)
     last = first if after is None else after.result()
     worst = last.worst
     named = [one for one in found.findings if one.law is None]
     gained = sum(max(one.held_gain, 0.0) for one in found.findings)
     left = worst if worst is not None and worst.nats > _SHARE_LEFT * gained else None
-    lead = _lead(named[0], first, split) if named else 0.0
+    judging = split.held & ~unforetold(data, found.baseline)
+    lead = _lead(named[0], first, judging) if named else 0.0
     if lead > 0.0 and left is None:
         left = _unnamed(first)
     if named and left is not None:
@@ -65,16 +68,16 @@ def judge(found: Found, split: Split) -> Judged:
     return Judged(verdict, first.channels, last.channels, left, lead, left_nats)
 
 
-def _lead(one: Candidate, first: Remains, split: Split) -> float:
+def _lead(one: Candidate, first: Remains, judging: NDArray[np.bool_]) -> float:
     """Nats by which the best term without a name explains more than the finding, as many numbers being fitted; zero
-    if that may be chance."""
+    if that may be chance. judging: held-out blocks that say anything."""
     named = one.train_gain + one.held_gain
     unnamed = first.terms.first_nats
     if len(first.terms.names) == 1:
-        unnamed += float(first.terms.block_nats[split.held].sum())
+        unnamed += float(first.terms.block_nats[judging].sum())
     else:  # its share of what all terms gain, held out
         share = first.terms.first_nats / max(first.terms.train_nats, 1e-9)
-        unnamed += share * float(first.terms.block_nats[split.held].sum())
+        unnamed += share * float(first.terms.block_nats[judging].sum())
     lead = unnamed - named
     return lead if lead > _LEAD_NATS + 0.01 * named else 0.0
 

@@ -3,12 +3,14 @@
 from math import pi
 
 import msgspec
+import numpy as np
+import pytest
 
 from common.model import Arm, Mode
 from diagnosis.catalogue import CAUSES
 from diagnosis.fit import fit, make_data
 from diagnosis.laws import laws
-from diagnosis.search import _of_fit, block_gain
+from diagnosis.search import _lost, _of_fit, block_gain
 from diagnosis.split import interleaved
 from diagnosis.structure import examine
 from diagnosis.unforetold import unforetold
@@ -38,6 +40,8 @@ def test_a_mode_that_a_blow_shook_and_nothing_else_shows_is_no_discovery() -> No
     other = fit(marked, otherwise, last.free, iterations=0, colour=last.colour)
     assert abs(block_gain(other, last)[4]) > 1.0
     assert _of_fit(CAUSES["drive_lag"], other, last, SPLIT).block_gains[4] == 0.0
+    elsewhere = SPLIT.held & (np.arange(9) != 4)
+    assert _lost(other, last, SPLIT) == pytest.approx(block_gain(other, last)[elsewhere].sum())
 
 
 def test_a_blow_that_is_followed_is_foretold() -> None:
