@@ -13,7 +13,7 @@ from diagnosis.laws import laws
 from diagnosis.search import _lost, _of_fit, block_gain
 from diagnosis.split import interleaved
 from diagnosis.structure import examine
-from diagnosis.unforetold import unforetold
+from diagnosis.unforetold import _struck, unforetold
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
 
@@ -50,3 +50,16 @@ def test_a_blow_that_is_followed_is_foretold() -> None:
     marked = make_data(world, SPLIT)
     last = fit(marked, world.space.vector(), world.baseline_names())
     assert not unforetold(marked, last).any()
+
+
+def test_a_blow_just_before_a_block_leaves_no_time_to_learn_from_it() -> None:
+    for struck_s, seen in (
+        (3.9, [4]),
+        (3.5, []),
+        (4.3, [4]),
+        (4.9, [4]),
+    ):  # of 3 to 5 s, 4 to 5 s is held out
+        struck = round(struck_s / 0.001)
+        world = World(measured(9.0, 3, model=MODEL), MODEL, impacts=(struck,))
+        last = fit(make_data(world, SPLIT), world.space.vector(), (), iterations=0)
+        assert _struck(last, SPLIT) == seen
