@@ -15,7 +15,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Candidate:
     """A cause refitted. law: set for a law of noise or timing, which changes no fit. certain: the data show it by
-    themselves, so that its gain need not be the same in all blocks."""
+    themselves, so that its gain need not be the same in all blocks. block_gains: of each held-out block (a law's: of
+    all); train_blocks: of each block's part that trains, empty where unknown."""
 
     cause: str
     fit: Fit
@@ -29,6 +30,7 @@ class Candidate:
     note: str = ""
     surprise: float = 0.0
     certain: bool = False
+    train_blocks: Array = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass

@@ -22,6 +22,10 @@ _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
 _MOST_HELD = 4  # frames
+_AT_ONCE = (
+    "timing.step_onset_s",
+    "timing.stale_onset_s",
+)  # one frame shows them, beside a delay that wanders
 
 
 def next_to_take(stage: Stage, found: Found) -> Candidate | None:
@@ -128,16 +132,34 @@ def _merit(one: Candidate) -> float:
 def _convincing(one: Candidate, screening: Screening) -> bool:
     """Whether the gain is more than chance: on the part that was searched, and on the held-out part."""
     penalty = LEAST_HELD_NATS + 0.5 * len(one.free)
-    if (
-        one.law is None and onset_of(CAUSES[one.cause]) is not None
-    ):  # it may lie in the held-out part altogether
-        return one.held_gain > 0.0 and _both(one) > screening.threshold_nats + penalty and _plausible(one)
+    onset = onset_of(CAUSES[one.cause]) if one.law is None else None
+    if onset is not None:  # it may lie in the held-out part altogether
+        seen = one.held_gain > 0.0 and _both(one) > screening.threshold_nats + penalty
+        return seen and (onset in _AT_ONCE or _in_places(one, penalty)) and _plausible(one)
     return (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
-        and (one.certain or one.held_gain > one.held_std)
+        and (one.certain or one.held_gain > one.held_std or (_by_all(one) and _in_places(one, penalty)))
         and _plausible(one)
     )
+
+
+def _by_all(one: Candidate) -> bool:
+    """Whether the gain exceeds its standard error over all blocks, for one that shows in few: at the quickest moves,
+    or the hardest blows, of which one at most may lie where it is held out."""
+    if not len(one.train_blocks):
+        return False
+    gains = one.train_blocks + one.block_gains
+    return _both(one) > float(np.std(gains, ddof=1) * sqrt(len(gains)))
+
+
+def _in_places(one: Candidate, penalty: float) -> bool:
+    """Whether the gain is more than chance without the block that speaks most for it: what happened in one place only
+    may be anything."""
+    if not len(one.train_blocks):
+        return True
+    gains = one.train_blocks + one.block_gains
+    return _both(one) - float(gains.max()) > penalty
 
 
 def _plausible(one: Candidate) -> bool:

@@ -46,8 +46,8 @@ class Split:
 class Fit:
     """A fitted world. free: names that were fitted; std: their standard deviations; sigma: noise level of each channel.
 
-    held_nats: log-likelihood of each held-out block; train_nats: of all the rest; residuals: per channel, whitened
-    over sigma not applied; NaN where unmeasured.
+    held_nats: log-likelihood of each held-out block; train_nats: of all the rest; train_blocks: of each block's part of
+    the rest; residuals: per channel, whitened over sigma not applied; NaN where unmeasured.
     """
 
     world: World
@@ -61,6 +61,7 @@ class Fit:
     train_nats: float
     held_nats: Array
     covariance: Array = field(default_factory=lambda: np.empty((0, 0)))
+    train_blocks: Array = field(default_factory=lambda: np.empty(0))
 
     def value(self, name: str) -> float:
         """A quantity's value."""
@@ -138,16 +139,15 @@ def least_level(world: World, name: str) -> float:
     return LEAST[name]
 
 
-def _nats(data: Data, residuals: dict[str, Array], sigma: dict[str, float]) -> tuple[float, Array]:
-    """Training log-likelihood, and that of each held-out block."""
-    train = 0.0
-    held = np.zeros(len(data.split.held))
+def _nats(data: Data, residuals: dict[str, Array], sigma: dict[str, float]) -> tuple[Array, Array]:
+    """Log-likelihood of each block: of what trains, and of what is held out."""
+    train, held = np.zeros(len(data.split.held)), np.zeros(len(data.split.held))
     for name, residual in residuals.items():
         level_now = sigma[name]
         one = log_likelihood(residual / level_now, level_now)
-        train += float(one[data.train[name]].sum())
-        mask = data.held[name]
-        held += np.bincount(data.blocks[name][mask], one[mask], len(held))
+        block, trained, judged = data.blocks[name], data.train[name], data.held[name]
+        train += np.bincount(block[trained], one[trained], len(train))
+        held += np.bincount(block[judged], one[judged], len(held))
     return train, held
 
 
@@ -267,7 +267,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     def penalty(candidate: Array) -> float:
         return float(0.5 * np.sum(precision * (candidate[places] - centre) ** 2))
 
-    cost = -train + penalty(vector)
+    cost = -float(train.sum()) + penalty(vector)
     normal = np.zeros((len(free), len(free)))
     damping = 1e-4
     for _ in range(iterations):
@@ -306,7 +306,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
             if all(np.isfinite(new_predicted.channels[c]).all() for c in new_predicted.channels):
                 new_sigma = _levels(data, new_residuals)
                 new_train, new_held = _nats(data, new_residuals, new_sigma)
-                new_cost = -new_train + penalty(moved)
+                new_cost = -float(new_train.sum()) + penalty(moved)
                 if new_cost < cost:
                     improved = True
                     break
@@ -322,7 +322,9 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
             break
     covariance = _covariance(normal)
     std = {name: sqrt(max(covariance[i, i], 0.0)) for i, name in enumerate(free)}
-    return Fit(world, vector, free, std, sigma, colour, residuals, predicted, train, held, covariance)
+    return Fit(
+        world, vector, free, std, sigma, colour, residuals, predicted, float(train.sum()), held, covariance, train,
+    )  # fmt: skip
 
 
 def _covariance(normal: Array) -> Array:

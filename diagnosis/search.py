@@ -194,6 +194,7 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
         None,
         cause.free(refitted.world),
         surprise=cause.surprise(refitted),
+        train_blocks=refitted.train_blocks - last.train_blocks,
     )
 
 

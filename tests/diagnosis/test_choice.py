@@ -74,6 +74,35 @@ def test_an_onset_may_lie_where_it_is_held_out() -> None:
     assert choose([replace(LAG, train_gain=1.0)], SCREENING) is None
 
 
+def in_blocks(one: Candidate, train: list[float], held: list[float]) -> Candidate:
+    """The same, its gains in a few blocks of both parts, a few tenths of a nat to and fro elsewhere."""
+    chance = np.resize([0.3, -0.3], BLOCKS)
+    trained, judged = chance.copy(), chance.copy()
+    trained[: len(train)], judged[-len(held) :] = train, held
+    spread = float(np.std(judged, ddof=1) * BLOCKS**0.5)
+    return replace(
+        one, train_gain=trained.sum(), held_gain=judged.sum(), held_std=spread, block_gains=judged,
+        train_blocks=trained,
+    )  # fmt: skip
+
+
+def test_what_shows_in_few_blocks_may_show_in_one_that_is_held_out() -> None:
+    few = in_blocks(LAG, [90.0, 16.0], [-2.0, 15.0])
+    assert few.held_gain < few.held_std
+    assert choose([few], SCREENING) is few
+    assert choose([in_blocks(LAG, [], [-2.0, 15.0])], SCREENING) is None  # there alone
+    assert choose([in_blocks(LAG, [90.0], [3.0])], SCREENING) is None  # and next to nothing there
+    assert choose([in_blocks(LAG, [90.0, 16.0], [100.0, -85.0])], SCREENING) is None  # for and against
+
+
+def test_what_changed_for_good_shows_in_more_than_one_place() -> None:
+    payload = candidate("payload_change", 0.0, 0.0)
+    assert choose([in_blocks(payload, [9.0], [9.0])], SCREENING) is not None
+    assert choose([in_blocks(payload, [18.0], [0.9])], SCREENING) is None
+    clock = candidate("clock_step", 0.0, 0.0)
+    assert choose([in_blocks(clock, [18.0], [0.9])], SCREENING) is not None
+
+
 def test_a_law_waits_but_not_for_what_explains_far_less() -> None:
     noise = law("impulse_noise", 700.0, 300.0)
     assert choose([noise, LAG], SCREENING) is LAG
