@@ -26,6 +26,10 @@ _AT_THE_FLOOR = (
     0.5  # of the level: what is left lies below what a simulation is taken to reach (diagnosis.noise.LEAST)
 )
 _ENCODER = ("joint_position", "joint_velocity")  # whose steps scatter less while the joint stands
+_ROUNDED = (
+    0.5  # of an encoder's step: below it what is left is its rounding, which stays while the joint stands
+)
+_NO_STEP = 1e-9  # rad: told apart by rounding of the file alone
 _BINS = 5
 
 
@@ -60,12 +64,19 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
             blocks = np.bincount(block[held], gains[held], count).astype(np.float64)
             return Uneven(name, law, float(gains[train].sum()), blocks)
 
-        found.append(told(ON_ITS_PAST, _memory(r, train)))
+        if name != "joint_position" or last.sigma[name] > _ROUNDED * _step(last.world.channels[name]):
+            found.append(told(ON_ITS_PAST, _memory(r, train)))
         if name in ("acceleration", "displacement", "deflection"):
             found.append(told("the arm is driven at its own frequency", _driven(data, last, name, r, train)))
         if name not in _ENCODER:
             found += [told(law, gains) for law, gains in _variances(data, last, name, r, train)]
     return found
+
+
+def _step(values: Array) -> float:
+    """The least by which successive values differ, if they do."""
+    steps = np.abs(np.diff(values[np.isfinite(values)]))
+    return float(np.min(steps, initial=np.inf, where=steps > _NO_STEP))
 
 
 def _memory(r: Array, train: Mask) -> Array:
