@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Colours = dict[str, Colour | DoubtColour]
 
-_WANDER_S = 15.0
+WANDER_S = 15.0
 _SETTLED_NATS = 0.02
 THIN = {"joint_position": 8, "joint_velocity": 8}
 
@@ -197,7 +197,7 @@ def colours(data: Data, vector: Array) -> Colours:
     found: Colours = {}
     if "arrival" in world.channels:
         residual = world.channels["arrival"] - predicted.channels["arrival"]
-        frames = _WANDER_S * world.model.camera.frame_rate_hz
+        frames = WANDER_S * world.model.camera.frame_rate_hz
         found["arrival"] = wander_colour(residual[data.train["arrival"]], frames)
     if "displacement" in world.channels and world.frame_clock.arrival:
         residual = world.channels["displacement"] - predicted.channels["displacement"]
@@ -229,7 +229,7 @@ def strayed(data: Data, best: Fit) -> Colours:
             if name in ("displacement", "arrival")
             else 1.0 / data.world.measured.cycle_s
         )
-        one = (wander_colour if name == "displacement" else slow_colour)(residual, _WANDER_S * rate)
+        one = (wander_colour if name == "displacement" else slow_colour)(residual, WANDER_S * rate)
         if one.stay > 0.0:
             found[name] = one
     return found

@@ -62,13 +62,21 @@ def wander_colour(residual: Array, longest_frames: float) -> Colour:
     columns = np.stack((np.ones(n), x, np.clip(r - r.mean(), -limit, limit)))
     plain = _restricted(columns)
     best, colour = plain + _WANDER_NATS, Colour()
-    for time in np.geomspace(2.0, longest_frames, _TIMES):
-        for share in _SHARES:
-            one = _steady(1.0 - 1.0 / float(time), share, 1.0 - share)
-            nats = _restricted(lfilter([1.0, -one.stay], [1.0, -one.moving], columns)[:, 1:])
-            if nats > best:
-                best, colour = nats, one
+    for one in wander_colours(longest_frames):
+        nats = _restricted(lfilter([1.0, -one.stay], [1.0, -one.moving], columns)[:, 1:])
+        if nats > best:
+            best, colour = nats, one
     return colour
+
+
+def wander_colours(longest_frames: float) -> list[Colour]:
+    """The laws that a wander in white noise is looked for among: correlation times from two frames on, shares of the
+    variance that wander."""
+    return [
+        _steady(1.0 - 1.0 / float(time), share, 1.0 - share)
+        for time in np.geomspace(2.0, longest_frames, _TIMES)
+        for share in _SHARES
+    ]
 
 
 def _restricted(columns: Array) -> float:

@@ -26,6 +26,7 @@ MOST_CAUSES = 4
 _REFITTED = 7  # causes
 _STARTS = 2  # of each
 _ITERATIONS, _ITERATIONS_FAR = 6, 15
+_STEPS = ("clock_step", "stale_frame_buffer")
 
 
 def block_gain(after: Fit, before: Fit) -> Array:
@@ -89,10 +90,15 @@ def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
     if final.world.impacts != kept.world.impacts:
         final = settled(final, CAUSES[taken.cause], split)
     if CATALOGUE[taken.cause].place == "timing" and "arrival" in final.colour:
-        data = make_data(final.world, split)
-        now = final.colour | {"arrival": colours(data, final.vector)["arrival"]}
-        final = fit(data, final.vector, final.free, colour=now)
+        final = _with_own_wander(final, split)
     return final
+
+
+def _with_own_wander(one: Fit, split: Split) -> Fit:
+    """A fit with the law of the arrivals as it is beside what the fit holds."""
+    data = make_data(one.world, split)
+    now = one.colour | {"arrival": colours(data, one.vector)["arrival"]}
+    return fit(data, one.vector, one.free, colour=now)
 
 
 def _stage(
@@ -150,7 +156,13 @@ def _to_refit(screening: Screening) -> list[Scored]:
 def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fit:
     names = tuple(dict.fromkeys((*one.world.baseline_names(), *free, *one.cause.free(one.world))))
     turns = _ITERATIONS_FAR if one.trial.exact else _ITERATIONS
-    return fit(make_data(one.world, split), one.start, names, iterations=turns, colour=last.colour)
+    found = fit(make_data(one.world, split), one.start, names, iterations=turns, colour=last.colour)
+    if (
+        one.cause.id in _STEPS and "arrival" in found.colour
+    ):  # a law learnt without the step takes it for its own
+        own = _with_own_wander(found, split)
+        found = own if own.train_nats > found.train_nats else found
+    return found
 
 
 def _with_straying(data: Data, last: Fit, split: Split, refits: list[tuple[Cause, Fit]]) -> list[Candidate]:

@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from diagnosis.arrival_steps import arrival_step
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
+from diagnosis.fit import WANDER_S
 
 _OUTSTANDING = 6.0  # robust deviations
 _SIDE = 15  # frames
@@ -18,7 +20,21 @@ def _trials(context: Context) -> list[Trial]:
     seen = _seen(context)
     if seen is not None:
         trials.append(Trial({"timing.step_onset_s": seen}, ({"timing.step_s": 0.002},), certain=True))
-    return trials
+    return [*trials, *_beside_a_wander(context)]
+
+
+def _beside_a_wander(context: Context) -> list[Trial]:
+    """The step that the arrivals show where the wander's law, learnt without it, takes it up."""
+    world = context.world
+    if "arrival" not in world.channels:
+        return []
+    late = world.channels["arrival"] - context.fit.predicted.channels["arrival"]
+    step = arrival_step(late, WANDER_S * world.model.camera.frame_rate_hz)
+    if step is None:
+        return []
+    onset = float(world.in_order_s[step.index]) - _JUST_S
+    size = context.value("timing.step_s") + step.step_s
+    return [Trial({"timing.step_onset_s": onset}, ({"timing.step_s": size},), exact=True)]
 
 
 def _seen(context: Context) -> float | None:
