@@ -4,12 +4,14 @@ Over one period before and one after each instant, the residual's phasor at the 
 jump between the two that stands out of the usual ones. It opens a new segment with its own state.
 """
 
+from itertools import pairwise
 from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.fit import Fit, Split, colours, fit, make_data
+from diagnosis.side_by_side import side_by_side
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -22,6 +24,7 @@ _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _MOST = 40
 _SIGNIFICANT = 6.0
 _CLOSE_S = 2.0
+_ONE_BLOW, _PLACES = 2.0, 9  # periods between two that may be one; where that may have been
 
 
 def _series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> tuple[Array, Array] | None:
@@ -146,7 +149,35 @@ def _with_blows(last: Fit, split: Split, extra: tuple[str, ...] = (), fitted: bo
         impacts |= new
         last = refit_with(last, split, tuple(sorted(impacts)), extra)
         last, impacts = _sharpened(last, split, extra)
-    return pruned(last, split, extra)
+    return pruned(_merged(last, split, extra), split, extra)
+
+
+def _merged(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
+    """With one blow in place of two where that explains more: two instants on either side of a blow, each some way
+    from it, may have been found in its stead, and leave wrong what lies between them."""
+    tried: set[tuple[int, int]] = set()
+    while True:
+        cycles = last.world.impacts
+        period = 1.0 / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
+        near = [
+            pair for pair in pairwise(cycles) if pair[1] - pair[0] < _ONE_BLOW * period and pair not in tried
+        ]
+        if not near:
+            return last
+        tried.add(near[0])
+        one = _in_place_of(last, near[0], split, extra)
+        last = one if one.train_nats > last.train_nats else last
+
+
+def _in_place_of(last: Fit, pair: tuple[int, int], split: Split, extra: tuple[str, ...]) -> Fit:
+    """The fit with the likeliest single blow in place of a pair."""
+    others = tuple(cycle for cycle in last.world.impacts if cycle not in pair)
+
+    def struck(cycle: float) -> Fit:
+        return refit_with(last, split, tuple(sorted((*others, round(cycle)))), extra)
+
+    best = max(side_by_side(struck, np.linspace(*pair, _PLACES)), key=lambda one: one.train_nats)
+    return _sharpened(best, split, extra)[0]
 
 
 def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = ()) -> Fit:

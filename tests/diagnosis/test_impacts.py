@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from diagnosis.fit import fit, make_data
-from diagnosis.impacts import fit_with_impacts, pruned
+from diagnosis.impacts import _merged, fit_with_impacts, pruned
 from diagnosis.split import interleaved
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
@@ -42,3 +42,19 @@ def test_of_two_blows_that_share_one_where_it_is_held_out_one_stays() -> None:
     left = pruned(last, split)
     assert len(left.world.impacts) == 1
     assert left.train_nats > last.train_nats - 10.0
+
+
+def test_two_instants_on_either_side_of_a_blow_become_one() -> None:
+    data = measured(9.0, 3, blow(1, 0.02), impacts=(5500,))
+    split = interleaved(9.0)
+    world = World(data, MODEL, impacts=(5360, 5640))
+    beside = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    assert _merged(beside, split, ()).world.impacts == (pytest.approx(5500, abs=3),)
+
+
+def test_two_blows_within_two_periods_stay_two() -> None:
+    cycles = (5360, 5640)
+    world = World(measured(9.0, 3, blow(1, 0.02) | blow(2, 0.02), cycles), MODEL, cycles)
+    split = interleaved(9.0)
+    both = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    assert _merged(both, split, ()).world.impacts == cycles
