@@ -70,7 +70,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     # a sensor at its limit scatters less
     limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
     known = np.isfinite(residual) & (np.abs(measured) < limit) & (np.abs(predicted) < limit)
-    known &= ~unforetold(data, last)[data.blocks["acceleration"]]
+    known &= ~unforetold(data, last)[data.blocks["acceleration"]] & ~_just_begun(data)
     if known.sum() < _FEWEST_SAMPLES:
         return None
     sigma = _robust(residual[known])
@@ -103,6 +103,18 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
 
 _AT_THE_LIMIT, _FEWEST_SAMPLES = 0.9, 100
 _STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
+_BEGUN_S = 0.01
+
+
+def _just_begun(data: Data) -> NDArray[np.bool_]:
+    """Samples just after the start or a blow: what the sensor's filter still holds of the time before is not known, and
+    a blow's instant is, to the cycle only."""
+    world = data.world
+    found = np.zeros(len(world.channels["acceleration"]), bool)
+    for cycle in (0, *world.impacts):
+        begin = max(cycle - 1, 0)
+        found[begin : cycle + round(_BEGUN_S / world.measured.cycle_s)] = True
+    return found
 
 
 def _steepness(predicted: Array) -> Array:

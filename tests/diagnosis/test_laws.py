@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.fit import make_data
+from diagnosis.fit import fit, make_data
 from diagnosis.laws import laws
 from diagnosis.measured import Frames, Measured
 from diagnosis.split import interleaved
-from tests.diagnosis.synthetic import NOISE, fitted, measured
+from diagnosis.world import World
+from tests.diagnosis.synthetic import MODEL, NOISE, fitted, measured
 
 SECONDS = 12.0
 SPLIT = interleaved(SECONDS)
@@ -78,3 +79,14 @@ def test_bursts_are_counted_and_timed() -> None:
     assert abs(found["rate_hz"][0] - 0.5) < 0.1
     assert abs(found["delay_s"][0] - 0.08) < 0.008
     assert abs(found["duration_s"][0] - 0.4) < 0.08
+
+
+def test_what_the_start_and_a_blow_leave_for_an_instant_are_no_spikes() -> None:
+    struck = (3300, 9000)
+    for begun, count in ((0, 0), (60, 1)):
+        data = measured(SECONDS, 4, {"jump.1.0.v": 0.3, "jump.2.0.v": -0.3}, impacts=struck)
+        shown = data.acceleration.copy()
+        shown[[begun + 1, *(cycle + begun + 4 for cycle in struck)]] += 20.0 * NOISE["acceleration"]
+        world = World(replace(data, acceleration=shown), MODEL, struck)
+        last = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
+        assert sum(one.cause == "impulse_noise" for one in laws(make_data(world, SPLIT), last)) == count
