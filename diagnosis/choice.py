@@ -139,18 +139,20 @@ def _convincing(one: Candidate, screening: Screening) -> bool:
     return (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
-        and (one.certain or one.held_gain > one.held_std or (_by_all(one) and _in_places(one, penalty)))
+        and (one.certain or one.held_gain > one.held_std or _rarely_seen(one, penalty))
         and _plausible(one)
     )
 
 
-def _by_all(one: Candidate) -> bool:
-    """Whether the gain exceeds its standard error over all blocks, for one that shows in few: at the quickest moves,
-    or the hardest blows, of which one at most may lie where it is held out."""
+def _rarely_seen(one: Candidate, penalty: float) -> bool:
+    """Whether the cause shows in few blocks, at the quickest moves or the hardest blows, of which one at most may lie
+    where it is held out: the gain of all blocks exceeds its standard error, and none of them speaks against the cause,
+    as some do against a likeness that is now right, now wrong."""
     if not len(one.train_blocks):
         return False
     gains = one.train_blocks + one.block_gains
-    return _both(one) > float(np.std(gains, ddof=1) * sqrt(len(gains)))
+    sure = _both(one) > float(np.std(gains, ddof=1) * sqrt(len(gains)))
+    return sure and float(gains.min()) > -penalty and _in_places(one, penalty)
 
 
 def _in_places(one: Candidate, penalty: float) -> bool:
