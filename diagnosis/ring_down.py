@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 _RATIOS = (0.002, 0.01, 0.04)  # damping ratios at which the search starts
 _LOWEST_HZ, _HIGHEST_HZ = 0.3, 40.0
+_RISE = 0.03  # of the stretch
 _PER_PERIOD = 24.0  # samples that a sinusoid needs
 
 
@@ -49,9 +50,17 @@ def spectrum(stretches: list[Stretch]) -> tuple[Array, Array]:
         if len(grid) < 16:
             continue
         values = _means(one, grid, step)
-        power += np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(grid)), n=length)) ** 2
+        power += np.abs(np.fft.rfft((values - values.mean()) * _window(len(grid)), n=length)) ** 2
     power[(hz < _LOWEST_HZ) | (hz > _HIGHEST_HZ)] = 0.0
     return hz, power
+
+
+def _window(length: int) -> Array:
+    """A Hann window's falling half behind a short rise: what rings is at the beginning, where the whole one is zero."""
+    along = np.arange(length) / length
+    rise = np.sin(0.5 * pi * np.minimum(along / _RISE, 1.0)) ** 2
+    window: Array = rise * np.cos(0.5 * pi * along) ** 2
+    return window
 
 
 def _means(one: Stretch, grid: Array, step: float) -> Array:

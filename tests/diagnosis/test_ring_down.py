@@ -4,7 +4,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from diagnosis.ring_down import Stretch, peaks, ringing
@@ -27,6 +27,7 @@ def stretches(
 
 
 @settings(max_examples=8, deadline=None)
+@example(hz=8.0, ratio=0.03, seed=316)  # over after a twentieth of the stretch
 @given(hz=st.floats(1.0, 8.0), ratio=st.floats(0.002, 0.03), seed=st.integers(0, 1000))
 def test_frequency_and_damping_are_found_from_the_peak(hz: float, ratio: float, seed: int) -> None:
     what = stretches(hz, ratio, seed)
