@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from controller.fused.blocks import Block, Jump
 from controller.fused.layout import Layout
+from controller.fused.quadratic_form import quadratic_form
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -147,14 +148,7 @@ class FilterBank:
             gain = (slow + 1j * self._w[i]) ** 2 * turn * self._per_acceleration
             seen += (complex(x[2 * i], -x[2 * i + 1]) * gain * exp(slow * lag)).real
             row += (gain.real, gain.imag)
-        lines = self.p[one, at.phasor, at.phasor].tolist()
-        variance = sum(
-            [
-                a * b * entry
-                for a, line in zip(row, lines, strict=True)
-                for b, entry in zip(row, line, strict=True)
-            ]
-        )
+        variance = quadratic_form(row, self.p[one, at.phasor, at.phasor].tolist())
         return block.value - block.forced - x[at.bias], seen, variance
 
     def move_on(self, block: Block, noise: Array) -> None:

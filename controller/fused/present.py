@@ -7,6 +7,7 @@ from cmath import exp
 from math import sqrt
 
 from controller.fused.blocks import Block, Jump
+from controller.fused.quadratic_form import quadratic_form
 
 
 class Present:
@@ -128,9 +129,5 @@ class Present:
             variance = c * c * p[0][0] + 2.0 * c * s * p[0][1] + s * s * p[1][1]
         else:
             row = [part for one in turn for part in (one.real, one.imag)]
-            variance = sum(
-                a * b * entry
-                for a, line in zip(row, self.p, strict=True)
-                for b, entry in zip(row, line, strict=True)
-            )
+            variance = quadratic_form(row, self.p)
         return q, v, sqrt(max(variance, 0.0))
