@@ -1,3 +1,5 @@
+"""The quadratic form against the same in arrays."""
+
 import numpy as np
 import pytest
 
