@@ -139,7 +139,12 @@ def _convincing(one: Candidate, screening: Screening) -> bool:
     return (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
-        and (one.certain or one.held_gain > one.held_std or _rarely_seen(one, penalty))
+        and (
+            one.certain
+            or (one.law is not None and one.law.alone)
+            or one.held_gain > one.held_std
+            or _rarely_seen(one, penalty)
+        )
         and _plausible(one)
     )
 

@@ -19,7 +19,7 @@ from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
 
-_SPIKE = 6.0  # robust deviations
+_SPIKE, _LONE_SPIKE = 6.0, 20.0  # robust deviations; a blow that strikes so hard is heard to ring
 _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
 _ONE_STEP_S = 1.0
@@ -28,13 +28,14 @@ _ONE_STEP_S = 1.0
 @dataclass(frozen=True)
 class LawFound:
     """A law that differs from the usual one. train_nats: gain of log-likelihood with all that is known; held_nats: of
-    each block, by the law of the others."""
+    each block, by the law of the others. alone: one event so plain that no second one is needed to believe it."""
 
     cause: str
     values: dict[str, tuple[float, float]]
     train_nats: float
     held_nats: Array
     note: str = ""
+    alone: bool = False
 
 
 def laws(data: Data, last: Fit) -> list[LawFound]:
@@ -58,7 +59,8 @@ def _robust(values: Array) -> float:
 
 
 def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
-    """Samples that are far off, singly: each as likely as the share of such samples in the other blocks.
+    """Samples that are far off, singly: each as likely as the share of such samples in the other blocks, which for the
+    only one of a recording is half a sample (Jeffreys' prior).
 
     Their size counts as uniform in its logarithm over two decades; the usual noise has Huber's tails, so that one value
     is worth no more than its size.
@@ -78,7 +80,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     u = np.abs(np.nan_to_num(residual)) / doubt
     spikes = known & (u > _SPIKE) & ~_crowded(u > _SPIKE)
     count = int(spikes.sum())
-    if count < 2:
+    if count == 0 or (count == 1 and u[spikes].max() < _LONE_SPIKE):
         return None
     block = data.blocks["acceleration"]
     per_block = _sums(block, spikes.astype(float), len(data.split.held))
@@ -98,6 +100,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
         },
         float(gains.sum()),
         gains,
+        alone=count == 1,
     )
 
 

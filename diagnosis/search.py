@@ -191,7 +191,8 @@ def _of_law(data: Data, last: Fit, law: LawFound) -> Candidate:
 def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     refitted, spread = onset_seen(refitted, cause, split)
     gains = block_gain(refitted, last)
-    gains[unforetold(make_data(last.world, split), last)] = 0.0
+    for one in (last, refitted):  # a mode that it adds has a state after a blow, too
+        gains[unforetold(make_data(one.world, split), one)] = 0.0
     values = cause.parameters_of(refitted)
     if "onset_s" in values:
         values["onset_s"] = (values["onset_s"][0], spread)

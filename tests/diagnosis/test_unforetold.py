@@ -44,6 +44,19 @@ def test_a_mode_that_a_blow_shook_and_nothing_else_shows_is_no_discovery() -> No
     assert _lost(other, last, SPLIT) == pytest.approx(block_gain(other, last)[elsewhere].sum())
 
 
+def test_a_mode_whose_state_after_a_blow_is_unknown_is_not_judged_there() -> None:
+    blow = {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}
+    data = measured(9.0, 3, blow, impacts=(STRUCK,))
+    plain, two = World(data, MODEL, impacts=(STRUCK,)), World(data, TWO, impacts=(STRUCK,))
+    last = fit(make_data(plain, SPLIT), plain.space.vector(), plain.baseline_names())
+    marked = make_data(two, SPLIT)
+    wild = fit(marked, two.space.vector(), two.baseline_names()).vector
+    wild[two.space.place["jump.1.1.v"]] = 5.0  # gone by the time that the training part goes on
+    other = fit(marked, wild, (), iterations=0, colour=last.colour)
+    assert block_gain(other, last)[4] < -1000.0
+    assert _of_fit(CAUSES["second_bending_mode"], other, last, SPLIT).block_gains[4] == 0.0
+
+
 def test_a_blow_that_is_followed_is_foretold() -> None:
     data = measured(9.0, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(STRUCK,))
     world = World(data, MODEL, impacts=(STRUCK,))
