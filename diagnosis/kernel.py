@@ -199,11 +199,11 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
             qdd = -2.0 * sig[i] * v[i] - w2[i] * q[i] - modes[i, 2] * length * alpha
             if i == 0 and nonlinear:
                 qdd += -quadratic * v[0] * abs(v[0]) - w2[0] * cubic * q[0] ** 3
-                if v[0] != 0.0:
-                    qdd -= coulomb * np.sign(v[0])
                 qdd += ps * np.sin(pw * t) + pc * np.cos(pw * t)
                 if force.size:
                     qdd += gain * force[k * substeps]
+                # at rest dry friction holds against what pulls, as far as it goes
+                qdd -= coulomb * np.sign(v[0]) if v[0] != 0.0 else min(max(qdd, -coulomb), coulomb)
             out_q[k, i] = q[i]
             out_qdd[k, i] = qdd
         # the joint over the cycle: two stretches where the dead time is no whole number of cycles
@@ -265,8 +265,17 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
             now = t + part * h
             if nonlinear:
                 _kick(v, q, w2, constants, now, gain, force, k * substeps + part, h)
+            held = 0
+            if coulomb > 0.0 and v[0] == 0.0:
+                pull = -w2[0] * (q[0] + cubic * q[0] ** 3) + ps * np.sin(pw * now) + pc * np.cos(pw * now)
+                if force.size:
+                    pull += gain * force[k * substeps + part]
+                held = 1
+                for j in range(count):
+                    if abs(pull - modes[0, 2] * length * starts[j]) > coulomb:
+                        held = 0
             for j in range(count):
-                for i in range(m):
+                for i in range(held, m):
                     push = modes[i, 2] * length
                     c, s, left = table[kinds[j], i, 0], table[kinds[j], i, 1], table[kinds[j], i, 2]
                     way = yields[i, 1] if fades[j] > 0.0 else yields[i, 0]

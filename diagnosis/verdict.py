@@ -112,10 +112,19 @@ def sure(one: Candidate, stage: Stage, judged: Judged) -> float:
     return likeness * confidence(stage) * gained / (gained + judged.left_nats)
 
 
-def _error(fit: Fit, data: Data, name: str) -> tuple[float, float, int]:
-    """Root mean square of the free-run residual, and the measured channel's deviation, where held out."""
+def _judging(before: Fit, after: Fit, split: Split) -> NDArray[np.bool_]:
+    """Blocks of which either fit could foretell something. (blocks,)"""
+    judging = np.ones(len(split.held), bool)
+    for one in (before, after):
+        judging &= ~unforetold(make_data(one.world, split), one)
+    return judging
+
+
+def _error(fit: Fit, data: Data, name: str, judging: NDArray[np.bool_]) -> tuple[float, float, int]:
+    """Root mean square of the free-run residual, and the measured channel's deviation, where held out and judging."""
     values = data.world.channels[name]
-    mask = data.held[name] if data.held[name].any() else data.train[name]
+    mask = data.held[name] & judging[data.blocks[name]]
+    mask = mask if mask.any() else data.train[name]
     residual = values[mask] - fit.predicted.channels[name][mask]
     measured = values[mask]
     if name == "arrival":  # the ramp of time is no variation
@@ -133,10 +142,11 @@ def _floor(fit: Fit, name: str) -> float:
 def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[str, Any]]:
     """Per channel: samples, held-out errors before and after, noise floor, whether white."""
     first, last = make_data(found.baseline.world, split), make_data(found.final.world, split)
+    judging = _judging(found.baseline, found.final, split)
     table = {}
     for name in found.final.world.channels:
-        before, spread, count = _error(found.baseline, first, name)
-        after, _, _ = _error(found.final, last, name)
+        before, spread, count = _error(found.baseline, first, name, judging)
+        after, _, _ = _error(found.final, last, name, judging)
         table[name] = {
             "samples": count,
             "nrmse_before": before / spread,
@@ -192,9 +202,10 @@ def _held_out(one: Candidate, previous: Fit, split: Split) -> dict[str, float]:
     """Errors on the held-out part before and after this finding, in the channel that it mends most."""
     best = (0.0, 1.0, 1.0)
     first, last = make_data(previous.world, split), make_data(one.fit.world, split)
+    judging = _judging(previous, one.fit, split)
     for name in previous.world.channels:
-        before, spread, _ = _error(previous, first, name)
-        after, _, _ = _error(one.fit, last, name)
+        before, spread, _ = _error(previous, first, name, judging)
+        after, _, _ = _error(one.fit, last, name, judging)
         if before > least_level(previous.world, name) and 1.0 - after / before > best[0]:
             best = (1.0 - after / before, before / spread, after / spread)
     reduction, before, after = best

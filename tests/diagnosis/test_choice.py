@@ -183,3 +183,12 @@ def test_confidence_is_that_of_all_data_where_they_decided() -> None:
     lag = scattered(candidate("drive_lag", 620.0, 470.0), 3.0)
     dead = candidate("drive_dead_time", 800.0, 430.0)
     assert confidence(Stage(SCREENING, [lag, dead], dead)) > 0.7
+
+
+def test_an_event_that_needs_no_second_one_is_believed_although_it_lies_in_one_block() -> None:
+    gains = np.zeros(BLOCKS)
+    gains[3] = 60.0
+    one = replace(law("impulse_noise", 60.0, 59.0), held_std=60.0, block_gains=gains)
+    assert choose([one], SCREENING) is None
+    alone = replace(one, law=replace(LAW, alone=True))
+    assert choose([alone], SCREENING) is alone

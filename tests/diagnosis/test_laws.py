@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from diagnosis.fit import fit, make_data
 from diagnosis.laws import laws
@@ -59,6 +60,19 @@ def test_few_spikes_are_seen_in_a_quick_motion() -> None:
     at = np.array([900, 3500, 5100, 7700, 9100, 11050])
     quiet[at] += 12.0 * NOISE["acceleration"]
     assert len(found_in(replace(data, acceleration=quiet))) == 1
+
+
+@pytest.mark.parametrize(("size", "seen"), [(40.0, True), (12.0, False)])
+def test_a_single_spike_counts_where_no_noise_goes_so_far(size: float, seen: bool) -> None:
+    data = measured(SECONDS, 4)
+    spiked = data.acceleration.copy()
+    spiked[9100] += size * NOISE["acceleration"]
+    last = fitted(replace(data, acceleration=spiked), split=SPLIT)
+    found = [one for one in laws(make_data(last.world, SPLIT), last) if one.cause == "impulse_noise"]
+    assert [one.alone for one in found] == [True] * seen
+    for one in found:
+        assert one.held_nats.sum() > 3.0
+        assert one.values["rate_hz"] == pytest.approx((1.0 / SECONDS, 1.0 / SECONDS), rel=0.05)
 
 
 def test_lost_frames_are_counted() -> None:
