@@ -20,7 +20,7 @@ from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from diagnosis.fit import Fit, Split, fit, make_data
-from diagnosis.frequency_course import frequency_courses
+from diagnosis.frequency_course import frequency_courses, seen_frequency
 from diagnosis.impacts import carried, fit_with_impacts
 from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.measured import ClockGap, Measured, dated_by_requests, read_measured, reclocked
@@ -136,7 +136,20 @@ def _baseline(world: World, split: Split) -> Fit:
             seen = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
             there = world.changed(impacts=seen.world.impacts)
             return fit(make_data(there, split), carried(seen, there), there.baseline_names())
-    return _along_a_course(world, split) or fit_with_impacts(world, split)
+    return _along_a_course(world, split) or _at_the_seen_frequency(world, split)
+
+
+def _at_the_seen_frequency(world: World, split: Split) -> Fit:
+    """The baseline's fit; where its frequency is far from the one that the vibration has from window to window, it is
+    stuck between the model's and the true one, and is begun again from there."""
+    usual = fit_with_impacts(world, split)
+    hz = seen_frequency(world, usual.predicted.motion, usual.value("modes.0.frequency_hz"))
+    if hz is None:
+        return usual
+    begun = world.space.vector()
+    begun[world.space.place["modes.0.frequency_hz"]] = hz
+    other = fit_with_impacts(world, split, begun)
+    return other if other.train_nats > usual.train_nats + _CHANGED_NATS else usual
 
 
 def _along_a_course(world: World, split: Split) -> Fit | None:

@@ -27,6 +27,7 @@ _DAMPING = 0.01
 _LEAST_NATS = 15.0
 _LEAST_CHANGE = 0.015
 _LEAST_OF_BEST = 0.5  # nats: a course that explains less is not worth a start
+_FAR = 0.03  # of a frequency: beyond it the phase is a quarter turn off within eight periods
 _FEWEST = 3  # windows on either side of a change
 _CHANGES = np.concatenate([-np.geomspace(0.5, 0.01, 40), np.geomspace(0.01, 1.0, 40)])
 
@@ -57,17 +58,30 @@ class _Windows:
         return best, float(costs[best])
 
 
+def seen_frequency(world: World, motion: Motion, fitted_hz: float) -> float | None:
+    """The one frequency, Hz, that explains all windows best, where it is far from the one that was fitted and explains
+    them better. A free run that gets its phase wrong within a few periods has nothing to follow to the right one.
+
+    motion: of a simulation, whose joint is near the true one.
+    """
+    windows = _seen(world, motion)
+    if windows is None:
+        return None
+    cost = windows.cost.sum(axis=0)
+    best = int(np.argmin(cost))
+    fitted = int(np.argmin(np.abs(np.log(windows.hz / fitted_hz))))
+    far = abs(float(np.log(windows.hz[best] / fitted_hz))) > _FAR
+    return float(windows.hz[best]) if far and cost[fitted] - cost[best] > _LEAST_NATS else None
+
+
 def frequency_courses(world: World, motion: Motion) -> dict[str, Course]:
     """The likeliest course of each kind, by the cause that makes it; without those that are no better than one
     frequency, or too little to matter.
 
     motion: of a simulation, whose joint is near the true one.
     """
-    name = next((one for one in ("acceleration", "deflection") if one in world.channels), None)
-    if name is None or world.measured.pair:
-        return {}
-    windows = _windows(world, motion, name)
-    if len(windows.cost) < 2 * _FEWEST + 1:
+    windows = _seen(world, motion)
+    if windows is None:
         return {}
     alone = float(windows.cost.sum(axis=0).min())
     found = {}
@@ -81,6 +95,15 @@ def frequency_courses(world: World, motion: Motion) -> dict[str, Course]:
             found[cause] = Course(start, alone - cost)
     most = max((one.nats for one in found.values()), default=0.0)
     return {cause: one for cause, one in found.items() if one.nats > _LEAST_OF_BEST * most}
+
+
+def _seen(world: World, motion: Motion) -> _Windows | None:
+    """The windows of the channel that shows the vibration; None where there are too few."""
+    name = next((one for one in ("acceleration", "deflection") if one in world.channels), None)
+    if name is None or world.measured.pair:
+        return None
+    windows = _windows(world, motion, name)
+    return windows if len(windows.cost) > 2 * _FEWEST else None
 
 
 def _changed(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from diagnosis.frequency_course import Course, frequency_courses
+from diagnosis.frequency_course import Course, frequency_courses, seen_frequency
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
 
@@ -33,3 +33,11 @@ def test_a_stiffness_is_seen_as_such() -> None:
     best = max(found, key=lambda cause: found[cause].nats)
     assert best == "cubic_stiffness"
     assert found[best].start["arm.cubic_per_m2"] == pytest.approx(150.0, rel=0.5)
+
+
+@pytest.mark.parametrize("hz", [2.2, 3.1])
+def test_the_one_frequency_is_seen_from_far_off(hz: float) -> None:
+    world = World(measured(20.0, 5, {"modes.0.frequency_hz": hz, "jump.1.0.v": 0.3}, (9000,)), MODEL)
+    motion = world.predict(world.space.vector()).motion
+    assert seen_frequency(world, motion, 2.5) == pytest.approx(hz, rel=0.01)
+    assert seen_frequency(world, motion, hz) is None
