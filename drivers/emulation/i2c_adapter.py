@@ -7,7 +7,6 @@ start.
 
 import errno
 import os
-import struct
 from ctypes import memmove, string_at
 from typing import Any, Protocol
 
@@ -20,8 +19,6 @@ _I2C_SLAVE, _I2C_SLAVE_FORCE, _I2C_FUNCS, _I2C_RDWR, _I2C_PEC, _I2C_SMBUS = (
     0x720,
 )
 _MESSAGE_READ = 0x0001
-_MESSAGE = struct.Struct("@3HP")  # struct i2c_msg: address, flags, length, buffer
-_REQUEST = struct.Struct("@PI")  # struct i2c_rdwr_ioctl_data: messages, how many
 _MAX_MESSAGES, _MAX_MESSAGE_BYTES = 42, 8192
 _QUICK, _BYTE, _BYTE_DATA, _WORD_DATA, _PROC_CALL, _BLOCK_DATA, _I2C_BLOCK = 0, 1, 2, 3, 4, 5, 8
 _BLOCK_MAX = 32
@@ -86,20 +83,22 @@ class I2cAdapter:
         self._device.close()
 
     def _transfer(self, argument: Any) -> int:
-        at, count = _REQUEST.unpack_from(argument)
+        count: int = argument.nmsgs
         if not 0 < count <= _MAX_MESSAGES:
             raise _error(errno.EINVAL)
-        device = self._device
-        for address, flags, length, place in _MESSAGE.iter_unpack(string_at(at, count * _MESSAGE.size)):
+        messages = argument.msgs
+        for index in range(count):
+            message = messages[index]
+            length = message.len
             if length > _MAX_MESSAGE_BYTES:
                 raise _error(errno.EINVAL)
-            if address != self._address:
+            if message.addr != self._address:
                 raise _error(errno.EREMOTEIO)
-            if flags & _MESSAGE_READ:
-                memmove(place, device.read(length), length)
+            if message.flags & _MESSAGE_READ:
+                memmove(message.buf, self._device.read(length), length)
             else:
-                device.write(string_at(place, length))
-        return int(count)
+                self._device.write(string_at(message.buf, length))
+        return count
 
     def _smbus(self, argument: Any) -> None:
         reads, command, size = bool(argument.read_write), int(argument.command), int(argument.size)
