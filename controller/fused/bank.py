@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from controller.fused.blocks import Block, Jump
 from controller.fused.layout import Layout
 from controller.fused.quadratic_form import quadratic_form
+from controller.fused.reductions import summed
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -35,7 +36,6 @@ LAWS = len(Law)
 LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
 _VAGUE = 0.002  # of the squared rate
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
-_sum = np.add.reduce  # as ndarray.sum, at half the cost for so few numbers
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 LAW_OF = np.arange(FILTERS) % LAWS
 
@@ -86,19 +86,20 @@ class FilterBank:
         self._diagonal = np.arange(layout.size)
         self._move = np.eye(layout.size)[None, : 2 * layout.modes].repeat(FILTERS, axis=0)
         self.moved = [0] * FILTERS
-        self.begin(variance, jitter_s)
+        self._first, self._first_jitter = variance, jitter_s**2
+        self.begin()
         self.edge_s = 0.0
         self._iw = 1j * layout.w
         self._w, self._sigma = layout.w.tolist(), layout.sigma.tolist()
         self._per_acceleration = -1.0 / layout.w_first**2
 
-    def begin(self, variance: Array, jitter_s: Array) -> None:
-        """All states zero, with that variance, (filters, n); jitter_s: white spread of the instants, (filters,)."""
+    def begin(self) -> None:
+        """As at the start: all states zero."""
         n = self._at.size
         self.x = np.zeros((FILTERS, n))
         self.p = np.zeros((FILTERS, n, n))
-        self.p[:, self._diagonal, self._diagonal] = variance
-        self.jitter = jitter_s**2
+        self.p[:, self._diagonal, self._diagonal] = self._first
+        self.jitter = self._first_jitter
         self._all_moved()
 
     def _all_moved(self) -> None:
@@ -122,7 +123,7 @@ class FilterBank:
         lag = block.time_s - self.edge_s
         gain = fast * fast * np.exp(slow * lag) * (np.array(block.turn) * (-1.0 / at.w_first**2))
         value = z * gain
-        residual = block.value - block.forced - _sum(value.real, 1) - self.x[:, at.bias]
+        residual = block.value - block.forced - summed(value.real, 1) - self.x[:, at.bias]
         return AimedAtBlock(gain, value * (lag + 2.0 / fast), residual)
 
     def take_block(self, aimed: AimedAtBlock, variance: float) -> None:
@@ -133,7 +134,7 @@ class FilterBank:
         slope[:, at.frequency], slope[:, at.decay] = -by_rate.imag, -by_rate.real
         slope[:, at.bias] = 1.0
         ph = (self.p @ slope[:, :, None])[:, :, 0]
-        weight = ph / (_sum(ph * slope, 1) + variance)[:, None]
+        weight = ph / (summed(ph * slope, 1) + variance)[:, None]
         self.x += weight * aimed.residual[:, None]
         self.p -= weight[:, :, None] * ph[:, None, :]
 
@@ -238,7 +239,7 @@ class FilterBank:
         turn = np.exp(fast * lag + self._iw * self.edge_s) * at.image_gain
         own = z * turn
         total = own + step * turn
-        return Vibration(lag, turn, own, _sum(total.real, 1), _sum((fast * total).real, 1))
+        return Vibration(lag, turn, own, summed(total.real, 1), summed((fast * total).real, 1))
 
     def look(
         self, value_m: float, vibration: Vibration, joint_m: Array, joint_rate: Array, noise: float
@@ -268,7 +269,7 @@ class FilterBank:
         bend = 0.5 * (w2 * deflection * unknown) ** 2
         extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
         ph = (p @ slope[:, :, None])[:, :, 0]
-        variance = _sum(ph * slope, 1) + extra
+        variance = summed(ph * slope, 1) + extra
         return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)
 
     def take_image(

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from controller.fused.blocks import Block
+from controller.fused.reductions import summed
 
 _BLOCKS = 12
 _SIGNIFICANT = 28.0  # (5.3 standard deviations)^2: by chance once in some hours at a hundred blocks a second
@@ -70,7 +71,7 @@ class BlowDetector:
         else:
             covariance = np.linalg.inv(power)
             sizes = (covariance @ match[:, :, None])[:, :, 0]
-        evidence = np.add.reduce(match * sizes, 1)
+        evidence = summed(match * sizes, 1)
         best = int(evidence.argmax())
         self.suspicion = float(evidence[best])
         if self.suspicion < self._significant:

@@ -11,6 +11,7 @@ from controller.fused import start
 from controller.fused.bank import FILTERS, LAWS, LEVELS, FilterBank, Law
 from controller.fused.dating import Dating
 from controller.fused.layout import Layout
+from controller.fused.reductions import largest, summed
 
 Array = NDArray[np.float64]
 
@@ -23,10 +24,6 @@ _LARGEST_SURPRISE = 25.0  # one image may not decide alone
 _LOWEST = -60.0
 _UNPROVEN = 7.0  # by so much less likely than the best, in the logarithm, a filter begins anew
 _LEAST_SHIFT_S = 0.001
-_sum, _largest = (
-    np.add.reduce,
-    np.maximum.reduce,
-)  # as ndarray.sum and .max, at half the cost for so few numbers
 
 
 class Evidence:
@@ -54,8 +51,8 @@ class Evidence:
 
     def _normalise(self) -> None:
         total = self._prior + self._level + self._log
-        weights = np.exp(total - _largest(total))
-        self.weights: Array = weights / _sum(weights)
+        weights = np.exp(total - largest(total))
+        self.weights: Array = weights / summed(weights)
         self.best = int(total.argmax())
 
     def likeliest(self, law: Law) -> int:
@@ -64,17 +61,17 @@ class Evidence:
 
     def law(self, law: Law) -> float:
         """Probability of a law, whatever the level of disturbance."""
-        return float(_sum(self.weights[law::LAWS]))
+        return float(summed(self.weights[law::LAWS]))
 
     def _by_law(self) -> Array:
-        result: Array = _sum(self.weights.reshape(LEVELS, LAWS), 0)
+        result: Array = summed(self.weights.reshape(LEVELS, LAWS), 0)
         return result
 
     def weigh(self, surprise: Array, variance: Array) -> None:
         """Take in an image's normalised innovations squared and their variances, m^2."""
         keep = 1.0 - 1.0 / _MEMORY_FRAMES
         self._log = keep * self._log - 0.5 * (np.minimum(surprise, _LARGEST_SURPRISE) + np.log(variance))
-        self._log -= _largest(self._log)
+        self._log -= largest(self._log)
         np.maximum(self._log, _LOWEST, out=self._log)
         self._normalise()
 
@@ -84,7 +81,7 @@ class Evidence:
         The probability that it is, slowly averaged, is what is expected of the next image.
         """
         self._usual += (self._by_law() - self._usual) / _USUAL_FRAMES
-        now = float(_sum(self.weights[LAWS:]))
+        now = float(summed(self.weights[LAWS:]))
         learnt = self._disturbed + (now - self._disturbed) / _LEVEL_FRAMES
         self._disturbed = min(max(learnt, _LEAST_DISTURBED), _MOST_DISTURBED)
         self._expect_level()
@@ -124,7 +121,7 @@ class Evidence:
         counts = self._refuted_for
         counts += 1.0
         counts *= low
-        if _largest(counts) <= _MEMORY_FRAMES:
+        if largest(counts) <= _MEMORY_FRAMES:
             return
         for target in np.flatnonzero(counts > _MEMORY_FRAMES).tolist():
             counts[target] = 0.0

@@ -5,7 +5,6 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from common.configuration import Fused
 from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
@@ -37,22 +36,19 @@ class FrameDates:
     def __init__(
         self,
         model: Model,
-        settings: Fused,
         at: Layout,
-        length_m: float,
-        filters: tuple[FilterBank, Evidence],
+        bank: FilterBank,
+        evidence: Evidence,
         lead: LearntWalk,
     ) -> None:
-        """filters: told what dates say; lead: how far n_i's lead has been seen to walk."""
+        """bank, evidence: told what dates say; lead: how far n_i's lead has been seen to walk."""
         self._at = at
-        self._bank, self._evidence = filters
+        self._bank, self._evidence = bank, evidence
         self._lead = lead
         self._frame_s, self._cycle_s = start.frame_s(model), model.timing.cycle_s
         self._model_delay_s = model.timing.capture_delay_s
         spread_s = start.spread_s(model)
         self.dating = Dating(self._frame_s, self._model_delay_s, spread_s)
-        self._first = start.variances(model, settings, at, length_m)
-        self._first_jitter = start.jitters_s(model)
         self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
         self._joint_date = JointDate()
         self._clock_rate = ClockRate(spread_s, self._cycle_s)
@@ -78,7 +74,7 @@ class FrameDates:
     def recount(self, frames: int) -> None:
         """The count was that many frames short."""
         self.dating.nominal[Law.CLOCK] += frames * self._frame_s
-        self.restart_watch(Law.CLOCK)
+        self._restart_watch(Law.CLOCK)
 
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame, the one before being done with; False for one not to be used."""
@@ -93,7 +89,7 @@ class FrameDates:
         for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2
-                self.restart_watch(law)
+                self._restart_watch(law)
         if dating.stamped and not self._evidence.stamps_admitted:
             self._evidence.admit_stamps(bank, dating)
             self._spread[Law.STAMPS].restart()
@@ -151,7 +147,7 @@ class FrameDates:
             for spread in (*self._started, between):
                 spread.restart()
 
-    def restart_watch(self, law: Law) -> None:
+    def _restart_watch(self, law: Law) -> None:
         """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
         self._spread[law].restart()
         self._started[law].restart()
@@ -173,14 +169,14 @@ class FrameDates:
             return False
         dating.change_period(1.0 + rate.rate)
         if believed:
-            bank.begin(self._first, self._first_jitter)
+            bank.begin()
             dating.nominal[:] = received_s - self._model_delay_s
             self._evidence.begin()
         else:
             self._evidence.begin_clock(bank, dating)
         for target in range(int(Law.CLOCK), FILTERS, LAWS):
             bank.p[target, at.skew, at.skew] = rate.std**2
-        self.restart_watch(Law.CLOCK)
+        self._restart_watch(Law.CLOCK)
         return believed
 
     def _is_strange(self, started: Array, noise: Array) -> bool:

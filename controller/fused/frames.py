@@ -18,6 +18,7 @@ from controller.fused.frame_dates import FrameDates
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_walks import LearntWalks
+from controller.fused.reductions import largest
 from controller.fused.sensor_health import AccelerometerHealth
 from controller.fused.stated_scale import with_stated_scale
 
@@ -34,7 +35,6 @@ _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
-_largest = np.maximum.reduce  # as ndarray.max, at half the cost for so few numbers
 _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
 _LEARNING = np.where((LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER), 0.01, 0.0)  # of the jitter, a frame
 
@@ -102,15 +102,14 @@ class FrameFusion:
         self.health = health
         self._at = at
         self._frame_s = start.frame_s(model)
-        self._first = start.variances(model, settings, at, length_m)
-        self._first_jitter = start.jitters_s(model)
-        self.bank = FilterBank(at, self._first, self._first_jitter)
+        first = start.variances(model, settings, at, length_m)
+        self._first_scale = float(first[0, at.scale])
+        self.bank = FilterBank(at, first, start.jitters_s(model))
         self.evidence = Evidence(model, settings, at, length_m)
         self._shift_noise = start.shift_noise(model)
         self._state_noise = start.state_noise(settings, at)
         self._walks = LearntWalks(at, self._state_noise, LAWS)
-        filters = (self.bank, self.evidence)
-        self.dates = FrameDates(model, settings, at, length_m, filters, self._walks.lead)
+        self.dates = FrameDates(model, at, self.bank, self.evidence, self._walks.lead)
         self._phasor_share = start.phasor_share(settings)
         self._carried = np.eye(at.size)[: 2 * at.modes]
         self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
@@ -250,7 +249,7 @@ class FrameFusion:
             return
         (image, times, received_s, seen, surprise), self._looked = self._looked, None
         bank, t = self.bank, self._at.shift
-        if _largest(times) > received_s:
+        if largest(times) > received_s:
             reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
             surprise = np.where(times - reach > received_s, np.inf, surprise)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
@@ -393,7 +392,7 @@ class FrameFusion:
             d = bank.x - x
             p = (w @ bank.p.reshape(FILTERS, -1)).reshape(at.size, at.size) + (d * w[:, None]).T @ d
         if self._as_calibrated:
-            x, p = with_stated_scale(x, p, at.scale, float(self._first[0, at.scale]))
+            x, p = with_stated_scale(x, p, at.scale, self._first_scale)
         m = at.modes
         phasors: list[complex] = (x[at.cosine] - 1j * x[at.sine]).tolist()
         lag = now_s - bank.edge_s
