@@ -5,12 +5,15 @@ import ctypes
 import secrets
 import socket
 import struct
+from collections.abc import Callable
+from typing import TypeVar
 
 from common.datagram import MAX_DATAGRAM_BYTES
 from common.flood_filter import FloodGuard, flood_program, packed
 from common.user_error import UserError
 
 Address = tuple[str, int]
+_Received = TypeVar("_Received")
 
 # Linux, asm-generic/socket.h; Python does not name them.
 _SO_ATTACH_FILTER, _SO_DETACH_FILTER, _SO_MEMINFO = 26, 27, 55
@@ -55,25 +58,17 @@ class UdpSocket:
 
     def drain(self, limit: int) -> list[bytes]:
         """Up to `limit` datagrams that have arrived, oldest first."""
-        received: list[bytes] = []
-        receive = self._socket.recv
-        while len(received) < limit:
-            try:
-                received.append(receive(MAX_DATAGRAM_BYTES + 1))
-            except BlockingIOError:
-                break
-            except ConnectionError:  # a queued "port unreachable" from an earlier send
-                continue
-        if self._guard is not None and self._guard.see(len(received)):
-            self._shield(self._guard.judge(self.shed))
-        return received
+        return self._drained(self._socket.recv, limit)
 
     def drain_with_senders(self, limit: int) -> list[tuple[bytes, Address]]:
         """Up to `limit` datagrams that have arrived, oldest first, each with the address it came from."""
-        received: list[tuple[bytes, Address]] = []
+        return self._drained(self._socket.recvfrom, limit)
+
+    def _drained(self, receive: Callable[[int], _Received], limit: int) -> list[_Received]:
+        received: list[_Received] = []
         while len(received) < limit:
             try:
-                received.append(self._socket.recvfrom(MAX_DATAGRAM_BYTES + 1))
+                received.append(receive(MAX_DATAGRAM_BYTES + 1))
             except BlockingIOError:
                 break
             except ConnectionError:  # a queued "port unreachable" from an earlier send

@@ -34,7 +34,7 @@ def arrival_step(residual: Array, longest_frames: float) -> ArrivalStep | None:
     """The step that the residual arrivals (s, NaN where unknown) show, if one does. longest_frames: of a wander."""
     known = np.flatnonzero(np.isfinite(residual))
     n = len(known)
-    if n < max(_FEWEST, 4 * _SIDE):
+    if n < _FEWEST:
         return None
     r = residual[known] - float(np.median(residual[known]))
     none, best, place, size = -np.inf, -np.inf, 0, 0.0

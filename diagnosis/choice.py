@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
-from diagnosis.onset import ONSETS, onset_of
+from diagnosis.onset import AT_ONCE, ONSETS, onset_of
 from diagnosis.screen import Screening
 
 Array = NDArray[np.float64]
@@ -22,10 +22,6 @@ _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
 _MOST_HELD = 4  # frames
-_AT_ONCE = (
-    "timing.step_onset_s",
-    "timing.stale_onset_s",
-)  # one frame shows them, beside a delay that wanders
 
 
 def next_to_take(stage: Stage, found: Found) -> Candidate | None:
@@ -135,7 +131,7 @@ def _convincing(one: Candidate, screening: Screening) -> bool:
     onset = onset_of(CAUSES[one.cause]) if one.law is None else None
     if onset is not None:  # it may lie in the held-out part altogether
         seen = one.held_gain > 0.0 and _both(one) > screening.threshold_nats + penalty
-        return seen and (onset in _AT_ONCE or _in_places(one, penalty)) and _plausible(one)
+        return seen and (onset in AT_ONCE or _in_places(one, penalty)) and _plausible(one)
     return (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty

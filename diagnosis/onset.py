@@ -12,6 +12,8 @@ from diagnosis.fit import Fit, Split, fit, make_data
 Array = NDArray[np.float64]
 
 ONSETS = 41
+# onsets of steps of the frames' dates: one frame shows them, beside a delay that wanders
+AT_ONCE = ("timing.step_onset_s", "timing.stale_onset_s")
 _JUST_S = 1e-7  # before a frame
 _ONSET_REACH_S = 0.8
 

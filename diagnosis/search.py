@@ -15,10 +15,10 @@ from diagnosis.choice import LEAST_HELD_NATS, choose, in_doubt, next_to_take, ra
 from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
-from diagnosis.onset import onset_seen, settled
+from diagnosis.onset import AT_ONCE, onset_of, onset_seen, settled
 from diagnosis.screen import Scored, Screening, screen, variant
 from diagnosis.side_by_side import meanwhile, side_by_side
-from diagnosis.unforetold import unforetold
+from diagnosis.unforetold import foretold
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,6 @@ MOST_CAUSES = 4
 _REFITTED = 7  # causes
 _STARTS = 2  # of each
 _ITERATIONS, _ITERATIONS_FAR = 6, 15
-_STEPS = ("clock_step", "stale_frame_buffer")
 
 
 def block_gain(after: Fit, before: Fit) -> Array:
@@ -157,9 +156,8 @@ def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fi
     names = tuple(dict.fromkeys((*one.world.baseline_names(), *free, *one.cause.free(one.world))))
     turns = _ITERATIONS_FAR if one.trial.exact else _ITERATIONS
     found = fit(make_data(one.world, split), one.start, names, iterations=turns, colour=last.colour)
-    if (
-        one.cause.id in _STEPS and "arrival" in found.colour
-    ):  # a law learnt without the step takes it for its own
+    # a law learnt without the step takes it for its own
+    if onset_of(one.cause) in AT_ONCE and "arrival" in found.colour:
         own = _with_own_wander(found, split)
         found = own if own.train_nats > found.train_nats else found
     return found
@@ -191,8 +189,7 @@ def _of_law(data: Data, last: Fit, law: LawFound) -> Candidate:
 def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     refitted, spread = onset_seen(refitted, cause, split)
     gains = block_gain(refitted, last)
-    for one in (last, refitted):  # a mode that it adds has a state after a blow, too
-        gains[unforetold(make_data(one.world, split), one)] = 0.0
+    gains[~foretold(split, last, refitted)] = 0.0  # a mode that it adds has a state after a blow, too
     values = cause.parameters_of(refitted)
     if "onset_s" in values:
         values["onset_s"] = (values["onset_s"][0], spread)
@@ -215,7 +212,7 @@ def _lost(final: Fit, without: Fit, split: Split) -> float:
     """Held-out nats that go with a finding. What nobody could have foretold is not counted, as where it was taken: a
     thousand nats either way there would drop the very cause that explains the recording."""
     gains = block_gain(final, without)
-    gains[unforetold(make_data(without.world, split), without)] = 0.0
+    gains[~foretold(split, without)] = 0.0
     return float(gains[split.held].sum())
 
 

@@ -4,11 +4,20 @@ before the rest."""
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Data, Fit, Split
+from diagnosis.fit import Data, Fit, Split, make_data
 from diagnosis.noise import HUBER
 
 _MISFIT = 2.0  # times the channel's variance, outliers bounded
 _SHOWING = ("acceleration", "deflection", "displacement")
+
+
+def foretold(split: Split, *fits: Fit) -> NDArray[np.bool_]:
+    """Which blocks all of the fits could have foretold. (blocks,)"""
+    found = np.ones(len(split.held), bool)
+    for one in fits:
+        if _struck(one, split):
+            found &= ~unforetold(make_data(one.world, split), one)
+    return found
 
 
 def unforetold(data: Data, last: Fit) -> NDArray[np.bool_]:

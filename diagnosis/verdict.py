@@ -14,7 +14,7 @@ from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, least_level, make_data
 from diagnosis.side_by_side import meanwhile
 from diagnosis.structure import Remains, Structure, examine
-from diagnosis.unforetold import unforetold
+from diagnosis.unforetold import foretold
 
 Array = NDArray[np.float64]
 
@@ -48,14 +48,13 @@ def judge(found: Found, split: Split) -> Judged:
         if found.findings
         else None
     )
-    data = make_data(found.baseline.world, split)
-    first = examine(data, found.baseline)
+    first = examine(make_data(found.baseline.world, split), found.baseline)
     last = first if after is None else after.result()
     worst = last.worst
     named = [one for one in found.findings if one.law is None]
     gained = sum(max(one.held_gain, 0.0) for one in found.findings)
     left = worst if worst is not None and worst.nats > _SHARE_LEFT * gained else None
-    judging = split.held & ~unforetold(data, found.baseline)
+    judging = split.held & foretold(split, found.baseline)
     lead = _lead(named[0], first, judging) if named else 0.0
     if lead > 0.0 and left is None:
         left = _unnamed(first)
@@ -112,14 +111,6 @@ def sure(one: Candidate, stage: Stage, judged: Judged) -> float:
     return likeness * confidence(stage) * gained / (gained + judged.left_nats)
 
 
-def _judging(before: Fit, after: Fit, split: Split) -> NDArray[np.bool_]:
-    """Blocks of which either fit could foretell something. (blocks,)"""
-    judging = np.ones(len(split.held), bool)
-    for one in (before, after):
-        judging &= ~unforetold(make_data(one.world, split), one)
-    return judging
-
-
 def _error(fit: Fit, data: Data, name: str, judging: NDArray[np.bool_]) -> tuple[float, float, int]:
     """Root mean square of the free-run residual, and the measured channel's deviation, where held out and judging."""
     values = data.world.channels[name]
@@ -142,7 +133,7 @@ def _floor(fit: Fit, name: str) -> float:
 def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[str, Any]]:
     """Per channel: samples, held-out errors before and after, noise floor, whether white."""
     first, last = make_data(found.baseline.world, split), make_data(found.final.world, split)
-    judging = _judging(found.baseline, found.final, split)
+    judging = foretold(split, found.baseline, found.final)
     table = {}
     for name in found.final.world.channels:
         before, spread, count = _error(found.baseline, first, name, judging)
@@ -202,7 +193,7 @@ def _held_out(one: Candidate, previous: Fit, split: Split) -> dict[str, float]:
     """Errors on the held-out part before and after this finding, in the channel that it mends most."""
     best = (0.0, 1.0, 1.0)
     first, last = make_data(previous.world, split), make_data(one.fit.world, split)
-    judging = _judging(previous, one.fit, split)
+    judging = foretold(split, previous, one.fit)
     for name in previous.world.channels:
         before, spread, _ = _error(previous, first, name, judging)
         after, _, _ = _error(one.fit, last, name, judging)
