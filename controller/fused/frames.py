@@ -33,6 +33,7 @@ _BLIND_BLOCKS = 12  # without the accelerometer
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
+_UNSEEN = 0.003  # of an image's variance, a second: by so much the phasors wander however small the vibration
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
 _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
@@ -176,7 +177,7 @@ class FrameFusion:
             pass
 
     def _phasor_noise(self) -> Array:
-        noise: Array = self._phasor_share * self.amplitude_m**2 + 0.01 * self._noise_m2
+        noise: Array = self._phasor_share * self.amplitude_m**2 + _UNSEEN * self._noise_m2
         return noise
 
     def phasor_noise(self) -> float:

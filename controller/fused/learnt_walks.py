@@ -14,7 +14,7 @@ from controller.fused.bank import FilterBank
 from controller.fused.layout import Layout
 
 _STRETCH_S = 1.5
-_LEAST_SHARE, _MOST_SHARE = 0.04, 9.0  # of the variance: a fifth of the deviation, and three times it
+_LEAST_SHARE, _MOST_SHARE = 0.04, 36.0  # of the variance: a fifth of the deviation, and six times it
 _RATE = 0.3  # of the share's logarithm, for each stretch
 _MOST_SURPRISE = 9.0
 _LEAST_EXPECTED = 0.2  # of the walk's variance: less comes of a filter that was not measured

@@ -21,6 +21,7 @@ _STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
 AHEAD_FRAMES = 1.0  # n_i before mid-exposure: half a frame, a whole one, or two
 _LEAST_DELAY_SPREAD_S = 0.002
 DISTURBED = 0.2  # probability of that level before anything is seen
+_DISTURBED_WALK, _DISTURBED_SHARE = 30.0, 22.0  # of the disturbed level, by what the quiet one allows
 _DRIFT_RETURN = 0.35  # 1/s: the delay wanders over its spread in some seconds
 
 
@@ -84,20 +85,22 @@ def shift_return() -> Array:
 def state_noise(settings: Fused, at: Layout) -> Array:
     """Growth of the variances of all but the phasors, per s, (filters, n)."""
     result = np.zeros((FILTERS, at.size))
-    result[:, at.offset] = 2e-5**2
-    result[:, at.scale] = 5e-4**2
-    result[:, at.bias] = (0.03 / at.w_first**2) ** 2
-    result[:LAWS, at.frequency] = (settings.frequency_walk * at.w) ** 2
-    result[LAWS:, at.frequency] = (15.0 * settings.frequency_walk * at.w) ** 2
-    result[:LAWS, at.decay] = (0.0001 * at.w) ** 2
-    result[LAWS:, at.decay] = (0.006 * at.w) ** 2
+    quiet, disturbed = slice(0, LAWS), slice(LAWS, None)
+    for level, looser in ((quiet, 1.0), (disturbed, 2.0)):
+        result[level, at.offset] = (1e-5 * looser) ** 2
+        result[level, at.scale] = (2.5e-4 * looser) ** 2
+        result[level, at.bias] = (0.015 * looser / at.w_first**2) ** 2
+    result[quiet, at.frequency] = (settings.frequency_walk * at.w) ** 2
+    result[disturbed, at.frequency] = (_DISTURBED_WALK * settings.frequency_walk * at.w) ** 2
+    result[quiet, at.decay] = (0.00005 * at.w) ** 2
+    result[disturbed, at.decay] = (0.006 * at.w) ** 2
     return result
 
 
 def phasor_share(settings: Fused) -> Array:
     """Growth of the phasors' deviation as a share of the amplitude, squared, per s, (filters,)."""
     result = np.full(FILTERS, settings.disturbance_share**2)
-    result[LAWS:] *= 12.0**2
+    result[LAWS:] *= _DISTURBED_SHARE**2
     return result
 
 
