@@ -89,7 +89,8 @@ class FilterBank:
         self._first, self._first_jitter = variance, jitter_s**2
         self.begin()
         self.edge_s = 0.0
-        self._iw = 1j * layout.w
+        self._iw, self._minus_sigma = 1j * layout.w, -layout.sigma
+        self._image_gain = layout.image_gain.astype(np.complex128)
         self._w, self._sigma = layout.w.tolist(), layout.sigma.tolist()
         self._per_acceleration = -1.0 / layout.w_first**2
 
@@ -113,7 +114,10 @@ class FilterBank:
     def _rates(self) -> ComplexArray:
         """Slow complex rate of each phasor, (filters, m)."""
         at = self._at
-        return -at.sigma - self.x[:, at.decay] + 1j * self.x[:, at.frequency]
+        rates = np.empty((FILTERS, at.modes), dtype=np.complex128)  # parts: mixed types cost twice as much
+        np.subtract(self._minus_sigma, self.x[:, at.decay], out=rates.real)
+        rates.imag = self.x[:, at.frequency]
+        return rates
 
     def aim_at_block(self, block: Block) -> AimedAtBlock:
         """The accelerometer's block that begins at edge_s: z = - sum Re(lambda^2 Z exp(i w t)) / w_1^2 + bias."""
@@ -129,12 +133,12 @@ class FilterBank:
     def take_block(self, aimed: AimedAtBlock, variance: float) -> None:
         """Take in the block that was aimed at last, nothing having changed since; variance, m^2."""
         at, gain, by_rate = self._at, aimed.gain, aimed.by_rate
-        slope = np.zeros_like(self.x)
+        slope = np.zeros(self.x.shape)
         slope[:, at.cosine], slope[:, at.sine] = gain.real, gain.imag
         slope[:, at.frequency], slope[:, at.decay] = -by_rate.imag, -by_rate.real
         slope[:, at.bias] = 1.0
-        ph = (self.p @ slope[:, :, None])[:, :, 0]
-        weight = ph / (summed(ph * slope, 1) + variance)[:, None]
+        ph = np.matvec(self.p, slope)
+        weight = ph / (np.vecdot(ph, slope) + variance)[:, None]
         self.x += weight * aimed.residual[:, None]
         self.p -= weight[:, :, None] * ph[:, None, :]
 
@@ -232,11 +236,10 @@ class FilterBank:
         """What each filter expects of the arm at times_s (filters,). step: joint's phasor increments since edge_s,
         (filters, m).
         """
-        at = self._at
         z, slow = self.phasors(), self._rates()
         fast = slow + self._iw
         lag = (times_s - self.edge_s)[:, None]
-        turn = np.exp(fast * lag + self._iw * self.edge_s) * at.image_gain
+        turn = np.exp(fast * lag.astype(np.complex128) + self._iw * self.edge_s) * self._image_gain
         own = z * turn
         total = own + step * turn
         return Vibration(lag, turn, own, summed(total.real, 1), summed((fast * total).real, 1))
@@ -254,11 +257,11 @@ class FilterBank:
         deflection = vibration.deflection * blur
         tip = joint_m + deflection
         rate = scale * (joint_rate + vibration.rate)
-        slope = np.zeros_like(self.x)
-        seen = vibration.turn * (scale * blur)[:, None]
-        slope[:, at.cosine], slope[:, at.sine] = seen.real, seen.imag
-        drawn = vibration.own * (vibration.lag * -scale[:, None])
-        slope[:, at.frequency], slope[:, at.decay] = drawn.imag, drawn.real
+        slope = np.zeros(self.x.shape)
+        shown, drawn = (scale * blur)[:, None], vibration.lag * -scale[:, None]
+        turn, own = vibration.turn, vibration.own
+        slope[:, at.cosine], slope[:, at.sine] = turn.real * shown, turn.imag * shown
+        slope[:, at.frequency], slope[:, at.decay] = own.imag * drawn, own.real * drawn
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
         residual = value_m - scale * tip - self.x[:, at.offset]
         # second order: products of two uncertain quantities, and a large shift bends the sinusoid
@@ -268,8 +271,8 @@ class FilterBank:
         products = p[:, at.scale, at.scale] * (phasor + rate2 * unknown) + (_FLOOR * deflection) ** 2
         bend = 0.5 * (w2 * deflection * unknown) ** 2
         extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
-        ph = (p @ slope[:, :, None])[:, :, 0]
-        variance = summed(ph * slope, 1) + extra
+        ph = np.matvec(p, slope)
+        variance = np.vecdot(ph, slope) + extra
         return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)
 
     def take_image(

@@ -58,13 +58,28 @@ class Look(NamedTuple):
     joint_input: JointInput
 
 
+class Joint(NamedTuple):
+    """What the joint did by an image's instants: how far it alone moved the tip, m, at what rate, m/s, both (filters,);
+    and the modes' phasor increments since the bank's instant, (filters, m)."""
+
+    tip: Array
+    rate: Array
+    step: ComplexArray
+
+
 class Aimed(NamedTuple):
-    """An image to be looked at next. times: its instant by each filter, s."""
+    """An image to be foreseen next. times: its instant by each filter, s."""
 
     image: Look
     times: Array
     received_s: float
-    joint: tuple[Array, Array]
+    joint: Joint
+
+
+class Foreseen(NamedTuple):
+    """An image to be looked at next, and what each filter expects it to show."""
+
+    aimed: Aimed
     vibration: Vibration
 
 
@@ -130,8 +145,10 @@ class FrameFusion:
         self._left: Block | None = None  # looked at, its end not yet reached
         self._left_block: tuple[AimedAtBlock, float] | None = None  # yet to be taken in, with that variance
         self._aimed: Aimed | None = None
+        self._foreseen: Foreseen | None = None
         self._looked: Looked | None = None
         self._taken: Taken | None = None
+        self._settled_s: float | None = None  # when the image settled last was read
 
     def take_block(self, block: Block) -> None:
         """Look at the oldest block of the accelerometer not yet taken in; `leave_block` does the rest, before anything
@@ -187,6 +204,7 @@ class FrameFusion:
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
         self.settle()
+        self.learn()
         self._finish_dates()
         self.finish_block()
         return self.dates.accept(sample, received_s)
@@ -204,7 +222,7 @@ class FrameFusion:
 
     def aim(self, sample: VisualSample, received_s: float, joint_input: JointInput) -> None:
         """A measured frame, accepted before, with all blocks before its exposure taken in: by each filter its instant,
-        and what the joint did then. `look` comes next, before anything else.
+        and what the joint did then. `foresee` comes next, then `look`, before anything else.
         """
         self._finish_dates()
         self.finish_block()
@@ -218,19 +236,25 @@ class FrameFusion:
         self._go_blind(received_s)
         times = self.dates.instants_s + bank.x[:, at.shift]
         image = Look(value, noise, joint_input)
-        self._aimed = Aimed(image, times, received_s, *self._expected(image, times))
+        self._aimed = Aimed(image, times, received_s, self._joint(image, times))
+
+    def foresee(self) -> None:
+        """The vibration that each filter expects of the image aimed at."""
+        assert self._aimed is not None
+        aimed, self._aimed = self._aimed, None
+        self._foreseen = Foreseen(aimed, self.bank.vibration_at(aimed.times, aimed.joint.step))
 
     def look(self, suspicion: float, sees: bool) -> bool:
-        """The image aimed at; whether it is of use: `take` comes next then, before anything else.
+        """The image foreseen; whether it is of use: `take` comes next then, before anything else.
 
         suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
         """
-        assert self._aimed is not None
-        (image, times, received_s, joint, vibration), self._aimed = self._aimed, None
+        assert self._foreseen is not None
+        ((image, times, received_s, joint), vibration), self._foreseen = self._foreseen, None
         at, bank, weights = self._at, self.bank, self.evidence.weights
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
-        seen = bank.look(image.value_m, vibration, *joint, image.noise)
+        seen = bank.look(image.value_m, vibration, joint.tip, joint.rate, image.noise)
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
@@ -259,14 +283,25 @@ class FrameFusion:
         self._taken = Taken(own, spread, seen, surprise, received_s)
 
     def settle(self) -> bool:
-        """What the image taken in last leaves to do before anything else; whether it has told a delay."""
+        """What the image taken in last tells of the laws and of its delay, before anything else; whether it has.
+
+        `learn` comes next then.
+        """
         if self._taken is None:
             return False
         (own, spread, seen, surprise, received_s), self._taken = self._taken, None
-        bank, t = self.bank, self._at.shift
         self.evidence.weigh(surprise, seen.variance)
-        self._tell_delay(received_s - (self.dates.instants_s + bank.x[:, t] + own), spread)
+        self._tell_delay(received_s - (self.dates.instants_s + self.bank.x[:, self._at.shift] + own), spread)
         self._learn_jitter(own, seen)
+        self._settled_s = received_s
+        return True
+
+    def learn(self) -> None:
+        """What the image settled last leaves to do before anything else, if there is one."""
+        if self._settled_s is None:
+            return
+        received_s, self._settled_s = self._settled_s, None
+        bank, t = self.bank, self._at.shift
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
@@ -275,7 +310,6 @@ class FrameFusion:
             self.evidence.remember()
             law = self.evidence.best % LAWS
             self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
-        return True
 
     @property
     def blind(self) -> bool:
@@ -349,14 +383,14 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
-        joint, vibration = self._expected(image, times)
-        return self.bank.look(image.value_m, vibration, *joint, image.noise)
+        bank, joint = self.bank, self._joint(image, times)
+        vibration = bank.vibration_at(times, joint.step)
+        return bank.look(image.value_m, vibration, joint.tip, joint.rate, image.noise)
 
-    def _expected(self, image: Look, times: Array) -> tuple[tuple[Array, Array], Vibration]:
-        """What the joint alone moved the tip by at those instants, m, and its rate; and the vibration."""
-        bank, lever = self.bank, self._at.lever
-        theta, rate, step = image.joint_input.seen_from(bank.edge_s, times)
-        return (theta * lever, rate * lever), bank.vibration_at(times, step)
+    def _joint(self, image: Look, times: Array) -> Joint:
+        lever = self._at.lever
+        theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times)
+        return Joint(theta * lever, rate * lever, step)
 
     def _joint_still(self, image: Look, times: Array) -> bool:
         best = self.evidence.best

@@ -39,12 +39,14 @@ class _Work(Enum):
     ARRIVAL = 2
     STARTED = 3
     AIM = 4
-    LOOK = 5
-    TAKE = 6
-    SETTLE = 7
-    MERGE = 8
-    PRESENT = 9
-    BLOCKS = 10
+    FORESEE = 5
+    LOOK = 6
+    TAKE = 7
+    SETTLE = 8
+    MERGE = 9
+    PRESENT = 10
+    LEARN = 11
+    BLOCKS = 12
 
 
 _OF_FRAME = frozenset(list(_Work)[_Work.DATE.value : _Work.MERGE.value])
@@ -83,6 +85,7 @@ class FusedMethod:
             (model.timing.capture_delay_s + _BACKLOG_S) / (self._block_cycles * self._cycle_s)
         )
         self._frame_s = 1.0 / model.camera.frame_rate_hz
+        self._now_s = 0.0
         self.reason = ""
         self._begin()
 
@@ -122,6 +125,7 @@ class FusedMethod:
     def update(self, observation: Observation) -> Estimate:
         """One cycle."""
         cycle, time_s, joint = observation.cycle, observation.time_s, observation.joint
+        self._now_s = time_s
         turn = [exp(1j * w * time_s) for w in self._w]
         self._joint_input.advance(cycle, turn, joint.mean_acceleration_rad_s2, joint.position_rad)
         if self._block_start is None:
@@ -138,7 +142,7 @@ class FusedMethod:
         if samples:
             self._see_samples(samples, time_s)
         elif not closes:
-            self._work_off(time_s)
+            self._work_off()
         return self._estimate(turn, time_s)
 
     def _see_acceleration(self, observation: Observation, turn: list[complex]) -> None:
@@ -255,7 +259,7 @@ class FusedMethod:
         first_looked_at = len(samples) - _MOST_IMAGES
         for place, sample in enumerate(samples):
             while self._work in _OF_FRAME:
-                self._work_off(time_s)
+                self._work_off()
             self._frame = sample, time_s, sample.measured and place >= first_looked_at
             self._work = _Work.DATE
 
@@ -272,23 +276,32 @@ class FusedMethod:
         assert self._frame is not None
         self.frames.dates.take_started()
         self._work = _Work.AIM if self._frame[2] else _Work.SETTLE
+        if self._frame[2] and not self._block_before(self.frames.dates.expected_instant_s()):
+            self._aim_at_image()  # little work, both
+
+    def _block_before(self, time_s: float) -> bool:
+        return bool(self._blocks) and self._blocks[0].end_s <= time_s
 
     def _aim_at_image(self) -> None:
         """The image that waits, once the blocks before it have been taken in."""
         assert self._frame is not None
         instant = self.frames.dates.expected_instant_s()
-        if self._blocks and self._blocks[0].end_s <= instant:
+        if self._block_before(instant):
             self._take_oldest_block()
             return
         sample, received_s, _ = self._frame
         self.frames.aim(sample, received_s, self._joint_input)
         self._last_instant_s = instant
+        self._work = _Work.FORESEE
+
+    def _foresee_image(self) -> None:
+        self.frames.foresee()
         self._work = _Work.LOOK
 
-    def _look_at_image(self, now_s: float) -> None:
+    def _look_at_image(self) -> None:
         assert self._frame is not None
         frames, (sample, received_s, _) = self.frames, self._frame
-        of_use = frames.look(self._blows.suspicion, self._accelerometer_sees(now_s))
+        of_use = frames.look(self._blows.suspicion, self._accelerometer_sees(self._now_s))
         self._last_frame_s = received_s
         if frames.blow:
             self._blows.forget()
@@ -318,46 +331,41 @@ class FusedMethod:
 
     def _take_what_was_seen(self) -> None:
         """Before anything else changes the bank; what was only aimed at is aimed at anew."""
-        if self._work is _Work.LOOK:
+        if self._work in (_Work.FORESEE, _Work.LOOK):
             self._work = _Work.AIM
         if self._work is _Work.TAKE:
             self._take_image()
         if self._work is _Work.SETTLE:
             self._settle()
 
-    def _work_off(self, time_s: float) -> None:
+    def _work_off(self) -> None:
         """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
-        if self.frames.leave_block():
-            return
-        if self._work is _Work.DATE:
-            self._date_frame()
-        elif self._work is _Work.ARRIVAL:
-            self._take_arrival()
-        elif self._work is _Work.STARTED:
-            self._take_started()
-        elif self._work is _Work.AIM:
-            self._aim_at_image()
-        elif self._work is _Work.LOOK:
-            self._look_at_image(time_s)
-        elif self._work is _Work.TAKE:
-            self._take_image()
-        elif self._work is _Work.SETTLE:
-            self._settle()
-        elif self._work is _Work.MERGE:
-            self._merge(time_s)
-            self._work = _Work.PRESENT
-        elif self._work is _Work.PRESENT:
-            self._restart_present(time_s)
-            self._work = _Work.BLOCKS if self._block_ahead() else _Work.NONE
-        elif self._work is _Work.BLOCKS:
-            if self._block_ahead():
-                self._take_oldest_block()
-            self._work = _Work.BLOCKS if self._block_ahead() else _Work.NONE
+        if not self.frames.leave_block():
+            _PARTS[self._work](self)
+
+    def _work_out_present(self) -> None:
+        self._restart_present(self._now_s)
+        self._work = _Work.LEARN
+
+    def _learn(self) -> None:
+        self.frames.learn()
+        self._go_on_with_blocks()
+
+    def _go_on_with_blocks(self) -> None:
+        self._work = _Work.BLOCKS if self._block_ahead() else _Work.NONE
+
+    def _take_block_ahead(self) -> None:
+        if self._block_ahead():
+            self._take_oldest_block()
+        self._go_on_with_blocks()
 
     def _block_ahead(self) -> bool:
         """Whether there is a block that the next image will want taken in."""
-        until_s = self._last_instant_s + _AHEAD_FRAMES * self._frame_s
-        return bool(self._blocks) and self._blocks[0].end_s <= until_s
+        return self._block_before(self._last_instant_s + _AHEAD_FRAMES * self._frame_s)
+
+    def _merge_filters(self) -> None:
+        self._merge(self._now_s)
+        self._work = _Work.PRESENT
 
     def _merge(self, now_s: float) -> None:
         self._snapshot = self.frames.merged(now_s)
@@ -423,3 +431,20 @@ class FusedMethod:
             self._dated.clear()
         of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
         return Estimate(delay, deflection, rate, std, of_deflection, self.reason, frames.blind, dated)
+
+
+_PARTS = {
+    _Work.NONE: lambda method: None,
+    _Work.DATE: FusedMethod._date_frame,
+    _Work.ARRIVAL: FusedMethod._take_arrival,
+    _Work.STARTED: FusedMethod._take_started,
+    _Work.AIM: FusedMethod._aim_at_image,
+    _Work.FORESEE: FusedMethod._foresee_image,
+    _Work.LOOK: FusedMethod._look_at_image,
+    _Work.TAKE: FusedMethod._take_image,
+    _Work.SETTLE: FusedMethod._settle,
+    _Work.MERGE: FusedMethod._merge_filters,
+    _Work.PRESENT: FusedMethod._work_out_present,
+    _Work.LEARN: FusedMethod._learn,
+    _Work.BLOCKS: FusedMethod._take_block_ahead,
+}
