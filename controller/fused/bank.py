@@ -178,10 +178,13 @@ class FilterBank:
         p[:, at.phasor, :] = moved
         p[:, :, at.phasor] = moved.transpose(0, 2, 1)
         p[:, at.phasor, at.phasor] = moved @ f.transpose(0, 2, 1)
-        self.p = p = 0.5 * (p + p.transpose(0, 2, 1))
         diagonal = p.reshape(FILTERS, -1)[:, :: at.size + 1]
         diagonal += noise
         self.edge_s = block.end_s
+
+    def symmetrise(self) -> None:
+        """Now and then: each measurement leaves the covariances symmetric but for its rounding."""
+        self.p = 0.5 * (self.p + self.p.transpose(0, 2, 1))
 
     def advance_dating(
         self, elapsed_s: Array, shift_return: Array, shift_noise: Array, skew_noise: float

@@ -302,6 +302,7 @@ class FrameFusion:
             return
         received_s, self._settled_s = self._settled_s, None
         bank, t = self.bank, self._at.shift
+        bank.symmetrise()
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
