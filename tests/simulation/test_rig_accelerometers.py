@@ -39,7 +39,7 @@ def test_the_driver_reads_the_rig_s_emulated_device(tmp_path: Path, name: str) -
     try:
         driver.start()
         values, gravities = [], []
-        give_up = time.monotonic() + 30.0
+        give_up = time.monotonic() + 120.0
         while len(values) < 100 and time.monotonic() < give_up:
             value = driver.read()
             reading = driver.last_reading()
@@ -54,5 +54,5 @@ def test_the_driver_reads_the_rig_s_emulated_device(tmp_path: Path, name: str) -
     finally:
         driver.close()
         rig.send_signal(signal.SIGTERM)
-        _, said = rig.communicate(timeout=30.0)
+        _, said = rig.communicate(timeout=120.0)
     assert rig.returncode == 0, said

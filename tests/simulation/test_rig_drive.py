@@ -41,7 +41,7 @@ def device(driver: str, name: str) -> DriveDevice:
 
 def settle(condition: Callable[[], bool]) -> None:
     """Until what was written has been carried over: a pseudo terminal's bytes wait for a worker of the kernel."""
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 120.0
     while not condition() and time.monotonic() < deadline:
         time.sleep(0.0002)
 

@@ -52,7 +52,7 @@ def test_a_running_rig_passes_and_a_mistake_is_named(tmp_path: Path) -> None:
     truth = tmp_path / "truth.mcap"
     rig = subprocess.Popen(stillarm("rig", "--config", str(good), "--truth", str(truth)), env=environment)
     try:
-        until = time.monotonic() + 20.0
+        until = time.monotonic() + 120.0
         while not Path(f"/dev/shm/stillarm-{name}-camera").exists() and time.monotonic() < until:
             time.sleep(0.05)
         runs = [
@@ -60,7 +60,7 @@ def test_a_running_rig_passes_and_a_mistake_is_named(tmp_path: Path) -> None:
                 stillarm("check", "--config", str(path)),
                 capture_output=True,
                 text=True,
-                timeout=60,
+                timeout=180,
                 env=environment,
                 check=False,
             )
@@ -68,7 +68,7 @@ def test_a_running_rig_passes_and_a_mistake_is_named(tmp_path: Path) -> None:
         ]
     finally:
         rig.send_signal(signal.SIGTERM)
-        rig.wait(20)
+        rig.wait(120)
     passed, failed = runs
     assert passed.returncode == 0, passed.stdout + passed.stderr
     assert passed.stdout.splitlines()[-1].endswith("0 failed: ready")
