@@ -13,6 +13,7 @@ from tests.hidden_world.draw import draw_case
 from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect, wander
 from tests.hidden_world.feeler import burst_times
 from tests.hidden_world.oracle import Oracle, best_plain, expected_nats, fitted_plain, scale_to
+from tests.hidden_world.whitened import whitened
 from tests.hidden_world.world import Case, run
 
 SECONDS = 8.0
@@ -61,6 +62,20 @@ def test_what_the_baseline_may_refit_is_worth_nothing() -> None:
     case = hidden("payload_change", {"onset_s": -1.0, "frequency_ratio": 1.001})
     late = hidden("payload_change", {"onset_s": 4.0, "frequency_ratio": 1.001})
     assert Oracle(case).nats() < 0.02 * Oracle(late).nats()
+
+
+def test_a_scale_of_the_image_is_worth_nothing_however_images_are_weighed() -> None:
+    """Where exposures are triggered, those of a moving joint count for less. An image that is larger all over is so by
+    the baseline's own scale, which must not be thought to change what each counts for."""
+    case = replace(draw_case(6, None, None, SECONDS), effects=(), damped=False)
+    case = replace(case, rig=replace(case.rig, eye=replace(case.rig.eye, free=False)))
+    clean = run(case)
+    base = Oracle(case).base(case, clean.command, len(clean.blow_time))
+    centre = case.rig.eye.centre_px
+    larger = replace(clean, image=centre + 1.01 * (clean.image - centre))
+    difference = whitened(case, larger) - base.at
+    assert 0.5 * float(np.sum(difference**2)) > 100.0
+    assert 0.5 * float(np.sum(base.left(difference) ** 2)) < 0.01
 
 
 def test_nats_grow_with_the_square_of_a_small_effect() -> None:

@@ -50,12 +50,14 @@ def acceleration_noise(rig: Rig) -> float:
 
 def image_noise(case: Case, clean: Clean) -> Array:
     """px, of each image. When an exposure is triggered, its instant is known to the tick only, which is noise too
-    while the joint moves; its planned speed stands for what the image does, so that no effect changes the weights."""
-    eye = case.rig.eye
+    while the joint moves; its planned speed, seen as its owner believes, stands for what the image does, so that
+    neither an effect nor a refitted scale changes the weights: a scale that did would leave of itself what it made of
+    the weights, and an effect that looks like a scale would seem to show."""
+    eye, assumed = case.rig.eye, case.assumed
     if eye.free:
         return np.full(len(clean.image), eye.px_noise)
     ticks = np.minimum((clean.frames.middle / TICK_S).astype(int), len(clean.reference) - 1)
-    speed = eye.px_per_m * case.rig.reach * clean.reference[ticks]
+    speed = assumed.eye.px_per_m * assumed.reach * clean.reference[ticks]
     return np.asarray(np.hypot(eye.px_noise, speed * TICK_S / 12.0**0.5))
 
 
