@@ -21,10 +21,10 @@ from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from diagnosis.fit import Fit, Split, fit, make_data
 from diagnosis.frequency_course import frequency_courses, seen_frequency
+from diagnosis.image_dating import dated
 from diagnosis.impacts import carried, fit_with_impacts
 from diagnosis.laws import LawFound, as_one, forward_step
-from diagnosis.measured import ClockGap, Measured, dated_by_requests, read_measured, reclocked
-from diagnosis.noise import DoubtColour, log_likelihood
+from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
 from diagnosis.pair_start import with_resonance_of
 from diagnosis.repeated_stamps import held_back, without
 from diagnosis.search import search
@@ -38,9 +38,6 @@ _RECLOCKED_NATS = 10.0
 _CHANGED_NATS = 20.0
 _MOST_GAPS = 3
 _ASIDE_S = 0.4
-_FEWEST_REQUESTS, _MOST_STEPS = 20, 3
-_OUTSTANDING = 6.0  # times the usual scatter of the requests' intervals
-_JUST_S = 1e-7  # before a frame
 
 
 @dataclass(frozen=True)
@@ -106,7 +103,7 @@ def diagnose_measured(
         else interleaved(measured.duration_s)
     )
     tick(0.05, "baseline")
-    baseline = _dated(_baseline(world, split), split)
+    baseline = dated(_baseline(world, split), split)
     baseline, steps = _without_steps(baseline, split)
     baseline, old = _without_old_images(baseline, split)
     known = (*steps, *old)
@@ -168,50 +165,6 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
         start[seen.world.space.place[name]] = neutral[seen.world.space.place[name]]
     one = fit(make_data(seen.world, split), start, seen.world.baseline_names())
     return one if seen.train_nats - one.train_nats > _CHANGED_NATS else None
-
-
-def _dated(baseline: Fit, split: Split) -> Fit:
-    """A triggered camera's images by when they were asked for, where they fit better so than by when they arrived."""
-    world = baseline.world
-    started = world.measured.frames.started_s
-    if not world.frame_clock.arrival or "displacement" not in world.channels:
-        return baseline
-    if np.isfinite(started).mean() < 1.0:
-        return baseline
-    other = fit_with_impacts(World(dated_by_requests(world.measured), world.model), split)
-    return other if _image_nats(_perhaps_stepped(other, split)) > _image_nats(baseline) else baseline
-
-
-def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
-    """The fit, or if its images say so, the same with the frames' clock stepped where requests were furthest off
-    their interval: dated by a clock that was set, half of the images would be wrong, and arrivals seem better."""
-    world, at = asked.world, asked.world.space.place
-    between = np.diff(world.measured.frames.started_s)
-    if len(between) < _FEWEST_REQUESTS:
-        return asked
-    off = between - float(np.median(between))
-    usual = 1.4826 * float(np.median(np.abs(off))) + world.measured.cycle_s
-    best = asked
-    for i in np.argsort(-np.abs(off))[:_MOST_STEPS]:
-        if abs(off[i]) < _OUTSTANDING * usual:
-            break
-        start = asked.vector.copy()
-        start[at["timing.step_onset_s"]] = world.in_order_s[i + 1] - _JUST_S
-        start[at["timing.step_s"]] = off[i]
-        one = fit(make_data(world, split), start, (*asked.free, "timing.step_s"), colour=asked.colour)
-        best = one if _image_nats(one) > _image_nats(best) + _CHANGED_NATS else best
-    return best
-
-
-def _image_nats(fitted: Fit) -> float:
-    """Log-likelihood of all images; where instants are in doubt, innovations are scaled to the level at rest."""
-    residual = fitted.residuals["displacement"]
-    known = np.isfinite(residual)
-    sigma, colour = fitted.sigma["displacement"], fitted.colour.get("displacement")
-    nats = float(np.sum(log_likelihood(residual[known] / sigma, sigma)))
-    if isinstance(colour, DoubtColour):
-        nats -= float(np.sum(np.log(colour.stds[known] / colour.noise_px)))
-    return nats
 
 
 def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:

@@ -1,0 +1,106 @@
+"""By which clock a triggered camera's images are dated: by when they were asked for, or by when they arrived.
+
+Requests are noted to the cycle, arrivals scatter by the delay's spread, so that requests date better, unless no
+request belongs to its image. Two faults would make them seem worse, and are allowed for before the two are compared: a
+clock that was set, and a buffer that from some instant on hands over images some frames old.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.fit import Fit, Split, fit, make_data
+from diagnosis.impacts import fit_with_impacts
+from diagnosis.measured import dated_by_requests
+from diagnosis.noise import DoubtColour, log_likelihood
+from diagnosis.world import World
+
+Array = NDArray[np.float64]
+
+_CHANGED_NATS = 20.0
+_FEWEST_REQUESTS, _MOST_STEPS = 20, 3
+_OUTSTANDING = 6.0  # times the usual scatter of the requests' intervals
+_JUST_S = 1e-7  # before a frame
+_MOST_HELD = 4  # frames
+
+
+def dated(baseline: Fit, split: Split) -> Fit:
+    """A triggered camera's images by when they were asked for, where they fit better so than by when they arrived."""
+    world = baseline.world
+    started = world.measured.frames.started_s
+    if not world.frame_clock.arrival or "displacement" not in world.channels:
+        return baseline
+    if np.isfinite(started).mean() < 1.0:
+        return baseline
+    other = fit_with_impacts(World(dated_by_requests(world.measured), world.model), split)
+    mended = (other, _perhaps_stepped(other, split), _perhaps_held_back(other, split))
+    return other if max(map(_image_nats, mended)) > _image_nats(baseline) else baseline
+
+
+def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
+    """The fit, or if its images say so, the same with the frames' clock stepped where requests were furthest off
+    their interval: dated by a clock that was set, half of the images would be wrong, and arrivals seem better."""
+    world, at = asked.world, asked.world.space.place
+    between = np.diff(world.measured.frames.started_s)
+    if len(between) < _FEWEST_REQUESTS:
+        return asked
+    off = between - float(np.median(between))
+    usual = 1.4826 * float(np.median(np.abs(off))) + world.measured.cycle_s
+    best = asked
+    for i in np.argsort(-np.abs(off))[:_MOST_STEPS]:
+        if abs(off[i]) < _OUTSTANDING * usual:
+            break
+        start = asked.vector.copy()
+        start[at["timing.step_onset_s"]] = world.in_order_s[i + 1] - _JUST_S
+        start[at["timing.step_s"]] = off[i]
+        one = fit(make_data(world, split), start, (*asked.free, "timing.step_s"), colour=asked.colour)
+        best = one if _image_nats(one) > _image_nats(best) + _CHANGED_NATS else best
+    return best
+
+
+def _perhaps_held_back(asked: Fit, split: Split) -> Fit:
+    """The fit, or if its images say so, the same with those after an instant older by whole frames: they arrive as
+    early after their request as any, so that nothing but what they show tells it."""
+    world, at = asked.world, asked.world.space.place
+    found = _older_from(asked)
+    if found is None:
+        return asked
+    index, older_s = found
+    frames = round(older_s * world.model.camera.frame_rate_hz)
+    if not 1 <= frames <= _MOST_HELD:
+        return asked
+    start = asked.vector.copy()
+    start[at["timing.stale_onset_s"]] = world.in_order_s[index] - _JUST_S
+    start[at["timing.stale_frames"]] = frames
+    one = fit(make_data(world, split), start, (*asked.free, "timing.stale_frames"), colour=asked.colour)
+    return one if _image_nats(one) > _image_nats(asked) + _CHANGED_NATS else asked
+
+
+def _older_from(asked: Fit) -> tuple[int, float] | None:
+    """The frame from which on images are likeliest to be older than those before, and by how much, s: least squares of
+    what is left over the images' speed, a lateness of its own before each frame and after it."""
+    residual, rate = asked.residuals["displacement"], asked.predicted.rate_px_s
+    known = np.flatnonzero(np.isfinite(residual))
+    if len(known) < _FEWEST_REQUESTS:
+        return None
+    colour = asked.colour.get("displacement")
+    weight = colour.noise_px / colour.stds[known] if isinstance(colour, DoubtColour) else 1.0
+    slope = rate[known] * weight
+    along, power = np.cumsum(-slope * residual[known]), np.cumsum(slope * slope)
+    inner = slice(_FEWEST_REQUESTS // 2, -_FEWEST_REQUESTS // 2)
+    before, its_power = along[:-1][inner], np.maximum(power[:-1][inner], 1e-12)
+    after, rest_power = along[-1] - before, np.maximum(power[-1] - its_power, 1e-12)
+    gains = before**2 / its_power + after**2 / rest_power
+    best = int(np.argmax(gains))
+    older_s = float(after[best] / rest_power[best] - before[best] / its_power[best])
+    return int(known[inner.start + best + 1]), older_s
+
+
+def _image_nats(fitted: Fit) -> float:
+    """Log-likelihood of all images; where instants are in doubt, innovations are scaled to the level at rest."""
+    residual = fitted.residuals["displacement"]
+    known = np.isfinite(residual)
+    sigma, colour = fitted.sigma["displacement"], fitted.colour.get("displacement")
+    nats = float(np.sum(log_likelihood(residual[known] / sigma, sigma)))
+    if isinstance(colour, DoubtColour):
+        nats -= float(np.sum(np.log(colour.stds[known] / colour.noise_px)))
+    return nats
