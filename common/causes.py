@@ -73,6 +73,7 @@ def _frequency(low: float, high: float) -> Parameter:
 
 
 _ONSET = Parameter("onset_s", "s", 0.0, 1e7)
+_OTHERS = Parameter("higher_modes_share", "1", -10.0, 10.0, (0.0, 1.0), default=1.0)
 _PHASE = Parameter("phase_rad", "rad", -1e3, 1e3, (0.0, 2.0 * pi), default=0.0)
 
 
@@ -113,17 +114,21 @@ def _arm() -> Iterator[Cause]:
     yield Cause(
         "payload_change",
         "arm",
-        (_ONSET, Parameter("frequency_ratio", "1", 0.1, 10.0, (0.03, 0.15), signed=True, neutral=1.0)),
+        (
+            _ONSET,
+            Parameter("frequency_ratio", "1", 0.1, 10.0, (0.03, 0.15), signed=True, neutral=1.0),
+            _OTHERS,
+        ),
         "from an instant on the arm rings at another frequency: something was taken up or put down",
-        "from onset on every mode's frequency times ratio; its damping ratio stays",
+        "from onset on f_1 times ratio, f_i times 1 + share (ratio - 1); damping ratios stay",
         repeatable=True,
     )
     yield Cause(
         "stiffness_drift",
         "arm",
-        (_size("frequency_rate_hz_per_s", "Hz/s", 10.0, 0.0005, 0.004, signed=True),),
+        (_size("frequency_rate_hz_per_s", "Hz/s", 10.0, 0.0005, 0.004, signed=True), _OTHERS),
         "the frequency creeps up or down all along, as when the arm warms",
-        "f_1(t) = f_1 + rate t; the other modes in proportion",
+        "f_1(t) = f_1 + rate t; the other modes by share of that, in proportion",
     )
     yield Cause(
         "periodic_disturbance",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from diagnosis.fit import Fit
 from diagnosis.frequency_course import Course, frequency_courses
-from diagnosis.world import World
+from diagnosis.world import HIGHER, World
 
 Array = NDArray[np.float64]
 Overrides = Mapping[str, float]
@@ -97,6 +97,8 @@ class Context:
 
 Values = dict[str, tuple[float, float]]
 
+SHARE = "higher_modes_share"
+
 
 @dataclass(frozen=True)
 class Cause:
@@ -139,6 +141,21 @@ def driven(world: World) -> bool:
 def free_of(*names: str) -> Callable[[World], tuple[str, ...]]:
     """Always the same quantities."""
     return lambda world: names
+
+
+def of_the_modes(*names: str) -> Callable[[World], tuple[str, ...]]:
+    """The same quantities, and where there are more modes, the share that they take in a change of frequency."""
+    return lambda world: (*names, HIGHER) if world.modes > 1 else names
+
+
+def shares(world: World) -> tuple[Overrides, ...]:
+    """What to start from: higher modes that change in proportion, and where there are some, that do not at all."""
+    return ({HIGHER: 1.0}, {HIGHER: 0.0}) if world.modes > 1 else ({},)
+
+
+def share_of(fit: Fit) -> Values:
+    """The share of a change of frequency that higher modes take, where there are some."""
+    return {SHARE: (fit.value(HIGHER), fit.std.get(HIGHER, 0.0))} if fit.world.modes > 1 else {}
 
 
 def plain(fit: Fit, **names: str) -> Values:

@@ -14,7 +14,11 @@ _QUANTITIES: dict[str, dict[str, str]] = {
     "coulomb_damping": {"force_per_mass_m_s2": "arm.coulomb_m_s2"},
     "quadratic_damping": {"coefficient_per_m": "arm.quadratic_per_m"},
     "cubic_stiffness": {"coefficient_per_m2": "arm.cubic_per_m2"},
-    "payload_change": {"onset_s": "arm.onset_s", "frequency_ratio": "arm.frequency_ratio"},
+    "payload_change": {
+        "onset_s": "arm.onset_s",
+        "frequency_ratio": "arm.frequency_ratio",
+        "higher_modes_share": "arm.higher_modes_share",
+    },
     "drive_deadband": {"deadband_rad_s": "drive.deadband_rad_s"},
     "gear_backlash": {"gap_rad": "drive.gap_rad"},
     "joint_friction": {"velocity_loss_rad_s": "drive.velocity_loss_rad_s"},
@@ -40,6 +44,7 @@ def declared_quantities(model: Model) -> dict[str, float]:
     drift = effect_of(model, "stiffness_drift")
     if drift is not None:
         found["arm.frequency_rate_per_s"] = drift["frequency_rate_hz_per_s"] / model.arm.modes[0].frequency_hz
+        found["arm.higher_modes_share"] = drift["higher_modes_share"]
     for cause, prefix in _WAVES.items():
         wave = effect_of(model, cause)
         if wave is not None:

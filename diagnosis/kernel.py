@@ -32,7 +32,7 @@ class K(IntEnum):
     CUBIC = 12
     ONSET_S = 13
     RATIO = 14
-    DRIFT = 15  # relative frequency of all modes per second
+    DRIFT = 15  # relative frequency per second
     PERIODIC_W = 16
     PERIODIC_SIN = 17
     PERIODIC_COS = 18
@@ -40,7 +40,8 @@ class K(IntEnum):
     OMEGA0 = 20
     FORCE_GAIN = 21  # of the force input on the first mode
     BLUR_S = 22  # of a command's arrival, as an accelerometer shows it, to either side
-    SIZE = 23
+    HIGHER = 23  # share of such a change of frequency that modes beyond the first take
+    SIZE = 24
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -158,7 +159,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     onset, ratio, drift = constants[13], constants[14], constants[15]
     pw, ps, pc = constants[16], constants[17], constants[18]
     theta_m, omega_m = constants[19], constants[20]
-    gain, blur = constants[21], constants[22]
+    gain, blur, higher = constants[21], constants[22], constants[23]
     theta, omega, alpha = theta_m, omega_m, 0.0
     whole = int(np.floor(dead / dt + 1e-9))
     fraction = min(max(dead / dt - whole, 0.0), 1.0)
@@ -172,7 +173,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     nonlinear = coulomb != 0.0 or quadratic != 0.0 or cubic != 0.0 or ps != 0.0 or pc != 0.0 or force.size > 0
     q, v = np.zeros(m), np.zeros(m)
     wd, sig, w2 = np.zeros(m), np.zeros(m), np.zeros(m)
-    scale_before = -1.0
+    scale_before, others_before = -1.0, -1.0
     next_jump = 0
     for k in range(n):
         t = k * dt
@@ -184,10 +185,11 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
         # relative frequency now: payload from its onset on, and drift
         blend = min(max((t + dt - onset) / dt, 0.0), 1.0)
         scale = (1.0 + (ratio - 1.0) * blend) * max(0.1, 1.0 + drift * t)
-        if scale != scale_before:
-            scale_before = scale
+        others = max(0.1, 1.0 + higher * (ratio - 1.0) * blend) * max(0.1, 1.0 + higher * drift * t)
+        if scale != scale_before or others != others_before:
+            scale_before, others_before = scale, others
             for i in range(m):
-                w = 2.0 * np.pi * modes[i, 0] * scale
+                w = 2.0 * np.pi * modes[i, 0] * (others if i else scale)
                 sig[i] = modes[i, 1] * w
                 wd[i] = w * np.sqrt(max(1e-12, 1.0 - modes[i, 1] ** 2))
                 w2[i] = w * w

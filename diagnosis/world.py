@@ -28,6 +28,7 @@ _TIE_S = 2e-7
 _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 UNLIMITED = 1e9
+HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
 
 
 @dataclass(frozen=True)
@@ -168,6 +169,7 @@ class World:
             ("arm.onset_s", NEVER_S, 0.0, NEVER_S, measured.cycle_s),
             ("arm.frequency_ratio", 1.0, 0.2, 5.0, 1e-5),
             ("arm.frequency_rate_per_s", 0.0, -0.2, 0.2, 1e-7),
+            (HIGHER, 1.0, -10.0, 10.0, 1e-3),
             ("arm.periodic_hz", 0.0, 0.0, 500.0, 1e-5),
             ("arm.periodic_sin", 0.0, -1e4, 1e4, 1e-5),
             ("arm.periodic_cos", 0.0, -1e4, 1e4, 1e-5),
@@ -283,6 +285,7 @@ class World:
         constants[K.ONSET_S] = vector[at["arm.onset_s"]]
         constants[K.RATIO] = vector[at["arm.frequency_ratio"]]
         constants[K.DRIFT] = vector[at["arm.frequency_rate_per_s"]]
+        constants[K.HIGHER] = vector[at[HIGHER]]
         constants[K.PERIODIC_W] = 2.0 * pi * vector[at["arm.periodic_hz"]]
         constants[K.PERIODIC_SIN] = vector[at["arm.periodic_sin"]]
         constants[K.PERIODIC_COS] = vector[at["arm.periodic_cos"]]

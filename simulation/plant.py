@@ -58,7 +58,7 @@ class Plant:
         self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
         change = FrequencyChange(model)
         self._change = change if change.happens else None
-        self._ratio = 1.0
+        self._ratios = (1.0, 1.0)
 
     def advance(self, command_rad_s: float) -> None:
         """Move on by one cycle, over which the joint velocity command is held. ValueError when it is no
@@ -68,7 +68,7 @@ class Plant:
         if self._play is not None:
             stretches = self._play.follow(motor_rad_s, stretches)
         if self._change is not None:
-            self._tune(self._change.ratio(self._effect_time_s(0.5)))
+            self._tune(*self._change.ratios(self._effect_time_s(0.5)))
         forces = self.modal_forces_m_s2
         if self._friction is not None and self._forces:
             forces = [forces[0] + self._force_midway(self._friction), *forces[1:]]
@@ -176,11 +176,11 @@ class Plant:
     def _effect_time_s(self, cycles_on: float) -> float:
         return self.effect_clock.at((self.cycle + cycles_on) * self.cycle_s)
 
-    def _tune(self, ratio: float) -> None:
-        if ratio != self._ratio:
-            self._ratio = ratio
-            for mode, as_declared in zip(self._modes, self._declared_modes, strict=True):
-                mode.tune(ratio * as_declared.angular_frequency)
+    def _tune(self, first: float, others: float) -> None:
+        if (first, others) != self._ratios:
+            self._ratios = (first, others)
+            for i, (mode, as_declared) in enumerate(zip(self._modes, self._declared_modes, strict=True)):
+                mode.tune((others if i else first) * as_declared.angular_frequency)
 
     def _kick(self, terms: tuple[ForceTerm, ...], effect_time_s: float) -> None:
         mode, duration_s = self._modes[0], 0.5 * self.cycle_s

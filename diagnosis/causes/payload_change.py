@@ -2,14 +2,15 @@
 
 from dataclasses import replace
 
-from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
+from diagnosis.cause import Cause, Context, Trial, arm_moves, of_the_modes, plain, share_of, shares
 
 ID, RATIO = "payload_change", "arm.frequency_ratio"
 
 
 def _trials(context: Context) -> list[Trial]:
     trials = [
-        Trial({"arm.onset_s": onset}, ({RATIO: 1.0 + size},))
+        Trial({"arm.onset_s": onset, **others}, ({RATIO: 1.0 + size},))
+        for others in shares(context.world)
         for onset in context.onsets(16)
         for size in (0.002, 0.05, -0.05)
     ]
@@ -29,7 +30,7 @@ CAUSE = Cause(
     id=ID,
     needs=arm_moves,
     trials=_trials,
-    free=free_of("arm.onset_s", "arm.frequency_ratio"),
-    parameters_of=lambda fit: plain(fit, onset_s="arm.onset_s", frequency_ratio="arm.frequency_ratio"),
+    free=of_the_modes("arm.onset_s", RATIO),
+    parameters_of=lambda fit: plain(fit, onset_s="arm.onset_s", frequency_ratio=RATIO) | share_of(fit),
     settle={"arm.onset_s": 0.5},
 )

@@ -1,6 +1,6 @@
 """A stiffness that drifts."""
 
-from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, free_of
+from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, of_the_modes, share_of, shares
 from diagnosis.fit import Fit
 
 
@@ -9,8 +9,9 @@ def _trials(context: Context) -> list[Trial]:
     name = "arm.frequency_rate_per_s"
     return [
         *(
-            Trial({}, ({name: context.declared(name) + share * turn},))
-            for share in (0.02, 0.5, -0.5, 2.0, -2.0)
+            Trial(others, ({name: context.declared(name) + part * turn},))
+            for others in shares(context.world)
+            for part in (0.02, 0.5, -0.5, 2.0, -2.0)
         ),
         *context.along_a_course("stiffness_drift", name),
     ]
@@ -19,13 +20,13 @@ def _trials(context: Context) -> list[Trial]:
 def _values(fit: Fit) -> Values:
     name = "arm.frequency_rate_per_s"
     f = fit.value("modes.0.frequency_hz")
-    return {"frequency_rate_hz_per_s": (f * fit.value(name), f * fit.std.get(name, 0.0))}
+    return {"frequency_rate_hz_per_s": (f * fit.value(name), f * fit.std.get(name, 0.0))} | share_of(fit)
 
 
 CAUSE = Cause(
     id="stiffness_drift",
     needs=arm_moves,
     trials=_trials,
-    free=free_of("arm.frequency_rate_per_s"),
+    free=of_the_modes("arm.frequency_rate_per_s"),
     parameters_of=_values,
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from common.causes import CAUSES as CATALOGUE
-from common.model import load_model
+from common.model import Mode, load_model
 from common.scenario import Scenario, Strike
 from diagnosis.candidate import Candidate
 from diagnosis.catalogue import CAUSES
@@ -18,11 +18,13 @@ from diagnosis.extended_model import effect_of
 from diagnosis.fit import Fit
 from diagnosis.impacts import carried
 from diagnosis.screen import residual_peaks, variant
+from diagnosis.search import search
 from diagnosis.split import interleaved
+from diagnosis.world import HIGHER
 from simulation.virtual_time import VirtualRun, simulate
 from tests.diagnosis.simulated import MODEL as RIG_MODEL
 from tests.diagnosis.simulated import SIZES
-from tests.diagnosis.synthetic import NOISE, fitted, measured
+from tests.diagnosis.synthetic import MODEL, NOISE, fitted, measured
 
 LAWS = {"impulse_noise", "frame_drops", "delay_bursts"}
 SPLIT = interleaved(6.0)
@@ -64,6 +66,26 @@ def test_a_fit_finds_the_parameter_within_its_deviation(cause: str) -> None:
         assert found.value(name) == pytest.approx(true, abs=5.0 * found.std[name])
         assert found.value(name) == pytest.approx(true, rel=0.15)
         assert found.std[name] < 0.05 * abs(true)
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+@pytest.mark.parametrize(
+    ("cause", "values"),
+    [
+        ("payload_change", {"arm.onset_s": 5.0, "arm.frequency_ratio": 0.997}),
+        ("stiffness_drift", {"arm.frequency_rate_per_s": -6e-4}),
+    ],
+)
+def test_a_change_of_frequency_is_found_whatever_share_of_it_the_second_mode_takes(
+    cause: str, values: dict[str, float], share: float
+) -> None:
+    modes = [*MODEL.arm.modes, Mode(frequency_hz=12.0, damping_ratio=0.004, participation=-0.3)]
+    model = msgspec.structs.replace(MODEL, arm=msgspec.structs.replace(MODEL.arm, modes=modes))
+    data = measured(12.0, 4, values | {HIGHER: share}, model=model)
+    found = search(fitted(data, model=model), interleaved(12.0), only=[cause, "second_bending_mode"])
+    assert [one.cause for one in found.findings] == [cause]
+    assert found.final.value(HIGHER) == pytest.approx(share, abs=4.0 * found.final.std[HIGHER])
+    assert found.final.std[HIGHER] < 0.3
 
 
 @pytest.mark.parametrize("cause", sorted(CAUSES))

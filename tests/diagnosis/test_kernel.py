@@ -32,6 +32,7 @@ class Rig:
     obeys: Callable[[float], float] = lambda c: c
     first_mode: Callable[[float, float, float], float] = lambda q, v, t: 0.0
     scale: Callable[[float], float] = lambda t: 1.0
+    share: float = 1.0
     blows: dict[int, tuple[float, float]] = field(default_factory=dict)
 
     def rates(self, y: Array, t: float, target: float) -> Array:
@@ -41,7 +42,7 @@ class Rig:
         out = np.empty(6)
         out[0], out[1] = y[1], alpha
         for i, (f, zeta, participation) in enumerate(MODES):
-            w = 2.0 * pi * f * self.scale(t)
+            w = 2.0 * pi * f * (1.0 + (self.share if i else 1.0) * (self.scale(t) - 1.0))
             q, v = y[2 + 2 * i], y[3 + 2 * i]
             out[2 + 2 * i] = v
             out[3 + 2 * i] = -2.0 * zeta * w * v - w * w * q - participation * LENGTH * alpha
@@ -78,7 +79,7 @@ def simulated(
     constants = np.zeros(K.SIZE)
     usual = {
         "LENGTH": LENGTH, "RATE": 2.0 * pi * 20.0, "DEAD_S": 0.0023, "MAX_VELOCITY": 1e9, "MAX_ACCELERATION": 1e3,
-        "LOWEST": -10.0, "HIGHEST": 10.0, "ONSET_S": 1e9, "RATIO": 1.0,
+        "LOWEST": -10.0, "HIGHEST": 10.0, "ONSET_S": 1e9, "RATIO": 1.0, "HIGHER": 1.0,
     }  # fmt: skip
     for name, value in (usual | (values or {})).items():
         constants[K[name]] = value
@@ -174,9 +175,13 @@ def test_dry_friction_brings_the_arm_to_rest_and_holds_it() -> None:
         ({"DRIFT": -0.03}, lambda t: 1.0 - 0.03 * t),
     ],
 )
-def test_frequencies_that_change(values: dict[str, float], scale: Callable[[float], float]) -> None:
-    _, _, q = Rig(scale=scale).integrate()
-    assert off(simulated(values)[4], q) < 1e-3
+@pytest.mark.parametrize("share", [1.0, 0.0, 1.5])
+def test_frequencies_that_change(
+    values: dict[str, float], scale: Callable[[float], float], share: float
+) -> None:
+    _, _, q = Rig(scale=scale, share=share).integrate()
+    assert off(simulated(values | {"HIGHER": share})[4], q) < 1e-3
+    assert off(simulated(values | {"HIGHER": share})[4][:, 1], q[:, 1]) < 5e-3
 
 
 def test_a_blow_adds_to_the_state_at_its_cycle() -> None:
