@@ -4,11 +4,13 @@ import numpy as np
 
 from diagnosis.arrival_steps import arrival_step
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
-from diagnosis.fit import WANDER_S
+from diagnosis.fit import WANDER_S, Fit
 
 _OUTSTANDING = 6.0  # robust deviations
 _SIDE = 15  # frames
 _JUST_S = 1e-7  # before a frame
+_ASIDE_S = 0.3  # of an onset: a frame that is under way when the clock is set was asked for before
+_MOST_NATS = 100.0
 
 
 def _trials(context: Context) -> list[Trial]:
@@ -53,6 +55,22 @@ def _seen(context: Context) -> float | None:
     return float(context.world.in_order_s[i]) - _JUST_S
 
 
+def _unseen(fit: Fit) -> float:
+    """Where images are dated by their requests, a clock that was set shows in the requests: none, and it was not."""
+    world = fit.world
+    if not world.measured.frames.asked:
+        return 0.0
+    started, received = world.measured.frames.started_s, world.measured.frames.received_s
+    between = np.diff(started)
+    near = np.abs(received[1:] - fit.value("timing.step_onset_s")) < _ASIDE_S
+    if not near.any():
+        return 0.0
+    off = between - float(np.median(between))
+    usual = 1.4826 * float(np.median(np.abs(off))) + world.measured.cycle_s
+    missed = float(np.min(np.abs(off[near] - fit.value("timing.step_s")))) / usual
+    return min(0.5 * missed**2, _MOST_NATS)
+
+
 CAUSE = Cause(
     id="clock_step",
     needs=has("displacement", "arrival"),
@@ -60,4 +78,5 @@ CAUSE = Cause(
     free=free_of("timing.step_s"),
     parameters_of=lambda fit: plain(fit, onset_s="timing.step_onset_s", step_s="timing.step_s"),
     settle={"timing.step_onset_s": 0.5},
+    surprise=_unseen,
 )

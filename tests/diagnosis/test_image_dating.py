@@ -11,6 +11,7 @@ from diagnosis.fit import make_data
 from diagnosis.image_dating import dated
 from diagnosis.impacts import fit_with_impacts
 from diagnosis.measured import Frames, Measured, dated_by_requests
+from diagnosis.search import search
 from diagnosis.split import interleaved
 from diagnosis.structure import examine
 from diagnosis.world import World
@@ -24,6 +25,11 @@ TRIGGERED = msgspec.structs.replace(
     MODEL,
     camera=msgspec.structs.replace(MODEL.camera, mode="triggered"),
     timing=msgspec.structs.replace(MODEL.timing, capture_delay_std_s=SPREAD_S),
+)
+
+
+DIM = msgspec.structs.replace(
+    TRIGGERED, camera=msgspec.structs.replace(TRIGGERED.camera, noise_std_px=DIM_PX)
 )
 
 
@@ -68,11 +74,16 @@ def test_requests_date_the_images_although_their_clock_was_set() -> None:
 @pytest.mark.parametrize("held", [1, 3])
 def test_requests_date_the_images_although_a_buffer_hands_over_old_ones(held: int) -> None:
     """They arrive as they always did: dated by that, the delay's wander would take up what they show."""
-    dim = msgspec.structs.replace(
-        TRIGGERED, camera=msgspec.structs.replace(TRIGGERED.camera, noise_std_px=DIM_PX)
-    )
-    last = dated(fit_with_impacts(World(triggered(0.0, 0.001, held), dim), SPLIT), SPLIT)
+    last = dated(fit_with_impacts(World(triggered(0.0, 0.001, held), DIM), SPLIT), SPLIT)
     assert last.world.measured.frames.asked
+
+
+def test_old_images_are_no_clock_that_was_set_where_the_requests_go_on_evenly() -> None:
+    rivals = ["clock_step", "stale_frame_buffer"]
+    old = dated(fit_with_impacts(World(triggered(0.0, 0.001, 1), DIM), SPLIT), SPLIT)
+    assert [one.cause for one in search(old, SPLIT, only=rivals).findings] == ["stale_frame_buffer"]
+    step = dated(fit_with_impacts(World(triggered(0.5 / 65.0, 0.001), TRIGGERED), SPLIT), SPLIT)
+    assert [one.cause for one in search(step, SPLIT, only=rivals).findings] == ["clock_step"]
 
 
 def test_doubt_of_instants_excuses_no_more_than_the_delay_scatters() -> None:
