@@ -30,7 +30,7 @@ def next_to_take(stage: Stage, found: Found) -> Candidate | None:
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
         if not _convincing(one, stage.screening):
             continue
-        if found.findings and one.law is None and one.held_gain < _least_share(one, found.findings[0]):
+        if found.findings and one.law is None and _both(one) < _least_share(one, found.findings[0]):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
         if not rivals:
@@ -42,11 +42,11 @@ def next_to_take(stage: Stage, found: Found) -> Candidate | None:
 
 def _least_share(one: Candidate, first: Candidate) -> float:
     """Nats that a simple form may leave of its true one: in the same place more than elsewhere, and a sensor's none
-    outside of its own channel."""
+    outside of its own channel. By all data: what is held out of a few hard moves may be any share of them."""
     here, there = CATALOGUE[one.cause].place, CATALOGUE[first.cause].place
     if here == there:
-        return _LEAST_SHARE * first.held_gain
-    return _LEAST_SHARE_ELSEWHERE * first.held_gain if there in ("arm", "drive") else 0.0
+        return _LEAST_SHARE * _both(first)
+    return _LEAST_SHARE_ELSEWHERE * _both(first) if there in ("arm", "drive") else 0.0
 
 
 def _same_thing(earlier: Stage, one: Candidate) -> bool:

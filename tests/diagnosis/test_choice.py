@@ -136,12 +136,19 @@ def test_a_cause_that_explained_little_alone_is_taken_next() -> None:
 
 
 def test_what_a_simple_form_leaves_of_the_first_finding_is_not_taken() -> None:
-    first = found(Stage(SCREENING, [LAG], replace(LAG, held_gain=1000.0)))
-    same_place, elsewhere = candidate("joint_friction", 90.0, 39.0), candidate("lens_distortion", 90.0, 39.0)
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=2000.0, held_gain=1000.0)))
+    same_place, elsewhere = candidate("joint_friction", 78.0, 39.0), candidate("lens_distortion", 78.0, 39.0)
     assert next_to_take(Stage(SCREENING, [same_place], same_place), first) is None
     assert next_to_take(Stage(SCREENING, [elsewhere], elsewhere), first) is elsewhere
-    less = replace(elsewhere, held_gain=9.0)
+    less = replace(elsewhere, train_gain=18.0, held_gain=9.0)
     assert next_to_take(Stage(SCREENING, [less], less), first) is None
+
+
+def test_how_much_a_simple_form_leaves_is_a_share_of_all_data() -> None:
+    """The held-out part of a finding that shows at a few hard moves may hold more of them, or fewer, than a third."""
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=4700.0, held_gain=2900.0)))
+    steady = candidate("lens_distortion", 95.0, 28.0)
+    assert next_to_take(Stage(SCREENING, [steady], steady), first) is steady
 
 
 def test_confidence_grows_with_the_lead() -> None:
