@@ -137,8 +137,9 @@ class _Parts:
 
     def _reach(self, data: Data) -> float:
         """How long a joint position's change is, as a vector over the level, that the simulation may be off by itself:
-        its limit of acceleration ends with a cycle, where the drive's ends within one, which leaves the joint off by
-        up to a cycle of it, squared, over two. Over thousands of samples even a tenth of an encoder's step shows."""
+        its limit of acceleration ends within a cycle, where that of a drive that works in cycles ends with one, which
+        leaves the joint off by up to a cycle of it, squared, over two. Over thousands of samples even a tenth of an
+        encoder's step shows."""
         name, world = "joint_position", self.last.world
         if name not in self.last.residuals:
             return 0.0

@@ -89,12 +89,17 @@ def _tabulate(
         yields[i, 1] = 1.0 / (rate * rate - 2.0 * sig[i] * rate + w2[i])
         yields[i, 2] = 1.0 / wd[i]
     for kind in range(spans.shape[0]):
-        span = spans[kind]
-        for i in range(sig.shape[0]):
-            decay = np.exp(-sig[i] * span)
-            table[kind, i, 0] = decay * np.cos(wd[i] * span)
-            table[kind, i, 1] = decay * np.sin(wd[i] * span)
-            table[kind, i, 2] = np.exp(-rate * span)
+        _turns(table, kind, spans[kind], rate, sig, wd)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _turns(table: Array, kind: int, span: float, rate: float, sig: Array, wd: Array) -> None:
+    """One row of the table."""
+    for i in range(sig.shape[0]):
+        decay = np.exp(-sig[i] * span)
+        table[kind, i, 0] = decay * np.cos(wd[i] * span)
+        table[kind, i, 1] = decay * np.sin(wd[i] * span)
+        table[kind, i, 2] = np.exp(-rate * span)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -164,11 +169,12 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     whole = int(np.floor(dead / dt + 1e-9))
     fraction = min(max(dead / dt - whole, 0.0), 1.0)
     stay_early, stay_late = np.exp(-rate * fraction * dt), np.exp(-rate * (1.0 - fraction) * dt)
-    starts, fades, kinds = np.zeros(2), np.zeros(2), np.zeros(2, np.int64)
+    # stretches of a cycle: two, where a command arrives within it, and either may see the limit of acceleration end
+    starts, fades, kinds = np.zeros(4), np.zeros(4), np.zeros(4, np.int64)
     lengths = np.array(
         [fraction * dt, (1.0 - fraction) * dt, dt / substeps]
-    )  # kinds of stretches; the last: a substep
-    table, yields, per_rate = np.zeros((3, m, 3)), np.zeros((m, 3)), 1.0 / rate
+    )  # kinds of stretches; the third: a substep; those after, of any length, are tabulated as they come
+    table, yields, per_rate = np.zeros((3 + len(kinds), m, 3)), np.zeros((m, 3)), 1.0 / rate
     h = dt / substeps
     nonlinear = coulomb != 0.0 or quadratic != 0.0 or cubic != 0.0 or ps != 0.0 or pc != 0.0 or force.size > 0
     q, v = np.zeros(m), np.zeros(m)
@@ -221,20 +227,26 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
             if span <= 0.0:
                 continue
             target = _obeyed(command[index], limit, deadband, loss)
-            error = target - omega_m
-            start = rate * error
+            first, before = count, omega_m
+            error, kind = target - omega_m, half
+            start, fade = rate * error, rate
             if abs(start) > max_acceleration:
-                start = max_acceleration if start > 0.0 else -max_acceleration
-                change = start * span
-                if abs(change) > abs(error):
-                    change = error
-                theta_m += span * (omega_m + 0.5 * change)
-                fade = 0.0
-            else:
-                change = error * (1.0 - stay)
+                start, fade = (max_acceleration if start > 0.0 else -max_acceleration), 0.0
+                held_s = min(abs(error) / max_acceleration - per_rate, span)
+                theta_m += held_s * (omega_m + 0.5 * start * held_s)
+                omega_m += start * held_s
+                if held_s < span:  # the limit ends within the stretch
+                    kind = 3 + count
+                    _turns(table, kind, held_s, rate, sig, wd)
+                    starts[count], fades[count], kinds[count] = start, fade, kind
+                    count += 1
+                    span, kind, fade = span - held_s, kind + 1, rate
+                    _turns(table, kind, span, rate, sig, wd)
+                    error, stay = target - omega_m, np.exp(-rate * span)
+                    start = rate * error
+            if fade > 0.0:
                 theta_m += target * span - error * (1.0 - stay) * per_rate
-                fade = rate
-            omega_m += change
+                omega_m += error * (1.0 - stay)
             alpha_m = min(max(rate * (target - omega_m), -max_acceleration), max_acceleration)
             # read about a command's arrival, an accelerometer shows a share of what it brings
             near = min(fraction, 1.0 - fraction) * dt
@@ -246,9 +258,10 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                     alpha_m += 0.5 * (1.0 - near / blur) * (beside - alpha_m)
             if theta_m > highest or theta_m < lowest:
                 theta_m = min(max(theta_m, lowest), highest)
-                start, fade = -(omega_m - change) / span, 0.0
+                count, kind = first, half  # stopped over the whole stretch
+                start, fade = -before / lengths[half], 0.0
                 omega_m, alpha_m = 0.0, 0.0
-            starts[count], fades[count], kinds[count] = start, fade, half
+            starts[count], fades[count], kinds[count] = start, fade, kind
             count += 1
         if gap > 0.0:
             before = theta

@@ -115,11 +115,20 @@ def test_accelerations_are_those_of_the_motion() -> None:
 
 
 def test_acceleration_of_the_joint_is_limited() -> None:
-    """The limit ends within a cycle, where the kernel has it end with one."""
-    _, omega, q = Rig(most_rad_s2=2.0).integrate()
+    """The limit ends within a cycle: were it to end with one, the velocity would be off by up to a cycle of it."""
+    theta, omega, q = Rig(most_rad_s2=2.0).integrate()
     found = simulated({"MAX_ACCELERATION": 2.0})
-    assert off(found[1], omega) < 2e-3
-    assert off(found[4], q) < 2e-3
+    assert off(found[0], theta) < 1e-6
+    assert off(found[1], omega) < 1e-5
+    assert off(found[4], q) < 1e-5
+
+
+def test_a_limited_motion_changes_smoothly_with_the_bandwidth() -> None:
+    """A likelihood with steps in it would name a bandwidth that is off by less than anything shows."""
+    rates = 2.0 * pi * np.linspace(20.0, 24.0, 101)
+    ends = np.array([simulated({"MAX_ACCELERATION": 2.0, "RATE": rate})[0] for rate in rates])
+    turns = np.diff(ends, 2, axis=0)
+    assert np.max(np.abs(turns)) < 0.02 * np.max(np.abs(np.diff(ends, axis=0)))
 
 
 @pytest.mark.parametrize(
