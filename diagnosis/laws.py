@@ -8,18 +8,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from diagnosis.fit import Data, Fit
 from diagnosis.late_bursts import find_bursts
 from diagnosis.measured import ClockGap, Measured
 from diagnosis.noise import HUBER, LEAST
+from diagnosis.outliers import SURE_NATS, outliers, pulses, robust
 from diagnosis.repeated_stamps import held_back
-from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
 
-_SPIKE, _LONE_SPIKE = 6.0, 20.0  # robust deviations; a blow that strikes so hard is heard to ring
+_LONE_SPIKE = 20.0  # robust deviations; a blow that strikes so hard is heard to ring
 _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
 _ONE_STEP_S = 1.0
@@ -54,10 +53,6 @@ def _sums(block: NDArray[np.int64], values: Array, count: int) -> Array:
     return np.bincount(block, values, count).astype(np.float64)
 
 
-def _robust(values: Array) -> float:
-    return 1.4826 * float(np.median(np.abs(values - np.median(values)))) + 1e-12
-
-
 def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     """Samples that are far off, singly: each as likely as the share of such samples in the other blocks, which for the
     only one of a recording is half a sample (Jeffreys' prior).
@@ -65,22 +60,16 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     Their size counts as uniform in its logarithm over two decades; the usual noise has Huber's tails, so that one value
     is worth no more than its size.
     """
-    if "acceleration" not in data.world.channels:
+    found = outliers(data, last)
+    if found is None:
         return None
-    measured, predicted = data.world.channels["acceleration"], last.predicted.channels["acceleration"]
-    residual = measured - predicted
-    # a sensor at its limit scatters less
-    limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
-    known = np.isfinite(residual) & (np.abs(measured) < limit) & (np.abs(predicted) < limit)
-    known &= ~unforetold(data, last)[data.blocks["acceleration"]] & ~_just_begun(data)
-    if known.sum() < _FEWEST_SAMPLES:
-        return None
-    sigma = _robust(residual[known])
-    doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(predicted))
-    u = np.abs(np.nan_to_num(residual)) / doubt
-    spikes = known & (u > _SPIKE) & ~_crowded(u > _SPIKE)
+    residual, known, sigma, spikes = found.residual, found.known, found.sigma, found.flags
+    u = np.abs(found.u)
     count = int(spikes.sum())
     if count == 0 or (count == 1 and u[spikes].max() < _LONE_SPIKE):
+        return None
+    lasting = pulses(data, last)
+    if lasting is not None and lasting.sum() > SURE_NATS:
         return None
     block = data.blocks["acceleration"]
     per_block = _sums(block, spikes.astype(float), len(data.split.held))
@@ -102,39 +91,6 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
         gains,
         alone=count == 1,
     )
-
-
-_AT_THE_LIMIT, _FEWEST_SAMPLES = 0.9, 100
-_STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
-_BEGUN_S = 0.01
-
-
-def _just_begun(data: Data) -> NDArray[np.bool_]:
-    """Samples just after the start or a blow: what the sensor's filter still holds of the time before is not known, and
-    a blow's instant is, to the cycle only."""
-    world = data.world
-    found = np.zeros(len(world.channels["acceleration"]), bool)
-    for cycle in (0, *world.impacts):
-        begin = max(cycle - 1, 0)
-        found[begin : cycle + round(_BEGUN_S / world.measured.cycle_s)] = True
-    return found
-
-
-def _steepness(predicted: Array) -> Array:
-    """Largest jump from sample to sample close by, less the slope that goes on: where the motion jumps, an instant that
-    is slightly off makes a residual that is no spike."""
-    change = np.abs(np.diff(predicted, 2, prepend=predicted[0], append=predicted[-1]))
-    return np.asarray(maximum_filter1d(change, 2 * _STEEP_SAMPLES + 1), dtype=np.float64)
-
-
-_CROWD_SAMPLES, _CROWD = 12, 4
-
-
-def _crowded(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Flags among several others: a stretch that the simulation gets wrong, not single samples."""
-    near = np.convolve(flags.astype(float), np.ones(2 * _CROWD_SAMPLES + 1), "same")
-    crowd: NDArray[np.bool_] = near >= _CROWD
-    return crowd
 
 
 def _frame_drops(data: Data, last: Fit) -> LawFound | None:
@@ -251,7 +207,7 @@ def _stamp_step(data: Data, last: Fit) -> LawFound | None:
     usual = float(np.median(jumps / np.maximum(np.diff(x), 1e-9)))
     jumps = jumps - usual * np.diff(x)
     i = int(np.argmax(np.abs(jumps)))
-    noise = max(_robust(jumps), 2e-6)
+    noise = max(robust(jumps), 2e-6)
     if abs(jumps[i]) < 12.0 * noise or abs(jumps[i]) < 1e-4:
         return None
     after = np.arange(len(off)) > i

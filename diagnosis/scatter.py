@@ -1,6 +1,7 @@
 """What a residual does beside its mean: remembers, is driven at the mode's frequency, or scatters unevenly.
 
-Each law is held against white noise of one level by the log-likelihood of the held-out part.
+Each law is held against white noise of one level by the log-likelihood of the held-out part; that of rare things by
+the log-likelihood of every block, learnt on the others.
 """
 
 from dataclasses import dataclass
@@ -12,12 +13,19 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from diagnosis.fit import Data, Fit
+from diagnosis.outliers import pulses
+from diagnosis.steady_spectrum import steady_spectrum
+from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 ON_ITS_PAST = "each value depends on those before it"
 """The dependence of what is left of a motion that the simulation does not have."""
+ITS_SPECTRUM_STAYS = "parts of its spectrum are stronger for a while"
+"""The dependence of what sounds in a band of its own: another axis, gears, bursts of coloured noise."""
+LASTING = "what stands out lasts for several samples"
+"""The dependence of blows and jerks on what is measured, short as spikes, which are single samples."""
 
 _LAGS = 12
 _CLIP = 6.0
@@ -35,12 +43,17 @@ _BINS = 5
 
 @dataclass(frozen=True)
 class Uneven:
-    """A law that fits better than white noise. nats: gained on the training part; block_nats: held out."""
+    """A law that fits better than white noise. train_nats: gained on the training part; block_nats: held out.
+
+    everywhere: each block is judged by what was learnt on all the others, so that all count, not the held-out alone;
+    train_nats are then the sum of them.
+    """
 
     channel: str
     law: str
     train_nats: float
     block_nats: Array
+    everywhere: bool = False
 
 
 def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
@@ -68,6 +81,13 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
             found.append(told(ON_ITS_PAST, _memory(r, train)))
         if name in ("acceleration", "displacement", "deflection"):
             found.append(told("the arm is driven at its own frequency", _driven(data, last, name, r, train)))
+        if name in ("acceleration", "deflection"):
+            counts = known & ~unforetold(data, last)[block]
+            gains = steady_spectrum(r, counts, block, count)
+            found.append(Uneven(name, ITS_SPECTRUM_STAYS, float(gains.sum()), gains, everywhere=True))
+        lasting = pulses(data, last) if name == "acceleration" else None
+        if lasting is not None:
+            found.append(Uneven(name, LASTING, float(lasting.sum()), lasting, everywhere=True))
         if name not in _ENCODER:
             found += [told(law, gains) for law, gains in _variances(data, last, name, r, train)]
     return found

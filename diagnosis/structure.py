@@ -60,12 +60,13 @@ def examine(data: Data, last: Fit, known_laws: frozenset[str] = frozenset()) -> 
     found = {}
     for name in last.residuals:
         choices = [
-            (one.law, "", one.train_nats, one.block_nats[held])
+            _Choice(one.law, "", one.train_nats, one.block_nats if one.everywhere else one.block_nats[held],
+                    float(held.mean()) if one.everywhere else 1.0)
             for one in laws
             if one.channel == name and not (name in excused or _dated_by_arrival(one, last))
-        ]
+        ]  # fmt: skip
         if by_terms == name:
-            choices.append((terms.names[0], _words(terms), terms.train_nats, terms.block_nats[held]))
+            choices.append(_Choice(terms.names[0], _words(terms), terms.train_nats, terms.block_nats[held]))
         found[name] = _best(name, choices, last)
     return Remains(found, terms)
 
@@ -88,15 +89,30 @@ def _of_terms(terms: Explained, last: Fit) -> str:
     )
 
 
-def _best(name: str, choices: list[tuple[str, str, float, Array]], last: Fit) -> Structure:
-    law, term, train, nats, std = "none found", "", 0.0, 0.0, 0.0
-    for what, words, gained, blocks in choices:
-        total = float(blocks.sum())
-        spread = float(np.std(blocks) * len(blocks) ** 0.5)
-        sure = gained > _LEAST_TRAIN_NATS and total > max(_LEAST_HELD_NATS, spread)
-        if sure and total > nats:
-            law, term, train, nats, std = what, words, gained, total, spread
-    return Structure(name, nats == 0.0, nats, std, train, _band(last, name), law, term)
+@dataclass(frozen=True)
+class _Choice:
+    """A law or terms. train_nats: gained on the training part; gains: of each block that judges; held: which share of
+    these nats is counted as held out, so that they compare with a finding's (the rest being the training part's).
+    """
+
+    law: str
+    term: str
+    train_nats: float
+    gains: Array
+    held: float = 1.0
+
+
+def _best(name: str, choices: list[_Choice], last: Fit) -> Structure:
+    band = _band(last, name)
+    best = Structure(name, True, 0.0, 0.0, 0.0, band, "none found", "")
+    for one in choices:
+        total = float(one.gains.sum())
+        spread = float(np.std(one.gains) * len(one.gains) ** 0.5)
+        sure = one.train_nats > _LEAST_TRAIN_NATS and total > max(_LEAST_HELD_NATS, spread)
+        if sure and one.held * total > best.nats:
+            train = one.train_nats if one.held == 1.0 else (1.0 - one.held) * total
+            best = Structure(name, False, one.held * total, one.held * spread, train, band, one.law, one.term)
+    return best
 
 
 def _words(terms: Explained) -> str:

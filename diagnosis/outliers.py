@@ -1,0 +1,129 @@
+"""Samples of the accelerometer that are far off: single ones, as spikes are, or the tops of pulses that last."""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from diagnosis.fit import Data, Fit
+from diagnosis.unforetold import unforetold
+
+Array = NDArray[np.float64]
+
+SURE_NATS = 6.0
+"""From here on outliers are taken for pulses."""
+
+_OUTLYING = 6.0  # robust deviations
+_OF_TWO = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares
+_NOISE, _NEVER = 2.0, 1e-12  # deviations; a density below which no sample says more
+_AT_THE_LIMIT, _FEWEST_SAMPLES = 0.9, 100
+_STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
+_BEGUN_S = 0.01
+_CROWD_SAMPLES, _CROWD = 12, 4
+
+
+@dataclass(frozen=True)
+class Outliers:
+    """The accelerometer's residual, m/s^2; which of it counts; its level; its size over its doubt; what stands out."""
+
+    residual: Array
+    known: NDArray[np.bool_]
+    sigma: float
+    u: Array
+    flags: NDArray[np.bool_]
+
+
+def outliers(data: Data, last: Fit) -> Outliers | None:
+    """Samples that stand out in small number; None where too few are known."""
+    if "acceleration" not in data.world.channels:
+        return None
+    measured, predicted = data.world.channels["acceleration"], last.predicted.channels["acceleration"]
+    residual = measured - predicted
+    # a sensor at its limit scatters less
+    limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
+    known = np.isfinite(residual) & (np.abs(measured) < limit) & (np.abs(predicted) < limit)
+    known &= ~unforetold(data, last)[data.blocks["acceleration"]] & ~_just_begun(data)
+    if known.sum() < _FEWEST_SAMPLES:
+        return None
+    sigma = robust(residual[known])
+    doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(predicted))
+    u = np.nan_to_num(residual) / doubt
+    far = np.abs(u) > _OUTLYING
+    return Outliers(residual, known, sigma, u, known & far & ~_crowded(far))
+
+
+def pulses(data: Data, last: Fit) -> Array | None:
+    """Nats of each block that its outliers are pulses of several samples, which no cause has a name for; None where
+    there are none. (blocks,)"""
+    found = outliers(data, last)
+    if found is None or not found.flags.any():
+        return None
+    size = np.where(found.flags, np.abs(found.u), 0.0)
+    top = found.flags & (size >= maximum_filter1d(size, 3))  # two samples beside each other have one
+    tops = np.flatnonzero(top)
+    gains = pulse_gains(np.where(found.known, found.u, np.nan), tops)
+    return np.bincount(data.blocks["acceleration"][tops], gains, len(data.split.held)).astype(np.float64)
+
+
+def pulse_gains(u: Array, tops: NDArray[np.int64]) -> Array:
+    """Log-likelihood that each top is a pulse's over that it is a spike, by its two neighbours. (tops,)
+
+    A spike is one sample or two: at least one neighbour is noise. Beside the top of a pulse both are anything up to it.
+    How many spikes are two samples is not known: the share that speaks most for spikes is taken.
+    u: residual over its level, (n,); an unknown neighbour says nothing. tops: the largest sample of each.
+    """
+    top = np.abs(u[tops])
+    sign = np.sign(u[tops])
+    before, after = sign * u[np.maximum(tops - 1, 0)], sign * u[np.minimum(tops + 1, len(u) - 1)]
+    quiet_before, quiet_after = _normal(before), _normal(after)
+    raised_before, raised_after = _up_to(top, before), _up_to(top, after)
+    one = quiet_before * quiet_after
+    two = 0.5 * (quiet_before * raised_after + raised_before * quiet_after)
+    pulse = np.log(raised_before * raised_after + _NEVER)
+    known = np.isfinite(before + after)
+    laws = [
+        np.where(known, pulse - np.log((1.0 - share) * one + share * two + _NEVER), 0.0) for share in _OF_TWO
+    ]
+    return min(laws, key=lambda gains: float(gains.sum()))
+
+
+def _normal(u: Array) -> Array:
+    density: Array = np.exp(-0.5 * u**2) / sqrt(2.0 * pi)
+    return density
+
+
+def _up_to(top: Array, u: Array) -> Array:
+    """Density of what lies anywhere between nothing and the top, but for the noise."""
+    return np.where((u > -_NOISE) & (u < top + _NOISE), 1.0 / (top + 2.0 * _NOISE), 0.0)
+
+
+def robust(values: Array) -> float:
+    """Standard deviation from the median distance to the median."""
+    return 1.4826 * float(np.median(np.abs(values - np.median(values)))) + 1e-12
+
+
+def _just_begun(data: Data) -> NDArray[np.bool_]:
+    """Samples just after the start or a blow: what the sensor's filter still holds of the time before is not known, and
+    a blow's instant is, to the cycle only."""
+    world = data.world
+    found = np.zeros(len(world.channels["acceleration"]), bool)
+    for cycle in (0, *world.impacts):
+        begin = max(cycle - 1, 0)
+        found[begin : cycle + round(_BEGUN_S / world.measured.cycle_s)] = True
+    return found
+
+
+def _steepness(predicted: Array) -> Array:
+    """Largest jump from sample to sample close by, less the slope that goes on: where the motion jumps, an instant that
+    is slightly off makes a residual that is no spike."""
+    change = np.abs(np.diff(predicted, 2, prepend=predicted[0], append=predicted[-1]))
+    return np.asarray(maximum_filter1d(change, 2 * _STEEP_SAMPLES + 1), dtype=np.float64)
+
+
+def _crowded(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Flags among several others: a stretch that the simulation gets wrong, not single samples."""
+    near = np.convolve(flags.astype(float), np.ones(2 * _CROWD_SAMPLES + 1), "same")
+    crowd: NDArray[np.bool_] = near >= _CROWD
+    return crowd
