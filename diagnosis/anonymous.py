@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from diagnosis.fit import THIN, Data, Fit, jacobian, thinned, thinned_mask
+from diagnosis.world import Motion
 
 Array = NDArray[np.float64]
 
@@ -23,6 +24,7 @@ _WAVE_S = 1.5
 _CLIP = 8.0
 _MOUNT_HZ = tuple(float(hz) for hz in np.geomspace(3.0, 40.0, 20))
 _MOUNT_DAMPING = 0.06
+_HOLDS = (0.3, 1.0, 2.0)  # deviations of what shakes a mount, up to which friction holds it
 
 
 @dataclass(frozen=True)
@@ -281,6 +283,24 @@ def _answer(last: Fit, force: Array) -> dict[str, Array]:
     return change
 
 
+def _beyond(shaken: Array, hold: float) -> Array:
+    """What of an acceleration is more than friction holds, which is `hold` times its deviation."""
+    limit = hold * float(np.std(shaken))
+    return np.asarray(shaken - np.clip(shaken, -limit, limit))
+
+
+def _mounts(motion: Motion, step_s: float) -> Iterator[tuple[str, Array]]:
+    """How a mount of each frequency is shaken, held elastically or by friction that lets go, at each cycle."""
+    alpha, a = _unit(motion.joint[:, 2]), _unit(motion.tip_acceleration)
+    shakes = {"shaken by the joint's acceleration": alpha, "shaken by the tip's acceleration": a}
+    for hold in _HOLDS:
+        shakes[f"loose beyond {hold:g} of the tip's acceleration"] = _beyond(a, hold)
+    for hz in _MOUNT_HZ:
+        for by, shaken in shakes.items():
+            for what, values in _rings(shaken, step_s, hz).items():
+                yield f"a mount of {hz:.3g} Hz, {by} ({what})", values
+
+
 def _rings(shaken: Array, step_s: float, hz: float) -> dict[str, Array]:
     """Displacement and rate, each over its largest, of a lightly damped mount that is shaken."""
     pole = np.exp((-_MOUNT_DAMPING + 1j) * 2.0 * pi * hz * step_s)
@@ -333,13 +353,7 @@ def _on_sensors(last: Fit) -> Iterator[Term]:
                 late = np.interp(at - lag, t, alpha)
                 plain[f"joint acceleration {lag * 1000:.0f} ms before"] = late
         if name == "displacement":
-            for hz in _MOUNT_HZ:
-                for what, values in _rings(alpha, world.measured.cycle_s, hz).items():
-                    plain[f"a mount of {hz:.3g} Hz, shaken by the joint's acceleration ({what})"] = seen(
-                        values
-                    )
-                for what, values in _rings(a, world.measured.cycle_s, hz).items():
-                    plain[f"a mount of {hz:.3g} Hz, shaken by the tip's acceleration ({what})"] = seen(values)
+            plain |= {what: seen(values) for what, values in _mounts(motion, world.measured.cycle_s)}
             pixels = last.predicted.channels[name]
             for turns in (1.0, 2.0):
                 plain[f"sine of the place in the pixel ({turns:g})"] = np.sin(2 * pi * turns * pixels)

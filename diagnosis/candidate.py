@@ -37,13 +37,15 @@ class Candidate:
 class Stage:
     """One step of the search: what was screened, who was refitted (best first), who was taken.
 
-    other_names: causes that a later stage would have added, and that explain the same thing.
+    other_names: causes that a later stage would have added, and that explain the same thing. too_small: one whose gain
+    is more than chance, and whose size is too little to have a name.
     """
 
     screening: Screening
     candidates: list[Candidate]
     taken: Candidate | None
     other_names: list[str] = field(default_factory=list)
+    too_small: Candidate | None = None
 
 
 @dataclass

@@ -10,6 +10,7 @@ from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.onset import AT_ONCE, ONSETS, onset_of
 from diagnosis.screen import Screening
+from diagnosis.worth import worth_a_name
 
 Array = NDArray[np.float64]
 
@@ -63,16 +64,31 @@ def _both(one: Candidate) -> float:
 
 
 def choose(ranked: list[Candidate], screening: Screening) -> Candidate | None:
-    """The best that convinces; laws wait until no cause of another kind does, as what a wrong simulation leaves looks
-    like noise of another law: but not for one that explains far less than they do."""
-    convincing = [one for one in ranked if _convincing(one, screening)]
-    by_law = max((_both(one) for one in convincing if one.law is not None), default=0.0)
-    convincing.sort(
+    """The best that convinces: where that is too small to have a name, none but a law of noise or timing, as what does
+    less well than it is no more than a likeness of the same."""
+    best = _best(ranked, screening)
+    if best is not None and not worth_a_name(best):
+        best = _best([one for one in ranked if one.law is not None], screening)
+    return best
+
+
+def too_small(ranked: list[Candidate], screening: Screening) -> Candidate | None:
+    """The best, where its gain is more than chance, but its size too little to have a name."""
+    best = _best(ranked, screening)
+    return best if best is not None and not worth_a_name(best) else None
+
+
+def _best(ranked: list[Candidate], screening: Screening) -> Candidate | None:
+    """The best whose gain is more than chance; laws wait until there is no cause of another kind, as what a wrong
+    simulation leaves looks like noise of another law: but not for one that explains far less than they do."""
+    sure = [one for one in ranked if _more_than_chance(one, screening)]
+    by_law = max((_both(one) for one in sure if one.law is not None), default=0.0)
+    sure.sort(
         key=lambda one: (
             one.law is None and _both(one) < _LEAST_OF_A_LAW * by_law, not one.certain, one.law is not None,
         )
     )  # stable: the best first within each  # fmt: skip
-    return _likelier(convincing[0], convincing) if convincing else None
+    return _likelier(sure[0], sure) if sure else None
 
 
 def _likelier(first: Candidate, convincing: list[Candidate]) -> Candidate:
@@ -126,6 +142,11 @@ def _merit(one: Candidate) -> float:
 
 
 def _convincing(one: Candidate, screening: Screening) -> bool:
+    """Whether the gain is more than chance, and the size enough to have a name."""
+    return worth_a_name(one) and _more_than_chance(one, screening)
+
+
+def _more_than_chance(one: Candidate, screening: Screening) -> bool:
     """Whether the gain is more than chance: on the part that was searched, and on the held-out part."""
     penalty = LEAST_HELD_NATS + 0.5 * len(one.free)
     onset = onset_of(CAUSES[one.cause]) if one.law is None else None

@@ -33,7 +33,7 @@ _SPIKE = 5.0
 _AT_THE_FLOOR = (
     0.5  # of the level: what is left lies below what a simulation is taken to reach (diagnosis.noise.LEAST)
 )
-_ENCODER = ("joint_position", "joint_velocity")  # whose steps scatter less while the joint stands
+ENCODER = ("joint_position", "joint_velocity")  # whose steps scatter less while the joint stands
 _ROUNDED = (
     0.5  # of an encoder's step: below it what is left is its rounding, which stays while the joint stands
 )
@@ -88,7 +88,7 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
         lasting = pulses(data, last) if name == "acceleration" else None
         if lasting is not None:
             found.append(Uneven(name, LASTING, float(lasting.sum()), lasting, everywhere=True))
-        if name not in _ENCODER:
+        if name not in ENCODER:
             found += [told(law, gains) for law, gains in _variances(data, last, name, r, train)]
     return found
 

@@ -11,7 +11,7 @@ from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
-from diagnosis.choice import LEAST_HELD_NATS, choose, in_doubt, next_to_take, rank
+from diagnosis.choice import LEAST_HELD_NATS, choose, in_doubt, next_to_take, rank, too_small
 from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
@@ -125,12 +125,13 @@ def _stage(
     fits = (_of_fit(cause, one, last, split) for cause, one in near)
     ranked = rank([*by_law, *(replace(one, certain=one.cause in certain) for one in fits)])
     chosen = choose(ranked, screening)
-    if in_doubt(chosen, ranked) and top - last.train_nats > 2.0 * screening.threshold_nats:
+    small = too_small(ranked, screening)
+    if small is None and in_doubt(chosen, ranked) and top - last.train_nats > 2.0 * screening.threshold_nats:
         others = rank([*by_law, *_with_straying(data, last, split, near)])
         other = choose(others, screening)
         if other is not None and (chosen is None or other.law is None):
             ranked, chosen = others, other
-    return Stage(screening, ranked, chosen)
+    return Stage(screening, ranked, chosen, too_small=small)
 
 
 def _to_refit(screening: Screening) -> list[Scored]:

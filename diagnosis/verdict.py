@@ -1,10 +1,11 @@
 """From the search to what is said: named, none or unexplained, with the numbers behind it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
@@ -12,6 +13,7 @@ from diagnosis.catalogue import CAUSES
 from diagnosis.choice import confidence, inseparable
 from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, least_level, make_data
+from diagnosis.scatter import ENCODER
 from diagnosis.side_by_side import meanwhile
 from diagnosis.structure import Remains, Structure, examine
 from diagnosis.unforetold import foretold
@@ -19,7 +21,8 @@ from diagnosis.unforetold import foretold
 Array = NDArray[np.float64]
 
 _SHARE_LEFT = 0.15  # of what the findings gain, held out
-_LEAD_NATS = 5.0
+_LEAD_NATS = 5.0  # how much likelier a name is than any one term, before any data
+_BOUND = 6.0  # deviations
 _LIKENESS = 0.3  # a cause that a term without a name beats
 _CHANNEL_OF_LAWS = {"accelerometer": "acceleration", "timing": "arrival"}
 
@@ -30,6 +33,7 @@ class Judged:
 
     left: what remains after all findings, if that is much. unnamed_lead: nats by which a term, or where something is
     left a law, without a name does better than the first finding; above zero, the finding is at most a likeness.
+    named: probability that it is the first finding rather than the best term.
     """
 
     verdict: str
@@ -38,6 +42,7 @@ class Judged:
     left: Structure | None
     unnamed_lead: float = 0.0
     left_nats: float = 0.0
+    named: float = 1.0
 
 
 def judge(found: Found, split: Split) -> Judged:
@@ -55,44 +60,75 @@ def judge(found: Found, split: Split) -> Judged:
     gained = sum(max(one.held_gain, 0.0) for one in found.findings)
     left = worst if worst is not None and worst.nats > _SHARE_LEFT * gained else None
     judging = split.held & foretold(split, found.baseline)
-    lead = _lead(named[0], first, judging) if named else 0.0
+    ahead = _ahead(named[0], first, judging) if named else -np.inf
+    lead = _beyond_chance(ahead, named[0]) if named else 0.0
     if lead > 0.0 and left is None:
         left = _unnamed(first)
     if named and left is not None:
         lead = max(lead, _lead_of_laws(named[0], first))
+    if not found.findings and left is None:
+        left = _too_small(found, first)
     if named and left is None and _too_many(found, named[0]):
         left = first.worst or _unnamed(first)
     verdict = "unexplained" if left is not None else ("named" if found.findings else "none")
     left_nats = left.nats if left is not None and left is worst else 0.0
-    return Judged(verdict, first.channels, last.channels, left, lead, left_nats)
+    probability = float(expit(_LEAD_NATS - ahead))
+    return Judged(verdict, first.channels, last.channels, left, lead, left_nats, probability)
 
 
-def _lead(one: Candidate, first: Remains, judging: NDArray[np.bool_]) -> float:
-    """Nats by which the best term without a name explains more than the finding, as many numbers being fitted; zero
-    if that may be chance. judging: held-out blocks that say anything."""
-    named = one.train_gain + one.held_gain
+def _ahead(one: Candidate, first: Remains, judging: NDArray[np.bool_]) -> float:
+    """Nats by which the best term without a name explains more than the finding, as many numbers being fitted.
+    judging: held-out blocks that say anything."""
     unnamed = first.terms.first_nats
     if len(first.terms.names) == 1:
         unnamed += float(first.terms.block_nats[judging].sum())
     else:  # its share of what all terms gain, held out
         share = first.terms.first_nats / max(first.terms.train_nats, 1e-9)
         unnamed += share * float(first.terms.block_nats[judging].sum())
-    lead = unnamed - named
-    return lead if lead > _LEAD_NATS + 0.01 * named else 0.0
+    return unnamed - one.train_gain - one.held_gain
+
+
+def _beyond_chance(ahead: float, one: Candidate) -> float:
+    """A lead over the finding; zero if it may be chance."""
+    return ahead if ahead > _LEAD_NATS + 0.01 * (one.train_gain + one.held_gain) else 0.0
 
 
 def _lead_of_laws(one: Candidate, first: Remains) -> float:
     """The same of laws without a name: where one goes on explaining what is left, and explained more than the finding
     did before there was any, the finding may be but the part of it that has a name."""
     named = one.train_gain + one.held_gain
-    lead = max(law.train_nats + law.nats for law in first.channels.values()) - named
-    return lead if lead > _LEAD_NATS + 0.01 * named else 0.0
+    return _beyond_chance(max(law.train_nats + law.nats for law in first.channels.values()) - named, one)
 
 
 def _too_many(found: Found, one: Candidate) -> bool:
     """Whether the first finding is one of three or more that the data cannot tell apart: no name is known then."""
     stage = next(stage for stage in found.stages if stage.taken is one)
     return len(inseparable(stage)) > 1
+
+
+def _too_small(found: Found, first: Remains) -> Structure | None:
+    """What looks like a cause, but too small a one to have a name, as a structure that is left in its channel; but for
+    an encoder's, whose rounding does as much."""
+    one = next((stage.too_small for stage in found.stages if stage.too_small is not None), None)
+    if one is None:
+        return None
+    likeness = f"like {one.cause}, of a size too small to have a name"
+    left = _channel_mended(found.baseline, one.fit)
+    if left in ENCODER:
+        return None
+    return replace(
+        first.channels[left], white=False, nats=one.held_gain, std_nats=one.held_std, train_nats=one.train_gain,
+        dependence=likeness,
+    )  # fmt: skip
+
+
+def _channel_mended(before: Fit, after: Fit) -> str:
+    """The channel of which a fit explains most."""
+
+    def power(one: Fit, name: str) -> float:
+        return float(np.nansum(np.minimum(np.abs(one.residuals[name] / before.sigma[name]), _BOUND) ** 2))
+
+    return max(before.residuals, key=lambda name: power(before, name) - power(after, name))
 
 
 def _unnamed(first: Remains) -> Structure:
@@ -108,6 +144,7 @@ def sure(one: Candidate, stage: Stage, judged: Judged) -> float:
     # what a wrong simulation leaves looks like noise of another law
     doubtful = one.law is not None and channel == _CHANNEL_OF_LAWS.get(CATALOGUE[one.cause].place)
     likeness = _LIKENESS if judged.unnamed_lead > 0.0 or doubtful else 1.0
+    likeness = likeness if one.law is not None else min(likeness, judged.named)
     return likeness * confidence(stage) * gained / (gained + judged.left_nats)
 
 

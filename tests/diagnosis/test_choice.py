@@ -21,7 +21,7 @@ SCATTER = np.array([9.0, -6.0, 3.0, -5.0, 4.0, -8.0, 7.0, -4.0, 6.0, -6.0])
 def candidate(cause: str, train: float, held: float) -> Candidate:
     """One quantity, the held-out gain the same in all blocks; all share one fit."""
     gains = np.full(BLOCKS, held / BLOCKS)
-    return Candidate(cause, LAST, train, held, 0.0, gains, {}, free=("one",))
+    return Candidate(cause, LAST, train, held, 0.0, gains, {}, free=("drive.bandwidth_hz",))
 
 
 def scattered(one: Candidate, by: float) -> Candidate:
