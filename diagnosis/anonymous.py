@@ -40,7 +40,7 @@ class Term:
 class Explained:
     """Terms chosen, with their amounts; nats: gained of the training part and of each held-out block.
 
-    first_nats: what the first term alone gains, training part and all. channel: where the first one acts.
+    first_nats, first_blocks: what the first term alone gains of either. channel: where the first one acts.
     """
 
     names: tuple[str, ...]
@@ -49,6 +49,7 @@ class Explained:
     train_nats: float
     first_nats: float
     block_nats: Array
+    first_blocks: Array
 
 
 def explained(data: Data, last: Fit) -> Explained:
@@ -90,20 +91,30 @@ def explained(data: Data, last: Fit) -> Explained:
         gained = 0.5 * float(residual @ residual - rest @ rest)
         first = gained if len(chosen) == 1 else first
     if not chosen:
-        return Explained((), (), "", 0.0, 0.0, np.zeros(len(data.split.held)))
-    x = np.concatenate((base, columns.whole(chosen)), axis=1)
-    weights, *_ = np.linalg.lstsq(x[train], parts.residual[train], rcond=None)
-    before, after = parts.residual, parts.residual - x @ weights
-    gains = 0.5 * (before**2 - after**2)
-    blocks = np.bincount(parts.block[parts.held], gains[parts.held], len(data.split.held)).astype(np.float64)
+        nothing = np.zeros(len(data.split.held))
+        return Explained((), (), "", 0.0, 0.0, nothing, nothing)
+    weights, blocks = _held_out(parts, columns.whole(chosen), len(data.split.held))
+    _, alone = _held_out(parts, columns.whole(chosen[:1]), len(data.split.held))
     return Explained(
         tuple(names[i] for i in chosen),
-        tuple(float(w) for w in weights[base.shape[1] :]),
+        tuple(float(w) for w in weights),
         acts_on[chosen[0]],
         gained,
         first,
         blocks,
+        alone,
     )
+
+
+def _held_out(parts: "_Parts", terms: Array, blocks: int) -> tuple[Array, Array]:
+    """Amounts of terms (samples, terms) beside the fitted parameters, and what they gain of each held-out block."""
+    train, held = parts.train, parts.held
+    x = np.concatenate((parts.base, terms), axis=1)
+    weights, *_ = np.linalg.lstsq(x[train], parts.residual[train], rcond=None)
+    after = parts.residual - x @ weights
+    gains = 0.5 * (parts.residual**2 - after**2)
+    found = np.bincount(parts.block[held], gains[held], blocks).astype(np.float64)
+    return weights[parts.base.shape[1] :], found
 
 
 class _Parts:

@@ -79,12 +79,7 @@ def judge(found: Found, split: Split) -> Judged:
 def _ahead(one: Candidate, first: Remains, judging: NDArray[np.bool_]) -> float:
     """Nats by which the best term without a name explains more than the finding, as many numbers being fitted.
     judging: held-out blocks that say anything."""
-    unnamed = first.terms.first_nats
-    if len(first.terms.names) == 1:
-        unnamed += float(first.terms.block_nats[judging].sum())
-    else:  # its share of what all terms gain, held out
-        share = first.terms.first_nats / max(first.terms.train_nats, 1e-9)
-        unnamed += share * float(first.terms.block_nats[judging].sum())
+    unnamed = first.terms.first_nats + float(first.terms.first_blocks[judging].sum())
     return unnamed - one.train_gain - one.held_gain
 
 

@@ -43,7 +43,7 @@ def test_a_law_of_noise_is_doubtful_where_the_mean_is_wrong() -> None:
 
 def test_what_explained_more_than_the_finding_before_there_was_one_leads_it() -> None:
     named = candidate("payload_change", 150.0, law=False)
-    nothing = Explained((), (), "", 0.0, 0.0, np.zeros(len(SPLIT.held)))
+    nothing = Explained((), (), "", 0.0, 0.0, *np.zeros((2, len(SPLIT.held))))
     for nats, leads in ((180.0, True), (100.0, False)):
         first = Remains({"displacement": left_in("displacement", nats, 2.0 * nats)}, nothing)
         assert (_lead_of_laws(named, first) > 0.0) is leads
