@@ -24,6 +24,8 @@ _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _MOST = 40
 _SIGNIFICANT = 6.0
 _CLOSE_S = 2.0
+_REDATED_NATS = 20.0
+_WRONG, _FAR = 4.0, 8.0  # times a channel's variance, outliers bounded to so many deviations
 _ONE_BLOW, _PLACES = 2.0, 9  # periods between two that may be one; where that may have been
 
 
@@ -149,7 +151,41 @@ def _with_blows(last: Fit, split: Split, extra: tuple[str, ...] = (), fitted: bo
         impacts |= new
         last = refit_with(last, split, tuple(sorted(impacts)), extra)
         last, impacts = _sharpened(last, split, extra)
-    return pruned(_merged(last, split, extra), split, extra)
+    return pruned(_redated(_merged(last, split, extra), split, extra), split, extra)
+
+
+def _redated(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
+    """With each blow half a period earlier or later where that explains more: a blow the other way, half a period off,
+    leaves the first mode as it is but for the time between, which is then wrong, and so is any further mode. What is
+    still wrong about the blow has another cause."""
+    for cycle in last.world.impacts:
+        half = round(0.5 / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s))
+        if cycle not in last.world.impacts or not _wrong_about(last, split, cycle, half):
+            continue
+        others = [one for one in last.world.impacts if one != cycle]
+        for moved in (cycle - half, cycle + half):
+            inside = 1 <= moved <= last.world.measured.cycles - 2
+            if not inside or any(abs(moved - other) < half // 2 for other in others):
+                continue
+            struck = refit_with(last, split, tuple(sorted((*others, moved))), extra)
+            struck = _sharpened(struck, split, extra)[0]
+            better = struck.train_nats > last.train_nats + _REDATED_NATS
+            if better and not _wrong_about(struck, split, moved, half):
+                last = struck
+                break
+    return last
+
+
+def _wrong_about(last: Fit, split: Split, cycle: int, half: int) -> bool:
+    """Whether the acceleration or deflection that trains is plainly wrong within half a period of a cycle."""
+    train = make_data(last.world, split).train
+    about = slice(max(cycle - half, 0), cycle + half)
+    for name in ("acceleration", "deflection"):
+        if name in train and train[name][about].any():
+            u = last.residuals[name][about][train[name][about]] / last.sigma[name]
+            if float(np.mean(np.minimum(u * u, _FAR**2))) > _WRONG:
+                return True
+    return False
 
 
 def _merged(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:

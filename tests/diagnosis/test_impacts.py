@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from diagnosis.fit import fit, make_data
-from diagnosis.impacts import _merged, fit_with_impacts, pruned
+from diagnosis.impacts import _merged, _redated, fit_with_impacts, pruned
 from diagnosis.split import interleaved
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
@@ -58,3 +58,19 @@ def test_two_blows_within_two_periods_stay_two() -> None:
     split = interleaved(9.0)
     both = fit(make_data(world, split), world.space.vector(), world.baseline_names())
     assert _merged(both, split, ()).world.impacts == cycles
+
+
+@pytest.mark.parametrize("late", [1, -1])
+def test_a_blow_that_is_found_half_a_period_off_is_dated_again(late: int) -> None:
+    split = interleaved(9.0)
+    data = measured(9.0, 3, blow(1, 0.02), impacts=(5500,))
+    world = World(data, MODEL, impacts=(5500 + late * 192,))
+    off = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    assert _redated(off, split, ()).world.impacts == (pytest.approx(5500, abs=3),)
+
+
+def test_a_blow_that_is_dated_well_stays() -> None:
+    split = interleaved(9.0)
+    world = World(measured(9.0, 3, blow(1, 0.02), (5500,)), MODEL, (5500,))
+    last = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    assert _redated(last, split, ()) is last
