@@ -14,6 +14,7 @@ from common.beam import tip_slopes_per_m
 from common.model import Model
 from diagnosis.declared_effects import declared_quantities, is_behind_encoder, waves_to_refit
 from diagnosis.exposure import expose
+from diagnosis.fine_sensors import is_fine_encoder, is_fine_image, tip_moved, within_reach
 from diagnosis.frame_clock import FrameClock, frame_clock
 from diagnosis.kernel import K, add_decay, free_decay, run, tip_of
 from diagnosis.measured import Measured
@@ -29,6 +30,7 @@ _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 UNLIMITED = 1e9
 HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
+_LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,8 @@ class World:
         self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
         self._command = np.nan_to_num(measured.command)
         self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
+        self._fine_encoder = not measured.pair and is_fine_encoder(measured.position)
+        self._fine_image = is_fine_image(measured.frames.displacement_px)
         self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
         self.channels = self._present_channels()
         self.space = self._layout()
@@ -95,6 +99,8 @@ class World:
             for i in range(self.modes)
             for part in "qv"
         }
+        none = np.empty(0)
+        self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
         self._decays: dict[tuple[float, float], Array] = {}
         self._moving = np.array(
             [at for name, at in self.space.place.items() if not name.startswith(_SEEN_ONLY)]
@@ -188,6 +194,8 @@ class World:
             ("camera.rotation_px_per_rad", camera.rotation_px_per_rad, -1e7, 1e7, 1e-2),
             ("camera.rate_px_per_s", 0.0, -1e4, 1e4, 1e-4),
             ("camera.lens_per_px2", 0.0, -0.1, 0.1, 1e-9),
+            ("camera.locking_sin_px", 0.0, -_LOCKING_PX, _LOCKING_PX, 1e-4),
+            ("camera.locking_cos_px", 0.0, -_LOCKING_PX, _LOCKING_PX, 1e-4),
             ("timing.capture_delay_s", timing.capture_delay_s, -0.5, 3.0, 1e-5),
             ("timing.arrival_s", 0.0, -1e4, 1e4, 1e-5),
             ("timing.skew_ppm", 0.0, -1e4, 1e4, 0.1),
@@ -261,6 +269,8 @@ class World:
             names.append("accelerometer.bias_m_s2")
         if "displacement" in has:
             names += ["camera.scale_px_per_m", "camera.offset_px", "timing.capture_delay_s"]
+            if self._fine_image:
+                names += ["camera.locking_sin_px", "camera.locking_cos_px"]
         if "arrival" in has:
             names.append("timing.arrival_s")
         return names
@@ -438,7 +448,7 @@ class World:
     def _displacement(self, motion: Motion, vector: Array) -> tuple[Array, Array]:
         at, frames = self.space.place, self.measured.frames
         scene = (
-            -vector[at["camera.scale_px_per_m"]] * motion.tip
+            -vector[at["camera.scale_px_per_m"]] * self._tip_of_joint_seen(motion, vector)
             - vector[at["camera.rotation_px_per_rad"]] * motion.tip_angle
         )
         instants = self.instants(vector)
@@ -450,7 +460,24 @@ class World:
         bend = vector[at["camera.lens_per_px2"]]
         if bend:
             value = value * (1.0 + bend * value * value)
+        sine, cosine = vector[at["camera.locking_sin_px"]], vector[at["camera.locking_cos_px"]]
+        if sine or cosine:
+            value = value + sine * np.sin(2.0 * pi * value) + cosine * np.cos(2.0 * pi * value)
         return value, rate
+
+    def _tip_of_joint_seen(self, motion: Motion, vector: Array) -> Array:
+        """The tip's path, m, if the joint was where a fine encoder saw it, as far as a simulated drive may be off."""
+        if not self._fine_encoder:
+            return motion.tip
+        first = [self.space.place[f"modes.{i}.frequency_hz"] for i in range(self.modes)]
+        modes = np.array([vector[place : place + 3] for place in first])
+        joint = motion.motor if self.behind_encoder else motion.joint
+        of, known, moved = self._joint_seen  # read at once: threads share it
+        if joint is not of or not np.array_equal(modes, known):
+            off = within_reach(self.measured.position, self._reported(motion, 0))
+            moved = tip_moved(off, modes, self.length, self.measured.cycle_s)
+            self._joint_seen = (joint, modes, moved)
+        return motion.tip + moved
 
 
 def _late(values: Array, cycles: float) -> Array:

@@ -1,0 +1,72 @@
+"""Sensors that are finer than the simulation, or the tracker, is taken to be right (`noise.LEAST`).
+
+A drive that takes a command some milliseconds late, on a computer that is loaded, leaves the joint off by some tens of
+microradians. In the joint that is less than a simulation reaches; in the image of an arm of 2 m it is a tenth of a
+pixel, and the arm rings with it. Where the encoder resolves it, the image is told by where the joint was.
+A tracker's error with the place in the pixel ("pixel locking") shows where the image's noise is less.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from diagnosis.noise import LEAST
+
+Array = NDArray[np.float64]
+
+_FINE = 0.5  # of the least level
+_SAME = 1e-9  # rad: values that a file's rounding alone tells apart
+_FEWEST = 200
+_QUIET = 0.1  # of the pieces, which are as quiet as the image gets
+_PIECE = 32  # frames
+_OF_SECOND, _OF_FIFTH = 6.0**0.5, 252.0**0.5  # white noise in second and fifth differences, over its own
+
+
+def is_fine_encoder(position: Array) -> bool:
+    """Whether a joint's position, (n,) rad, NaN where unmeasured, has noise and steps well below its least level."""
+    known = position[np.isfinite(position)]
+    if len(known) < _FEWEST:
+        return False
+    steps = np.abs(np.diff(known))
+    step = float(np.min(steps, initial=np.inf, where=steps > _SAME))
+    noise = 1.4826 * float(np.median(np.abs(np.diff(known, 2)))) / _OF_SECOND
+    return bool(max(step, noise) < _FINE * LEAST["joint_position"])
+
+
+def is_fine_image(displacement_px: Array) -> bool:
+    """Whether an image's noise lies below what trackers stray: by fifth differences, which show hardly anything of a
+    motion that is slow beside the frames, in the quietest pieces. displacement_px: (n,), NaN where unmeasured."""
+    fifth = np.diff(displacement_px, 5)
+    count = len(fifth) // _PIECE
+    if count * _PIECE < _FEWEST:
+        return False
+    pieces = fifth[: count * _PIECE].reshape(count, _PIECE)
+    whole = pieces[np.isfinite(pieces).all(axis=1)]
+    if not len(whole):
+        return False
+    noise = np.sqrt(np.mean(whole**2, axis=1)) / _OF_FIFTH
+    return float(np.quantile(noise, _QUIET)) < LEAST["displacement"]
+
+
+def within_reach(measured: Array, simulated: Array) -> Array:
+    """By how much the joint was elsewhere than simulated, rad, no more than a simulation is taken to be off; straight
+    across what was not measured. Both: (n,) rad."""
+    off = measured - simulated
+    known = np.flatnonzero(np.isfinite(off))
+    filled = np.interp(np.arange(len(off)), known, off[known])
+    return np.clip(filled, -LEAST["joint_position"], LEAST["joint_position"])
+
+
+def tip_moved(off: Array, modes: Array, length_m: float, step_s: float) -> Array:
+    """What that does to the tip, m: the rigid arm turns with it, and each mode answers q'' + 2 z w q' + w^2 q = -p l a,
+    a being off's second derivative (bilinear). off: (n,) rad; modes: (m, 3) frequency_hz, damping_ratio, participation.
+    """
+    k = 2.0 / step_s
+    moved = length_m * off
+    for hz, damping, participation in modes:
+        w = 2.0 * np.pi * hz
+        a0 = k * k + 2.0 * damping * w * k + w * w
+        a1, a2 = 2.0 * (w * w - k * k), k * k - 2.0 * damping * w * k + w * w
+        push = -participation * length_m * k * k / a0
+        moved = moved + lfilter([push, -2.0 * push, push], [1.0, a1 / a0, a2 / a0], off - off[0])
+    return np.asarray(moved)
