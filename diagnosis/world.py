@@ -30,6 +30,7 @@ _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 UNLIMITED = 1e9
 HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
+_GRANTED = 0.9
 _LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
 
@@ -330,7 +331,7 @@ class World:
         same_joint = near is not None and motion.joint is near.motion.joint
         for which, name in enumerate(("joint_position", "joint_velocity")):
             if name in self.channels:
-                found[name] = near.channels[name] if near and same_joint else self._reported(motion, which)
+                found[name] = near.channels[name] if near and same_joint else self._seen_joint(motion, which)
         if "deflection" in self.channels:
             found["deflection"] = motion.deflection + vector[at["pair.offset"]]
         if "acceleration" in self.channels:
@@ -389,6 +390,16 @@ class World:
         if not self._aged:
             return value
         return np.interp(self.cycle_times - self.measured.joint_age_s, self.cycle_times, value)
+
+    def _seen_joint(self, motion: Motion, which: int) -> Array:
+        """The same as the data are judged by. To a fine encoder what a simulated drive may be off is no noise, of which
+        many samples would make a discovery: most of it is granted, and the rest tells a fit the way."""
+        granted = which == 0 and self._fine_encoder
+        return self._reported(motion, which) + (_GRANTED * self._off(motion) if granted else 0.0)
+
+    def _off(self, motion: Motion) -> Array:
+        """By how much a fine encoder saw the joint elsewhere, rad, as far as a simulated drive may be off."""
+        return within_reach(self.measured.position, self._reported(motion, 0))
 
     def _acceleration(self, motion: Motion, vector: Array) -> Array:
         at = self.space.place
@@ -474,7 +485,7 @@ class World:
         joint = motion.motor if self.behind_encoder else motion.joint
         of, known, moved = self._joint_seen  # read at once: threads share it
         if joint is not of or not np.array_equal(modes, known):
-            off = within_reach(self.measured.position, self._reported(motion, 0))
+            off = self._off(motion)
             moved = tip_moved(off, modes, self.length, self.measured.cycle_s)
             self._joint_seen = (joint, modes, moved)
         return motion.tip + moved

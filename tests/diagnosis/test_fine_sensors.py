@@ -125,6 +125,18 @@ def test_late_commands_do_not_show_in_the_image(position_noise: float, told: boo
     assert (left < LEAST["displacement"]) is told
 
 
+def test_a_joint_within_reach_is_no_discovery_and_one_beyond_is() -> None:
+    """A fine encoder's many samples say nothing of what a simulated drive may be off; they do of more."""
+    world = World(_late_commands(1e-6), synthetic.MODEL)
+    vector = world.space.vector()
+    for name, size in (("drive.deadband_rad_s", 0.03), ("drive.dead_time_s", 0.02)):
+        moved = vector.copy()
+        moved[world.space.place[name]] = size
+        for one, found in ((vector, False), (moved, True)):
+            left = world.channels["joint_position"] - world.predict(one).channels["joint_position"]
+            assert bool(np.max(np.abs(left)) > LEAST["joint_position"]) is found, name
+
+
 def _locked(amplitude_px: float) -> Measured:
     """A ring-down as a tracker shows it that strays with the place in the pixel; noise of 0.002 px."""
     bare = synthetic.empty(20.0)
