@@ -132,7 +132,7 @@ def read_measured(recording: Recording, model: Model) -> Measured:
         frames=_frames(recording, origin, backward),
         force=np.empty(0),
         backward=backward,
-        gaps=gaps,
+        gaps=() if _are_missed_deadlines(recording, gaps, cycle_s) else gaps,
     )
 
 
@@ -140,6 +140,15 @@ def dated_by_requests(measured: Measured) -> Measured:
     """The same data with each triggered frame dated by when it was asked for."""
     frames = measured.frames
     return replace(measured, frames=replace(frames, captured_s=frames.started_s, asked=True))
+
+
+def _are_missed_deadlines(recording: Recording, gaps: tuple[ClockGap, ...], cycle_s: float) -> bool:
+    """Whether the loop that recorded them says that it has missed as many cycles as are not there: no clock was set."""
+    told = 0
+    for topic in ("/link", "/loop"):
+        if recording.counts.get(topic):
+            told = max(told, int(np.max(recording.columns(topic)["deadline_misses"], initial=0)))
+    return told > 0 and told >= round(sum(gap.extra_s for gap in gaps) / cycle_s)
 
 
 def reclocked(measured: Measured, gap: ClockGap) -> Measured:

@@ -39,6 +39,18 @@ def test_missing_rows_are_missing_samples_and_a_gap(tmp_path: Path) -> None:
     assert [(gap.cycle, round(gap.extra_s, 6)) for gap in found.gaps] == [(1750, 0.25)]
 
 
+@pytest.mark.parametrize(("missed", "gaps"), [(250, 0), (249, 1)])
+def test_cycles_that_the_loop_says_it_missed_are_no_clock_that_was_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, missed: int, gaps: int
+) -> None:
+    read(tmp_path, np.delete(np.arange(4000) * 0.001, slice(1500, 1750)))
+    recording = open_recording(tmp_path / "r.mcap")
+    columns, told = recording.columns, {"deadline_misses": np.array([0, missed])}
+    monkeypatch.setattr(recording, "counts", recording.counts | {"/link": 2})
+    monkeypatch.setattr(recording, "columns", lambda topic: told if topic == "/link" else columns(topic))
+    assert len(read_measured(recording, MODEL).gaps) == gaps
+
+
 def test_a_clock_that_steps_back_is_taken_forward_again(tmp_path: Path) -> None:
     time = np.arange(4000) * 0.001
     time[2000:] -= 0.3
