@@ -41,9 +41,7 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
         return None
     measured, predicted = data.world.channels["acceleration"], last.predicted.channels["acceleration"]
     residual = measured - predicted
-    # a sensor at its limit scatters less
-    limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
-    known = np.isfinite(residual) & (np.abs(measured) < limit) & (np.abs(predicted) < limit)
+    known = np.isfinite(residual) & within_range(last)
     known &= ~unforetold(data, last)[data.blocks["acceleration"]] & ~_just_begun(data)
     if known.sum() < _FEWEST_SAMPLES:
         return None
@@ -52,6 +50,14 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
     u = np.nan_to_num(residual) / doubt
     far = np.abs(u) > _OUTLYING
     return Outliers(residual, known, sigma, u, known & far & ~_crowded(far))
+
+
+def within_range(last: Fit) -> NDArray[np.bool_]:
+    """Which samples of the accelerometer lie well within its range: at its limit it scatters less. (n,)"""
+    limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
+    measured, predicted = last.world.channels["acceleration"], last.predicted.channels["acceleration"]
+    result: NDArray[np.bool_] = (np.abs(measured) < limit) & (np.abs(predicted) < limit)
+    return result
 
 
 def pulses(data: Data, last: Fit) -> Array | None:

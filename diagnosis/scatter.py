@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from diagnosis.fit import Data, Fit
-from diagnosis.outliers import pulses
+from diagnosis.outliers import pulses, within_range
 from diagnosis.steady_spectrum import steady_spectrum
 from diagnosis.unforetold import unforetold
 
@@ -62,9 +62,11 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
     for name in last.residuals:
         residual = last.residuals[name] / last.sigma[name]
         known = np.isfinite(residual)
-        if without_spikes and name == "acceleration":
-            spikes = np.abs(np.nan_to_num(residual)) > _SPIKE
-            known &= ~(spikes | np.roll(spikes, 1))
+        if name == "acceleration":
+            known &= within_range(last)
+            if without_spikes:
+                spikes = np.abs(np.nan_to_num(residual)) > _SPIKE
+                known &= ~(spikes | np.roll(spikes, 1))
             residual = np.where(known, residual, 0.0)
         r = np.clip(np.nan_to_num(residual), -_CLIP, _CLIP)
         train, held, block = data.train[name] & known, data.held[name] & known, data.blocks[name]
