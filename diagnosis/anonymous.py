@@ -94,7 +94,9 @@ def explained(data: Data, last: Fit) -> Explained:
         nothing = np.zeros(len(data.split.held))
         return Explained((), (), "", 0.0, 0.0, nothing, nothing)
     weights, blocks = _held_out(parts, columns.whole(chosen), len(data.split.held))
-    _, alone = _held_out(parts, columns.whole(chosen[:1]), len(data.split.held))
+    alone = (
+        blocks if len(chosen) == 1 else _held_out(parts, columns.whole(chosen[:1]), len(data.split.held))[1]
+    )
     return Explained(
         tuple(names[i] for i in chosen),
         tuple(float(w) for w in weights),

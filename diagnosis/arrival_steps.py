@@ -17,7 +17,9 @@ from diagnosis.noise import Colour, wander_colours
 Array = NDArray[np.float64]
 
 _FEWEST = 60
-_SIDE = 15  # frames on either side of a step
+SIDE = 15
+"""Frames on either side of a step."""
+
 _SURE_NATS = 5.0  # beyond what the best of so many places gains by chance
 
 
@@ -68,7 +70,7 @@ def _likelihoods(r: Array, colour: Colour) -> tuple[float, Array, Array]:
     norms = np.maximum(squares - np.sum(shares**2, axis=0), 1e-12 * n)
     left = float(values @ values)
     gains = along**2 / norms
-    gains[:_SIDE] = gains[-_SIDE:] = 0.0
+    gains[:SIDE] = gains[-SIDE:] = 0.0
     stepped = -0.5 * n * np.log(np.maximum(left - gains, 1e-12 * left + 1e-300))
     plain = -0.5 * n * log(max(left, 1e-300))
     return plain, np.concatenate(([-np.inf], stepped)), np.concatenate(([0.0], along / norms))

@@ -32,6 +32,11 @@ class Candidate:
     certain: bool = False
     train_blocks: Array = field(default_factory=lambda: np.empty(0))
 
+    @property
+    def gain(self) -> float:
+        """Nats gained by all data."""
+        return self.train_gain + self.held_gain
+
 
 @dataclass
 class Stage:

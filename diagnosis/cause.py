@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from diagnosis.fit import Fit
 from diagnosis.frequency_course import Course, frequency_courses
-from diagnosis.world import HIGHER, World
+from diagnosis.quantities import HIGHER
+from diagnosis.world import World
 
 Array = NDArray[np.float64]
 Overrides = Mapping[str, float]

@@ -9,6 +9,7 @@ from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.onset import AT_ONCE, ONSETS, onset_of
+from diagnosis.repeated_stamps import MOST_HELD
 from diagnosis.screen import Screening
 from diagnosis.worth import worth_a_name
 
@@ -22,7 +23,6 @@ _DISAGREE = 0.1
 _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
-_MOST_HELD = 4  # frames
 
 
 def next_to_take(stage: Stage, found: Found) -> Candidate | None:
@@ -31,7 +31,7 @@ def next_to_take(stage: Stage, found: Found) -> Candidate | None:
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
         if not _convincing(one, stage.screening):
             continue
-        if found.findings and one.law is None and _both(one) < _least_share(one, found.findings[0]):
+        if found.findings and one.law is None and one.gain < _least_share(one, found.findings[0]):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
         if not rivals:
@@ -46,8 +46,8 @@ def _least_share(one: Candidate, first: Candidate) -> float:
     outside of its own channel. By all data: what is held out of a few hard moves may be any share of them."""
     here, there = CATALOGUE[one.cause].place, CATALOGUE[first.cause].place
     if here == there:
-        return _LEAST_SHARE * _both(first)
-    return _LEAST_SHARE_ELSEWHERE * _both(first) if there in ("arm", "drive") else 0.0
+        return _LEAST_SHARE * first.gain
+    return _LEAST_SHARE_ELSEWHERE * first.gain if there in ("arm", "drive") else 0.0
 
 
 def _same_thing(earlier: Stage, one: Candidate) -> bool:
@@ -56,20 +56,15 @@ def _same_thing(earlier: Stage, one: Candidate) -> bool:
     alone = next((c for c in earlier.candidates if c.cause == one.cause), None)
     if taken is None or alone is None or taken.law is not None or one.law is not None:
         return False
-    return _both(alone) > _OVERLAP * _both(taken) and _both(one) < _OVERLAP * _both(alone)
-
-
-def _both(one: Candidate) -> float:
-    return one.train_gain + one.held_gain
+    return alone.gain > _OVERLAP * taken.gain and one.gain < _OVERLAP * alone.gain
 
 
 def choose(ranked: list[Candidate], screening: Screening) -> Candidate | None:
     """The best that convinces: where that is too small to have a name, none but a law of noise or timing, as what does
     less well than it is no more than a likeness of the same."""
-    best = _best(ranked, screening)
-    if best is not None and not worth_a_name(best):
-        best = _best([one for one in ranked if one.law is not None], screening)
-    return best
+    if too_small(ranked, screening) is not None:
+        ranked = [one for one in ranked if one.law is not None]
+    return _best(ranked, screening)
 
 
 def too_small(ranked: list[Candidate], screening: Screening) -> Candidate | None:
@@ -82,10 +77,10 @@ def _best(ranked: list[Candidate], screening: Screening) -> Candidate | None:
     """The best whose gain is more than chance; laws wait until there is no cause of another kind, as what a wrong
     simulation leaves looks like noise of another law: but not for one that explains far less than they do."""
     sure = [one for one in ranked if _more_than_chance(one, screening)]
-    by_law = max((_both(one) for one in sure if one.law is not None), default=0.0)
+    by_law = max((one.gain for one in sure if one.law is not None), default=0.0)
     sure.sort(
         key=lambda one: (
-            one.law is None and _both(one) < _LEAST_OF_A_LAW * by_law, not one.certain, one.law is not None,
+            one.law is None and one.gain < _LEAST_OF_A_LAW * by_law, not one.certain, one.law is not None,
         )
     )  # stable: the best first within each  # fmt: skip
     return _likelier(sure[0], sure) if sure else None
@@ -113,7 +108,7 @@ def _tie(one: Candidate, other: Candidate) -> bool:
 def _weight(one: Candidate) -> float:
     """Nats gained in all data, less what its numbers, an onset among them, gain by being fitted."""
     onset = one.law is None and onset_of(CAUSES[one.cause]) is not None
-    return _both(one) - one.surprise - 2.0 * len(one.fit.free) - (log(ONSETS) if onset else 0.0)
+    return one.gain - one.surprise - 2.0 * len(one.fit.free) - (log(ONSETS) if onset else 0.0)
 
 
 def in_doubt(chosen: Candidate | None, ranked: list[Candidate]) -> bool:
@@ -151,7 +146,7 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
     penalty = LEAST_HELD_NATS + 0.5 * len(one.free)
     onset = onset_of(CAUSES[one.cause]) if one.law is None else None
     if onset is not None:  # it may lie in the held-out part altogether
-        seen = one.held_gain > 0.0 and _both(one) > screening.threshold_nats + penalty
+        seen = one.held_gain > 0.0 and one.gain > screening.threshold_nats + penalty
         return seen and (onset in AT_ONCE or _in_places(one, penalty)) and _plausible(one)
     return (
         one.train_gain > screening.threshold_nats
@@ -173,7 +168,7 @@ def _rarely_seen(one: Candidate, penalty: float) -> bool:
     if not len(one.train_blocks):
         return False
     gains = one.train_blocks + one.block_gains
-    sure = _both(one) > float(np.std(gains, ddof=1) * sqrt(len(gains)))
+    sure = one.gain > float(np.std(gains, ddof=1) * sqrt(len(gains)))
     return sure and float(gains.min()) > -penalty and _in_places(one, penalty)
 
 
@@ -183,7 +178,7 @@ def _in_places(one: Candidate, penalty: float) -> bool:
     if not len(one.train_blocks):
         return True
     gains = one.train_blocks + one.block_gains
-    return _both(one) - float(gains.max()) > penalty
+    return one.gain - float(gains.max()) > penalty
 
 
 def _plausible(one: Candidate) -> bool:
@@ -248,4 +243,4 @@ def _by_whole_frames(one: Candidate) -> bool:
     step, doubt = one.values["step_s"]
     whole = round(step * world.model.camera.frame_rate_hz)
     off = step - whole / world.model.camera.frame_rate_hz
-    return 1 <= whole <= _MOST_HELD and abs(off) < 2.0 * doubt
+    return 1 <= whole <= MOST_HELD and abs(off) < 2.0 * doubt

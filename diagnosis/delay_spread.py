@@ -13,6 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from diagnosis.robust import std_about_zero
+
 Array = NDArray[np.float64]
 
 _SHARES = (0.0, 0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.92, 0.96, 0.985)
@@ -32,7 +34,7 @@ def delay_spread(late_s: Array, period_s: float, duration_s: float) -> DelaySpre
     """late_s: how late each frame came, less a constant, in order; NaN where unknown. period_s: between frames."""
     r = late_s[np.isfinite(late_s)]
     r = r - np.median(r)
-    limit = 6.0 * 1.4826 * float(np.median(np.abs(r))) + 1e-12
+    limit = 6.0 * std_about_zero(r) + 1e-12
     r = np.clip(r, -limit, limit)
     n = len(r)
     logs, sizes, own_variances, means, mean_vars = [], [], [], [], []

@@ -19,7 +19,7 @@ from diagnosis.candidate import Found
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
-from diagnosis.fit import Fit, Split, fit, make_data
+from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
 from diagnosis.frequency_course import frequency_courses, seen_frequency
 from diagnosis.image_dating import dated
 from diagnosis.impacts import carried, fit_with_impacts
@@ -35,7 +35,6 @@ from diagnosis.world import World
 Tick = Callable[[float, str], None]
 
 _RECLOCKED_NATS = 10.0
-_CHANGED_NATS = 20.0
 _MOST_GAPS = 3
 _ASIDE_S = 0.4
 
@@ -146,7 +145,7 @@ def _at_the_seen_frequency(world: World, split: Split) -> Fit:
     begun = world.space.vector()
     begun[world.space.place["modes.0.frequency_hz"]] = hz
     other = fit_with_impacts(world, split, begun)
-    return other if other.train_nats > usual.train_nats + _CHANGED_NATS else usual
+    return other if other.train_nats > usual.train_nats + CHANGED_NATS else usual
 
 
 def _along_a_course(world: World, split: Split) -> Fit | None:
@@ -164,7 +163,7 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
     for name in course.start:
         start[seen.world.space.place[name]] = neutral[seen.world.space.place[name]]
     one = fit(make_data(seen.world, split), start, seen.world.baseline_names())
-    return one if seen.train_nats - one.train_nats > _CHANGED_NATS else None
+    return one if seen.train_nats - one.train_nats > CHANGED_NATS else None
 
 
 def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:

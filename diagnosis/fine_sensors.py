@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from diagnosis.noise import LEAST
+from diagnosis.robust import std_about_zero
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,7 @@ def is_fine_encoder(position: Array) -> bool:
         return False
     steps = np.abs(np.diff(known))
     step = float(np.min(steps, initial=np.inf, where=steps > _SAME))
-    noise = 1.4826 * float(np.median(np.abs(np.diff(known, 2)))) / _OF_SECOND
+    noise = std_about_zero(np.diff(known, 2)) / _OF_SECOND
     return bool(max(step, noise) < _FINE * LEAST["joint_position"])
 
 

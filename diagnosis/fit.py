@@ -27,6 +27,8 @@ Colours = dict[str, Colour | DoubtColour]
 
 WANDER_S = 15.0
 _SETTLED_NATS = 0.02
+CHANGED_NATS = 20.0
+"""By so much another structure, of a baseline that is not in question, has to be likelier."""
 THIN = {"joint_position": 8, "joint_velocity": 8}
 
 

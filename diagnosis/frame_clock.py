@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from common.model import Model
 from diagnosis.lost_frames import lost_before
 from diagnosis.measured import Frames
+from diagnosis.robust import std_about_zero
 
 Array = NDArray[np.float64]
 
@@ -67,7 +68,7 @@ def _tick_of_stamps(frames: Frames) -> float:
     apart = frames.started_s[known] - stamps
     steps = np.diff(apart)
     off = np.abs(steps - np.median(steps))
-    jumps = np.flatnonzero(off > _OUTSTANDING * 1.4826 * float(np.median(off)) + _LEAST_JUMP_S)
+    jumps = np.flatnonzero(off > _OUTSTANDING * std_about_zero(off) + _LEAST_JUMP_S)
     if len(jumps) > _MOST_JUMPS:
         return 1.0
     x = stamps - stamps.mean()

@@ -8,19 +8,18 @@ clock that was set, and a buffer that from some instant on hands over images som
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Fit, Split, fit, make_data
+from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
 from diagnosis.impacts import fit_with_impacts
 from diagnosis.measured import dated_by_requests
 from diagnosis.noise import DoubtColour, log_likelihood
+from diagnosis.repeated_stamps import MOST_HELD
+from diagnosis.request_times import request_intervals
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
 
-_CHANGED_NATS = 20.0
 _FEWEST_REQUESTS, _MOST_STEPS = 20, 3
 _OUTSTANDING = 6.0  # times the usual scatter of the requests' intervals
-_JUST_S = 1e-7  # before a frame
-_MOST_HELD = 4  # frames
 
 
 def dated(baseline: Fit, split: Split) -> Fit:
@@ -40,20 +39,19 @@ def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
     """The fit, or if its images say so, the same with the frames' clock stepped where requests were furthest off
     their interval: dated by a clock that was set, half of the images would be wrong, and arrivals seem better."""
     world, at = asked.world, asked.world.space.place
-    between = np.diff(world.measured.frames.started_s)
-    if len(between) < _FEWEST_REQUESTS:
+    if len(world.measured.frames) <= _FEWEST_REQUESTS:
         return asked
-    off = between - float(np.median(between))
-    usual = 1.4826 * float(np.median(np.abs(off))) + world.measured.cycle_s
+    intervals = request_intervals(world.measured)
+    off, usual = intervals.off_s, intervals.usual_s
     best = asked
     for i in np.argsort(-np.abs(off))[:_MOST_STEPS]:
         if abs(off[i]) < _OUTSTANDING * usual:
             break
         start = asked.vector.copy()
-        start[at["timing.step_onset_s"]] = world.in_order_s[i + 1] - _JUST_S
+        start[at["timing.step_onset_s"]] = world.just_before(i + 1)
         start[at["timing.step_s"]] = off[i]
         one = fit(make_data(world, split), start, (*asked.free, "timing.step_s"), colour=asked.colour)
-        best = one if _image_nats(one) > _image_nats(best) + _CHANGED_NATS else best
+        best = one if _image_nats(one) > _image_nats(best) + CHANGED_NATS else best
     return best
 
 
@@ -66,13 +64,13 @@ def _perhaps_held_back(asked: Fit, split: Split) -> Fit:
         return asked
     index, older_s = found
     frames = round(older_s * world.model.camera.frame_rate_hz)
-    if not 1 <= frames <= _MOST_HELD:
+    if not 1 <= frames <= MOST_HELD:
         return asked
     start = asked.vector.copy()
-    start[at["timing.stale_onset_s"]] = world.in_order_s[index] - _JUST_S
+    start[at["timing.stale_onset_s"]] = world.just_before(index)
     start[at["timing.stale_frames"]] = frames
     one = fit(make_data(world, split), start, (*asked.free, "timing.stale_frames"), colour=asked.colour)
-    return one if _image_nats(one) > _image_nats(asked) + _CHANGED_NATS else asked
+    return one if _image_nats(one) > _image_nats(asked) + CHANGED_NATS else asked
 
 
 def _older_from(asked: Fit) -> tuple[int, float] | None:

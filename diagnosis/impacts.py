@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.fit import Fit, Split, colours, fit, make_data
+from diagnosis.robust import std_about_zero
 from diagnosis.side_by_side import side_by_side
 from diagnosis.world import World
 
@@ -45,7 +46,7 @@ def _series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> t
         known = np.isfinite(values)
         if known.sum() < 50:
             continue
-        quiet = 1.4826 * np.median(np.abs(np.diff(values[known]))) / np.sqrt(2.0)
+        quiet = std_about_zero(np.diff(values[known])) / np.sqrt(2.0)
         rate = known.sum() / world.measured.duration_s
         choices.append((quiet / np.sqrt(rate), time[known], values[known]))
     if not choices:

@@ -14,6 +14,8 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from diagnosis.robust import std_about_median
+
 Array = NDArray[np.float64]
 
 _SHORTEST_FRAMES = 2.5
@@ -78,7 +80,7 @@ def find_bursts(residual_s: Array, used: NDArray[np.bool_]) -> Bursts | None:
     known = residual_s[np.isfinite(residual_s)]
     if len(known) < 60:
         return None
-    scale = 1.4826 * float(np.median(np.abs(known - np.median(known)))) + 1e-6
+    scale = std_about_median(known) + 1e-6
     r = (residual_s - float(np.median(known))) / scale
     nats, late = np.empty(len(r)), np.empty(len(r))
 

@@ -13,8 +13,9 @@ from diagnosis.fit import Data, Fit
 from diagnosis.late_bursts import find_bursts
 from diagnosis.measured import ClockGap, Measured
 from diagnosis.noise import HUBER, LEAST
-from diagnosis.outliers import SURE_NATS, outliers, pulses, robust
+from diagnosis.outliers import SURE_NATS, outliers, pulses
 from diagnosis.repeated_stamps import held_back
+from diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
 
@@ -68,7 +69,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     count = int(spikes.sum())
     if count == 0 or (count == 1 and u[spikes].max() < _LONE_SPIKE):
         return None
-    lasting = pulses(data, last)
+    lasting = pulses(data, found)
     if lasting is not None and lasting.sum() > SURE_NATS:
         return None
     block = data.blocks["acceleration"]
@@ -207,7 +208,7 @@ def _stamp_step(data: Data, last: Fit) -> LawFound | None:
     usual = float(np.median(jumps / np.maximum(np.diff(x), 1e-9)))
     jumps = jumps - usual * np.diff(x)
     i = int(np.argmax(np.abs(jumps)))
-    noise = max(robust(jumps), 2e-6)
+    noise = max(std_about_median(jumps), 2e-6)
     if abs(jumps[i]) < 12.0 * noise or abs(jumps[i]) < 1e-4:
         return None
     after = np.arange(len(off)) > i

@@ -14,6 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from diagnosis.robust import std_about_zero
+
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
@@ -61,7 +63,7 @@ def _search(
 def _quick(passed: Array) -> float:
     """Deviation of what changes from frame to frame, in periods, whatever was lost: whole periods are taken off."""
     rest = passed - np.rint(passed)
-    return max(1.4826 * float(np.median(np.abs(rest))) / sqrt(2.0), 0.01) if len(rest) else 0.01
+    return max(std_about_zero(rest) / sqrt(2.0), 0.01) if len(rest) else 0.01
 
 
 @njit(cache=True, nogil=True)

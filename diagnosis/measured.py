@@ -1,6 +1,7 @@
 """Measured data on the controller's grid: what a diagnosis works on, whatever it was recorded with."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import nan
 
 import numpy as np
@@ -10,6 +11,7 @@ from common.model import Model
 from common.recording.reader import Recording
 from common.user_error import UserError
 from common.visual_sample import TrackingStatus
+from diagnosis.fine_sensors import is_fine_encoder, is_fine_image
 
 Array = NDArray[np.float64]
 
@@ -77,6 +79,16 @@ class Measured:
     def duration_s(self) -> float:
         """Time that the grid spans, s."""
         return self.cycles * self.cycle_s
+
+    @cached_property
+    def has_fine_encoder(self) -> bool:
+        """Whether the position has noise and steps well below what a simulated drive is taken to be right to."""
+        return not self.pair and is_fine_encoder(self.position)
+
+    @cached_property
+    def has_fine_image(self) -> bool:
+        """Whether the images' noise lies below what trackers stray."""
+        return is_fine_image(self.frames.displacement_px)
 
     def channel(self, name: str) -> Array:
         """A fast channel's samples on the grid."""

@@ -8,6 +8,8 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from diagnosis.robust import std_about_zero
+
 Array = NDArray[np.float64]
 
 HUBER = 4.0
@@ -58,7 +60,7 @@ def wander_colour(residual: Array, longest_frames: float) -> Colour:
     x = np.linspace(-1.0, 1.0, n)
     r = r - np.median(r)
     r = r - x * float(x @ r) / float(x @ x)
-    limit = 4.0 * 1.4826 * float(np.median(np.abs(r))) + 1e-12
+    limit = 4.0 * std_about_zero(r) + 1e-12
     columns = np.stack((np.ones(n), x, np.clip(r - r.mean(), -limit, limit)))
     plain = _restricted(columns)
     best, colour = plain + _WANDER_NATS, Colour()
@@ -228,7 +230,7 @@ def level(residual: Array, least: float) -> float:
         return max(least, 1e-12)
     with np.errstate(over="ignore"):  # a candidate that runs away
         power = float(np.sqrt(np.mean(residual * residual)))
-    limit = HUBER * max(1.4826 * float(np.median(np.abs(residual))), least, 0.2 * power)
+    limit = HUBER * max(std_about_zero(residual), least, 0.2 * power)
     with np.errstate(over="ignore"):
         short = np.clip(residual, -limit, limit)
         return max(float(np.sqrt(np.mean(short * short))), least, 1e-12)

@@ -14,7 +14,6 @@ Array = NDArray[np.float64]
 ONSETS = 41
 # onsets of steps of the frames' dates: one frame shows them, beside a delay that wanders
 AT_ONCE = ("timing.step_onset_s", "timing.stale_onset_s")
-_JUST_S = 1e-7  # before a frame
 _ONSET_REACH_S = 0.8
 
 
@@ -28,7 +27,7 @@ def onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
     now = refitted.value(name)
     received = refitted.world.in_order_s
     if name.startswith("timing.") and len(received) > 2:
-        tried = received[np.abs(received - now) < _ONSET_REACH_S] - _JUST_S
+        tried = refitted.world.just_before(np.abs(received - now) < _ONSET_REACH_S)
     else:
         tried = now + np.linspace(-_ONSET_REACH_S, _ONSET_REACH_S, ONSETS)
     if len(tried) < 3:

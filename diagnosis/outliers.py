@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from diagnosis.fit import Data, Fit
+from diagnosis.robust import std_about_median
 from diagnosis.unforetold import unforetold
 
 Array = NDArray[np.float64]
@@ -45,7 +46,7 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
     known &= ~unforetold(data, last)[data.blocks["acceleration"]] & ~_just_begun(data)
     if known.sum() < _FEWEST_SAMPLES:
         return None
-    sigma = robust(residual[known])
+    sigma = std_about_median(residual[known]) + 1e-12
     doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(predicted))
     u = np.nan_to_num(residual) / doubt
     far = np.abs(u) > _OUTLYING
@@ -60,10 +61,9 @@ def within_range(last: Fit) -> NDArray[np.bool_]:
     return result
 
 
-def pulses(data: Data, last: Fit) -> Array | None:
+def pulses(data: Data, found: Outliers | None) -> Array | None:
     """Nats of each block that its outliers are pulses of several samples, which no cause has a name for; None where
     there are none. (blocks,)"""
-    found = outliers(data, last)
     if found is None or not found.flags.any():
         return None
     size = np.where(found.flags, np.abs(found.u), 0.0)
@@ -103,11 +103,6 @@ def _normal(u: Array) -> Array:
 def _up_to(top: Array, u: Array) -> Array:
     """Density of what lies anywhere between nothing and the top, but for the noise."""
     return np.where((u > -_NOISE) & (u < top + _NOISE), 1.0 / (top + 2.0 * _NOISE), 0.0)
-
-
-def robust(values: Array) -> float:
-    """Standard deviation from the median distance to the median."""
-    return 1.4826 * float(np.median(np.abs(values - np.median(values)))) + 1e-12
 
 
 def _just_begun(data: Data) -> NDArray[np.bool_]:

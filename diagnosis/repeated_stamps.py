@@ -6,6 +6,9 @@ import numpy as np
 
 from diagnosis.measured import Frames, Measured
 
+MOST_HELD = 4
+"""Frames that a queue is taken to hold at most, where nothing but the images tells."""
+
 _SAME_S = 1e-4  # between stamps of one exposure
 _MOST_FRAMES = 32
 _ASIDE = 15  # frames

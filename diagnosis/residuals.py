@@ -14,6 +14,7 @@ from scipy.signal import welch
 
 from diagnosis.fit import Fit
 from diagnosis.residual_tests import Correlation, autocorrelation, crosscorrelation, square_correlation
+from diagnosis.robust import std_about_median
 from diagnosis.world import FRAME_CHANNELS, World
 
 Array = NDArray[np.float64]
@@ -104,11 +105,7 @@ def step_of(world: World, name: str) -> float:
 def noise_floor(values: Array) -> float:
     """Deviation of the noise from neighbouring samples: what no model of slow things can go below."""
     steps = np.diff(values[np.isfinite(values)])
-    return (
-        1.4826 * float(np.median(np.abs(steps - np.median(steps)))) / float(np.sqrt(2.0))
-        if len(steps)
-        else 0.0
-    )
+    return std_about_median(steps) / float(np.sqrt(2.0)) if len(steps) else 0.0
 
 
 def examine_channel(last: Fit, name: str) -> ChannelResidual:

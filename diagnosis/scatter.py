@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from diagnosis.fit import Data, Fit
-from diagnosis.outliers import pulses, within_range
+from diagnosis.outliers import outliers, pulses, within_range
 from diagnosis.steady_spectrum import steady_spectrum
 from diagnosis.unforetold import unforetold
 
@@ -87,7 +87,7 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
             counts = known & ~unforetold(data, last)[block]
             gains = steady_spectrum(r, counts, block, count)
             found.append(Uneven(name, ITS_SPECTRUM_STAYS, float(gains.sum()), gains, everywhere=True))
-        lasting = pulses(data, last) if name == "acceleration" else None
+        lasting = pulses(data, outliers(data, last)) if name == "acceleration" else None
         if lasting is not None:
             found.append(Uneven(name, LASTING, float(lasting.sum()), lasting, everywhere=True))
         if name not in ENCODER:

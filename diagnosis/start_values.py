@@ -23,6 +23,7 @@ from scipy.optimize import least_squares
 from common.model import Model
 from diagnosis.measured import Measured
 from diagnosis.ring_down import Stretch, peaks, ringing
+from diagnosis.robust import std_about_zero
 from diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -171,7 +172,7 @@ def _stretches(world: World, spans: list[Span]) -> list[Stretch]:
 def _noise(values: Array) -> float:
     """Level of what changes from sample to sample: third differences hold next to nothing else."""
     third = np.diff(values, 3)
-    level = 1.4826 * float(np.median(np.abs(third))) / sqrt(20.0)
+    level = std_about_zero(third) / sqrt(20.0)
     return max(level, 1e-6 * (float(np.std(values)) or 1.0), 1e-12)
 
 

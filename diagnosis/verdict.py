@@ -13,6 +13,7 @@ from diagnosis.catalogue import CAUSES
 from diagnosis.choice import confidence, inseparable
 from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, least_level, make_data
+from diagnosis.residuals import noise_floor
 from diagnosis.scatter import ENCODER
 from diagnosis.side_by_side import meanwhile
 from diagnosis.structure import Remains, Structure, examine
@@ -80,19 +81,18 @@ def _ahead(one: Candidate, first: Remains, judging: NDArray[np.bool_]) -> float:
     """Nats by which the best term without a name explains more than the finding, as many numbers being fitted.
     judging: held-out blocks that say anything."""
     unnamed = first.terms.first_nats + float(first.terms.first_blocks[judging].sum())
-    return unnamed - one.train_gain - one.held_gain
+    return unnamed - one.gain
 
 
 def _beyond_chance(ahead: float, one: Candidate) -> float:
     """A lead over the finding; zero if it may be chance."""
-    return ahead if ahead > _LEAD_NATS + 0.01 * (one.train_gain + one.held_gain) else 0.0
+    return ahead if ahead > _LEAD_NATS + 0.01 * one.gain else 0.0
 
 
 def _lead_of_laws(one: Candidate, first: Remains) -> float:
     """The same of laws without a name: where one goes on explaining what is left, and explained more than the finding
     did before there was any, the finding may be but the part of it that has a name."""
-    named = one.train_gain + one.held_gain
-    return _beyond_chance(max(law.train_nats + law.nats for law in first.channels.values()) - named, one)
+    return _beyond_chance(max(law.train_nats + law.nats for law in first.channels.values()) - one.gain, one)
 
 
 def _too_many(found: Found, one: Candidate) -> bool:
@@ -155,13 +155,6 @@ def _error(fit: Fit, data: Data, name: str, judging: NDArray[np.bool_]) -> tuple
     return float(np.sqrt(np.mean(residual**2))), float(np.std(measured)) or 1.0, int(mask.sum())
 
 
-def _floor(fit: Fit, name: str) -> float:
-    """Noise level of a channel from neighbouring residuals: what no model of slow things can go below."""
-    residual = fit.residuals[name]
-    steps = np.diff(residual[np.isfinite(residual)])
-    return 1.4826 * float(np.median(np.abs(steps - np.median(steps)))) / 2.0**0.5 if len(steps) else 0.0
-
-
 def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[str, Any]]:
     """Per channel: samples, held-out errors before and after, noise floor, whether white."""
     first, last = make_data(found.baseline.world, split), make_data(found.final.world, split)
@@ -174,7 +167,7 @@ def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[
             "samples": count,
             "nrmse_before": before / spread,
             "nrmse_after": after / spread,
-            "noise_floor": _floor(found.final, name) / spread,
+            "noise_floor": noise_floor(found.final.residuals[name]) / spread,
             "white_before": judged.before[name].white,
             "white_after": judged.after[name].white,
         }

@@ -4,7 +4,7 @@ Channels: acceleration, joint_position, joint_velocity, deflection (on the contr
 arrival (per frame: when it was read, less when it was exposed).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -12,26 +12,22 @@ from numpy.typing import NDArray
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
-from diagnosis.declared_effects import declared_quantities, is_behind_encoder, waves_to_refit
+from diagnosis.declared_effects import is_behind_encoder
 from diagnosis.exposure import expose
-from diagnosis.fine_sensors import is_fine_encoder, is_fine_image, tip_moved, within_reach
+from diagnosis.fine_sensors import tip_moved, within_reach
 from diagnosis.frame_clock import FrameClock, frame_clock
 from diagnosis.kernel import K, add_decay, free_decay, run, tip_of
 from diagnosis.measured import Measured
-from diagnosis.space import Quantity, Space
+from diagnosis.quantities import HIGHER, Layout
 
 Array = NDArray[np.float64]
 
 FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection")
 FRAME_CHANNELS = ("displacement", "arrival")
-NEVER_S = 1e9
-_TIE_S = 2e-7
+_TIE_S, _JUST_S = 2e-7, 1e-7  # between frames read at once; less than that
 _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
-UNLIMITED = 1e9
-HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
 _GRANTED = 0.9
-_LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
 
 @dataclass(frozen=True)
@@ -89,11 +85,13 @@ class World:
         self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
         self._command = np.nan_to_num(measured.command)
         self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
-        self._fine_encoder = not measured.pair and is_fine_encoder(measured.position)
-        self._fine_image = is_fine_image(measured.frames.displacement_px)
         self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
         self.channels = self._present_channels()
-        self.space = self._layout()
+        self._layout = Layout(
+            measured, model, self.modes, len(self._jump_cycles), self.length, self.frame_clock,
+            frozenset(self.channels),
+        )  # fmt: skip
+        self.space = self._layout.space()
         self._jumps = {
             self.space.place[f"jump.{j}.{i}.{part}"]: (int(cycle), i, part == "v")
             for j, cycle in enumerate(self._jump_cycles)
@@ -137,144 +135,13 @@ class World:
             found["arrival"] = frames.received_s
         return found
 
-    def _layout(self) -> Space:
-        model, space, measured = self.model, Space(), self.measured
-        joint = measured.position[np.isfinite(measured.position)]
-        swift = measured.velocity[np.isfinite(measured.velocity)]
-        space.add(Quantity("start.theta", float(joint[0]) if len(joint) else 0.0, step=1e-5, prior_std=1.0))
-        space.add(Quantity("start.omega", float(swift[0]) if len(swift) else 0.0, step=1e-4, prior_std=0.5))
-        scale = float(np.nanstd(measured.deflection)) if measured.pair else 0.01
-        scale = scale or 0.01
-        for i in range(self.modes):
-            known = i < len(model.arm.modes)
-            mode = model.arm.modes[i] if known else None
-            f = mode.frequency_hz if mode else 50.0
-            z = mode.damping_ratio if mode else 0.01
-            p = mode.participation if mode else 0.0
-            top = 0.49 / measured.cycle_s
-            space.add(
-                Quantity(f"modes.{i}.frequency_hz", f, 0.02, top, 1e-5 * f, 0.3 * f if mode else np.inf)
-            )
-            space.add(Quantity(f"modes.{i}.damping_ratio", z, 0.0, 0.9, 1e-5, max(0.05, 5 * z)))
-            space.add(Quantity(f"modes.{i}.participation", p, -50.0, 50.0, 1e-4, 2.0))
-            w = 2 * pi * f
-            for j in range(len(self._jump_cycles)):
-                space.add(Quantity(f"jump.{j}.{i}.q", 0.0, step=1e-3 * scale, prior_std=30 * scale))
-                space.add(Quantity(f"jump.{j}.{i}.v", 0.0, step=1e-3 * w * scale, prior_std=30 * w * scale))
-        drive, sensor, camera, timing = model.drive, model.accelerometer, model.camera, model.timing
-        for name, start, low, high, step in (
-            ("drive.bandwidth_hz", drive.bandwidth_hz, 0.1, 2000.0, 1e-3 * drive.bandwidth_hz),
-            ("drive.dead_time_s", drive.dead_time_s, 0.0, 1.0, 1e-5),
-            ("drive.blur_s", 0.0, 0.0, 0.5 * measured.cycle_s, 1e-6),
-            ("drive.max_velocity_rad_s", drive.max_velocity_rad_s, 1e-4, UNLIMITED, 1e-4),
-            ("drive.deadband_rad_s", 0.0, 0.0, 10.0, 1e-4),
-            ("drive.velocity_loss_rad_s", 0.0, 0.0, 10.0, 1e-5),
-            ("drive.gap_rad", 0.0, 0.0, 1.0, 1e-5),
-            ("arm.coulomb_m_s2", 0.0, 0.0, 1e3, 1e-5),
-            ("arm.quadratic_per_m", 0.0, -1e6, 1e6, 1e-4),
-            ("arm.cubic_per_m2", 0.0, -1e9, 1e9, 1e-2),
-            ("arm.onset_s", NEVER_S, 0.0, NEVER_S, measured.cycle_s),
-            ("arm.frequency_ratio", 1.0, 0.2, 5.0, 1e-5),
-            ("arm.frequency_rate_per_s", 0.0, -0.2, 0.2, 1e-7),
-            (HIGHER, 1.0, -10.0, 10.0, 1e-3),
-            ("arm.periodic_hz", 0.0, 0.0, 500.0, 1e-5),
-            ("arm.periodic_sin", 0.0, -1e4, 1e4, 1e-5),
-            ("arm.periodic_cos", 0.0, -1e4, 1e4, 1e-5),
-            ("accelerometer.scale", sensor.scale, -1e6, 1e6, 1e-4),
-            ("accelerometer.bias_m_s2", sensor.bias_m_s2, -1e3, 1e3, 1e-4),
-            ("accelerometer.rate_m_s3", 0.0, -1e3, 1e3, 1e-5),
-            ("accelerometer.rate_per_s", 0.0, -1.0, 1.0, 1e-6),
-            ("accelerometer.range_m_s2", sensor.range_m_s2, 1e-3, UNLIMITED, 1e-3),
-            ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
-            ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),
-            ("accelerometer.hum_hz", 0.0, 0.0, 5000.0, 1e-5),
-            ("accelerometer.hum_sin", 0.0, -1e3, 1e3, 1e-5),
-            ("accelerometer.hum_cos", 0.0, -1e3, 1e3, 1e-5),
-            ("camera.scale_px_per_m", camera.scale_px_per_m, -1e7, 1e7, 1e-5 * abs(camera.scale_px_per_m)),
-            ("camera.offset_px", 0.0, -1e6, 1e6, 1e-3),
-            ("camera.rotation_px_per_rad", camera.rotation_px_per_rad, -1e7, 1e7, 1e-2),
-            ("camera.rate_px_per_s", 0.0, -1e4, 1e4, 1e-4),
-            ("camera.lens_per_px2", 0.0, -0.1, 0.1, 1e-9),
-            ("camera.locking_sin_px", 0.0, -_LOCKING_PX, _LOCKING_PX, 1e-4),
-            ("camera.locking_cos_px", 0.0, -_LOCKING_PX, _LOCKING_PX, 1e-4),
-            ("timing.capture_delay_s", timing.capture_delay_s, -0.5, 3.0, 1e-5),
-            ("timing.arrival_s", 0.0, -1e4, 1e4, 1e-5),
-            ("timing.skew_ppm", 0.0, -1e4, 1e4, 0.1),
-            ("timing.delay_rate", 0.0, -0.1, 0.1, 1e-7),
-            ("timing.stale_onset_s", NEVER_S, 0.0, NEVER_S, measured.cycle_s),
-            ("timing.stale_frames", 0.0, -8.0, 8.0, 1e-3),
-            ("timing.step_onset_s", NEVER_S, 0.0, NEVER_S, measured.cycle_s),
-            ("timing.step_s", 0.0, -10.0, 10.0, 1e-5),
-            ("pair.gain", 1.0, -1e12, 1e12, 1e-3),
-            ("pair.offset", 0.0, -1e9, 1e9, 1e-6),
-            ("pair.input_offset", 0.0, -1e9, 1e9, 1e-6),
-        ):  # fmt: skip
-            space.add(Quantity(name, start, low, high, step))
-        return self._with_starts(space)
-
-    def _with_starts(self, space: Space) -> Space:
-        """Start values that the data give at once: image zero, mean arrival, a pair's gain."""
-        measured, frames = self.measured, self.measured.frames
-        sets: dict[str, tuple[float, float]] = {
-            "timing.capture_delay_s": (self.model.timing.capture_delay_s, 0.3)
-        }
-        sets["camera.scale_px_per_m"] = (
-            self.model.camera.scale_px_per_m,
-            2.0 * abs(self.model.camera.scale_px_per_m),
-        )
-        sets["accelerometer.bias_m_s2"] = (self.model.accelerometer.bias_m_s2, 10.0)
-        if "displacement" in self.channels:
-            seen = frames.displacement_px[np.isfinite(frames.displacement_px)]
-            theta = space["start.theta"].start
-            sets["camera.offset_px"] = (
-                float(np.median(seen)) + self.model.camera.scale_px_per_m * self.length * theta, 1e4,
-            )  # fmt: skip
-        if "arrival" in self.channels:
-            late = frames.received_s - self.frame_clock.grid_s
-            sets["timing.arrival_s"] = (float(np.nanmedian(late)), 1.0)
-        if measured.pair:
-            w = 2 * pi * self.model.arm.modes[0].frequency_hz
-            out = float(np.nanstd(measured.deflection))
-            sets["pair.gain"] = (w * w * out / (float(np.std(measured.force)) or 1.0), np.inf)
-            sets["pair.offset"] = (float(np.nanmean(measured.deflection)), out)
-            sets["pair.input_offset"] = (0.0, float(np.std(measured.force)))
-        for name, value in declared_quantities(self.model).items():
-            space.quantities[space.place[name]] = replace(space[name], start=value)
-        for name, (start, std) in sets.items():
-            at = space.place[name]
-            old = space.quantities[at]
-            step = old.step if name != "pair.gain" else 1e-4 * abs(start)
-            step = step if name != "pair.offset" else 1e-4 * float(np.nanstd(measured.deflection))
-            step = step if name != "pair.input_offset" else 1e-4 * std
-            space.quantities[at] = replace(old, start=start, step=step, prior_std=std)
-        return space
-
     def baseline_names(self) -> list[str]:
         """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
-        has = self.channels
-        names: list[str] = []
-        for i in range(len(self.model.arm.modes)):
-            names += [f"modes.{i}.frequency_hz", f"modes.{i}.damping_ratio"]
-            if not self.measured.pair:
-                names.append(f"modes.{i}.participation")
-            for j in range(len(self._jump_cycles)):
-                names += [f"jump.{j}.{i}.q", f"jump.{j}.{i}.v"]
-        if self.measured.pair:
-            return [*names, "pair.gain", "pair.offset", "pair.input_offset"]
-        if "joint_position" in has:
-            names.append("start.theta")
-        if "joint_velocity" in has or "joint_position" in has:
-            names.append("start.omega")
-        names += waves_to_refit(self.model)
-        if "acceleration" in has:
-            names.append("accelerometer.bias_m_s2")
-        if "displacement" in has:
-            names += ["camera.scale_px_per_m", "camera.offset_px", "timing.capture_delay_s"]
-            if self._fine_image:
-                names += ["camera.locking_sin_px", "camera.locking_cos_px"]
-        if "arrival" in has:
-            names.append("timing.arrival_s")
-        return names
+        return self._layout.baseline_names()
+
+    def just_before(self, frames: int | NDArray[np.bool_]) -> Array:
+        """Instants just before those frames, by place or mask, were read, s: an onset there counts for them."""
+        return np.asarray(self.in_order_s[frames] - _JUST_S)
 
     def move(self, vector: Array) -> Motion:
         """The arm's motion under the recorded inputs."""
@@ -394,7 +261,7 @@ class World:
     def _seen_joint(self, motion: Motion, which: int) -> Array:
         """The same as the data are judged by. To a fine encoder what a simulated drive may be off is no noise, of which
         many samples would make a discovery: most of it is granted, and the rest tells a fit the way."""
-        granted = which == 0 and self._fine_encoder
+        granted = which == 0 and self.measured.has_fine_encoder
         return self._reported(motion, which) + (_GRANTED * self._off(motion) if granted else 0.0)
 
     def _off(self, motion: Motion) -> Array:
@@ -478,7 +345,7 @@ class World:
 
     def _tip_of_joint_seen(self, motion: Motion, vector: Array) -> Array:
         """The tip's path, m, if the joint was where a fine encoder saw it, as far as a simulated drive may be off."""
-        if not self._fine_encoder:
+        if not self.measured.has_fine_encoder:
             return motion.tip
         first = [self.space.place[f"modes.{i}.frequency_hz"] for i in range(self.modes)]
         modes = np.array([vector[place : place + 3] for place in first])

@@ -2,22 +2,21 @@
 
 import numpy as np
 
-from diagnosis.arrival_steps import arrival_step
+from diagnosis.arrival_steps import SIDE, arrival_step
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 from diagnosis.fit import WANDER_S, Fit
+from diagnosis.request_times import request_intervals
+from diagnosis.robust import std_about_median
 
 _OUTSTANDING = 6.0  # robust deviations
-_SIDE = 15  # frames
-_JUST_S = 1e-7  # before a frame
 _ASIDE_S = 0.3  # of an onset: a frame that is under way when the clock is set was asked for before
 _MOST_NATS = 100.0
 
 
 def _trials(context: Context) -> list[Trial]:
     received = context.world.measured.frames.received_s
-    in_order = context.world.in_order_s
     jumps = np.argsort(-np.abs(np.diff(received) - np.median(np.diff(received))))[:4]
-    onsets = {*context.onsets(16), *(float(in_order[i + 1]) - _JUST_S for i in jumps)}
+    onsets = {*context.onsets(16), *(float(context.world.just_before(i + 1)) for i in jumps)}
     trials = [Trial({"timing.step_onset_s": onset}, ({"timing.step_s": 0.002},)) for onset in sorted(onsets)]
     seen = _seen(context)
     if seen is not None:
@@ -34,7 +33,7 @@ def _beside_a_wander(context: Context) -> list[Trial]:
     step = arrival_step(late, WANDER_S * world.model.camera.frame_rate_hz)
     if step is None:
         return []
-    onset = float(world.in_order_s[step.index]) - _JUST_S
+    onset = float(world.just_before(step.index))
     size = context.value("timing.step_s") + step.step_s
     return [Trial({"timing.step_onset_s": onset}, ({"timing.step_s": size},), exact=True)]
 
@@ -45,14 +44,14 @@ def _seen(context: Context) -> float | None:
         return None
     surprise = np.nan_to_num(context.fit.residuals["arrival"])
     late = context.world.channels["arrival"] - context.fit.predicted.channels["arrival"]
-    usual = 1.4826 * float(np.median(np.abs(surprise - np.median(surprise)))) + 1e-9
-    i = int(np.argmax(np.abs(surprise[_SIDE:-_SIDE]))) + _SIDE if len(surprise) > 3 * _SIDE else 0
+    usual = std_about_median(surprise) + 1e-9
+    i = int(np.argmax(np.abs(surprise[SIDE:-SIDE]))) + SIDE if len(surprise) > 3 * SIDE else 0
     if i == 0 or abs(surprise[i]) < _OUTSTANDING * usual:
         return None
-    step = float(np.nanmedian(late[i : i + _SIDE]) - np.nanmedian(late[i - _SIDE : i]))
+    step = float(np.nanmedian(late[i : i + SIDE]) - np.nanmedian(late[i - SIDE : i]))
     if step * surprise[i] <= 0.0 or abs(step) < 0.5 * abs(float(surprise[i])):
         return None
-    return float(context.world.in_order_s[i]) - _JUST_S
+    return float(context.world.just_before(i))
 
 
 def _unseen(fit: Fit) -> float:
@@ -60,14 +59,11 @@ def _unseen(fit: Fit) -> float:
     world = fit.world
     if not world.measured.frames.asked:
         return 0.0
-    started, received = world.measured.frames.started_s, world.measured.frames.received_s
-    between = np.diff(started)
-    near = np.abs(received[1:] - fit.value("timing.step_onset_s")) < _ASIDE_S
+    near = np.abs(world.measured.frames.received_s[1:] - fit.value("timing.step_onset_s")) < _ASIDE_S
     if not near.any():
         return 0.0
-    off = between - float(np.median(between))
-    usual = 1.4826 * float(np.median(np.abs(off))) + world.measured.cycle_s
-    missed = float(np.min(np.abs(off[near] - fit.value("timing.step_s")))) / usual
+    intervals = request_intervals(world.measured)
+    missed = float(np.min(np.abs(intervals.off_s[near] - fit.value("timing.step_s")))) / intervals.usual_s
     return min(0.5 * missed**2, _MOST_NATS)
 
 

@@ -18,6 +18,7 @@ from diagnosis.report.views import (
     telling_stretch,
 )
 from diagnosis.residuals import UNITS, residual_of, spectrum_of, step_of, times_of, variables
+from diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
 
@@ -318,7 +319,7 @@ def histogram(case: Case, name: str) -> Draw:
     def draw(axes: Axes) -> None:
         residual = residual_of(case.after, name)
         values = residual[np.isfinite(residual)]
-        core = 1.4826 * float(np.median(np.abs(values - np.median(values)))) or 1.0
+        core = std_about_median(values) or 1.0
         reach = float(np.max(np.abs(values)))
         counts, edges = np.histogram(values, bins=121, range=(-reach, reach))
         middle, width = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]

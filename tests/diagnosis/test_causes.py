@@ -17,10 +17,10 @@ from diagnosis.diagnose import model_text
 from diagnosis.extended_model import effect_of
 from diagnosis.fit import Fit
 from diagnosis.impacts import carried
+from diagnosis.quantities import HIGHER
 from diagnosis.screen import residual_peaks, variant
 from diagnosis.search import search
 from diagnosis.split import interleaved
-from diagnosis.world import HIGHER
 from simulation.virtual_time import VirtualRun, simulate
 from tests.diagnosis.simulated import MODEL as RIG_MODEL
 from tests.diagnosis.simulated import SIZES

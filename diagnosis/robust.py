@@ -1,0 +1,19 @@
+"""Standard deviations that a few outliers do not move: from the median absolute deviation (Hampel, Journal of the
+American Statistical Association 69, 1974), which for normal values is the standard deviation over 1.4826."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_MAD_TO_STD = 1.4826
+
+
+def std_about_zero(values: Array) -> float:
+    """Of values whose middle is known to be zero. values: (n,), n > 0, none missing."""
+    return _MAD_TO_STD * float(np.median(np.abs(values)))
+
+
+def std_about_median(values: Array) -> float:
+    """Of values about their own median. values: (n,), n > 0, none missing."""
+    return std_about_zero(values - np.median(values))

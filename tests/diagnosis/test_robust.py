@@ -1,0 +1,15 @@
+"""Deviations that outliers do not move."""
+
+import numpy as np
+import pytest
+
+from diagnosis.robust import std_about_median, std_about_zero
+
+
+def test_normal_values_have_their_standard_deviation_whatever_a_few_outliers_do() -> None:
+    """The median absolute deviation over that of the normal law."""
+    values = np.random.default_rng(3).normal(0.0, 0.7, 20_000)
+    values[:200] = 1e6
+    assert std_about_zero(values) == pytest.approx(0.7, rel=0.03)
+    assert std_about_median(values + 5.0) == pytest.approx(0.7, rel=0.03)
+    assert std_about_zero(values + 5.0) > 4.0
