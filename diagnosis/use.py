@@ -1,7 +1,8 @@
 """What an extended model is worth in use: the controller predicts and damps with it, and with the model as it was.
 
 Both run in virtual time on the same rig, which is the extended model itself, through the same run: a move and a free
-ring-down in which predictions are scored, then a ring-down that is damped.
+ring-down in which predictions are scored, then a ring-down that is damped. Several such pairs, each with noise of its
+own, tell what the difference is worth: a pair's two runs have the same noise.
 """
 
 from collections.abc import Callable, Iterable
@@ -23,6 +24,15 @@ from simulation.virtual_time import VirtualRun, simulate
 
 Array = NDArray[np.float64]
 
+MEASURES = {
+    "prediction_error_moving_rms": "prediction error while the joint moves, rms",
+    "prediction_error_free_rms": "prediction error while the arm rings freely, rms",
+    "residual_vibration_rms": "vibration left from two seconds after a blow on, damped, rms",
+}
+"""What is scored, each over the amplitude of the blow."""
+
+_LEAST_CHANGE = 0.005  # of the value before
+_SURE = 2.0  # spreads of the pairs
 _FREE_S, _DAMPED_S, _ON_S, _END_S = 4.5, 9.0, 9.2, 14.0
 _FIRST_S, _SEEN_S, _LEFT_AFTER_S = (
     0.5,
@@ -54,11 +64,21 @@ class _InMemory:
             self.truth.append((message.time_s, message.deflection_m))
 
 
+def outcome(use: dict[str, Any], measure: str) -> str:
+    """ "better" or "worse" with the extended model, where the mean over the pairs changes by twice their spread and by
+    half a per cent; else "". use: `begin_use`'s answer, of runs that were made."""
+    before, after = use["before"][measure], use["after"][measure]
+    spread = use["spread"][measure] if use["spread"] else 0.0
+    if abs(after - before) <= max(_LEAST_CHANGE * before, _SURE * spread):
+        return ""
+    return "better" if after < before else "worse"
+
+
 def worth_in_use(
-    plain: Model, extended: Model, configuration: Configuration, seed: int = 1
+    plain: Model, extended: Model, configuration: Configuration, seed: int = 1, pairs: int = 1
 ) -> dict[str, Any]:
     """`begin_use` and its answer, one run after the other in this process."""
-    return begin_use(plain, extended, configuration, seed)()
+    return begin_use(plain, extended, configuration, seed, pairs)()
 
 
 def begin_use(
@@ -66,11 +86,15 @@ def begin_use(
     extended: Model,
     configuration: Configuration,
     seed: int = 1,
+    pairs: int = 1,
     run_each: Callable[..., Iterable[dict[str, float]]] = map,
 ) -> Callable[[], dict[str, Any]]:
-    """Prediction error and residual vibration with either model: {"before": {...}, "after": {...}, "note"}, when asked.
+    """Prediction error and residual vibration with either model, when asked: {"before": {...}, "after": {...}: means
+    over the pairs; "spread": standard deviation over the pairs of what after is more than before, None of one pair;
+    "pairs"; "note"}.
 
-    run_each: as `map`; an executor's begins both runs at once, in other processes.
+    seed: of the first pair's noise; each later pair has the next. run_each: as `map`; an executor's begins all runs at
+    once, in other processes.
 
     prediction_error_moving_rms, prediction_error_free_rms: rms of estimated less true deflection, from half a second
     after a blow on, while the joint moves and while the arm rings freely; residual_vibration_rms: rms of the true
@@ -80,13 +104,22 @@ def begin_use(
     if extended.arm.length_m is None:
         raise UserError("arm.length_m: needed for a deflection and absent from the model")
     rig = msgspec.structs.replace(extended, effects=[_from_the_start(effect) for effect in extended.effects])
-    scores = run_each(partial(_scores, rig, configuration, seed), (plain, extended))
+    runs = [(seed + pair, assumed) for pair in range(pairs) for assumed in (plain, extended)]
+    scores = run_each(partial(_scores, rig, configuration), runs)
 
     def answer() -> dict[str, Any]:
-        before, after = scores
-        return {"before": before, "after": after, "note": not_used_by_controller(extended)}
+        found = list(scores)
+        table = np.array([[one[name] for name in MEASURES] for one in found]).reshape(pairs, 2, len(MEASURES))
+        before, after = (_by_name(values) for values in table.mean(axis=0))
+        spread = _by_name(np.std(table[:, 1] - table[:, 0], axis=0, ddof=1)) if pairs > 1 else None
+        note = not_used_by_controller(extended)
+        return {"before": before, "after": after, "spread": spread, "pairs": pairs, "note": note}
 
     return answer
+
+
+def _by_name(values: Array) -> dict[str, float]:
+    return dict(zip(MEASURES, values.tolist(), strict=True))
 
 
 def _from_the_start(effect: dict[str, EffectValue]) -> dict[str, EffectValue]:
@@ -95,7 +128,9 @@ def _from_the_start(effect: dict[str, EffectValue]) -> dict[str, EffectValue]:
     return {**effect, "onset_s": 0.0} if "onset_s" in known else effect
 
 
-def _scores(rig: Model, configuration: Configuration, seed: int, assumed: Model) -> dict[str, float]:
+def _scores(rig: Model, configuration: Configuration, run: tuple[int, Model]) -> dict[str, float]:
+    """run: seed of the noise, and the model that the controller assumes."""
+    seed, assumed = run
     kept = _InMemory()
     simulate(VirtualRun(configuration, rig, assumed, SCENARIO, seed, name="the extended model"), kept, kept)
     truth, said = np.array(kept.truth), np.array(kept.estimates)

@@ -10,8 +10,9 @@ from diagnosis.report import panels
 from diagnosis.report.case import Case, cases, whole
 from diagnosis.report.drawing import svg
 from diagnosis.report.picture import picture, picture_of_all
-from diagnosis.report.words import NAMES, next_steps, not_tried, number, unit_of, why_not
+from diagnosis.report.words import NAMES, next_steps, not_tried, number, unit_of, use_sentence, why_not
 from diagnosis.residuals import ChannelResidual, examine_channel
+from diagnosis.use import MEASURES, outcome
 
 _MOST_CANDIDATES = 8
 _EXACT = 1e-6  # of the signal: what rounding leaves
@@ -259,29 +260,24 @@ def use(result: Diagnosis) -> str:
     note = f"<p class=note>{escape(_sentence(found['note']))}</p>" if found["note"] else ""
     if found["before"] is None:
         return f"<section><h2>What it is worth in use</h2>{note}</section>"
-    words = {
-        "prediction_error_moving_rms": "prediction error while the joint moves, rms",
-        "prediction_error_free_rms": "prediction error while the arm rings freely, rms",
-        "residual_vibration_rms": "vibration left from two seconds after a blow on, damped, rms",
-    }
     rows = []
-    for key, word in words.items():
+    for key, word in MEASURES.items():
         before, after = found["before"][key], found["after"][key]
         change = 100.0 * (after / before - 1.0) if before else 0.0
-        mark = "worse" if change > 0.5 else ("better" if change < -0.5 else "")
+        spread = f" ± {100.0 * found['spread'][key] / before:.0f} %" if found["spread"] and before else ""
         rows.append(
             [
                 escape(word),
                 f"{100.0 * before:.2f} %",
                 f"{100.0 * after:.2f} %",
-                f"<span class='{mark}'>{change:+.0f} %</span>",
+                f"<span class='{outcome(found, key)}'>{change:+.0f} %</span>{spread}",
             ]
         )
     return (
         "<section><h2>What it is worth in use</h2>"
         f"{table(['', 'model as given', 'extended model', 'change'], rows, numeric=1)}"
-        "<p class=note>The controller in virtual time on a rig that is the extended model, once with each model; "
-        f"parts of the blow's amplitude.</p>{note}</section>"
+        "<p class=note>The controller in virtual time on a rig that is the extended model, with each model; "
+        f"parts of the blow's amplitude. {escape(use_sentence(found))}</p>{note}</section>"
     )
 
 

@@ -9,6 +9,7 @@ from diagnosis.catalogue import CAUSES as SEARCHED
 from diagnosis.diagnose import Diagnosis
 from diagnosis.report.panels import WORDS
 from diagnosis.scatter import ON_ITS_PAST
+from diagnosis.use import MEASURES, outcome
 from diagnosis.verdict import is_sure_of
 
 NAMES = {
@@ -82,6 +83,19 @@ def verdict_sentence(result: Diagnosis) -> str:
             return rest[0].upper() + rest[1:] + "."
         return f"The simulation lacks {', and '.join(parts)}; beyond that, {rest}."
     return f"The simulation lacks {', and '.join(parts)}."
+
+
+def use_sentence(use: dict[str, Any]) -> str:
+    """What the extended model does better or worse in use, against the spread of paired runs where there are any."""
+    if use["before"] is None:
+        return f"In use: {use['note']}."
+    changes = [
+        f"{word.split(',')[0]} {100.0 * use['before'][key]:.2f} to {100.0 * use['after'][key]:.2f} %, {how}"
+        for key, word in MEASURES.items()
+        if (how := outcome(use, key))
+    ]
+    pairs = "a single pair of runs" if use["pairs"] == 1 else f"{use['pairs']} pairs of runs"
+    return f"In use, by {pairs}: {'; '.join(changes) or 'nothing is to be gained'}."
 
 
 def _named(finding: dict[str, Any]) -> str:

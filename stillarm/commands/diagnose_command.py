@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from diagnosis.diagnose import Diagnosis
     from stillarm.commands.diagnose_many import Done
 
+_MOST_PAIRS = 100
+
 
 def _span(text: str) -> tuple[float, float]:
     try:
@@ -26,6 +28,12 @@ def _span(text: str) -> tuple[float, float]:
     if not (math.isfinite(start) and math.isfinite(end) and start < end):
         raise argparse.ArgumentTypeError(f"{text!r}: FROM_S must lie before TO_S")
     return start, end
+
+
+def _pairs(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= _MOST_PAIRS:
+        raise argparse.ArgumentTypeError(f"{text!r}: a whole number from 1 to {_MOST_PAIRS}")
+    return int(text)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +56,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-use",
         action="store_true",
         help="do not simulate what the extended model is worth to the controller (some seconds)",
+    )
+    parser.add_argument(
+        "--use-pairs",
+        type=_pairs,
+        default=1,
+        metavar="N",
+        help="simulate that N times over, each with noise of its own, and tell the spread (1)",
     )
     parser.add_argument(
         "--scheduler",
@@ -76,8 +91,14 @@ def run(arguments: argparse.Namespace) -> int:
             continue
         folder = one.job.folder
         print(f"{one.job.path}: {one.said}")
+        if one.used:
+            print(one.used)
         print(f"{folder / 'report.html'} shows it; {folder / 'extended.toml'} is the model that has it")
     return int(any(one.failed for one in done))
+
+
+def _use_pairs(arguments: argparse.Namespace) -> int:
+    return 0 if arguments.no_use else int(arguments.use_pairs)
 
 
 def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
@@ -86,9 +107,9 @@ def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
     from stillarm.progress import progress_bar
 
     (path,) = arguments.recordings
-    job = Job(path, arguments.out, model, tuple(arguments.hold_out), not arguments.no_use)
+    job = Job(path, arguments.out, model, tuple(arguments.hold_out), _use_pairs(arguments))
     with (
-        beside() if job.use else nullcontext(map) as run_each,
+        beside() if job.use_pairs else nullcontext(map) as run_each,
         progress_bar(f"diagnose {path.name}") as progress,
     ):
         return diagnose_one(job, progress, run_each)
@@ -101,7 +122,7 @@ def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list
 
     out = arguments.out.absolute()
     jobs = [
-        Job(path.absolute(), out / path.stem, model, tuple(arguments.hold_out), not arguments.no_use)
+        Job(path.absolute(), out / path.stem, model, tuple(arguments.hold_out), _use_pairs(arguments))
         for path in arguments.recordings
     ]
     done = []
@@ -127,10 +148,14 @@ def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> N
 
 
 def put_to_use(
-    result: "Diagnosis", path: Path, model: "Model | None", run_each: Callable[..., Iterable[Any]]
+    result: "Diagnosis",
+    path: Path,
+    model: "Model | None",
+    pairs: int,
+    run_each: Callable[..., Iterable[Any]],
 ) -> Callable[[], None]:
     """Begin to find what the extended model is worth to the controller, where it differs and can be run; returns what
-    awaits that, and adds it to the result. run_each: as `map`, or an executor's.
+    awaits that, and adds it to the result. pairs: of runs. run_each: as `map`, or an executor's.
     """
     from common.configuration import load_configuration
     from common.recording.reader import open_recording
@@ -144,7 +169,7 @@ def put_to_use(
     plain = model or model_of(open_recording(path))
     configuration = load_configuration(default_simulation_configuration())
     try:
-        found = begin_use(plain, result.extended, configuration, run_each=run_each)
+        found = begin_use(plain, result.extended, configuration, pairs=pairs, run_each=run_each)
     except UserError as error:
         found = _not_simulated(error)
 

@@ -18,22 +18,25 @@ _CONNECT_S = 10
 
 @dataclass(frozen=True)
 class Job:
-    """A recording to diagnose, and the folder for what comes of it. use: simulate what the extended model is worth."""
+    """A recording to diagnose, and the folder for what comes of it. use_pairs: of runs, in which what the extended
+    model is worth is simulated; 0: it is not."""
 
     path: Path
     folder: Path
     model: Model | None
     hold_out: tuple[tuple[float, float], ...]
-    use: bool
+    use_pairs: int
 
 
 @dataclass(frozen=True)
 class Done:
-    """What came of a job: the verdict in one sentence, or what was wrong with the recording."""
+    """What came of a job: the verdict in one sentence, or what was wrong with the recording. used: what the extended
+    model is worth, where that was simulated."""
 
     job: Job
     said: str
     failed: bool = False
+    used: str = ""
 
 
 def diagnose_one(
@@ -47,15 +50,21 @@ def diagnose_one(
     one_blas_thread()
     from common.output_folder import make_folder
     from diagnosis.diagnose import diagnose
+    from diagnosis.report.words import use_sentence
     from stillarm.commands.diagnose_command import put_to_use, sentence, write
 
     try:
         result = diagnose(job.path, job.model, job.hold_out, lambda done, what: progress(0.9 * done))
-        await_use = put_to_use(result, job.path, job.model, run_each) if job.use else lambda: None
+        await_use = (
+            put_to_use(result, job.path, job.model, job.use_pairs, run_each)
+            if job.use_pairs
+            else lambda: None
+        )
         write(result, make_folder(job.folder), await_use)
     except UserError as error:
         return Done(job, str(error), failed=True)
-    return Done(job, sentence(result.table))
+    used = result.table.get("use")
+    return Done(job, sentence(result.table), used=use_sentence(used) if used else "")
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from typing import Any
 
 import pytest
 from matplotlib.axes import Axes
@@ -93,11 +94,17 @@ def test_a_loss_is_shown_as_one(found: Diagnosis) -> None:
 
 def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Diagnosis) -> None:
     keys = ("prediction_error_moving_rms", "prediction_error_free_rms", "residual_vibration_rms")
-    use = {"before": dict.fromkeys(keys, 0.2), "after": dict.fromkeys(keys, 0.3), "note": None}
+    use: dict[str, Any] = {
+        "before": dict.fromkeys(keys, 0.2), "after": dict.fromkeys(keys, 0.3), "spread": None, "pairs": 1, "note": None,
+    }  # fmt: skip
     section = use_section(replace(found, table={**found.table, "use": use}))
     assert "worth in use" in section
     assert "<span class='worse'>+50 %</span>" in section
     assert use_section(found) == ""
+    unsure = {**use, "spread": dict.fromkeys(keys, 0.06), "pairs": 4}
+    section = use_section(replace(found, table={**found.table, "use": unsure}))
+    assert "<span class=''>+50 %</span> ± 30 %" in section
+    assert "by 4 pairs of runs: nothing is to be gained" in section
 
 
 def test_figures_take_the_pages_colours() -> None:

@@ -1,11 +1,14 @@
 """What an extended model is worth to the controller: the right model predicts better while the joint moves."""
 
+from collections.abc import Callable, Iterable
+from typing import Any
+
 import msgspec
 import pytest
 
 from common.configuration import load_configuration
 from common.user_error import UserError
-from diagnosis.use import worth_in_use
+from diagnosis.use import MEASURES, begin_use, outcome, worth_in_use
 from simulation.simulated_recording import default_simulation_configuration
 from tests.diagnosis.simulated import MODEL, effect
 
@@ -53,3 +56,36 @@ def test_without_a_length_there_is_no_deflection_to_predict() -> None:
     bare = msgspec.structs.replace(MODEL, arm=msgspec.structs.replace(MODEL.arm, length_m=None))
     with pytest.raises(UserError, match="length_m"):
         worth_in_use(bare, bare, CONFIGURATION)
+
+
+def test_pairs_of_runs_tell_a_true_gain_from_the_noise_of_a_run() -> None:
+    """A late drive is foretold better in every pair; the model as it was, taken for an extension, gains nothing."""
+    late = msgspec.structs.replace(MODEL, effects=[effect("drive_dead_time")])
+    found = worth_in_use(MODEL, late, CONFIGURATION, pairs=2)
+    assert found["pairs"] == 2
+    assert outcome(found, "prediction_error_moving_rms") == "better"
+    begun = []
+
+    def run_each(work: Callable[[Any], Any], runs: Iterable[Any]) -> list[dict[str, float]]:
+        begun.extend(seed for seed, _ in runs)
+        return [dict.fromkeys(MEASURES, 0.1 + 0.01 * (seed + place)) for place, seed in enumerate(begun)]
+
+    same = begin_use(MODEL, MODEL, CONFIGURATION, pairs=3, run_each=run_each)()
+    assert begun == [1, 1, 2, 2, 3, 3]
+    assert same["spread"] == pytest.approx(dict.fromkeys(MEASURES, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("after", "spread", "told"),
+    [
+        (0.05, 0.02, "better"),
+        (0.05, 0.03, ""),
+        (0.2, 0.04, "worse"),
+        (0.0999, None, ""),
+        (0.09, None, "better"),
+    ],
+)
+def test_what_counts_is_twice_the_spread_of_the_pairs(after: float, spread: float | None, told: str) -> None:
+    name = "residual_vibration_rms"
+    use = {"before": {name: 0.1}, "after": {name: after}, "spread": spread and {name: spread}}
+    assert outcome(use, name) == told

@@ -54,7 +54,7 @@ def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch: pytest.Monkey
 
 def test_dask_s_workers_diagnose_as_this_process_does(recording: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    job = Job(recording, tmp_path / "out", None, (), use=False)
+    job = Job(recording, tmp_path / "out", None, (), use_pairs=0)
     with (
         distributed.LocalCluster(1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         executor_for(cluster.scheduler_address, 1) as executor,
@@ -76,6 +76,6 @@ def test_a_bad_one_by_itself_is_one_line(tmp_path: Path, capsys: pytest.CaptureF
 
 def test_progress_never_falls_and_leaves_a_share_for_the_use(recording: Path, tmp_path: Path) -> None:
     shares: list[float] = []
-    done = diagnose_one(Job(recording, tmp_path / "out", None, (), use=False), shares.append)
+    done = diagnose_one(Job(recording, tmp_path / "out", None, (), use_pairs=0), shares.append)
     assert not done.failed
     assert shares == sorted(shares) and 0.8 < shares[-1] <= 0.9
