@@ -31,7 +31,7 @@ MEASURES = {
 }
 """What is scored, each over the amplitude of the blow."""
 
-_LEAST_CHANGE = 0.005  # of the value before
+_LEAST_CHANGE, _LEAST = 0.005, 1e-3  # of the value before; of the blow's amplitude
 _SURE = 2.0  # spreads of the pairs
 _FREE_S, _DAMPED_S, _ON_S, _END_S = 4.5, 9.0, 9.2, 14.0
 _FIRST_S, _SEEN_S, _LEFT_AFTER_S = (
@@ -65,11 +65,11 @@ class _InMemory:
 
 
 def outcome(use: dict[str, Any], measure: str) -> str:
-    """ "better" or "worse" with the extended model, where the mean over the pairs changes by twice their spread and by
-    half a per cent; else "". use: `begin_use`'s answer, of runs that were made."""
+    """ "better" or "worse" with the extended model, where the mean over the pairs changes by twice their spread, by
+    half a per cent, and by a thousandth of the blow; else "". use: `begin_use`'s answer, of runs that were made."""
     before, after = use["before"][measure], use["after"][measure]
     spread = use["spread"][measure] if use["spread"] else 0.0
-    if abs(after - before) <= max(_LEAST_CHANGE * before, _SURE * spread):
+    if abs(after - before) <= max(_LEAST, _LEAST_CHANGE * before, _SURE * spread):
         return ""
     return "better" if after < before else "worse"
 

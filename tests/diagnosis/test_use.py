@@ -81,7 +81,7 @@ def test_pairs_of_runs_tell_a_true_gain_from_the_noise_of_a_run() -> None:
         (0.05, 0.02, "better"),
         (0.05, 0.03, ""),
         (0.2, 0.04, "worse"),
-        (0.0999, None, ""),
+        (0.0991, None, ""),
         (0.09, None, "better"),
     ],
 )
