@@ -39,9 +39,13 @@ class K(IntEnum):
     THETA0 = 19
     OMEGA0 = 20
     FORCE_GAIN = 21  # of the force input on the first mode
-    BLUR_S = 22  # of a command's arrival, as an accelerometer shows it, to either side
-    HIGHER = 23  # share of such a change of frequency that modes beyond the first take
-    SIZE = 24
+    HIGHER = 22  # share of such a change of frequency that modes beyond the first take
+    SIZE = 23
+
+
+_NEAR = (
+    0.2  # cycles between an accelerometer's reading and a command's arrival, at which either may come first
+)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -152,8 +156,9 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     command: (n,) rad/s held over each cycle; force: (n * substeps + 1,) force input, or length 0 for none.
     modes: (m, 3) frequency_hz, damping_ratio, participation. jump_cycles: (j,) ascending; jumps: (j, m, 2) added to
     q_i and q_i' at the start of that cycle; the first is the initial state.
-    Fills out_joint (n, 3): theta, theta', theta'' of the joint; out_motor (n, 2): of the motor; out_q (n, m) and
-    out_qdd (n, m): q_i and q_i'' at the start of each cycle.
+    Fills out_joint (n, 4): theta, theta', theta'' of the joint, and by how much theta'' jumps with a command that
+    arrives near the start of the cycle (`reads_later`), less the further from it; out_motor (n, 2): of the motor; out_q
+    (n, m) and out_qdd (n, m): q_i and q_i'' at the start of each cycle.
     """
     n, m = command.shape[0], modes.shape[0]
     length, rate, dead = constants[0], constants[1], constants[2]
@@ -164,10 +169,11 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     onset, ratio, drift = constants[13], constants[14], constants[15]
     pw, ps, pc = constants[16], constants[17], constants[18]
     theta_m, omega_m = constants[19], constants[20]
-    gain, blur, higher = constants[21], constants[22], constants[23]
-    theta, omega, alpha = theta_m, omega_m, 0.0
+    gain, higher = constants[21], constants[22]
+    theta, omega, alpha, jump = theta_m, omega_m, 0.0, 0.0
     whole = int(np.floor(dead / dt + 1e-9))
     fraction = min(max(dead / dt - whole, 0.0), 1.0)
+    near = max(0.0, 1.0 - min(fraction, 1.0 - fraction) / _NEAR)
     stay_early, stay_late = np.exp(-rate * fraction * dt), np.exp(-rate * (1.0 - fraction) * dt)
     # stretches of a cycle: two, where a command arrives within it, and either may see the limit of acceleration end
     starts, fades, kinds = np.zeros(4), np.zeros(4), np.zeros(4, np.int64)
@@ -201,7 +207,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                 w2[i] = w * w
             _tabulate(table, yields, lengths, rate, sig, wd, w2)
         # what the sensors see at the start of the cycle
-        out_joint[k, 0], out_joint[k, 1], out_joint[k, 2] = theta, omega, alpha
+        out_joint[k, 0], out_joint[k, 1], out_joint[k, 2], out_joint[k, 3] = theta, omega, alpha, jump
         out_motor[k, 0], out_motor[k, 1] = theta_m, omega_m
         for i in range(m):
             qdd = -2.0 * sig[i] * v[i] - w2[i] * q[i] - modes[i, 2] * length * alpha
@@ -248,19 +254,18 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                 theta_m += target * span - error * (1.0 - stay) * per_rate
                 omega_m += error * (1.0 - stay)
             alpha_m = min(max(rate * (target - omega_m), -max_acceleration), max_acceleration)
-            # read about a command's arrival, an accelerometer shows a share of what it brings
-            near = min(fraction, 1.0 - fraction) * dt
-            if half == 1 and near < blur:
+            jump = 0.0
+            if near > 0.0 and half == 1:
                 other = max(newer + 1 if fraction < 0.5 else older, 0)
                 if other < n:
                     beside = rate * (_obeyed(command[other], limit, deadband, loss) - omega_m)
                     beside = min(max(beside, -max_acceleration), max_acceleration)
-                    alpha_m += 0.5 * (1.0 - near / blur) * (beside - alpha_m)
+                    jump = near * (beside - alpha_m if fraction < 0.5 else alpha_m - beside)
             if theta_m > highest or theta_m < lowest:
                 theta_m = min(max(theta_m, lowest), highest)
                 count, kind = first, half  # stopped over the whole stretch
                 start, fade = -before / lengths[half], 0.0
-                omega_m, alpha_m = 0.0, 0.0
+                omega_m, alpha_m, jump = 0.0, 0.0, 0.0
             starts[count], fades[count], kinds[count] = start, fade, kind
             count += 1
         if gap > 0.0:
@@ -269,7 +274,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
             moved = (theta - before) / dt
             starts[0], fades[0], kinds[0] = (moved - omega) / dt, 0.0, 2
             count = 1
-            alpha = alpha_m if theta != before else 0.0
+            alpha, jump = (alpha_m, jump) if theta != before else (0.0, 0.0)
             omega = moved
         else:
             theta, omega, alpha = theta_m, omega_m, alpha_m
@@ -297,6 +302,11 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
                     _move(q, v, i, push, sig[i], wd[i], yields[i, 2], way, starts[j], fades[j], c, s, left)
             if nonlinear:
                 _kick(v, q, w2, constants, now + h, gain, force, k * substeps + part + 1, h)
+
+
+def reads_later(dead_s: float, dt: float) -> bool:
+    """Whether `run` has the sensors read after a command's arrival that is near: it is just before the cycle then."""
+    return bool(dead_s / dt - np.floor(dead_s / dt + 1e-9) > 0.5)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -14,6 +14,13 @@ from diagnosis.space import Quantity, Space
 _NEVER_S = 1e9
 _UNLIMITED = 1e9
 HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
+ARRIVAL = (
+    "drive.arrival_s"  # by which commands come later or earlier than the dead time says: a part of a cycle
+)
+_ARRIVAL, _ARRIVAL_STD = 0.15, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth
+OF_ARRIVALS = (
+    "accelerometer.of_arrivals"  # share of a jump that a command's arrival brings as the sensor is read
+)
 _LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
 
@@ -59,7 +66,7 @@ class Layout:
         for name, start, low, high, step in (
             ("drive.bandwidth_hz", drive.bandwidth_hz, 0.1, 2000.0, 1e-3 * drive.bandwidth_hz),
             ("drive.dead_time_s", drive.dead_time_s, 0.0, 1.0, 1e-5),
-            ("drive.blur_s", 0.0, 0.0, 0.5 * measured.cycle_s, 1e-6),
+            (ARRIVAL, 0.0, -_ARRIVAL * measured.cycle_s, _ARRIVAL * measured.cycle_s, 0.01 * measured.cycle_s),
             ("drive.max_velocity_rad_s", drive.max_velocity_rad_s, 1e-4, _UNLIMITED, 1e-4),
             ("drive.deadband_rad_s", 0.0, 0.0, 10.0, 1e-4),
             ("drive.velocity_loss_rad_s", 0.0, 0.0, 10.0, 1e-5),
@@ -80,6 +87,7 @@ class Layout:
             ("accelerometer.rate_per_s", 0.0, -1.0, 1.0, 1e-6),
             ("accelerometer.range_m_s2", sensor.range_m_s2, 1e-3, _UNLIMITED, 1e-3),
             ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
+            (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),
             ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),
             ("accelerometer.hum_hz", 0.0, 0.0, 5000.0, 1e-5),
             ("accelerometer.hum_sin", 0.0, -1e3, 1e3, 1e-5),
@@ -116,6 +124,8 @@ class Layout:
             self.model.camera.scale_px_per_m,
             2.0 * abs(self.model.camera.scale_px_per_m),
         )
+        sets[OF_ARRIVALS] = (0.0, 1.0)
+        sets[ARRIVAL] = (0.0, _ARRIVAL_STD * measured.cycle_s)
         sets["accelerometer.bias_m_s2"] = (self.model.accelerometer.bias_m_s2, 10.0)
         if "displacement" in self.channels:
             seen = frames.displacement_px[np.isfinite(frames.displacement_px)]
@@ -161,7 +171,9 @@ class Layout:
             names.append("start.omega")
         names += waves_to_refit(self.model)
         if "acceleration" in has:
-            names.append("accelerometer.bias_m_s2")
+            names += ["accelerometer.bias_m_s2", OF_ARRIVALS]
+        if has & {"acceleration", "joint_position", "joint_velocity"}:
+            names.append(ARRIVAL)
         if "displacement" in has:
             names += ["camera.scale_px_per_m", "camera.offset_px", "timing.capture_delay_s"]
             if self.measured.has_fine_image:

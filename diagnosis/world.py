@@ -16,9 +16,9 @@ from diagnosis.declared_effects import is_behind_encoder
 from diagnosis.exposure import expose
 from diagnosis.fine_sensors import tip_moved, within_reach
 from diagnosis.frame_clock import FrameClock, frame_clock
-from diagnosis.kernel import K, add_decay, free_decay, run, tip_of
+from diagnosis.kernel import K, add_decay, free_decay, reads_later, run, tip_of
 from diagnosis.measured import Measured
-from diagnosis.quantities import HIGHER, Layout
+from diagnosis.quantities import ARRIVAL, HIGHER, OF_ARRIVALS, Layout
 
 Array = NDArray[np.float64]
 
@@ -150,7 +150,7 @@ class World:
         drive = self.model.drive
         constants[K.LENGTH] = self.length
         constants[K.RATE] = 2.0 * pi * vector[at["drive.bandwidth_hz"]]
-        constants[K.DEAD_S] = vector[at["drive.dead_time_s"]]
+        constants[K.DEAD_S] = self._dead_s(vector)
         constants[K.MAX_VELOCITY] = vector[at["drive.max_velocity_rad_s"]]
         constants[K.MAX_ACCELERATION] = drive.max_acceleration_rad_s2
         constants[K.LOWEST], constants[K.HIGHEST] = drive.min_position_rad, drive.max_position_rad
@@ -169,7 +169,6 @@ class World:
         constants[K.PERIODIC_COS] = vector[at["arm.periodic_cos"]]
         constants[K.THETA0], constants[K.OMEGA0] = vector[at["start.theta"]], vector[at["start.omega"]]
         constants[K.FORCE_GAIN] = vector[at["pair.gain"]]
-        constants[K.BLUR_S] = vector[at["drive.blur_s"]]
         modes = np.empty((m, 3))
         jumps = np.empty((len(self._jump_cycles), m, 2))
         for i in range(m):
@@ -177,7 +176,7 @@ class World:
             modes[i] = vector[first : first + 3]
             count = len(self._jump_cycles)
             jumps[:, i, :] = vector[first + 3 : first + 3 + 2 * count].reshape(count, 2)
-        joint, motor = np.empty((n, 3)), np.empty((n, 2))
+        joint, motor = np.empty((n, 4)), np.empty((n, 2))
         q, qdd = np.empty((n, m)), np.empty((n, m))
         force = self._force + vector[at["pair.input_offset"]]
         run(
@@ -188,6 +187,11 @@ class World:
         tip_of(joint, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
         of = vector[self._moving]
         return Motion(joint, motor, q, deflection, tip, tip_acceleration, tip_angle, of)
+
+    def _dead_s(self, vector: Array) -> float:
+        """When a command arrives at the drive, s after its cycle began."""
+        at = self.space.place
+        return max(0.0, float(vector[at["drive.dead_time_s"]] + vector[at[ARRIVAL]]))
 
     def predict(self, vector: Array, near: Predicted | None = None) -> Predicted:
         """All channels that were measured. near: its motion is taken where the vector says the same of it."""
@@ -271,7 +275,7 @@ class World:
     def _acceleration(self, motion: Motion, vector: Array) -> Array:
         at = self.space.place
         t = self.cycle_times
-        value = motion.tip_acceleration
+        value = motion.tip_acceleration + self._of_arrivals(motion, vector)
         cycles = vector[at["accelerometer.delay_s"]] / self.measured.cycle_s
         if cycles > 0.0:
             value = _late(value, cycles)
@@ -287,6 +291,15 @@ class World:
         most = vector[at["accelerometer.range_m_s2"]]
         shown: Array = np.clip(value, -most, most)
         return shown
+
+    def _of_arrivals(self, motion: Motion, vector: Array) -> Array:
+        """What the accelerometer reads more or less, m/s^2, where commands arrive as it is read: which comes first by
+        some microseconds, no model says."""
+        at = self.space.place
+        later = reads_later(self._dead_s(vector), self.measured.cycle_s)
+        share = float(vector[at[OF_ARRIVALS]]) - (1.0 if later else 0.0)
+        rest = 1.0 - sum(float(vector[at[f"modes.{i}.participation"]]) for i in range(self.modes))
+        return np.asarray(share * rest * self.length * motion.joint[:, 3])
 
     def instants(self, vector: Array) -> Array:
         """Mid-exposure of each frame as the vector has it, s."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.kernel import K, run
+from diagnosis.kernel import K, reads_later, run
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class Rig:
 def simulated(
     values: dict[str, float] | None = None, blows: dict[int, tuple[float, float]] | None = None
 ) -> tuple[Array, ...]:
-    """theta, omega, alpha and motor theta of the kernel, its modes, and q''; constants by name."""
+    """theta, omega, alpha and motor theta of the kernel, its modes, q'', and alpha's jump; constants by name."""
     constants = np.zeros(K.SIZE)
     usual = {
         "LENGTH": LENGTH, "RATE": 2.0 * pi * 20.0, "DEAD_S": 0.0023, "MAX_VELOCITY": 1e9, "MAX_ACCELERATION": 1e3,
@@ -88,10 +88,10 @@ def simulated(
     jumps[0] = np.array(START).reshape(2, 2)
     for row, cycle in enumerate(cycles[1:], start=1):
         jumps[row, 0] = (blows or {})[int(cycle)]
-    joint, motor = np.empty((CYCLES, 3)), np.empty((CYCLES, 2))
+    joint, motor = np.empty((CYCLES, 4)), np.empty((CYCLES, 2))
     q, qdd = np.empty((CYCLES, 2)), np.empty((CYCLES, 2))
     run(COMMAND, np.empty(0), DT, 1, constants, MODES, cycles, jumps, joint, motor, q, qdd)
-    return joint[:, 0], joint[:, 1], joint[:, 2], motor[:, 0], q, qdd
+    return joint[:, 0], joint[:, 1], joint[:, 2], motor[:, 0], q, qdd, joint[:, 3]
 
 
 def off(found: Array, wanted: Array) -> float:
@@ -108,7 +108,7 @@ def test_the_linear_rig_with_two_modes_and_a_dead_time_of_no_whole_cycles() -> N
 
 
 def test_accelerations_are_those_of_the_motion() -> None:
-    *_, q, qdd = simulated()
+    *_, q, qdd, _ = simulated()
     twice = (q[2:] - 2.0 * q[1:-1] + q[:-2]) / DT**2
     smooth = slice(50, 190)  # no step of the command in it
     assert off(twice[smooth], qdd[1:-1][smooth]) < 2e-3
@@ -172,7 +172,7 @@ def test_forces_on_the_first_mode(
 
 
 def test_dry_friction_brings_the_arm_to_rest_and_holds_it() -> None:
-    *_, q, qdd = simulated({"COULOMB": 8.0})
+    *_, q, qdd, _ = simulated({"COULOMB": 8.0})
     assert np.ptp(q[150:195, 0]) < 1e-3 * abs(q[0, 0])  # before the joint moves
     assert np.all(qdd[150:195, 0] == 0.0)
 
@@ -201,7 +201,7 @@ def test_a_blow_adds_to_the_state_at_its_cycle() -> None:
 
 def test_play_stands_between_motor_and_joint() -> None:
     gap = 0.01
-    theta, _, _, motor, _, _ = simulated({"GAP": gap})
+    theta, _, _, motor, *_ = simulated({"GAP": gap})
     wanted = np.empty(CYCLES)
     at = 0.0
     for k in range(CYCLES):
@@ -217,11 +217,16 @@ def test_the_joint_stops_at_the_end_of_its_range() -> None:
     assert np.all(omega[1200:1300] == 0.0)
 
 
-@pytest.mark.parametrize("blur", [0.0, 0.2])
-def test_acceleration_jumps_where_the_dead_time_passes_a_cycle_unless_it_is_blurred(blur: float) -> None:
-    def read(dead_cycles: float, blur: float = blur) -> Array:
-        return simulated({"DEAD_S": dead_cycles * DT, "BLUR_S": blur * DT, "MAX_ACCELERATION": 1e6})[2]
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_acceleration_goes_on_evenly_where_the_dead_time_passes_a_cycle(share: float) -> None:
+    """Read just before a command's arrival or just after it, the acceleration jumps; any share of the jump between."""
 
-    jump = float(np.max(np.abs(read(3.0 + 1e-4) - read(3.0 - 1e-4))))
-    assert (jump < 1e-2 * float(np.max(np.abs(read(3.0))))) is (blur > 0.0)
+    def read(dead_cycles: float, share: float = share) -> Array:
+        found = simulated({"DEAD_S": dead_cycles * DT, "MAX_ACCELERATION": 1e6})
+        return found[2] + (share - reads_later(dead_cycles * DT, DT)) * found[6]
+
+    least = 1e-2 * float(np.max(np.abs(read(3.0))))
+    assert float(np.max(np.abs(read(3.0 + 1e-4) - read(3.0 - 1e-4)))) < least
+    assert float(np.max(np.abs(read(3.0, 1.0) - read(3.0, 0.0)))) > 10.0 * least
+    assert float(np.max(np.abs(read(3.0, 1.0) - read(3.0 - 1e-4, 1.0)))) < least  # whose command has come
     assert np.array_equal(read(3.5), read(3.5, 0.0))

@@ -1,0 +1,33 @@
+"""What happens within a cycle that no model tells: which comes first, a command or a reading, and by how much."""
+
+import pytest
+
+from diagnosis.quantities import ARRIVAL, OF_ARRIVALS
+from diagnosis.search import search
+from diagnosis.split import interleaved
+from tests.diagnosis.synthetic import MODEL, fitted, measured
+
+
+@pytest.mark.parametrize("share", [0.0, 0.6, 1.0])
+def test_an_accelerometer_may_show_any_share_of_a_jump_as_it_is_read(share: float) -> None:
+    """With the model's dead time of whole cycles, commands arrive just when sensors are read."""
+    assert MODEL.drive.dead_time_s == 2.0 * MODEL.timing.cycle_s
+    found = fitted(measured(6.0, 5, {OF_ARRIVALS: share}))
+    assert found.value(OF_ARRIVALS) == pytest.approx(share, abs=4.0 * found.std[OF_ARRIVALS])
+    assert found.std[OF_ARRIVALS] < 0.2
+
+
+@pytest.mark.parametrize("late_s", [-5e-5, 1e-4])
+def test_commands_that_come_a_tenth_of_a_cycle_off_are_nothing_wrong(late_s: float) -> None:
+    """So does a simulation of another kind, with a step of a tenth of a cycle, differ from this one."""
+    data = measured(12.0, 6, {ARRIVAL: late_s, OF_ARRIVALS: 0.5})
+    baseline = fitted(data)
+    assert baseline.value(ARRIVAL) == pytest.approx(late_s, abs=4.0 * baseline.std[ARRIVAL] + 1e-5)
+    assert not search(baseline, interleaved(12.0)).findings
+
+
+def test_a_dead_time_is_told_to_what_is_unknown_within_a_cycle() -> None:
+    """No better than that, and no worse."""
+    found = fitted(measured(8.0, 7, {"drive.dead_time_s": 0.0137}), "drive.dead_time_s")
+    assert found.value("drive.dead_time_s") == pytest.approx(0.0137, abs=2.0 * found.std["drive.dead_time_s"])
+    assert 4e-5 < found.std["drive.dead_time_s"] < 2e-4
