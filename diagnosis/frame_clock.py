@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.model import Model
-from diagnosis.lost_frames import lost_before
+from diagnosis.lost_frames import lost_before, scatter
 from diagnosis.measured import Frames
 from diagnosis.robust import std_about_zero
 
@@ -91,6 +91,14 @@ def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
     bad = (step < 1) | (step > _LARGEST_STEP) | (step > 4 * passed + 20)
     step = np.where(bad, np.maximum(1, np.rint(passed)).astype(np.int64), step)
     if not np.any(step[~bad] > 1):  # nowhere does it skip: it may count arrivals
-        step = step + lost_before(received, step, period_s)[1:]
+        step = step + lost_before(_steadier(frames, step, period_s), step, period_s)[1:]
     counts: NDArray[np.int64] = np.concatenate(([0], np.cumsum(step))) + counter[0]
     return counts
+
+
+def _steadier(frames: Frames, step: NDArray[np.int64], period_s: float) -> Array:
+    """When frames came, or where that scatters less, when they were begun: what was lost left a gap in either."""
+    began = frames.started_s
+    if not np.isfinite(began).all():
+        return frames.received_s
+    return min((frames.received_s, began), key=lambda times: scatter(times, step, period_s))

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 _LONE_SPIKE = 20.0  # robust deviations; a blow that strikes so hard is heard to ring
 _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
+_BURST = 2.0  # deviations of the delay that the model states: within them late frames are normal
 _ONE_STEP_S = 1.0
 
 
@@ -132,7 +133,8 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     late = whole.late > 0.5
     runs = _runs(late)
     total = float((whole.nats - whole.plain_nats).sum())
-    if len(runs) < 2 or total < _LEAST_NATS or whole.size_s < 2.0 * LEAST["arrival"]:
+    stated_s = data.world.model.timing.capture_delay_std_s
+    if len(runs) < 2 or total < _LEAST_NATS or whole.size_s < _BURST * max(stated_s, LEAST["arrival"]):
         return None
     gains = np.zeros(size)
     for fold in range(3):

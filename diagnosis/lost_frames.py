@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from diagnosis.robust import std_about_zero
+from diagnosis.robust import std_about_median, std_about_zero
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -28,16 +28,27 @@ _BEAM_NATS = 25.0
 _SLOPE = 3e-3  # deviation of skew and drift, s/s
 _USUAL_LOSS = 0.01
 _WANDER_S = 2.0
+_BLURRED = (
+    (0.3, 0.22),
+    (0.45, 0.19),
+)  # intervals' scatter; and off whole periods, where no number is likelier: 0.26
 _NEVER_NATS = 1e6
 _LEAST_NATS = 0.0  # by which losses have to explain the arrivals better than a wander and bursts alone
 
 
 def lost_before(received_s: Array, step: Counts, period_s: float) -> Counts:
-    """Frames lost before each frame (0 for the first). step: the counter's own steps, len(received_s) - 1."""
+    """Frames lost before each frame (0 for the first). step: the counter's own steps, len(received_s) - 1.
+
+    None where the frames scatter so far that their intervals are no whole periods any more: a frame that is late and
+    one that comes after a lost one look alike then.
+    """
     passed = np.diff(received_s) / period_s - step
     nothing = np.zeros(len(received_s), np.int64)
     white = _quick(passed) * period_s
     if len(received_s) < 4 or float(np.max(passed)) < min(0.5, 1.0 - 3.0 * white / period_s):
+        return nothing
+    apart = scatter(received_s, step, period_s)
+    if any(apart > most and white > off * period_s for most, off in _BLURRED):
         return nothing
     found, share, cost = nothing, _USUAL_LOSS, 0.0
     for _ in range(2):
@@ -58,6 +69,11 @@ def _search(
         cost = _likeliest(received_s, step, period_s, white, strength, _WANDER_S, open_nats, none_nats, lost)
         tries.append((cost, lost))
     return min(tries, key=lambda one: one[0])
+
+
+def scatter(times_s: Array, step: Counts, period_s: float) -> float:
+    """Deviation of what changes from frame to frame, in periods, as far as fewer than half of the frames were lost."""
+    return std_about_median(np.diff(times_s) / period_s - step) / sqrt(2.0)
 
 
 def _quick(passed: Array) -> float:

@@ -1,5 +1,7 @@
 """Which exposure each frame was, from counters that count exposures, arrivals, or were set back."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
@@ -34,6 +36,22 @@ def test_a_counter_of_exposures_tells_of_every_loss() -> None:
 def test_a_counter_of_arrivals_is_mended_by_the_arrivals(lost: list[int]) -> None:
     exposed = np.delete(np.arange(400), lost)
     counts = exposure_counts(frames(np.arange(len(exposed)), exposed), 1.0 / RATE)
+    assert np.array_equal(counts - counts[0], exposed - exposed[0])
+
+
+@pytest.mark.parametrize("lost", [[], [100], [60, 200, 201, 330]])
+def test_where_arrivals_scatter_by_more_than_a_period_the_instants_at_which_frames_were_begun_tell(
+    lost: list[int],
+) -> None:
+    exposed = np.delete(np.arange(400), lost)
+    some = frames(np.arange(len(exposed)), exposed)
+    late = np.random.default_rng(6).normal(0.0, 1.2 / RATE, len(exposed))
+    blurred = replace(
+        some,
+        received_s=np.maximum.accumulate(some.received_s + late),
+        started_s=np.floor(1000.0 * exposed / RATE) / 1000.0,
+    )
+    counts = exposure_counts(blurred, 1.0 / RATE)
     assert np.array_equal(counts - counts[0], exposed - exposed[0])
 
 

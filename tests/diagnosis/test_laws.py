@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -93,6 +94,19 @@ def test_bursts_are_counted_and_timed() -> None:
     assert abs(found["rate_hz"][0] - 0.5) < 0.1
     assert abs(found["delay_s"][0] - 0.08) < 0.008
     assert abs(found["duration_s"][0] - 0.4) < 0.08
+
+
+@pytest.mark.parametrize("stated_s", [0.0005, 0.0064])
+def test_what_is_late_within_the_delays_stated_spread_is_no_burst(stated_s: float) -> None:
+    model = msgspec.structs.replace(
+        MODEL, timing=msgspec.structs.replace(MODEL.timing, capture_delay_std_s=stated_s)
+    )
+    data = measured(SECONDS, 6)
+    received = data.frames.received_s
+    late = np.where(received % 1.5 < 0.12, 0.009, 0.0)
+    last = fitted(frames_of(data, np.ones(len(received), bool), late), split=SPLIT, model=model)
+    names = [one.cause for one in laws(make_data(last.world, SPLIT), last)]
+    assert ("delay_bursts" in names) is (stated_s < 0.001)
 
 
 def test_what_the_start_and_a_blow_leave_for_an_instant_are_no_spikes() -> None:

@@ -80,3 +80,11 @@ def test_nothing_is_lost_where_nothing_was(jitter: float) -> None:
     for seed in range(3):
         received = np.maximum.accumulate(arrivals(seed, 600, jitter, wander_s=0.002))
         assert not lost_before(received, np.ones(599, np.int64), PERIOD).any()
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("jitter", [0.45, 0.63, 0.8])
+def test_none_is_invented_where_arrivals_scatter_by_half_a_period_or_more(jitter: float, seed: int) -> None:
+    """Frames in a queue: none overtakes the one before it. Invented losses would have the camera's clock skewed."""
+    received = np.maximum.accumulate(arrivals(seed, 2000, jitter, wander_s=0.3 * PERIOD))
+    assert not lost_before(received, np.ones(1999, np.int64), PERIOD).any()
