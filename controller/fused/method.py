@@ -276,22 +276,28 @@ class FusedMethod:
         assert self._frame is not None
         self.frames.dates.take_started()
         self._work = _Work.AIM if self._frame[2] else _Work.SETTLE
-        if self._frame[2] and not self._block_before(self.frames.dates.expected_instant_s()):
-            self._aim_at_image()  # little work, both
+        if self._frame[2]:
+            instant_s = self.frames.dates.expected_instant_s()
+            if not self._block_before(instant_s):
+                self._aim_at(instant_s)  # little work, both
 
     def _block_before(self, time_s: float) -> bool:
         return bool(self._blocks) and self._blocks[0].end_s <= time_s
 
     def _aim_at_image(self) -> None:
         """The image that waits, once the blocks before it have been taken in."""
-        assert self._frame is not None
-        instant = self.frames.dates.expected_instant_s()
-        if self._block_before(instant):
+        instant_s = self.frames.dates.expected_instant_s()
+        if self._block_before(instant_s):
             self._take_oldest_block()
-            return
+        else:
+            self._aim_at(instant_s)
+
+    def _aim_at(self, instant_s: float) -> None:
+        """The image that waits, exposed at instant_s, no block before it being left."""
+        assert self._frame is not None
         sample, received_s, _ = self._frame
         self.frames.aim(sample, received_s, self._joint_input)
-        self._last_instant_s = instant
+        self._last_instant_s = instant_s
         self._work = _Work.FORESEE
 
     def _foresee_image(self) -> None:
