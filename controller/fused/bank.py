@@ -322,13 +322,14 @@ class FilterBank:
     def inflate(self, jump: Jump) -> None:
         """A blow has moved the phasors by an unknown amount."""
         for i, (along_m, across_m) in enumerate(zip(jump.along_m, jump.across_m, strict=True)):
-            along = -1j * np.exp(
-                -1j * self._at.w[i] * jump.time_s
-            )  # of Z: -i conj(turn) for a change of rate
-            direction = np.array((along.real, -along.imag))
-            here = slice(2 * i, 2 * i + 2)
-            self.p[:, here, here] += (along_m**2 - across_m**2) * np.outer(direction, direction)
-            self.p[:, here, here] += across_m**2 * np.eye(2)
+            along = -1j * exp(-1j * self._w[i] * jump.time_s)  # of Z: -i conj(turn) for a change of rate
+            cosine, sine = along.real, -along.imag
+            c, d, rest = 2 * i, 2 * i + 1, across_m**2
+            power = along_m**2 - rest
+            self.p[:, c, c] += power * cosine * cosine + rest
+            self.p[:, d, d] += power * sine * sine + rest
+            self.p[:, c, d] += power * cosine * sine
+            self.p[:, d, c] += power * cosine * sine
 
     def add(self, increment: list[complex]) -> None:
         """A blow that is known has moved the phasors by `increment`, (m,)."""

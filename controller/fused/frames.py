@@ -17,6 +17,7 @@ from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
+from controller.fused.learnt_force import LearntForce
 from controller.fused.learnt_walks import LearntWalks
 from controller.fused.reductions import largest
 from controller.fused.sensor_health import AccelerometerHealth
@@ -130,6 +131,7 @@ class FrameFusion:
         self._carried = np.eye(at.size)[: 2 * at.modes]
         self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
+        self.force = LearntForce(at.w.tolist(), self._noise_m2)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
         self._arrival_mean, self._arrival_variance = self.delay_s, self.delay_std_s**2
@@ -148,7 +150,7 @@ class FrameFusion:
         self._foreseen: Foreseen | None = None
         self._looked: Looked | None = None
         self._taken: Taken | None = None
-        self._settled_s: float | None = None  # when the image settled last was read
+        self._settled: Taken | None = None  # yet to be learnt from
 
     def take_block(self, block: Block) -> None:
         """Look at the oldest block of the accelerometer not yet taken in; `leave_block` does the rest, before anything
@@ -185,6 +187,9 @@ class FrameFusion:
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
+        push = self.force.during(block.start_s, block.end_s)
+        if push is not None:
+            bank.inflate(push)
         bank.move_on(block, noise)
         return True
 
@@ -289,18 +294,19 @@ class FrameFusion:
         """
         if self._taken is None:
             return False
-        (own, spread, seen, surprise, received_s), self._taken = self._taken, None
+        self._settled, self._taken = self._taken, None
+        own, spread, seen, surprise, received_s = self._settled
         self.evidence.weigh(surprise, seen.variance)
         self._tell_delay(received_s - (self.dates.instants_s + self.bank.x[:, self._at.shift] + own), spread)
         self._learn_jitter(own, seen)
-        self._settled_s = received_s
         return True
 
     def learn(self) -> None:
         """What the image settled last leaves to do before anything else, if there is one."""
-        if self._settled_s is None:
+        if self._settled is None:
             return
-        received_s, self._settled_s = self._settled_s, None
+        settled, self._settled = self._settled, None
+        received_s = settled.received_s
         bank, t = self.bank, self._at.shift
         bank.symmetrise()
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
@@ -308,6 +314,8 @@ class FrameFusion:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
             self._walks.forget()
         else:
+            # by the best filter: what another frequency or decay explains, as with a payload, is no force
+            self.force.see(float(settled.seen.surprise[self.evidence.best]))
             self.evidence.remember()
             law = self.evidence.best % LAWS
             self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)

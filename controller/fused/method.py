@@ -230,6 +230,7 @@ class FusedMethod:
             self._snapshot = None
             self._taken.clear()
         self._present.widen(self.frames.phasor_noise() * (end_s - start_s))
+        self._push(start_s, end_s)
 
     def _compare(self, block: Block) -> None:
         present = self._present
@@ -397,6 +398,7 @@ class FusedMethod:
                 present.inflate(jump)
             if block.count and not self.health.mute:
                 present.take_block(block, block.variance * self.health.doubt, at_end=False)
+            self._push(block.start_s, block.end_s)
             present.move_on(block)
         assert self._block_start is not None
         for jump in self._open_jumps:
@@ -405,6 +407,12 @@ class FusedMethod:
         for i, start in enumerate(self._start_sum):
             turned = present.z[i] * exp(present.slow[i] * rest)
             present.z[i] = turned + self._joint_input.sum[i] - start
+
+    def _push(self, start_s: float, end_s: float) -> None:
+        """What a steady random force may have done to the present."""
+        push = self.frames.force.during(start_s, end_s)
+        if push is not None:
+            self._present.inflate(push)
 
     def _estimate(self, turn: list[complex], time_s: float) -> Estimate:
         deflection, rate, std = self._present.deflection(turn)
