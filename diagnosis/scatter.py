@@ -46,7 +46,7 @@ class Uneven:
     """A law that fits better than white noise. train_nats: gained on the training part; block_nats: held out.
 
     everywhere: each block is judged by what was learnt on all the others, so that all count, not the held-out alone;
-    train_nats are then the sum of them.
+    train_nats are then the sum of them. most: for a law of levels, the highest, over the channel's own level.
     """
 
     channel: str
@@ -54,6 +54,7 @@ class Uneven:
     train_nats: float
     block_nats: Array
     everywhere: bool = False
+    most: float = np.inf
 
 
 def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
@@ -75,9 +76,9 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
         count = len(data.split.held)
 
         def told(law: str, gains: Array, name: str = name, train: Mask = train, held: Mask = held,
-                 block: NDArray[np.int64] = block, count: int = count) -> Uneven:  # fmt: skip
+                 block: NDArray[np.int64] = block, count: int = count, most: float = np.inf) -> Uneven:  # fmt: skip
             blocks = np.bincount(block[held], gains[held], count).astype(np.float64)
-            return Uneven(name, law, float(gains[train].sum()), blocks)
+            return Uneven(name, law, float(gains[train].sum()), blocks, most=most)
 
         if name != "joint_position" or last.sigma[name] > _ROUNDED * _step(last.world.channels[name]):
             found.append(told(ON_ITS_PAST, _memory(r, train)))
@@ -91,7 +92,9 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
         if lasting is not None:
             found.append(Uneven(name, LASTING, float(lasting.sum()), lasting, everywhere=True))
         if name not in ENCODER:
-            found += [told(law, gains) for law, gains in _variances(data, last, name, r, train)]
+            found += [
+                told(law, gains, most=most) for law, gains, most in _variances(data, last, name, r, train)
+            ]
     return found
 
 
@@ -166,8 +169,8 @@ def _driven(data: Data, last: Fit, name: str, r: Array, train: Mask) -> Array:
     return best[1]
 
 
-def _variances(data: Data, last: Fit, name: str, r: Array, train: Mask) -> list[tuple[str, Array]]:
-    """Level of the scatter by bins of what may drive it."""
+def _variances(data: Data, last: Fit, name: str, r: Array, train: Mask) -> list[tuple[str, Array, float]]:
+    """Level of the scatter by bins of what may drive it: the law, nats of each value, and the highest level."""
     world, motion = last.world, last.predicted.motion
     at = world.instants(last.vector) if name in ("displacement", "arrival") else world.cycle_times
 
@@ -201,6 +204,8 @@ def _variances(data: Data, last: Fit, name: str, r: Array, train: Mask) -> list[
         total = float(np.mean(square[train]))
         sums = np.bincount(group[train], square[train], len(edges) + 1)
         counts = np.bincount(group[train], minlength=len(edges) + 1)
-        level = ((sums + 10.0 * total) / (counts + 10.0))[group]
-        found.append((law, 0.5 * np.log(total / level) + 0.5 * square * (1.0 / total - 1.0 / level)))
+        levels = (sums + 10.0 * total) / (counts + 10.0)
+        level = levels[group]
+        nats = 0.5 * np.log(total / level) + 0.5 * square * (1.0 / total - 1.0 / level)
+        found.append((law, nats, float(np.sqrt(levels.max()))))
     return found

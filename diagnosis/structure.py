@@ -63,7 +63,8 @@ def examine(data: Data, last: Fit, known_laws: frozenset[str] = frozenset()) -> 
             _Choice(one.law, "", one.train_nats, one.block_nats if one.everywhere else one.block_nats[held],
                     float(held.mean()) if one.everywhere else 1.0)
             for one in laws
-            if one.channel == name and not (name in excused or _dated_by_arrival(one, last))
+            if one.channel == name
+            and not (name in excused or _dated_by_arrival(one, last) or _within_its_spread(one, last))
         ]  # fmt: skip
         if by_terms == name:
             choices.append(_Choice(terms.names[0], _words(terms), terms.train_nats, terms.block_nats[held]))
@@ -78,6 +79,13 @@ def _dated_by_arrival(one: Uneven, last: Fit) -> bool:
         return False
     colour = last.colour.get("displacement")
     return not isinstance(colour, DoubtColour) or last.sigma["displacement"] < _IN_DOUBT * colour.noise_px
+
+
+def _within_its_spread(one: Uneven, last: Fit) -> bool:
+    """Whether arrivals scatter unevenly, as a busy computer makes them, but at their worst by no more than the model
+    states: nothing that it says of the delay is wrong then, as of one that wanders within its spread."""
+    stated_s = last.world.model.timing.capture_delay_std_s
+    return one.channel == "arrival" and one.most * last.sigma["arrival"] < stated_s
 
 
 def _of_terms(terms: Explained, last: Fit) -> str:

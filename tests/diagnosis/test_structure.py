@@ -1,0 +1,25 @@
+"""Verdict on what is left of the channels."""
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+
+from diagnosis.fit import make_data
+from diagnosis.split import interleaved
+from diagnosis.structure import examine
+from tests.diagnosis.synthetic import MODEL, fitted, measured
+
+SPLIT = interleaved(20.0)
+
+
+def test_arrivals_that_scatter_unevenly_within_the_stated_spread_are_normal() -> None:
+    data = measured(20.0, 3)
+    frames = data.frames
+    busy = (np.arange(len(frames.received_s)) // 40) % 3 == 0
+    late = np.random.default_rng(5).normal(0.0, 0.004, len(busy)) * busy
+    uneven = replace(data, frames=replace(frames, received_s=np.sort(frames.received_s + late)))
+    for stated_s, normal in ((0.0064, True), (0.003, False)):
+        timing = msgspec.structs.replace(MODEL.timing, capture_delay_std_s=stated_s)
+        last = fitted(uneven, model=msgspec.structs.replace(MODEL, timing=timing), split=SPLIT)
+        assert examine(make_data(last.world, SPLIT), last).channels["arrival"].white is normal
