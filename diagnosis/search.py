@@ -15,6 +15,7 @@ from diagnosis.choice import LEAST_HELD_NATS, choose, in_doubt, next_to_take, ra
 from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
+from diagnosis.moving_part import begun_on_what_moves
 from diagnosis.onset import AT_ONCE, onset_of, onset_seen, settled
 from diagnosis.screen import Scored, Screening, screen, variant
 from diagnosis.side_by_side import meanwhile, side_by_side
@@ -156,7 +157,13 @@ def _to_refit(screening: Screening) -> list[Scored]:
 def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fit:
     names = tuple(dict.fromkeys((*one.world.baseline_names(), *free, *one.cause.free(one.world))))
     turns = _ITERATIONS_FAR if one.trial.exact else _ITERATIONS
-    found = fit(make_data(one.world, split), one.start, names, iterations=turns, colour=last.colour)
+    data = make_data(one.world, split)
+    found = fit(data, one.start, names, iterations=turns, colour=last.colour)
+    if one.cause.holds is not None:
+        begun = begun_on_what_moves(data, one.start, one.cause.holds, names, last.colour)
+        if begun is not None:
+            other = fit(data, begun, names, iterations=_ITERATIONS_FAR, colour=last.colour)
+            found = other if other.train_nats > found.train_nats else found
     # a law learnt without the step takes it for its own
     if onset_of(one.cause) in AT_ONCE and "arrival" in found.colour:
         own = _with_own_wander(found, split)
