@@ -25,10 +25,12 @@ _SURE_NATS = 5.0  # beyond what the best of so many places gains by chance
 
 @dataclass(frozen=True)
 class ArrivalStep:
-    """The likeliest step of the arrivals. index: of the first frame after it; step_s: later by, s; nats: gained."""
+    """The likeliest step of the arrivals. index: of the first frame after it; step_s: later by, s, with its standard
+    deviation; nats: gained."""
 
     index: int
     step_s: float
+    std_s: float
     nats: float
 
 
@@ -39,20 +41,20 @@ def arrival_step(residual: Array, longest_frames: float) -> ArrivalStep | None:
     if n < _FEWEST:
         return None
     r = residual[known] - float(np.median(residual[known]))
-    none, best, place, size = -np.inf, -np.inf, 0, 0.0
+    none, best, place, size, doubt = -np.inf, -np.inf, 0, 0.0, 0.0
     for colour in wander_colours(longest_frames):
-        plain, stepped, steps = _likelihoods(r, colour)
+        plain, stepped, steps, stds = _likelihoods(r, colour)
         none = max(none, plain)
         at = int(np.argmax(stepped))
         if stepped[at] > best:
-            best, place, size = float(stepped[at]), at, float(steps[at])
+            best, place, size, doubt = float(stepped[at]), at, float(steps[at]), float(stds[at])
     gained = best - none
-    return ArrivalStep(int(known[place]), size, gained) if gained > log(n) + _SURE_NATS else None
+    return ArrivalStep(int(known[place]), size, doubt, gained) if gained > log(n) + _SURE_NATS else None
 
 
-def _likelihoods(r: Array, colour: Colour) -> tuple[float, Array, Array]:
-    """Profile log-likelihood without a step, and with one before each frame; and each one's size. A level and a trend
-    are fitted beside it."""
+def _likelihoods(r: Array, colour: Colour) -> tuple[float, Array, Array, Array]:
+    """Profile log-likelihood without a step, and with one before each frame; each one's size, and its standard
+    deviation. A level and a trend are fitted beside it."""
     n = len(r)
 
     def white(values: Array) -> Array:
@@ -73,7 +75,12 @@ def _likelihoods(r: Array, colour: Colour) -> tuple[float, Array, Array]:
     gains[:SIDE] = gains[-SIDE:] = 0.0
     stepped = -0.5 * n * np.log(np.maximum(left - gains, 1e-12 * left + 1e-300))
     plain = -0.5 * n * log(max(left, 1e-300))
-    return plain, np.concatenate(([-np.inf], stepped)), np.concatenate(([0.0], along / norms))
+    stds = np.sqrt(np.maximum(left - gains, 0.0) / n / norms)
+    first = np.zeros(1)  # a step before the first frame is none
+    return (
+        plain, np.concatenate((first - np.inf, stepped)), np.concatenate((first, along / norms)),
+        np.concatenate((first, stds)),
+    )  # fmt: skip
 
 
 def _back(values: Array, answer: Array) -> Array:

@@ -23,6 +23,7 @@ from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
 from diagnosis.frequency_course import frequency_courses, seen_frequency
 from diagnosis.image_dating import dated
 from diagnosis.impacts import carried, fit_with_impacts
+from diagnosis.late_queue import late_queue
 from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
 from diagnosis.pair_start import with_resonance_of
@@ -36,6 +37,8 @@ Tick = Callable[[float, str], None]
 
 _RECLOCKED_NATS = 10.0
 _MOST_GAPS = 3
+_REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
+_QUEUED = "received_s steps by whole frames, started_s does not: each image is handed over that much later"
 _ASIDE_S = 0.4
 
 
@@ -188,27 +191,30 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
 
 
 def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
-    """The baseline with the frames of a stamped, triggered camera read as early as before a buffer held them back."""
+    """The baseline with the frames of a triggered camera whose images have instants of their own, stamps or requests,
+    read as early as before a buffer held them back."""
     world = baseline.world
     if world.frame_clock.counted or world.frame_clock.arrival:
         return baseline, []
     period = 1.0 / world.model.camera.frame_rate_hz
-    held = held_back(world.measured.frames, period)
+    frames = world.measured.frames
+    held = late_queue(baseline) if frames.asked else held_back(frames, period)
     if held is None:
         return baseline, []
     mended = World(without(world.measured, held, period), world.model, world.impacts)
     other = fit(make_data(mended, split), carried(baseline, mended), mended.baseline_names())
-    gains = other.held_nats - baseline.held_nats
-    gained = other.train_nats - baseline.train_nats
-    onset = float(world.measured.frames.received_s[held.first])
+    # what shows at one instant may show in any block: all of them judge
+    gains = other.held_nats - baseline.held_nats + other.train_blocks - baseline.train_blocks
+    gained = float(gains.sum())
+    onset = float((frames.started_s if frames.asked else frames.received_s)[held.first])
     law = LawFound(
         "stale_frame_buffer",
         {"onset_s": (onset, 0.5 * period), "frames": (float(held.frames), 0.0)},
         gained,
         gains,
-        note="captured_s comes twice: the buffer hands over the stamp with the old image",
+        note=_QUEUED if frames.asked else _REPEATED,
     )
-    return (other, [law]) if gained + float(gains.sum()) > 0.0 else (baseline, [])
+    return (other, [law]) if gained > 0.0 else (baseline, [])
 
 
 def _frames_go_on(world: World, gap: ClockGap) -> bool:
