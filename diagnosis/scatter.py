@@ -46,7 +46,7 @@ class Uneven:
     """A law that fits better than white noise. train_nats: gained on the training part; block_nats: held out.
 
     everywhere: each block is judged by what was learnt on all the others, so that all count, not the held-out alone;
-    train_nats are then the sum of them. most: for a law of levels, the highest, over the channel's own level.
+    train_nats are then the sum of them. most: the highest level that the law has, over the channel's own.
     """
 
     channel: str
@@ -81,7 +81,7 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
             return Uneven(name, law, float(gains[train].sum()), blocks, most=most)
 
         if name != "joint_position" or last.sigma[name] > _ROUNDED * _step(last.world.channels[name]):
-            found.append(told(ON_ITS_PAST, _memory(r, train)))
+            found.append(told(ON_ITS_PAST, _memory(r, train), most=1.0))
         if name in ("acceleration", "displacement", "deflection"):
             found.append(told("the arm is driven at its own frequency", _driven(data, last, name, r, train)))
         if name in ("acceleration", "deflection"):

@@ -82,8 +82,9 @@ def _dated_by_arrival(one: Uneven, last: Fit) -> bool:
 
 
 def _within_its_spread(one: Uneven, last: Fit) -> bool:
-    """Whether arrivals scatter unevenly, as a busy computer makes them, but at their worst by no more than the model
-    states: nothing that it says of the delay is wrong then, as of one that wanders within its spread."""
+    """Whether arrivals scatter unevenly, as a busy computer makes them, or each as the one before it, as in a queue in
+    which none overtakes another, but at their worst by no more than the model states: nothing that it says of the delay
+    is wrong then, as of one that wanders within its spread."""
     stated_s = last.world.model.timing.capture_delay_std_s
     return one.channel == "arrival" and one.most * last.sigma["arrival"] < stated_s
 
