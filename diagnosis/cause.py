@@ -81,14 +81,18 @@ class Context:
         return frequency_courses(self.world, self.fit.predicted.motion)
 
     def along_a_course(self, cause: str, name: str) -> list["Trial"]:
-        """The trial that starts from how the arm's frequency is seen to go, if as the cause has it; name: its own."""
+        """Trials that start from how the arm's frequency is seen to go, if as the cause has it, higher modes with it or
+        not; name: its own."""
         course = self._courses.get(cause)
         if course is None:
             return []
         start = self.world.space.vector()  # one frequency's fit has bent all else to make up for it
         shape = {other: float(start[self.world.space.place[other]]) for other in self.world.baseline_names()}
         shape |= {other: value for other, value in course.start.items() if other != name}
-        return [Trial(shape, ({name: course.start[name]},), exact=True)]
+        return [
+            Trial({**shape, **others}, ({name: course.start[name]},), exact=True)
+            for others in (shares(self.world) if name.startswith("arm.frequency") else ({},))
+        ]
 
     def onsets(self, count: int) -> list[float]:
         """Evenly spread instants at which something may have begun, s."""

@@ -16,6 +16,7 @@ from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
 from diagnosis.candidate import Found
+from diagnosis.cause import shares
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
@@ -25,8 +26,10 @@ from diagnosis.image_dating import dated
 from diagnosis.impacts import carried, fit_with_impacts
 from diagnosis.late_queue import late_queue
 from diagnosis.laws import LawFound, as_one, forward_step
+from diagnosis.lost_modes import with_lost_modes
 from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
 from diagnosis.pair_start import with_resonance_of
+from diagnosis.quantities import HIGHER
 from diagnosis.repeated_stamps import held_back, without
 from diagnosis.search import search
 from diagnosis.split import interleaved, stated
@@ -37,6 +40,7 @@ Tick = Callable[[float, str], None]
 
 _RECLOCKED_NATS = 10.0
 _MOST_GAPS = 3
+_MANY_GAPS, _AS_LONG = 4, 3.0
 _REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
 _QUEUED = "received_s steps by whole frames, started_s does not: each image is handed over that much later"
 _ASIDE_S = 0.4
@@ -106,6 +110,7 @@ def diagnose_measured(
     )
     tick(0.05, "baseline")
     baseline = dated(_baseline(world, split), split)
+    baseline = with_lost_modes(baseline, split)
     baseline, steps = _without_steps(baseline, split)
     baseline, old = _without_old_images(baseline, split)
     known = (*steps, *old)
@@ -161,9 +166,14 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
     course = max(courses.values(), key=lambda one: one.nats)
     for name, value in course.start.items():
         begun[world.space.place[name]] = value
-    seen = fit_with_impacts(world, split, begun)
+    begins = []
+    for others in shares(world):
+        begins.append(begun.copy())
+        for name, value in others.items():
+            begins[-1][world.space.place[name]] = value
+    seen = max((fit_with_impacts(world, split, one) for one in begins), key=lambda one: one.train_nats)
     start, neutral = carried(seen, seen.world), seen.world.space.vector()
-    for name in course.start:
+    for name in (*course.start, HIGHER):
         start[seen.world.space.place[name]] = neutral[seen.world.space.place[name]]
     one = fit(make_data(seen.world, split), start, seen.world.baseline_names())
     return one if seen.train_nats - one.train_nats > CHANGED_NATS else None
@@ -176,7 +186,7 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
     while len(tried) < _MOST_GAPS:
         measured = baseline.world.measured
         gap = max((g for g in measured.gaps if g.extra_s not in tried), key=_length, default=None)
-        if gap is None:
+        if gap is None or _one_of_many(gap, measured.gaps):
             break
         tried.add(gap.extra_s)
         if _frames_go_on(baseline.world, gap):
@@ -229,6 +239,12 @@ def _frames_go_on(world: World, gap: ClockGap) -> bool:
     if min(len(before), len(after)) < 4:
         return False
     return abs(float(np.median(after) - np.median(before)) - gap.extra_s) > 0.5 * gap.extra_s
+
+
+def _one_of_many(gap: ClockGap, gaps: Sequence[ClockGap]) -> bool:
+    """Whether the longest gap is as long as others are: rows were lost here and there, and no clock was set."""
+    others = [one.extra_s for one in gaps if one != gap]
+    return len(others) >= _MANY_GAPS and gap.extra_s <= _AS_LONG * float(np.median(others))
 
 
 def _length(gap: ClockGap) -> float:

@@ -126,8 +126,19 @@ def read_measured(recording: Recording, model: Model) -> Measured:
         out[place] = values
         return out
 
-    reference = _held(grid(fast["joint_velocity_reference_rad_s"]))
-    command = _held(grid(fast["joint_velocity_command_rad_s"]))
+    missing = np.setdiff1d(np.arange(n), place)
+
+    def sent(values: Array) -> Array:
+        """What the drive was sent: held where a row has none, between its neighbours' where the row itself is missing,
+        as holding would leave the joint behind with every such row for good."""
+        held = _held(grid(values))
+        known = np.flatnonzero(np.isfinite(held) & ~np.isin(np.arange(n), missing))
+        if len(known):
+            held[missing] = np.interp(missing, known, held[known])
+        return held
+
+    reference = sent(fast["joint_velocity_reference_rad_s"])
+    command = sent(fast["joint_velocity_command_rad_s"])
     if np.isnan(command).all():
         command = reference
     return Measured(

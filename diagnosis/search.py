@@ -15,6 +15,7 @@ from diagnosis.choice import LEAST_HELD_NATS, choose, in_doubt, next_to_take, ra
 from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
+from diagnosis.lost_modes import with_lost_modes
 from diagnosis.moving_part import begun_on_what_moves
 from diagnosis.onset import AT_ONCE, onset_of, onset_seen, settled
 from diagnosis.screen import Scored, Screening, screen, variant
@@ -89,6 +90,7 @@ def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
     final = with_hidden_blows(kept, split, free)
     if final.world.impacts != kept.world.impacts:
         final = settled(final, CAUSES[taken.cause], split)
+    final = with_lost_modes(final, split)
     if CATALOGUE[taken.cause].place == "timing" and "arrival" in final.colour:
         final = _with_own_wander(final, split)
     return final
@@ -119,7 +121,7 @@ def _stage(
     def near_the_top(one: tuple[Cause, Fit]) -> tuple[Cause, Fit]:
         cause, refitted = one
         close = refitted.train_nats - last.train_nats > 0.5 * (top - last.train_nats)
-        return cause, settled(refitted, cause, split) if close else refitted
+        return cause, with_lost_modes(settled(refitted, cause, split), split) if close else refitted
 
     near = side_by_side(near_the_top, refits)
     certain = {one.cause.id for one in screening.scored if one.trial.certain}
@@ -238,7 +240,7 @@ def _drop_needless(found: Found, split: Split) -> None:
             start = found.final.vector.copy()
             neutral = world.space.vector()
             rest = tuple(name for name in rest if name in world.space.place)
-            for name in cause.free(world):
+            for name in set(cause.free(world)) - set(rest):  # what another finding frees, too, is its own
                 start[world.space.place[name]] = neutral[world.space.place[name]]
             if cause.id == "second_bending_mode":
                 world = variant(world, {"extra_modes": -1})

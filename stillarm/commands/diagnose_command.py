@@ -213,7 +213,9 @@ def sentence(table: dict[str, Any]) -> str:
         name = " or ".join([finding["cause"], *near])
         cut = 100.0 * finding["held_out"]["reduction"]
         unsure = (
-            "" if is_sure_of(finding, table) else f"hardly, with confidence {finding['confidence']:.2g}: "
+            ""
+            if is_sure_of(finding, table)
+            else f"hardly, with confidence {max(finding['confidence'], 0.001):.2g}: "
         )
         parts.append(f"{unsure}{name} ({values}; cuts the held-out error by {cut:.0f} %)")
     blows = f"; {len(table['events'])} blows that no sensor measured" if table["events"] else ""

@@ -82,3 +82,12 @@ def test_a_cycle_that_is_not_the_recordings_is_refused(tmp_path: Path) -> None:
     time = np.arange(300) * 0.5
     with pytest.raises(UserError, match="give the model the cycle of the recording"):
         read(tmp_path, time)
+
+
+def test_a_command_goes_on_evenly_over_rows_that_are_missing(tmp_path: Path) -> None:
+    """The drive was sent what was not written down: held, each missing row would leave the joint behind for good."""
+    time = np.arange(4000) * 0.001
+    command = 0.3 * np.sin(time)
+    kept = np.delete(np.arange(4000), np.arange(50, 3950, 100))
+    found = read(tmp_path, time[kept], joint_velocity_command_rad_s=command[kept])
+    assert np.max(np.abs(found.command - command)) < 1e-6

@@ -1,0 +1,61 @@
+"""Higher modes that a fit has lost: begun again from where the model has them.
+
+While something larger is unexplained, a payload that was put down in mid-run, say, a small mode is bent to make up for
+it: its frequency goes elsewhere, and its share to nothing or to another sign. From there no slope leads back.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.fit import Fit, Split, fit, make_data
+from diagnosis.quantities import HIGHER
+
+Array = NDArray[np.float64]
+
+_FAR, _LEAST, _MOST = 0.03, 0.5, 2.0  # of the model's frequency; of its participation
+_OFF = (1.0, 0.98, 1.02)  # of the model's frequency
+_SHARES = (0.0, 1.0)  # of a change of frequency, that it may take
+_BETTER_NATS = 3.0
+
+
+def lost_modes(one: Fit) -> list[int]:
+    """The model's modes beyond the first that a fit has at another frequency, or with another share."""
+    return [i for i in range(1, len(one.world.model.arm.modes)) if _is_lost(one, i)]
+
+
+def _is_lost(one: Fit, mode: int) -> bool:
+    hz, share = (
+        one.value(name) / (one.world.space[name].start or 1.0)
+        for name in (f"modes.{mode}.frequency_hz", f"modes.{mode}.participation")
+    )
+    return abs(hz - 1.0) > _FAR or not _LEAST < share < _MOST
+
+
+def with_lost_modes(one: Fit, split: Split) -> Fit:
+    """The fit, or a likelier one with its lost modes begun again."""
+    for i in lost_modes(one):
+        data = make_data(one.world, split)
+        shares = _SHARES if HIGHER in one.free else (one.value(HIGHER),)
+        tried = [
+            fit(data, _begun_again(one, i, off, share), one.free, colour=one.colour)
+            for off in _OFF
+            for share in shares
+        ]
+        best = max(tried, key=lambda other: other.train_nats)
+        one = best if best.train_nats > one.train_nats + _BETTER_NATS else one
+    return one
+
+
+def _begun_again(one: Fit, mode: int, off: float, share: float) -> Array:
+    """The fit's vector with that mode as the model has it, at rest, its frequency off by a factor, and the
+    share of a change of frequency that higher modes take."""
+    space, vector = one.world.space, one.vector.copy()
+    jumps = [name for name in space.place if name.startswith("jump.") and name.split(".")[2] == str(mode)]
+    for name in (
+        *(f"modes.{mode}.{what}" for what in ("frequency_hz", "damping_ratio", "participation")),
+        *jumps,
+    ):
+        vector[space.place[name]] = space[name].start
+    vector[space.place[f"modes.{mode}.frequency_hz"]] *= off
+    vector[space.place[HIGHER]] = share
+    return vector
