@@ -13,6 +13,7 @@ from diagnosis.quantities import HIGHER
 Array = NDArray[np.float64]
 
 _FAR, _LEAST, _MOST = 0.03, 0.5, 2.0  # of the model's frequency; of its participation
+_SEEN = 0.2  # standard deviation of the participation, over the model's
 _OFF = (1.0, 0.98, 1.02)  # of the model's frequency
 _SHARES = (0.0, 1.0)  # of a change of frequency, that it may take
 _BETTER_NATS = 3.0
@@ -24,11 +25,13 @@ def lost_modes(one: Fit) -> list[int]:
 
 
 def _is_lost(one: Fit, mode: int) -> bool:
-    hz, share = (
-        one.value(name) / (one.world.space[name].start or 1.0)
-        for name in (f"modes.{mode}.frequency_hz", f"modes.{mode}.participation")
-    )
-    return abs(hz - 1.0) > _FAR or not _LEAST < share < _MOST
+    """Not where the data hardly show the mode, so that its share is anything."""
+    frequency, participation = f"modes.{mode}.frequency_hz", f"modes.{mode}.participation"
+    space = one.world.space
+    hz, whole = one.value(frequency) / space[frequency].start, space[participation].start or 1.0
+    if one.std.get(participation, 0.0) > _SEEN * abs(whole):
+        return False
+    return abs(hz - 1.0) > _FAR or not _LEAST < one.value(participation) / whole < _MOST
 
 
 def with_lost_modes(one: Fit, split: Split) -> Fit:
