@@ -1,4 +1,4 @@
-"""An accelerometer at its limit: samples that pile up at one size, on both sides."""
+"""An accelerometer at its limit: samples that pile up at one size, on both sides, or stay there while it moves on."""
 
 from dataclasses import replace
 
@@ -6,10 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.measured import Measured
+from diagnosis.noise import log_likelihood
 
 Array = NDArray[np.float64]
 
 _CLOSE = 0.9
+_LEVELS = np.linspace(1.0, 0.7, 61)  # of the largest sample
+_LEAST_NATS, _LEAST_OF_A_PEAK = 20.0, 3.0
+_FLAT = 0.4  # of the motion's own slope
+_BEYOND, _FEWEST, _FEWEST_PEAKS = 1.0, 8, 2  # deviations; samples; separate stretches
 
 
 def ceiling_of(acceleration: Array, noise: float) -> float | None:
@@ -27,3 +32,30 @@ def below(measured: Measured, ceiling: float) -> Measured:
     """The recording without the samples that lie near the limit: what they say of the motion is wrong."""
     kept = np.where(np.abs(measured.acceleration) < _CLOSE * ceiling, measured.acceleration, np.nan)
     return replace(measured, acceleration=kept)
+
+
+def plateau_of(acceleration: Array, predicted: Array, noise: float) -> float | None:
+    """The size at which the sensor stays, m/s^2, at each peak that the simulation has larger; None where it does not,
+    or at one peak only, or follows the motion there: a gain that is off, or a stiffness, has no such flat top.
+
+    A few peaks after one blow tell, wherever they lie: the level is that of all data. All: (n,), m/s^2; noise: m/s^2.
+    """
+    known = np.isfinite(acceleration)
+    shown, due = np.where(known, np.abs(acceleration), 0.0), np.where(known, np.abs(predicted), 0.0)
+    gains = [_gain(shown, due, float(level), noise) for level in _LEVELS * float(shown.max())]
+    best = int(np.argmax([float(gain.sum()) for gain in gains]))
+    level, gain = float(_LEVELS[best] * shown.max()), gains[best]
+    beyond = due > level + _BEYOND * noise
+    if gain.sum() < _LEAST_NATS or beyond.sum() < _FEWEST:
+        return None
+    starts = np.flatnonzero(np.diff(np.concatenate(([False], beyond)).astype(np.int64)) == 1)
+    if int(np.sum(np.add.reduceat(np.where(beyond, gain, 0.0), starts) > _LEAST_OF_A_PEAK)) < _FEWEST_PEAKS:
+        return None
+    by, of = due[beyond] - due[beyond].mean(), shown[beyond] - shown[beyond].mean()
+    return level if float(by @ of) < _FLAT * float(by @ by) else None
+
+
+def _gain(shown: Array, due: Array, level: float, noise: float) -> Array:
+    """Nats of each sample by a sensor that stays at that level, (n,)."""
+    clipped, plain = shown - np.minimum(due, level), shown - due
+    return log_likelihood(clipped / noise, noise) - log_likelihood(plain / noise, noise)

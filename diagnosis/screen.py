@@ -229,7 +229,7 @@ def _score(
     norms = np.linalg.norm(d, axis=0)
     seen = norms > 1e-6
     if not seen.any():
-        return None, nothing
+        return (_unseen(cause, trial, world, shaped) if trial.asked else None), nothing
     d = d if seen.all() else d[:, seen]
     d /= norms[seen]
     # an orthonormal basis of them is d @ basis
@@ -253,3 +253,12 @@ def _score(
         for name, value in trial.columns[0].items():
             shaped[world.space.place[name]] = value
     return Scored(cause, trial, nats, amounts, world, world.space.clipped(shaped)), chance
+
+
+def _unseen(cause: Cause, trial: Trial, world: World, shaped: Array) -> Scored:
+    """A trial that the data ask for, and that changes nothing that trains: from its own values."""
+    start = shaped.copy()
+    for column in trial.columns:
+        for name, value in column.items():
+            start[world.space.place[name]] = value
+    return Scored(cause, trial, 0.0, np.zeros(len(trial.columns)), world, world.space.clipped(start))

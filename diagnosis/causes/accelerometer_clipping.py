@@ -2,27 +2,43 @@
 
 import numpy as np
 
-from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
-from diagnosis.ceiling import ceiling_of
+from diagnosis.cause import Cause, Context, Trial, Values, free_of, has
+from diagnosis.ceiling import ceiling_of, plateau_of
+from diagnosis.fit import Fit
+
+RANGE = "accelerometer.range_m_s2"
 
 
 def _trials(context: Context) -> list[Trial]:
     shown = float(np.max(np.abs(context.fit.predicted.channels["acceleration"]))) or 1.0
     trials = [
-        Trial({}, ({"accelerometer.range_m_s2": share * shown},), one_sided=True)
+        Trial({}, ({RANGE: share * shown},), one_sided=True)
         for share in (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
     ]
-    ceiling = ceiling_of(context.world.channels["acceleration"], context.fit.sigma["acceleration"])
+    measured, sigma = context.world.channels["acceleration"], context.fit.sigma["acceleration"]
+    plateau = plateau_of(measured, context.fit.predicted.channels["acceleration"], sigma)
+    if plateau is not None:
+        trials.append(Trial({}, ({RANGE: plateau},), one_sided=True, exact=True, certain=True))
+    ceiling = ceiling_of(measured, sigma)
     if ceiling is not None:
-        trials.append(Trial({}, ({"accelerometer.range_m_s2": ceiling},), one_sided=True, certain=True))
+        trials.append(Trial({}, ({RANGE: ceiling},), one_sided=True, certain=True))
     return trials
+
+
+def _values(fit: Fit) -> Values:
+    """The range; where it shows in no sample that trained, by those that are held out."""
+    value, std = fit.value(RANGE), fit.std.get(RANGE, 0.0)
+    at_it = np.abs(fit.predicted.channels["acceleration"]) >= value
+    return {
+        "range_m_s2": (value, std or fit.sigma.get("acceleration", 0.0) / max(float(at_it.sum()), 1.0) ** 0.5)
+    }
 
 
 CAUSE = Cause(
     id="accelerometer_clipping",
     needs=has("acceleration"),
     trials=_trials,
-    free=free_of("accelerometer.range_m_s2"),
-    parameters_of=lambda fit: plain(fit, range_m_s2="accelerometer.range_m_s2"),
-    settle={"accelerometer.range_m_s2": 0.02},
+    free=free_of(RANGE),
+    parameters_of=_values,
+    settle={RANGE: 0.02},
 )
