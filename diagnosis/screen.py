@@ -14,6 +14,7 @@ from diagnosis.cause import Cause, Context, Trial
 from diagnosis.fit import THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask
 from diagnosis.impacts import carried
 from diagnosis.noise import HUBER
+from diagnosis.quantities import ARRIVAL
 from diagnosis.side_by_side import side_by_side
 from diagnosis.world import Predicted, World
 
@@ -66,7 +67,9 @@ class _Whitened:
             self.spans[name] = slice(at, at + len(u))
             at += len(u)
         self.residual = np.concatenate(parts)
-        slopes = jacobian(world, last.vector, last.free, last.predicted, last.colour)
+        # a part of a cycle is all that it may be: as a direction it would explain a dead time of any length
+        names = [name for name in last.free if name != ARRIVAL]
+        slopes = jacobian(world, last.vector, names, last.predicted, last.colour)
         stacked = np.concatenate([slopes[n][self._masks[n]] * self.weights[n][:, None] for n in slopes])
         norms = np.linalg.norm(stacked, axis=0)
         keep = norms > 1e-12

@@ -31,3 +31,13 @@ def test_a_dead_time_is_told_to_what_is_unknown_within_a_cycle() -> None:
     found = fitted(measured(8.0, 7, {"drive.dead_time_s": 0.0137}), "drive.dead_time_s")
     assert found.value("drive.dead_time_s") == pytest.approx(0.0137, abs=2.0 * found.std["drive.dead_time_s"])
     assert 4e-5 < found.std["drive.dead_time_s"] < 2e-4
+
+
+def test_half_a_cycle_more_of_dead_time_is_found() -> None:
+    """More than what is left open: as a direction, without its bounds, that would explain it all."""
+    data = measured(12.0, 8, {"drive.dead_time_s": 0.0025})
+    found = search(
+        fitted(data), interleaved(12.0), only=["drive_dead_time", "drive_lag", "accelerometer_lag"]
+    )
+    assert [one.cause for one in found.findings] == ["drive_dead_time"]
+    assert found.final.value("drive.dead_time_s") == pytest.approx(0.0025, abs=1.5e-4)
