@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 _LONE_SPIKE = 20.0  # robust deviations; a blow that strikes so hard is heard to ring
 _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
-_BURST = 2.0  # deviations of the delay that the model states: within them late frames are normal
+# within so many deviations of the delay that the model states late frames are normal, but for so many in a row
+_BURST, _LASTING = 2.0, 5.0
 _ONE_STEP_S = 1.0
 
 
@@ -133,8 +134,11 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     late = whole.late > 0.5
     runs = _runs(late)
     total = float((whole.nats - whole.plain_nats).sum())
+    if len(runs) < 2 or total < _LEAST_NATS or whole.size_s < 2.0 * LEAST["arrival"]:
+        return None
     stated_s = data.world.model.timing.capture_delay_std_s
-    if len(runs) < 2 or total < _LEAST_NATS or whole.size_s < _BURST * max(stated_s, LEAST["arrival"]):
+    frames = float(np.median([b - a for a, b in runs]))
+    if whole.size_s < _BURST * stated_s and frames < _LASTING:
         return None
     gains = np.zeros(size)
     for fold in range(3):
