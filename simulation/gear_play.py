@@ -44,8 +44,11 @@ class GearPlay:
             self.in_contact = True
             return [motion.part(begin, end)]
         self.in_contact = False
-        if (flank - self.ahead_rad - way) * way > 0.0:
-            self.ahead_rad += way
+        ahead = self.ahead_rad + way
+        if (
+            flank - ahead
+        ) * way > 0.0:  # of the sum as it is rounded: what is on the flank later has struck it now
+            self.ahead_rad = ahead
             return [_standing(end - begin)]
         short = flank - self.ahead_rad + motion.way(begin)
         contact = first_instant(lambda time: (motion.way(time) - short) * way >= 0.0, begin, end)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from common.effects import declared
@@ -133,6 +133,7 @@ def test_an_encoder_before_the_gear_shows_the_motor() -> None:
     amplitude=st.floats(1e-3, 2.0),
     stop=st.floats(0.005, 0.5),
 )
+@example(gap=0.0005, seed=2, amplitude=1.0, stop=0.5)  # the flank is met as a cycle ends
 def test_theta_never_leaves_the_play_and_the_arm_feels_all_of_its_motion(
     gap: float, seed: int, amplitude: float, stop: float
 ) -> None:
