@@ -93,10 +93,9 @@ def explained(data: Data, last: Fit) -> Explained:
     if not chosen:
         nothing = np.zeros(len(data.split.held))
         return Explained((), (), "", 0.0, 0.0, nothing, nothing)
-    weights, blocks = _held_out(parts, columns.whole(chosen), len(data.split.held))
-    alone = (
-        blocks if len(chosen) == 1 else _held_out(parts, columns.whole(chosen[:1]), len(data.split.held))[1]
-    )
+    count = len(data.split.held)
+    weights, blocks = _held_out(parts, columns.whole(chosen), count)
+    alone = blocks if len(chosen) == 1 else _held_out(parts, columns.whole(chosen[:1]), count)[1]
     return Explained(
         tuple(names[i] for i in chosen),
         tuple(float(w) for w in weights),

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from diagnosis.fit import WANDER_S, Fit
 from diagnosis.noise import Colour, wander_colours
 
 Array = NDArray[np.float64]
@@ -32,6 +33,15 @@ class ArrivalStep:
     step_s: float
     std_s: float
     nats: float
+
+
+def step_of_arrivals(last: Fit) -> ArrivalStep | None:
+    """The step that a fit's arrivals show beside a wander of the delay; None where they were not measured, or show
+    none."""
+    if "arrival" not in last.world.channels:
+        return None
+    late = last.world.channels["arrival"] - last.predicted.channels["arrival"]
+    return arrival_step(late, WANDER_S / last.world.step_s("arrival"))
 
 
 def arrival_step(residual: Array, longest_frames: float) -> ArrivalStep | None:

@@ -88,10 +88,13 @@ class Context:
             return []
         start = self.world.space.vector()  # one frequency's fit has bent all else to make up for it
         shape = {other: float(start[self.world.space.place[other]]) for other in self.world.baseline_names()}
-        shape |= {other: value for other, value in course.start.items() if other != name}
         return [
-            Trial({**shape, **others}, ({name: course.start[name]},), exact=True)
-            for others in (shares(self.world) if name.startswith("arm.frequency") else ({},))
+            Trial(
+                shape | {other: value for other, value in begun.items() if other != name},
+                ({name: begun[name]},),
+                exact=True,
+            )
+            for begun in course.starts(self.world)
         ]
 
     def onsets(self, count: int) -> list[float]:
@@ -153,11 +156,6 @@ def free_of(*names: str) -> Callable[[World], tuple[str, ...]]:
 def of_the_modes(*names: str) -> Callable[[World], tuple[str, ...]]:
     """The same quantities, and where there are more modes, the share that they take in a change of frequency."""
     return lambda world: (*names, HIGHER) if world.modes > 1 else names
-
-
-def shares(world: World) -> tuple[Overrides, ...]:
-    """What to start from: higher modes that change in proportion, and where there are some, that do not at all."""
-    return ({HIGHER: 1.0}, {HIGHER: 0.0}) if world.modes > 1 else ({},)
 
 
 def share_of(fit: Fit) -> Values:

@@ -148,9 +148,8 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
     if onset is not None:  # it may lie in the held-out part altogether
         seen = one.held_gain > 0.0 and one.gain > screening.threshold_nats + penalty
         return seen and (onset in AT_ONCE or _in_places(one, penalty)) and _plausible(one)
-    searched = (
-        one.gain - penalty if one.certain else one.train_gain
-    )  # what is certain may lie where it is held out
+    # what is certain may lie where it is held out
+    searched = one.gain - penalty if one.certain else one.train_gain
     return (
         searched > screening.threshold_nats
         and one.held_gain > penalty

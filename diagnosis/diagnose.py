@@ -16,7 +16,6 @@ from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
 from diagnosis.candidate import Found
-from diagnosis.cause import shares
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
@@ -29,7 +28,6 @@ from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.lost_modes import with_lost_modes
 from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
 from diagnosis.pair_start import with_resonance_of
-from diagnosis.quantities import HIGHER
 from diagnosis.repeated_stamps import held_back, without
 from diagnosis.search import search
 from diagnosis.split import interleaved, stated
@@ -164,17 +162,11 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
     if not courses:
         return None
     course = max(courses.values(), key=lambda one: one.nats)
-    for name, value in course.start.items():
-        begun[world.space.place[name]] = value
-    begins = []
-    for others in shares(world):
-        begins.append(begun.copy())
-        for name, value in others.items():
-            begins[-1][world.space.place[name]] = value
-    seen = max((fit_with_impacts(world, split, one) for one in begins), key=lambda one: one.train_nats)
-    start, neutral = carried(seen, seen.world), seen.world.space.vector()
-    for name in (*course.start, HIGHER):
-        start[seen.world.space.place[name]] = neutral[seen.world.space.place[name]]
+    starts = course.starts(world)
+    fits = [fit_with_impacts(world, split, world.space.with_values(begun, one)) for one in starts]
+    seen = max(fits, key=lambda one: one.train_nats)
+    space = seen.world.space
+    start = space.with_values(carried(seen, seen.world), {name: space[name].start for name in starts[0]})
     one = fit(make_data(seen.world, split), start, seen.world.baseline_names())
     return one if seen.train_nats - one.train_nats > CHANGED_NATS else None
 

@@ -226,12 +226,8 @@ def strayed(data: Data, best: Fit) -> Colours:
         if name in found:
             continue
         residual = best.residuals[name][data.train[name]]
-        rate = (
-            data.world.model.camera.frame_rate_hz
-            if name in ("displacement", "arrival")
-            else 1.0 / data.world.measured.cycle_s
-        )
-        one = (wander_colour if name == "displacement" else slow_colour)(residual, WANDER_S * rate)
+        law = wander_colour if name == "displacement" else slow_colour
+        one = law(residual, WANDER_S / data.world.step_s(name))
         if one.stay > 0.0:
             found[name] = one
     return found

@@ -7,7 +7,7 @@ held against one frequency: a single change, a drift, and w^2 (1 + 3/4 c A^2) wi
 first order of a cubic stiffness). They are where refits start, no more: those decide.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import pi
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from diagnosis.quantities import HIGHER
 from diagnosis.side_by_side import side_by_side
 from diagnosis.world import Motion, World
 
@@ -38,6 +39,17 @@ class Course:
 
     start: dict[str, float]
     nats: float
+
+    def starts(self, world: World) -> list[dict[str, float]]:
+        """The same, with what higher modes may take of it; a stiffness that changes with the deflection is the first
+        mode's alone."""
+        alone = not any(name.startswith("arm.frequency") for name in self.start)
+        return [{**self.start, **others} for others in (({},) if alone else shares(world))]
+
+
+def shares(world: World) -> tuple[Mapping[str, float], ...]:
+    """What to start from: higher modes that change in proportion, and where there are some, that do not at all."""
+    return ({HIGHER: 1.0}, {HIGHER: 0.0}) if world.modes > 1 else ({},)
 
 
 @dataclass(frozen=True)

@@ -43,9 +43,7 @@ class K(IntEnum):
     SIZE = 23
 
 
-_NEAR = (
-    0.2  # cycles between an accelerometer's reading and a command's arrival, at which either may come first
-)
+_NEAR = 0.2  # cycles between a sensor's reading and a command's arrival, at which either may come first
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

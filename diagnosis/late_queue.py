@@ -7,8 +7,8 @@ would show in the requests, too, and leave the time between the two alone.
 
 from math import hypot
 
-from diagnosis.arrival_steps import arrival_step
-from diagnosis.fit import WANDER_S, Fit
+from diagnosis.arrival_steps import step_of_arrivals
+from diagnosis.fit import Fit
 from diagnosis.repeated_stamps import MOST_HELD, Held
 
 _SURE = 2.0  # standard deviations of the step
@@ -18,13 +18,10 @@ _WHOLE = 0.25  # frames: a step that is known less well may be of any number
 def late_queue(baseline: Fit) -> Held | None:
     """The first frame that the longer queue delays, and by how many frames, if the arrivals step so."""
     world = baseline.world
-    if not world.measured.frames.asked or "arrival" not in world.channels:
-        return None
-    rate_hz = world.model.camera.frame_rate_hz
-    late = world.channels["arrival"] - baseline.predicted.channels["arrival"]
-    step = arrival_step(late, WANDER_S * rate_hz)
+    step = step_of_arrivals(baseline) if world.measured.frames.asked else None
     if step is None:
         return None
+    rate_hz = world.model.camera.frame_rate_hz
     size, noted = step.step_s * rate_hz, world.measured.cycle_s * rate_hz
     doubt, frames = hypot(step.std_s * rate_hz, 0.5 * noted), round(size)
     whole = doubt < _WHOLE and abs(size - frames) < _SURE * doubt

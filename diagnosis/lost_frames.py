@@ -28,10 +28,8 @@ _BEAM_NATS = 25.0
 _SLOPE = 3e-3  # deviation of skew and drift, s/s
 _USUAL_LOSS = 0.01
 _WANDER_S = 2.0
-_BLURRED = (
-    (0.3, 0.22),
-    (0.45, 0.19),
-)  # intervals' scatter; and off whole periods, where no number is likelier: 0.26
+# intervals' scatter, and that off whole periods (0.26 where no number of them is likelier), periods
+_BLURRED = ((0.3, 0.22), (0.45, 0.19))
 _NEVER_NATS = 1e6
 _LEAST_NATS = 0.0  # by which losses have to explain the arrivals better than a wander and bursts alone
 

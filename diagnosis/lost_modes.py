@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.fit import Fit, Split, fit, make_data
+from diagnosis.frequency_course import shares
 from diagnosis.quantities import HIGHER
 
 Array = NDArray[np.float64]
@@ -15,7 +16,6 @@ Array = NDArray[np.float64]
 _FAR, _LEAST, _MOST = 0.03, 0.5, 2.0  # of the model's frequency; of its participation
 _SEEN = 0.2  # standard deviation of the participation, over the model's
 _OFF = (1.0, 0.98, 1.02)  # of the model's frequency
-_SHARES = (0.0, 1.0)  # of a change of frequency, that it may take
 _BETTER_NATS = 3.0
 
 
@@ -38,27 +38,25 @@ def with_lost_modes(one: Fit, split: Split) -> Fit:
     """The fit, or a likelier one with its lost modes begun again."""
     for i in lost_modes(one):
         data = make_data(one.world, split)
-        shares = _SHARES if HIGHER in one.free else (one.value(HIGHER),)
         tried = [
-            fit(data, _begun_again(one, i, off, share), one.free, colour=one.colour)
+            fit(
+                data,
+                one.world.space.with_values(_begun_again(one, i, off), others),
+                one.free,
+                colour=one.colour,
+            )
             for off in _OFF
-            for share in shares
+            for others in (shares(one.world) if HIGHER in one.free else ({},))
         ]
         best = max(tried, key=lambda other: other.train_nats)
         one = best if best.train_nats > one.train_nats + _BETTER_NATS else one
     return one
 
 
-def _begun_again(one: Fit, mode: int, off: float, share: float) -> Array:
-    """The fit's vector with that mode as the model has it, at rest, its frequency off by a factor, and the
-    share of a change of frequency that higher modes take."""
-    space, vector = one.world.space, one.vector.copy()
-    jumps = [name for name in space.place if name.startswith("jump.") and name.split(".")[2] == str(mode)]
-    for name in (
-        *(f"modes.{mode}.{what}" for what in ("frequency_hz", "damping_ratio", "participation")),
-        *jumps,
-    ):
-        vector[space.place[name]] = space[name].start
-    vector[space.place[f"modes.{mode}.frequency_hz"]] *= off
-    vector[space.place[HIGHER]] = share
-    return vector
+def _begun_again(one: Fit, mode: int, off: float) -> Array:
+    """The fit's vector with that mode as the model has it, at rest, its frequency off by a factor."""
+    space = one.world.space
+    jumps = [name for name in space.names("jump.") if name.split(".")[2] == str(mode)]
+    values = {name: space[name].start for name in (*space.names(f"modes.{mode}."), *jumps)}
+    values[f"modes.{mode}.frequency_hz"] *= off
+    return space.with_values(one.vector, values)

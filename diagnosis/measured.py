@@ -126,15 +126,14 @@ def read_measured(recording: Recording, model: Model) -> Measured:
         out[place] = values
         return out
 
-    missing = np.setdiff1d(np.arange(n), place)
+    there = np.zeros(n, bool)
+    there[place] = True
 
     def sent(values: Array) -> Array:
         """What the drive was sent: held where a row has none, between its neighbours' where the row itself is missing,
         as holding would leave the joint behind with every such row for good."""
         held = _held(grid(values))
-        known = np.flatnonzero(np.isfinite(held) & ~np.isin(np.arange(n), missing))
-        if len(known):
-            held[missing] = np.interp(missing, known, held[known])
+        held[~there] = np.interp(np.flatnonzero(~there), np.flatnonzero(there), held[there])
         return held
 
     reference = sent(fast["joint_velocity_reference_rad_s"])

@@ -31,7 +31,7 @@ def begun_on_what_moves(
 ) -> Array | None:
     """Where to begin a fit of all that trains: the fit of what moves, with a search along `size` by steps of a quarter.
     None where the arm hardly stands. free: names of the quantities, `size` among them."""
-    part = moving_part(data, data.world.space.vector()[data.world.space.place["modes.0.frequency_hz"]])
+    part = moving_part(data, data.world.space["modes.0.frequency_hz"].start)
     if part is None:
         return None
     best = fit(part, start, free, iterations=_ITERATIONS, colour=colour)
@@ -46,8 +46,7 @@ def begun_on_what_moves(
 
 def _beside(part: Data, best: Fit, size: str, factor: float, colour: Colours) -> Fit:
     """The fit from another size: of all else first, since the blows' sizes and the arm's damping have to follow."""
-    start = best.vector.copy()
-    start[part.world.space.place[size]] *= factor
+    start = part.world.space.with_values(best.vector, {size: factor * best.value(size)})
     others = [name for name in best.free if name != size]
     there = fit(part, start, others, iterations=_ITERATIONS_BESIDE, colour=colour)
     return fit(part, there.vector, best.free, iterations=_ITERATIONS, colour=colour)
@@ -60,12 +59,7 @@ def moving_part(data: Data, hz: float) -> Data | None:
     for name in _SHOWING:
         if name not in train:
             continue
-        rate = (
-            data.world.model.camera.frame_rate_hz
-            if name == "displacement"
-            else 1.0 / data.world.measured.cycle_s
-        )
-        spread = _spread(data.world.channels[name], max(3, round(rate / hz)))
+        spread = _spread(data.world.channels[name], max(3, round(1.0 / (hz * data.world.step_s(name)))))
         known = np.isfinite(data.world.channels[name])
         quiet = max(float(np.quantile(spread[known], _QUIETEST)), least_level(data.world, name))
         train[name] = train[name] & (spread > _STILL * quiet)

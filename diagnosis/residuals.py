@@ -97,11 +97,6 @@ def times_of(world: World, name: str) -> Array:
     return world.measured.frames.received_s if name in FRAME_CHANNELS else world.cycle_times
 
 
-def step_of(world: World, name: str) -> float:
-    """Time between samples, s."""
-    return 1.0 / world.model.camera.frame_rate_hz if name in FRAME_CHANNELS else world.measured.cycle_s
-
-
 def noise_floor(values: Array) -> float:
     """Deviation of the noise from neighbouring samples: what no model of slow things can go below."""
     steps = np.diff(values[np.isfinite(values)])
@@ -113,7 +108,7 @@ def examine_channel(last: Fit, name: str) -> ChannelResidual:
     world = last.world
     values, white = residual_of(last, name), last.residuals[name]
     time = times_of(world, name)
-    spectrum = spectrum_of(values, step_of(world, name))
+    spectrum = spectrum_of(values, world.step_s(name))
     dependences = dependences_of(white, variables(last, name), time)
     tests = _tests(last, name, white)
     loud = [one.sentence for one in tests if one.correlation.significant]
@@ -277,7 +272,7 @@ def _dependence(
 def _tests(last: Fit, name: str, white: Array) -> list[Tested]:
     """Whiteness, and independence of the input and of the simulated swing, to first and second order."""
     world = last.world
-    step = step_of(world, name)
+    step = world.step_s(name)
     n = len(white)
     reach = 2.0 / last.value("modes.0.frequency_hz")
     far = max(min(int(reach / step), n // 10), 4)

@@ -216,15 +216,11 @@ def _score(
 ) -> tuple[Scored | None, Array]:
     world, start, base = at
     nothing = np.zeros(_DRAWS)
-    shaped = start.copy()
-    for name, value in trial.shape.items():
-        shaped[world.space.place[name]] = value
+    shaped = world.space.with_values(start, trial.shape)
     near = world.predict(world.space.clipped(shaped), base) if len(trial.columns) > _MANY else base
     d = np.empty((len(white.residual), len(trial.columns)), order="F")
     for index, column in enumerate(trial.columns):
-        moved = shaped.copy()
-        for name, value in column.items():
-            moved[world.space.place[name]] = value
+        moved = world.space.with_values(shaped, column)
         white.weighted(world.predict(world.space.clipped(moved), near), base, d[:, index])
     if not np.isfinite(d).all():
         return None, nothing
@@ -253,15 +249,13 @@ def _score(
             place = world.space.place[name]
             shaped[place] = start[place] + bounded * (value - start[place])
     if trial.exact or (trial.one_sided and cause.settle):  # a threshold: its value is the trial's own
-        for name, value in trial.columns[0].items():
-            shaped[world.space.place[name]] = value
+        shaped = world.space.with_values(shaped, trial.columns[0])
     return Scored(cause, trial, nats, amounts, world, world.space.clipped(shaped)), chance
 
 
 def _unseen(cause: Cause, trial: Trial, world: World, shaped: Array) -> Scored:
     """A trial that the data ask for, and that changes nothing that trains: from its own values."""
-    start = shaped.copy()
+    start = shaped
     for column in trial.columns:
-        for name, value in column.items():
-            start[world.space.place[name]] = value
+        start = world.space.with_values(start, column)
     return Scored(cause, trial, 0.0, np.zeros(len(trial.columns)), world, world.space.clipped(start))

@@ -1,5 +1,6 @@
 """The vector of everything the simulation can be told: the model's parameters, initial states, causes' parameters."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
 
@@ -40,6 +41,13 @@ class Space:
     def vector(self) -> Array:
         """Start values."""
         return np.array([quantity.start for quantity in self.quantities])
+
+    def with_values(self, vector: Array, values: Mapping[str, float]) -> Array:
+        """A copy of a vector with other values at some places."""
+        found = vector.copy()
+        for name, value in values.items():
+            found[self.place[name]] = value
+        return found
 
     def names(self, prefix: str) -> list[str]:
         """All names that begin so."""

@@ -133,11 +133,7 @@ def _words(terms: Explained) -> str:
 def _band(last: Fit, name: str) -> tuple[float, float]:
     """Band, Hz, that holds the middle four fifths of the power above the median level."""
     world = last.world
-    step = (
-        1.0 / world.model.camera.frame_rate_hz
-        if name in ("displacement", "arrival")
-        else world.measured.cycle_s
-    )
+    step = world.step_s(name)
     residual = np.nan_to_num(last.residuals[name] / last.sigma[name])
     n = min(len(residual), 4096)
     count = max(1, len(residual) // n)

@@ -65,8 +65,8 @@ class _InMemory:
 
 
 def outcome(use: dict[str, Any], measure: str) -> str:
-    """ "better" or "worse" with the extended model, where the mean over the pairs changes by twice their spread, by
-    half a per cent, and by a thousandth of the blow; else "". use: `begin_use`'s answer, of runs that were made."""
+    """Whether a measure is "better" or "worse" with the extended model: its mean over the pairs changes by twice their
+    spread, by half a per cent, and by a thousandth of the blow; else "". use: `begin_use`'s answer, of runs made."""
     before, after = use["before"][measure], use["after"][measure]
     spread = use["spread"][measure] if use["spread"] else 0.0
     if abs(after - before) <= max(_LEAST, _LEAST_CHANGE * before, _SURE * spread):

@@ -139,6 +139,10 @@ class World:
         """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
         return self._layout.baseline_names()
 
+    def step_s(self, channel: str) -> float:
+        """Time between a channel's samples, s."""
+        return 1.0 / self.model.camera.frame_rate_hz if channel in FRAME_CHANNELS else self.measured.cycle_s
+
     def just_before(self, frames: int | NDArray[np.bool_]) -> Array:
         """Instants just before those frames, by place or mask, were read, s: an onset there counts for them."""
         return np.asarray(self.in_order_s[frames] - _JUST_S)

@@ -45,9 +45,8 @@ class GearPlay:
             return [motion.part(begin, end)]
         self.in_contact = False
         ahead = self.ahead_rad + way
-        if (
-            flank - ahead
-        ) * way > 0.0:  # of the sum as it is rounded: what is on the flank later has struck it now
+        # by the sum as it is rounded: what is on the flank later has struck it now
+        if (flank - ahead) * way > 0.0:
             self.ahead_rad = ahead
             return [_standing(end - begin)]
         short = flank - self.ahead_rad + motion.way(begin)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from diagnosis.arrival_steps import SIDE, arrival_step
+from diagnosis.arrival_steps import SIDE, step_of_arrivals
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
-from diagnosis.fit import WANDER_S, Fit
+from diagnosis.fit import Fit
 from diagnosis.request_times import request_intervals
 from diagnosis.robust import std_about_median
 
@@ -26,14 +26,10 @@ def _trials(context: Context) -> list[Trial]:
 
 def _beside_a_wander(context: Context) -> list[Trial]:
     """The step that the arrivals show where the wander's law, learnt without it, takes it up."""
-    world = context.world
-    if "arrival" not in world.channels:
-        return []
-    late = world.channels["arrival"] - context.fit.predicted.channels["arrival"]
-    step = arrival_step(late, WANDER_S * world.model.camera.frame_rate_hz)
+    step = step_of_arrivals(context.fit)
     if step is None:
         return []
-    onset = float(world.just_before(step.index))
+    onset = float(context.world.just_before(step.index))
     size = context.value("timing.step_s") + step.step_s
     return [Trial({"timing.step_onset_s": onset}, ({"timing.step_s": size},), exact=True)]
 

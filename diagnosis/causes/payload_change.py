@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from diagnosis.cause import Cause, Context, Trial, arm_moves, of_the_modes, plain, share_of, shares
+from diagnosis.cause import Cause, Context, Trial, arm_moves, of_the_modes, plain, share_of
+from diagnosis.frequency_course import shares
 
 ID, RATIO = "payload_change", "arm.frequency_ratio"
 

@@ -17,7 +17,7 @@ from diagnosis.report.views import (
     swing,
     telling_stretch,
 )
-from diagnosis.residuals import UNITS, residual_of, spectrum_of, step_of, times_of, variables
+from diagnosis.residuals import UNITS, residual_of, spectrum_of, times_of, variables
 from diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
@@ -97,9 +97,9 @@ def residual_spectrum(case: Case, name: str, band_hz: tuple[float, float] | None
 
     def draw(axes: Axes) -> None:
         for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
-            spectrum = spectrum_of(residual_of(fit, name), step_of(fit.world, name))
+            spectrum = spectrum_of(residual_of(fit, name), fit.world.step_s(name))
             axes.loglog(*few(spectrum.hz, np.sqrt(spectrum.density)), color=colour, lw=1.0, label=word)
-        floor = spectrum_of(residual_of(case.after, name), step_of(case.after.world, name)).floor
+        floor = spectrum_of(residual_of(case.after, name), case.after.world.step_s(name)).floor
         if floor > 0.0:
             axes.axhline(float(np.sqrt(floor)), color=FLOOR, ls=":", label="noise floor")
         if band_hz:
