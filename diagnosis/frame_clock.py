@@ -97,8 +97,10 @@ def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
 
 
 def _steadier(frames: Frames, step: NDArray[np.int64], period_s: float) -> Array:
-    """When frames came, or where that scatters less, when they were begun: what was lost left a gap in either."""
-    began = frames.started_s
+    """When frames came, or where that scatters less, when they were begun: what was lost left a gap in either. The
+    first is begun whenever the supervisor is, and says nothing of the second."""
+    began = frames.started_s.copy()
     if not np.isfinite(began).all():
         return frames.received_s
+    began[0] = began[1] - step[0] * period_s
     return min((frames.received_s, began), key=lambda times: scatter(times, step, period_s))

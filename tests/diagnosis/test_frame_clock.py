@@ -55,6 +55,17 @@ def test_where_arrivals_scatter_by_more_than_a_period_the_instants_at_which_fram
     assert np.array_equal(counts - counts[0], exposed - exposed[0])
 
 
+def test_a_supervisor_that_waits_for_its_first_frame_has_lost_none() -> None:
+    """Each frame is begun as the one before has come, but the first whenever the supervisor is."""
+    exposed = np.arange(400)
+    some = frames(exposed, exposed)
+    received = some.received_s + np.random.default_rng(6).normal(0.0, 0.2 / RATE, len(exposed))
+    began = some.received_s - 1.0 / RATE
+    began[0] -= 2.0 / RATE
+    counts = exposure_counts(replace(some, received_s=received, started_s=began), 1.0 / RATE)
+    assert np.array_equal(counts - counts[0], exposed)
+
+
 def test_a_counter_that_was_set_back_goes_on_by_the_arrivals() -> None:
     exposed = np.arange(300)
     counter = np.where(exposed < 150, exposed + 5000, exposed - 150)
