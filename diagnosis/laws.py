@@ -15,6 +15,7 @@ from diagnosis.measured import ClockGap, Measured
 from diagnosis.noise import HUBER, LEAST
 from diagnosis.outliers import SURE_NATS, outliers, pulses
 from diagnosis.repeated_stamps import held_back
+from diagnosis.request_times import missing_requests
 from diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
@@ -24,6 +25,7 @@ _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
 # within so many deviations of the delay that the model states late frames are normal, but for so many in a row
 _BURST, _LASTING = 2.0, 5.0
+_RARELY = 0.5  # of the frames: what most do is the usual
 _ONE_STEP_S = 1.0
 
 
@@ -97,11 +99,14 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
 
 
 def _frame_drops(data: Data, last: Fit) -> LawFound | None:
-    """Frames that were exposed and never came, against a camera that loses one in a thousand."""
-    clock, frames = data.world.frame_clock, data.world.measured.frames
-    if not clock.counted or len(frames) < 20:
+    """Frames that were exposed, or asked for, and never came, against a camera that loses one in a thousand."""
+    world, frames = data.world, data.world.measured.frames
+    if len(frames) < 20:
         return None
-    missing = np.concatenate(([0], np.diff(clock.counts) - 1)).astype(float)
+    counted = np.diff(world.frame_clock.counts) - 1 if world.frame_clock.counted else missing_requests(world)
+    if counted is None:
+        return None
+    missing = np.concatenate(([0], counted)).astype(float)
     missing[missing > 30] = 1.0
     lost = float(missing.sum())
     if lost < 3:
@@ -135,6 +140,8 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     runs = _runs(late)
     total = float((whole.nats - whole.plain_nats).sum())
     if len(runs) < 2 or total < _LEAST_NATS or whole.size_s < 2.0 * LEAST["arrival"]:
+        return None
+    if float(np.mean(late[np.isfinite(residual)])) > _RARELY:
         return None
     stated_s = data.world.model.timing.capture_delay_std_s
     frames = float(np.median([b - a for a, b in runs]))

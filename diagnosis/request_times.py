@@ -1,4 +1,5 @@
-"""When a triggered camera's frames were asked for: where the requests leave their interval, their clock was set."""
+"""When a triggered camera's frames were asked for: where the requests leave their interval, their clock was set, or
+where by whole intervals, frames never came."""
 
 from dataclasses import dataclass
 
@@ -6,9 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.measured import Measured
-from diagnosis.robust import std_about_zero
+from diagnosis.robust import std_about_median, std_about_zero
+from diagnosis.world import World
 
 Array = NDArray[np.float64]
+
+_REGULAR = 0.1  # of the interval: what requests may scatter by that are told by when they were made
+_WHOLE = 0.25  # intervals
 
 
 @dataclass(frozen=True)
@@ -24,3 +29,24 @@ def request_intervals(measured: Measured) -> Intervals:
     between = np.diff(measured.frames.started_s)
     off = between - float(np.median(between))
     return Intervals(off, std_about_zero(off) + measured.cycle_s)
+
+
+def missing_requests(world: World) -> NDArray[np.int64] | None:
+    """How many frames never came between each and the next, (frames - 1,): what the counter skips, or whole intervals
+    that a triggered camera's stamps or requests leave out. None where neither keeps an interval."""
+    frames = world.measured.frames
+    skipped = np.diff(frames.counter) - 1
+    if np.any(skipped > 0) and np.all(skipped >= 0):
+        return skipped
+    for times in (frames.captured_s, frames.started_s):
+        between = np.diff(times)
+        if len(between) == 0 or not np.isfinite(between).all():
+            continue
+        between = between / float(np.median(between))
+        whole = np.rint(between).astype(np.int64)
+        if (
+            std_about_median(between) < _REGULAR
+            and float(np.mean(np.abs(between - whole) > _WHOLE)) < _REGULAR
+        ):
+            return np.maximum(whole - 1, 0)
+    return None

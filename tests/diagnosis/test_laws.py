@@ -5,6 +5,7 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from diagnosis.fit import fit, make_data
 from diagnosis.laws import laws
@@ -111,6 +112,18 @@ def test_a_few_late_frames_within_the_delays_stated_spread_are_no_burst(
     last = fitted(frames_of(data, np.ones(len(received), bool), late), split=SPLIT, model=model)
     names = [one.cause for one in laws(make_data(last.world, SPLIT), last)]
     assert ("delay_bursts" in names) is burst
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_what_most_frames_do_is_no_burst(seed: int) -> None:
+    """Frames that scatter but for stretches in which they hardly do were not late before."""
+    data = measured(SECONDS, 6)
+    received = data.frames.received_s
+    random = np.random.default_rng(seed)
+    wander = lfilter([0.003], [1.0, -0.97], random.standard_normal(len(received)))
+    late = np.where(received % 4.0 < 3.2, wander + random.normal(0.0, 0.006, len(received)), 0.0)
+    last = fitted(frames_of(data, np.ones(len(received), bool), 0.03 + late), split=SPLIT)
+    assert "delay_bursts" not in [one.cause for one in laws(make_data(last.world, SPLIT), last)]
 
 
 def test_what_the_start_and_a_blow_leave_for_an_instant_are_no_spikes() -> None:
