@@ -7,6 +7,8 @@ what its model says to so many digits.
 
 from math import isnan
 
+import numpy as np
+
 from common.causes import CAUSES as CATALOGUE
 from common.causes import Parameter
 from diagnosis.candidate import Candidate
@@ -14,10 +16,12 @@ from diagnosis.candidate import Candidate
 _SHARE = 0.01  # of the least that is typical; of a declared bandwidth
 _RELATIVE = ("bandwidth_hz",)
 _LIMITS = ("max_velocity_rad_s", "range_m_s2")  # where values pile up, whatever the limit
+_WIDE_PX = 200.0  # what is typical of a lens is so with a tip that swings so wide in the image; wider shows more of it
 
 
 def worth_a_name(one: Candidate) -> bool:
-    """Whether the size of a cause is at least a hundredth of the least that its catalogue has for typical."""
+    """Whether the size of a cause is at least a hundredth of the least that its catalogue has for typical; of a lens,
+    by what it does at the image's edge."""
     size = _size_of(one.cause)
     pair = one.fit.world.measured.pair  # in units of its own
     if one.law is not None or pair or size is None or size.name not in one.values:
@@ -28,6 +32,9 @@ def worth_a_name(one: Candidate) -> bool:
         neutral = one.fit.world.space[one.free[0]].start
     if size.name in _RELATIVE:
         least = _SHARE * abs(neutral)
+    if size.unit == "1/px^2":
+        widest = float(np.nanmax(np.abs(one.fit.world.channels["displacement"]), initial=_WIDE_PX))
+        least *= (_WIDE_PX / widest) ** 2
     return abs(value - neutral) >= least
 
 
