@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ Mask = NDArray[np.bool_]
 Colours = dict[str, Colour | DoubtColour]
 
 WANDER_S = 15.0
+_WANDERS = 2.0  # times the stated deviation: a delay that strays further is no wander of the usual one
 _SETTLED_NATS = 0.02
 CHANGED_NATS = 20.0
 """By so much another structure, of a baseline that is not in question, has to be likelier."""
@@ -200,7 +201,8 @@ def colours(data: Data, vector: Array) -> Colours:
     if "arrival" in world.channels:
         residual = world.channels["arrival"] - predicted.channels["arrival"]
         frames = WANDER_S * world.model.camera.frame_rate_hz
-        found["arrival"] = wander_colour(residual[data.train["arrival"]], frames)
+        most = _WANDERS * world.model.timing.capture_delay_std_s or inf
+        found["arrival"] = wander_colour(residual[data.train["arrival"]], frames, most)
     if "displacement" in world.channels and world.frame_clock.arrival:
         residual = world.channels["displacement"] - predicted.channels["displacement"]
         found["displacement"] = doubt_colour(

@@ -1,7 +1,7 @@
 """Noise laws of the channels: level, and for arrivals colour, so that a slow wander of the delay is no discovery."""
 
 from dataclasses import dataclass
-from math import log, pi, sqrt
+from math import inf, log, pi, sqrt
 
 import numpy as np
 from numba import njit
@@ -40,18 +40,24 @@ class Colour:
         white[0] = filled[0] * sqrt(max(1e-9, 1.0 - self.stay**2))
         return np.where(np.isnan(residual), np.nan, white)
 
+    @property
+    def strayed(self) -> float:
+        """Deviation of what it whitens, in deviations of the innovations: an ARMA(1, 1) process's."""
+        return sqrt(1.0 + (self.stay - self.moving) ** 2 / max(1.0 - self.stay**2, 1e-12))
+
 
 _TIMES = 12
 _SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.985)
 _WANDER_NATS = 6.0
 
 
-def wander_colour(residual: Array, longest_frames: float) -> Colour:
+def wander_colour(residual: Array, longest_frames: float, most: float = inf) -> Colour:
     """Colour of an arrival residual by restricted maximum likelihood: a straight trend is projected out, and what it
     takes with it of a slow wander is allowed for (Patterson and Thompson, Biometrika 58, 1971).
 
     Without that a wander as long as the recording would seem shorter and smaller than it is, and a drift surer.
-    longest_frames: a wander may last so long, not longer: what lasts longer is a drift.
+    longest_frames: a wander may last so long, not longer: what lasts longer is a drift. most: nor may it stray so far
+    that the whole deviates by more.
     """
     r = residual[np.isfinite(residual)]
     n = len(r)
@@ -62,11 +68,11 @@ def wander_colour(residual: Array, longest_frames: float) -> Colour:
     r = r - x * float(x @ r) / float(x @ x)
     limit = 4.0 * std_about_zero(r) + 1e-12
     columns = np.stack((np.ones(n), x, np.clip(r - r.mean(), -limit, limit)))
-    plain = _restricted(columns)
+    plain, _ = _restricted(columns)
     best, colour = plain + _WANDER_NATS, Colour()
     for one in wander_colours(longest_frames):
-        nats = _restricted(lfilter([1.0, -one.stay], [1.0, -one.moving], columns)[:, 1:])
-        if nats > best:
+        nats, std = _restricted(lfilter([1.0, -one.stay], [1.0, -one.moving], columns)[:, 1:])
+        if nats > best and std * one.strayed <= most:
             best, colour = nats, one
     return colour
 
@@ -81,15 +87,16 @@ def wander_colours(longest_frames: float) -> list[Colour]:
     ]
 
 
-def _restricted(columns: Array) -> float:
-    """Restricted log-likelihood per sample of the last row as white noise about the others, times their number."""
+def _restricted(columns: Array) -> tuple[float, float]:
+    """Restricted log-likelihood per sample of the last row as white noise about the others, times their number; and the
+    noise's deviation."""
     design, values = columns[:-1], columns[-1]
     normal = design @ design.T
     left = float(values @ values - (design @ values) @ np.linalg.solve(normal, design @ values))
     free = columns.shape[1] - len(design)
     _, spread = np.linalg.slogdet(normal)
-    nats: float = -0.5 * free * log(max(left / free, 1e-30)) - 0.5 * float(spread)
-    return nats
+    variance = max(left / free, 1e-30)
+    return -0.5 * free * log(variance) - 0.5 * float(spread), sqrt(variance)
 
 
 def _steady(stay: float, wander: float, white: float) -> Colour:

@@ -1,7 +1,9 @@
 """A slow wander is known for what it is, although a drift is taken off it."""
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from diagnosis.noise import Colour, wander_colour
 
@@ -47,3 +49,22 @@ def test_a_drift_is_about_as_sure_as_the_wander_lets_it_be() -> None:
 def test_white_values_have_no_colour() -> None:
     seen = [wander_colour(np.random.default_rng(seed).standard_normal(900), 900.0) for seed in range(40)]
     assert sum(one.stay > 0.0 for one in seen) <= 1
+
+
+def test_a_wander_strays_no_further_than_it_may() -> None:
+    """What does is a drift, or another effect: taken for the usual wander it would hide one of ten deviations."""
+    late = wander(3) + 0.002 * np.arange(FRAMES) / RATE_HZ
+    bounded = wander_colour(late, 15.0 * RATE_HZ, most=0.5 * SIZE)
+    innovations = float(
+        np.std(bounded.whiten(late - np.polyval(np.polyfit(np.arange(FRAMES), late, 1), range(FRAMES))))
+    )
+    assert innovations * bounded.strayed < 0.55 * SIZE
+    slope, deviation = slope_deviation(bounded, late)
+    assert abs(slope) > 3.0 * deviation
+    assert deviation < slope_deviation(wander_colour(late, 15.0 * RATE_HZ), late)[1]
+
+
+def test_how_far_a_colour_strays_is_what_it_makes_of_white_values() -> None:
+    one = Colour(stay=0.98, moving=0.8)
+    made = lfilter([1.0, -one.moving], [1.0, -one.stay], np.random.default_rng(2).standard_normal(200_000))
+    assert one.strayed == pytest.approx(float(np.std(made)), rel=0.05)
