@@ -15,7 +15,7 @@ _NEVER_S = 1e9
 _UNLIMITED = 1e9
 HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
 ARRIVAL = "drive.arrival_s"  # by which commands come later than the dead time says: a part of a cycle
-_ARRIVAL, _ARRIVAL_STD = 0.15, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth
+_ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
 _LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
