@@ -23,6 +23,7 @@ _DISAGREE = 0.1
 _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
+_SAME_STEP = 3.0  # deviations: a delay that wanders is known less well than they say
 
 
 def next_to_take(stage: Stage, found: Found) -> Candidate | None:
@@ -245,4 +246,4 @@ def _by_whole_frames(one: Candidate) -> bool:
     step, doubt = one.values["step_s"]
     whole = round(step * world.model.camera.frame_rate_hz)
     off = step - whole / world.model.camera.frame_rate_hz
-    return 1 <= whole <= MOST_HELD and abs(off) < 2.0 * doubt
+    return 1 <= whole <= MOST_HELD and abs(off) < _SAME_STEP * doubt

@@ -28,6 +28,7 @@ from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.lost_modes import with_lost_modes
 from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
 from diagnosis.pair_start import with_resonance_of
+from diagnosis.recount import recounted
 from diagnosis.repeated_stamps import held_back, without
 from diagnosis.search import search
 from diagnosis.split import interleaved, stated
@@ -107,7 +108,7 @@ def diagnose_measured(
         else interleaved(measured.duration_s)
     )
     tick(0.05, "baseline")
-    baseline = dated(_baseline(world, split), split)
+    baseline = recounted(dated(_baseline(world, split), split), split)
     baseline = with_lost_modes(baseline, split)
     baseline, steps = _without_steps(baseline, split)
     baseline, old = _without_old_images(baseline, split)
@@ -163,11 +164,13 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
         return None
     course = max(courses.values(), key=lambda one: one.nats)
     starts = course.starts(world)
-    fits = [fit_with_impacts(world, split, world.space.with_values(begun, one)) for one in starts]
-    seen = max(fits, key=lambda one: one.train_nats)
-    space = seen.world.space
-    start = space.with_values(carried(seen, seen.world), {name: space[name].start for name in starts[0]})
-    one = fit(make_data(seen.world, split), start, seen.world.baseline_names())
+    struck = fit_with_impacts(world, split, world.space.with_values(begun, starts[0]))
+    there, names = struck.world, struck.world.baseline_names()
+    vector, data = carried(struck, there), make_data(there, split)
+    others = [fit(data, there.space.with_values(vector, one), names) for one in starts[1:]]
+    seen = max((struck, *others), key=lambda one: one.train_nats)
+    usual = {name: there.space[name].start for name in starts[0]}
+    one = fit(data, there.space.with_values(carried(seen, there), usual), names)
     return one if seen.train_nats - one.train_nats > CHANGED_NATS else None
 
 

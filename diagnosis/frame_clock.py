@@ -90,7 +90,7 @@ def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
     passed = np.diff(received) / period_s
     bad = (step < 1) | (step > _LARGEST_STEP) | (step > 4 * passed + 20)
     step = np.where(bad, np.maximum(1, np.rint(passed)).astype(np.int64), step)
-    if not np.any(step[~bad] > 1):  # nowhere does it skip: it may count arrivals
+    if not frames.counted and not np.any(step[~bad] > 1):  # nowhere does it skip: it may count arrivals
         step = step + lost_before(_steadier(frames, step, period_s), step, period_s)[1:]
     counts: NDArray[np.int64] = np.concatenate(([0], np.cumsum(step))) + counter[0]
     return counts

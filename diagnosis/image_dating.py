@@ -32,7 +32,7 @@ def dated(baseline: Fit, split: Split) -> Fit:
         return baseline
     other = fit_with_impacts(World(dated_by_requests(world.measured), world.model), split)
     mended = (other, _perhaps_stepped(other, split), _perhaps_held_back(other, split))
-    return other if max(map(_image_nats, mended)) > _image_nats(baseline) else baseline
+    return other if max(map(image_nats, mended)) > image_nats(baseline) else baseline
 
 
 def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
@@ -51,7 +51,7 @@ def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
         start[at["timing.step_onset_s"]] = world.just_before(i + 1)
         start[at["timing.step_s"]] = off[i]
         one = fit(make_data(world, split), start, (*asked.free, "timing.step_s"), colour=asked.colour)
-        best = one if _image_nats(one) > _image_nats(best) + CHANGED_NATS else best
+        best = one if image_nats(one) > image_nats(best) + CHANGED_NATS else best
     return best
 
 
@@ -59,7 +59,7 @@ def _perhaps_held_back(asked: Fit, split: Split) -> Fit:
     """The fit, or if its images say so, the same with those after an instant older by whole frames: they arrive as
     early after their request as any, so that nothing but what they show tells it."""
     world, at = asked.world, asked.world.space.place
-    found = _older_from(asked)
+    found = older_from(asked)
     if found is None:
         return asked
     index, older_s = found
@@ -70,10 +70,10 @@ def _perhaps_held_back(asked: Fit, split: Split) -> Fit:
     start[at["timing.stale_onset_s"]] = world.just_before(index)
     start[at["timing.stale_frames"]] = frames
     one = fit(make_data(world, split), start, (*asked.free, "timing.stale_frames"), colour=asked.colour)
-    return one if _image_nats(one) > _image_nats(asked) + CHANGED_NATS else asked
+    return one if image_nats(one) > image_nats(asked) + CHANGED_NATS else asked
 
 
-def _older_from(asked: Fit) -> tuple[int, float] | None:
+def older_from(asked: Fit) -> tuple[int, float] | None:
     """The frame from which on images are likeliest to be older than those before, and by how much, s: least squares of
     what is left over the images' speed, a lateness of its own before each frame and after it."""
     residual, rate = asked.residuals["displacement"], asked.predicted.rate_px_s
@@ -93,7 +93,7 @@ def _older_from(asked: Fit) -> tuple[int, float] | None:
     return int(known[inner.start + best + 1]), older_s
 
 
-def _image_nats(fitted: Fit) -> float:
+def image_nats(fitted: Fit) -> float:
     """Log-likelihood of all images; where instants are in doubt, innovations are scaled to the level at rest."""
     residual = fitted.residuals["displacement"]
     known = np.isfinite(residual)

@@ -26,6 +26,7 @@ _MOST = 40
 _SIGNIFICANT = 6.0
 _CLOSE_S = 2.0
 _REDATED_NATS = 20.0
+_HOPELESS_NATS = 300.0  # that a fit of all else hardly gains
 _WRONG, _FAR = 4.0, 8.0  # times a channel's variance, outliers bounded to so many deviations
 _ONE_BLOW, _PLACES = 2.0, 9  # periods between two that may be one; where that may have been
 
@@ -207,14 +208,22 @@ def _merged(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
 
 
 def _in_place_of(last: Fit, pair: tuple[int, int], split: Split, extra: tuple[str, ...]) -> Fit:
-    """The fit with the likeliest single blow in place of a pair."""
+    """The fit with the likeliest single blow in place of a pair, or the last: where it was, by fits of that blow and
+    its neighbours alone, as there may be many others."""
     others = tuple(cycle for cycle in last.world.impacts if cycle not in pair)
 
     def struck(cycle: float) -> Fit:
-        return refit_with(last, split, tuple(sorted((*others, round(cycle)))), extra)
+        impacts = sorted((*others, round(cycle)))
+        world = last.world.changed(impacts=tuple(impacts))
+        number = impacts.index(round(cycle)) + 1
+        own = [name for j in (number - 1, number, number + 1) for name in world.space.names(f"jump.{j}.")]
+        return fit(make_data(world, split), carried(last, world), own, colour=last.colour)
 
     best = max(side_by_side(struck, np.linspace(*pair, _PLACES)), key=lambda one: one.train_nats)
-    return _sharpened(best, split, extra)[0]
+    if best.train_nats < last.train_nats - _HOPELESS_NATS:
+        return last
+    best = refit_with(best, split, best.world.impacts, extra)
+    return max(best, _sharpened(best, split, extra)[0], key=lambda one: one.train_nats)
 
 
 def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = ()) -> Fit:

@@ -23,7 +23,8 @@ class Frames:
     """Visual samples, in the order in which they were read; times in s from the start of the fast data.
 
     counter: as recorded. displacement_px: NaN where not measured. captured_s: camera's stamp or NaN.
-    asked: captured_s is no stamp, but when a triggered exposure was asked for (started_s).
+    asked: captured_s is no stamp, but when a triggered exposure was asked for (started_s). counted: the counter counts
+    exposures, mended where arrivals and images told so.
     """
 
     counter: NDArray[np.int64]
@@ -32,6 +33,7 @@ class Frames:
     displacement_px: Array
     captured_s: Array
     asked: bool = False
+    counted: bool = False
 
     def __len__(self) -> int:
         return len(self.received_s)

@@ -1,0 +1,54 @@
+"""Frames that only seemed to be lost."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.image_dating import image_nats
+from diagnosis.measured import Measured
+from diagnosis.recount import recounted
+from diagnosis.split import interleaved
+from tests.diagnosis.synthetic import MODEL, fitted, measured
+
+SECONDS = 10.0
+PERIOD_S = 1.0 / MODEL.camera.frame_rate_hz
+
+
+def _late_from(frame: int) -> Measured:
+    """All frames from that one on come a period later than those before, and none was lost."""
+    data = measured(SECONDS, 5)
+    late = np.where(np.arange(len(data.frames)) >= frame, PERIOD_S, 0.0)
+    f = data.frames
+    return replace(data, frames=replace(f, received_s=f.received_s + late, started_s=f.started_s + late))
+
+
+@pytest.mark.parametrize("frame", [120, 300, 480])
+def test_images_tell_that_no_frame_was_lost_where_arrivals_say_so(frame: int) -> None:
+    split = interleaved(SECONDS)
+    misled = fitted(_late_from(frame), split=split)
+    assert misled.world.frame_clock.lost == 1
+    mended = recounted(misled, split)
+    assert mended.world.frame_clock.lost == 0
+    assert image_nats(mended) > image_nats(misled) + 100.0
+
+
+def test_a_frame_that_was_lost_stays_lost() -> None:
+    data = measured(SECONDS, 5)
+    f, kept = data.frames, np.delete(np.arange(len(data.frames)), 300)
+    shown = replace(
+        f, counter=np.arange(len(kept)), received_s=f.received_s[kept], started_s=f.started_s[kept],
+        displacement_px=f.displacement_px[kept], captured_s=f.captured_s[kept],
+    )  # fmt: skip
+    split = interleaved(SECONDS)
+    last = fitted(replace(data, frames=shown), split=split)
+    assert last.world.frame_clock.lost == 1
+    assert recounted(last, split).world is last.world
+
+
+def test_what_the_counter_itself_says_was_lost_is_believed() -> None:
+    data = _late_from(300)
+    counter = data.frames.counter + (np.arange(len(data.frames)) >= 300)
+    split = interleaved(SECONDS)
+    last = fitted(replace(data, frames=replace(data.frames, counter=counter)), split=split)
+    assert recounted(last, split).world is last.world
