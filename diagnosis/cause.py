@@ -86,8 +86,8 @@ class Context:
         course = self._courses.get(cause)
         if course is None:
             return []
-        start = self.world.space.vector()  # one frequency's fit has bent all else to make up for it
-        shape = {other: float(start[self.world.space.place[other]]) for other in self.world.baseline_names()}
+        # as the model has it: one frequency's fit has bent all else to make up for it
+        shape = {other: self.world.space[other].start for other in self.world.baseline_names()}
         return [
             Trial(
                 shape | {other: value for other, value in begun.items() if other != name},

@@ -149,8 +149,7 @@ def _at_the_seen_frequency(world: World, split: Split) -> Fit:
     hz = seen_frequency(world, usual.predicted.motion, usual.value("modes.0.frequency_hz"))
     if hz is None:
         return usual
-    begun = world.space.vector()
-    begun[world.space.place["modes.0.frequency_hz"]] = hz
+    begun = world.space.with_values(world.space.vector(), {"modes.0.frequency_hz": hz})
     other = fit_with_impacts(world, split, begun)
     return other if other.train_nats > usual.train_nats + CHANGED_NATS else usual
 

@@ -19,7 +19,7 @@ from diagnosis.noise import (
     wander_colour,
 )
 from diagnosis.side_by_side import side_by_side
-from diagnosis.world import Predicted, World
+from diagnosis.world import FRAME_CHANNELS, Predicted, World
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -87,7 +87,7 @@ def make_data(world: World, split: Split) -> Data:
     train, held, blocks = {}, {}, {}
     grid = world.cycle_times
     for name, values in world.channels.items():
-        time = world.measured.frames.received_s if name in ("displacement", "arrival") else grid
+        time = world.measured.frames.received_s if name in FRAME_CHANNELS else grid
         block = split.blocks_of(time)
         known = np.isfinite(values)
         held[name] = known & split.held[block]
@@ -200,7 +200,7 @@ def colours(data: Data, vector: Array) -> Colours:
     found: Colours = {}
     if "arrival" in world.channels:
         residual = world.channels["arrival"] - predicted.channels["arrival"]
-        frames = WANDER_S * world.model.camera.frame_rate_hz
+        frames = WANDER_S / world.step_s("arrival")
         most = _WANDERS * world.model.timing.capture_delay_std_s or inf
         found["arrival"] = wander_colour(residual[data.train["arrival"]], frames, most)
     if "displacement" in world.channels and world.frame_clock.arrival:

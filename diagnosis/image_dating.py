@@ -38,7 +38,7 @@ def dated(baseline: Fit, split: Split) -> Fit:
 def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
     """The fit, or if its images say so, the same with the frames' clock stepped where requests were furthest off
     their interval: dated by a clock that was set, half of the images would be wrong, and arrivals seem better."""
-    world, at = asked.world, asked.world.space.place
+    world = asked.world
     if len(world.measured.frames) <= _FEWEST_REQUESTS:
         return asked
     intervals = request_intervals(world.measured)
@@ -47,9 +47,8 @@ def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
     for i in np.argsort(-np.abs(off))[:_MOST_STEPS]:
         if abs(off[i]) < _OUTSTANDING * usual:
             break
-        start = asked.vector.copy()
-        start[at["timing.step_onset_s"]] = world.just_before(i + 1)
-        start[at["timing.step_s"]] = off[i]
+        step = {"timing.step_onset_s": float(world.just_before(i + 1)), "timing.step_s": off[i]}
+        start = world.space.with_values(asked.vector, step)
         one = fit(make_data(world, split), start, (*asked.free, "timing.step_s"), colour=asked.colour)
         best = one if image_nats(one) > image_nats(best) + CHANGED_NATS else best
     return best
@@ -58,7 +57,7 @@ def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
 def _perhaps_held_back(asked: Fit, split: Split) -> Fit:
     """The fit, or if its images say so, the same with those after an instant older by whole frames: they arrive as
     early after their request as any, so that nothing but what they show tells it."""
-    world, at = asked.world, asked.world.space.place
+    world = asked.world
     found = older_from(asked)
     if found is None:
         return asked
@@ -66,9 +65,8 @@ def _perhaps_held_back(asked: Fit, split: Split) -> Fit:
     frames = round(older_s * world.model.camera.frame_rate_hz)
     if not 1 <= frames <= MOST_HELD:
         return asked
-    start = asked.vector.copy()
-    start[at["timing.stale_onset_s"]] = world.just_before(index)
-    start[at["timing.stale_frames"]] = frames
+    held = {"timing.stale_onset_s": float(world.just_before(index)), "timing.stale_frames": frames}
+    start = world.space.with_values(asked.vector, held)
     one = fit(make_data(world, split), start, (*asked.free, "timing.stale_frames"), colour=asked.colour)
     return one if image_nats(one) > image_nats(asked) + CHANGED_NATS else asked
 

@@ -100,13 +100,13 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
 
 def _frame_drops(data: Data, last: Fit) -> LawFound | None:
     """Frames that were exposed, or asked for, and never came, against a camera that loses one in a thousand."""
-    world, frames = data.world, data.world.measured.frames
+    clock, frames = data.world.frame_clock, data.world.measured.frames
     if len(frames) < 20:
         return None
-    counted = np.diff(world.frame_clock.counts) - 1 if world.frame_clock.counted else missing_requests(world)
-    if counted is None:
+    between = np.diff(clock.counts) - 1 if clock.counted else missing_requests(frames)
+    if between is None:
         return None
-    missing = np.concatenate(([0], counted)).astype(float)
+    missing = np.concatenate(([0], between)).astype(float)
     missing[missing > 30] = 1.0
     lost = float(missing.sum())
     if lost < 3:

@@ -34,8 +34,7 @@ def onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
         return refitted, 0.0
     train, held = _by_onset(refitted, name, tried, split)
     best = int(np.argmax(train + held.sum(axis=1)))
-    vector = refitted.vector.copy()
-    vector[refitted.world.space.place[name]] = tried[best]
+    vector = refitted.world.space.with_values(refitted.vector, {name: tried[best]})
     moved = fit(make_data(refitted.world, split), vector, refitted.free, iterations=3, colour=refitted.colour)
     train, held = _by_onset(moved, name, tried, split)
     odds = _odds(train)
@@ -58,8 +57,7 @@ def _by_onset(one: Fit, name: str, tried: Array, split: Split) -> tuple[Array, A
     data = make_data(one.world, split)
     train, held = np.empty(len(tried)), np.empty((len(tried), len(split.held)))
     for k, onset in enumerate(tried):
-        vector = one.vector.copy()
-        vector[one.world.space.place[name]] = onset
+        vector = one.world.space.with_values(one.vector, {name: onset})
         there = fit(data, vector, (), iterations=0, colour=one.colour)
         train[k], held[k] = there.train_nats, there.held_nats
     return train, held

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured import Measured
+from diagnosis.measured import Frames, Measured
 from diagnosis.robust import std_about_median, std_about_zero
-from diagnosis.world import World
 
 Array = NDArray[np.float64]
 
-_REGULAR = 0.1  # of the interval: what requests may scatter by that are told by when they were made
-_WHOLE = 0.25  # intervals
+_REGULAR = 0.1  # of the interval: what requests that keep one may scatter by
+_WHOLE, _SELDOM = 0.25, 0.1  # intervals off a whole number of them; the share that may be further off
 
 
 @dataclass(frozen=True)
@@ -31,10 +30,9 @@ def request_intervals(measured: Measured) -> Intervals:
     return Intervals(off, std_about_zero(off) + measured.cycle_s)
 
 
-def missing_requests(world: World) -> NDArray[np.int64] | None:
+def missing_requests(frames: Frames) -> NDArray[np.int64] | None:
     """How many frames never came between each and the next, (frames - 1,): what the counter skips, or whole intervals
     that a triggered camera's stamps or requests leave out. None where neither keeps an interval."""
-    frames = world.measured.frames
     skipped = np.diff(frames.counter) - 1
     if np.any(skipped > 0) and np.all(skipped >= 0):
         return skipped
@@ -44,9 +42,7 @@ def missing_requests(world: World) -> NDArray[np.int64] | None:
             continue
         between = between / float(np.median(between))
         whole = np.rint(between).astype(np.int64)
-        if (
-            std_about_median(between) < _REGULAR
-            and float(np.mean(np.abs(between - whole) > _WHOLE)) < _REGULAR
-        ):
+        off = np.abs(between - whole) > _WHOLE
+        if std_about_median(between) < _REGULAR and float(np.mean(off)) < _SELDOM:
             return np.maximum(whole - 1, 0)
     return None

@@ -16,6 +16,7 @@ from diagnosis.fit import Data, Fit
 from diagnosis.outliers import outliers, pulses, within_range
 from diagnosis.steady_spectrum import steady_spectrum
 from diagnosis.unforetold import unforetold
+from diagnosis.world import FRAME_CHANNELS
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -172,7 +173,7 @@ def _driven(data: Data, last: Fit, name: str, r: Array, train: Mask) -> Array:
 def _variances(data: Data, last: Fit, name: str, r: Array, train: Mask) -> list[tuple[str, Array, float]]:
     """Level of the scatter by bins of what may drive it: the law, nats of each value, and the highest level."""
     world, motion = last.world, last.predicted.motion
-    at = world.instants(last.vector) if name in ("displacement", "arrival") else world.cycle_times
+    at = world.instants(last.vector) if name in FRAME_CHANNELS else world.cycle_times
 
     def seen(values: Array) -> Array:
         return np.interp(at, world.cycle_times, np.abs(values))

@@ -237,11 +237,10 @@ def _drop_needless(found: Found, split: Split) -> None:
             rest = tuple(name for other in fits if other is not one for name in other.free)
             cause = CAUSES[one.cause]
             world = found.final.world
-            start = found.final.vector.copy()
-            neutral = world.space.vector()
             rest = tuple(name for name in rest if name in world.space.place)
-            for name in set(cause.free(world)) - set(rest):  # what another finding frees, too, is its own
-                start[world.space.place[name]] = neutral[world.space.place[name]]
+            own = set(cause.free(world)) - set(rest)  # what another finding frees, too, is its own
+            neutral = {name: world.space[name].start for name in own}
+            start = world.space.with_values(found.final.vector, neutral)
             if cause.id == "second_bending_mode":
                 world = variant(world, {"extra_modes": -1})
                 start = carried(found.final, world)

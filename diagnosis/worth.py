@@ -16,9 +16,8 @@ from diagnosis.candidate import Candidate
 _SHARE = 0.01  # of the least that is typical; of a declared bandwidth
 _RELATIVE = ("bandwidth_hz",)
 _LIMITS = ("max_velocity_rad_s", "range_m_s2")  # where values pile up, whatever the limit
-_WIDE_PX = (
-    500.0  # half a usual image: what is typical of a lens is so there; where it is wider, less shows as much
-)
+# half a usual image: what is typical of a lens is so there; where it is wider, less shows as much
+_WIDE_PX = 500.0
 
 
 def worth_a_name(one: Candidate) -> bool:

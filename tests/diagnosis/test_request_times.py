@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 
+from diagnosis.measured import Frames
 from diagnosis.request_times import missing_requests, request_intervals
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, measured
+from tests.diagnosis.synthetic import measured
 
 
 def test_a_clock_that_was_set_stands_out_of_the_requests_intervals() -> None:
@@ -22,20 +21,18 @@ def test_a_clock_that_was_set_stands_out_of_the_requests_intervals() -> None:
     assert found.usual_s == pytest.approx(data.cycle_s)
 
 
-TRIGGERED = msgspec.structs.replace(MODEL, camera=msgspec.structs.replace(MODEL.camera, mode="triggered"))
 LOST = [20, 21, 90, 150]
 
 
-def _asked(scatter: float, counted: bool) -> World:
-    data = measured(4.0, 1, {})
-    asked = np.delete(np.arange(len(data.frames) + len(LOST)), LOST)
+def _asked(scatter: float, counted: bool) -> Frames:
+    frames = measured(4.0, 1).frames
+    asked = np.delete(np.arange(len(frames) + len(LOST)), LOST)
     started = 0.015 * (asked + scatter * np.random.default_rng(4).standard_normal(len(asked)))
     counter = asked if counted else np.arange(len(asked))
-    frames = replace(
-        data.frames, counter=counter, started_s=started, received_s=started + 0.07,
+    return replace(
+        frames, counter=counter, started_s=started, received_s=started + 0.07,
         captured_s=np.full(len(asked), np.nan),
     )  # fmt: skip
-    return World(replace(data, frames=frames), TRIGGERED)
 
 
 @pytest.mark.parametrize(("scatter", "counted"), [(0.02, False), (0.02, True), (0.4, True)])

@@ -145,10 +145,9 @@ def _floor(recording: Recording) -> dict[str, float]:
             continue
         left = float(np.mean((measured - clean)[held] ** 2))
         if source == "image" and not case.rig.eye.free:
-            middle, first = np.unique(
-                recording.truth["middle_s"], return_index=True
-            )  # an old image comes twice
-            rate = np.interp(recording.truth["middle_s"], middle, np.gradient(clean[first], middle))
+            exposed = recording.truth["middle_s"]
+            middle, first = np.unique(exposed, return_index=True)  # an old image comes twice
+            rate = np.interp(exposed, middle, np.gradient(clean[first], middle))
             left += float(np.mean(rate[held] ** 2)) * TICK_S**2 / 12.0
         out[_COLUMN[source]] = float(np.sqrt(left) / np.std(measured[held]))
     return out
