@@ -15,6 +15,7 @@ ONSETS = 41
 # onsets of steps of the frames' dates: one frame shows them, beside a delay that wanders
 AT_ONCE = ("timing.step_onset_s", "timing.stale_onset_s")
 _ONSET_REACH_S = 0.8
+_MOST_TRIALS = 40  # of a quantity that settles: where each gains a little, all the rest has a long way to go
 
 
 def onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
@@ -80,9 +81,11 @@ def settled(refitted: Fit, cause: Cause, split: Split) -> Fit:
         along = refitted.free if name == "arm.onset_s" else own
         step = first * (1.0 if onset else max(abs(best.value(name)), 1e-3) * 10.0)
         least = 4.0 * best.world.measured.cycle_s if onset else 0.02 * step
-        while step > least:
+        trials = 0
+        while step > least and trials < _MOST_TRIALS:
             moved = False
             for sign in (1.0, -1.0):
+                trials += 1
                 start = best.vector.copy()
                 start[at] += sign * step
                 trial = fit(data, start, [n for n in along if n != name], iterations=1, colour=best.colour)
