@@ -1,5 +1,6 @@
 """Which of the refitted causes is taken, and how surely: by what each predicts of the held-out part."""
 
+from collections.abc import Callable
 from math import erf, log, sqrt
 
 import numpy as np
@@ -26,13 +27,20 @@ _NEARLY = 0.8  # of the held-out gain
 _SAME_STEP = 3.0  # deviations: a delay that wanders is known less well than they say
 
 
-def next_to_take(stage: Stage, found: Found) -> Candidate | None:
+def next_to_take(
+    stage: Stage, found: Found, is_the_rest: Callable[[Candidate], bool] = lambda one: False
+) -> Candidate | None:
     """The stage's best that adds something of its own: no other name for what is already found, and no small change
-    that the first finding's simple form would leave of its true one."""
+    that the first finding's simple form would leave of its true one.
+
+    is_the_rest: whether the data hold nothing more beside a candidate, and do without it: as small as it may be, that
+    is no likeness of what a simple form leaves.
+    """
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
         if not _convincing(one, stage.screening):
             continue
-        if found.findings and one.law is None and one.gain < _least_share(one, found.findings[0]):
+        small = bool(found.findings) and one.law is None and one.gain < _least_share(one, found.findings[0])
+        if small and not is_the_rest(one):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
         if not rivals:

@@ -8,11 +8,13 @@ optimum; from there the nearest is the right one.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.fit import Colours, Data, Fit, fit, least_level
+from diagnosis.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -35,16 +37,17 @@ def begun_on_what_moves(
     if part is None:
         return None
     best = fit(part, start, free, iterations=_ITERATIONS, colour=colour)
+    ways = [_STEP, 1.0 / _STEP]
     for _ in range(_MOST_STEPS):
-        tried = [_beside(part, best, size, factor, colour) for factor in (_STEP, 1.0 / _STEP)]
-        better = max(tried, key=lambda one: one.train_nats)
+        tried = side_by_side(partial(_beside, part, best, size, colour), ways)
+        better, way = max(zip(tried, ways, strict=True), key=lambda one: one[0].train_nats)
         if better.train_nats < best.train_nats + _BETTER_NATS:
             break
-        best = better
+        best, ways = better, [way]  # there is one optimum: the other way is where it came from
     return best.vector
 
 
-def _beside(part: Data, best: Fit, size: str, factor: float, colour: Colours) -> Fit:
+def _beside(part: Data, best: Fit, size: str, colour: Colours, factor: float) -> Fit:
     """The fit from another size: of all else first, since the blows' sizes and the arm's damping have to follow."""
     start = part.world.space.with_values(best.vector, {size: factor * best.value(size)})
     others = [name for name in best.free if name != size]

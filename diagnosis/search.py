@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from math import sqrt
 
 import numpy as np
@@ -20,6 +21,7 @@ from diagnosis.moving_part import begun_on_what_moves
 from diagnosis.onset import AT_ONCE, onset_of, onset_seen, settled
 from diagnosis.screen import Scored, Screening, screen, variant
 from diagnosis.side_by_side import meanwhile, side_by_side
+from diagnosis.structure import examine
 from diagnosis.unforetold import foretold
 
 Array = NDArray[np.float64]
@@ -28,6 +30,7 @@ MOST_CAUSES = 4
 _REFITTED = 7  # causes
 _STARTS = 2  # of each
 _ITERATIONS, _ITERATIONS_FAR = 6, 15
+_SHARE_TO_BEGIN_ANEW = 0.1  # of what the best cause explains
 
 
 def block_gain(after: Fit, before: Fit) -> Array:
@@ -69,18 +72,33 @@ def search(
         screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
         threshold = screened[0] if screened else None
         stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, threshold)
-        stage.taken = next_to_take(stage, found)
+        best = next_to_take(stage, found, partial(_is_the_rest, found, split))
+        if best is not None and best.law is None and step < MOST_CAUSES:
+            whole = replace(best, fit=_completed(best, split, (*free, *best.free)))
+            stage.candidates = [whole if one is best else one for one in stage.candidates]
+            best = whole
+        stage.taken = best
         found.stages.append(stage)
-        if stage.taken is None or step == MOST_CAUSES:
+        if best is None or step == MOST_CAUSES:
             break
-        taken[stage.taken.cause] = stage.taken
-        found.findings.append(stage.taken)
-        if stage.taken.law is None:
-            found.final = _completed(stage.taken, split, (*free, *stage.taken.free))
+        taken[best.cause] = best
+        found.findings.append(best)
+        if best.law is None:
+            found.final = best.fit
             usual = set(found.final.world.baseline_names())
             free = tuple(name for name in found.final.free if name not in usual)
     _drop_needless(found, split)
     return found
+
+
+def _is_the_rest(found: Found, split: Split, one: Candidate) -> bool:
+    """Whether with a candidate nothing is left of the data, and something is without it."""
+    known_laws = frozenset(other.cause for other in found.findings if other.law is not None)
+
+    def holds_more(of: Fit) -> bool:
+        return examine(make_data(of.world, split), of, known_laws).worst is not None
+
+    return holds_more(found.final) and not holds_more(one.fit)
 
 
 def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
@@ -116,6 +134,7 @@ def _stage(
     screening = screen(data, last, causes, threshold_nats=threshold)
     by_law = [_of_law(data, last, law) for law in found_laws.result() if law.cause not in taken]
     refits = side_by_side(lambda one: (one.cause, _refitted(one, free, last, split)), _to_refit(screening))
+    refits = _held_begun_anew(refits, last, split)
     top = max((refitted.train_nats for _, refitted in refits), default=last.train_nats)
 
     def near_the_top(one: tuple[Cause, Fit]) -> tuple[Cause, Fit]:
@@ -161,15 +180,30 @@ def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fi
     turns = _ITERATIONS_FAR if one.trial.exact else _ITERATIONS
     data = make_data(one.world, split)
     found = fit(data, one.start, names, iterations=turns, colour=last.colour)
-    if one.cause.holds is not None:
-        begun = begun_on_what_moves(data, one.start, one.cause.holds, names, last.colour)
-        if begun is not None:
-            other = fit(data, begun, names, iterations=_ITERATIONS_FAR, colour=last.colour)
-            found = other if other.train_nats > found.train_nats else found
     # a law learnt without the step takes it for its own
     if onset_of(one.cause) in AT_ONCE and "arrival" in found.colour:
         own = _with_own_wander(found, split)
         found = own if own.train_nats > found.train_nats else found
+    return found
+
+
+def _held_begun_anew(refits: list[tuple[Cause, Fit]], last: Fit, split: Split) -> list[tuple[Cause, Fit]]:
+    """The refits, and of each cause that holds the arm one more, begun on what moves, unless it explains next to
+    nothing beside the others."""
+    most = max((one.train_nats for _, one in refits), default=last.train_nats) - last.train_nats
+    held: dict[str, tuple[Cause, Fit]] = {}
+    for cause, one in refits:
+        if cause.holds is None or one.train_nats - last.train_nats < _SHARE_TO_BEGIN_ANEW * most:
+            continue
+        if cause.id not in held or one.train_nats > held[cause.id][1].train_nats:
+            held[cause.id] = cause, one
+    found = list(refits)
+    for cause, one in held.values():
+        assert cause.holds is not None
+        data = make_data(one.world, split)
+        begun = begun_on_what_moves(data, one.vector, cause.holds, one.free, last.colour)
+        if begun is not None:
+            found.append((cause, fit(data, begun, one.free, iterations=_ITERATIONS_FAR, colour=last.colour)))
     return found
 
 

@@ -142,6 +142,7 @@ def test_what_a_simple_form_leaves_of_the_first_finding_is_not_taken() -> None:
     assert next_to_take(Stage(SCREENING, [elsewhere], elsewhere), first) is elsewhere
     less = replace(elsewhere, train_gain=18.0, held_gain=9.0)
     assert next_to_take(Stage(SCREENING, [less], less), first) is None
+    assert next_to_take(Stage(SCREENING, [less], less), first, lambda one: one is less) is less
 
 
 def test_how_much_a_simple_form_leaves_is_a_share_of_all_data() -> None:
