@@ -1,6 +1,6 @@
 """One call: measured data in, diagnosis out. docs/diagnosis.md tells how it decides."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
 from diagnosis.frequency_course import frequency_courses, seen_frequency
 from diagnosis.image_dating import dated
-from diagnosis.impacts import carried, fit_with_impacts
+from diagnosis.impacts import carried, fit_with_impacts, with_impacts_in_place, with_impacts_sought
 from diagnosis.late_queue import late_queue
 from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.lost_modes import with_lost_modes
@@ -163,13 +163,29 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
         return None
     course = max(courses.values(), key=lambda one: one.nats)
     starts = course.starts(world)
-    struck = fit_with_impacts(world, split, world.space.with_values(begun, starts[0]))
-    there, names = struck.world, struck.world.baseline_names()
+    sought = with_impacts_sought(world, split, world.space.with_values(begun, starts[0]))
+    if _steady_with_blows_of(_likeliest(sought, split, starts[1:]), split, starts[0]) is None:
+        return None  # before its blows are put in place, which takes long
+    struck = with_impacts_in_place(sought, split)
+    return _steady_with_blows_of(_likeliest(struck, split, starts[1:]), split, starts[0])
+
+
+def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) -> Fit:
+    """The fit, or one of those with its blows from these starts."""
+    there = struck.world
     vector, data = carried(struck, there), make_data(there, split)
-    others = [fit(data, there.space.with_values(vector, one), names) for one in starts[1:]]
-    seen = max((struck, *others), key=lambda one: one.train_nats)
-    usual = {name: there.space[name].start for name in starts[0]}
-    one = fit(data, there.space.with_values(carried(seen, there), usual), names)
+    names = there.baseline_names()
+    others = [fit(data, there.space.with_values(vector, one), names) for one in starts]
+    return max((struck, *others), key=lambda one: one.train_nats)
+
+
+def _steady_with_blows_of(seen: Fit, split: Split, course: Iterable[str]) -> Fit | None:
+    """The fit of one frequency with the blows that are seen with a course of these quantities; None where it does as
+    well."""
+    there = seen.world
+    usual = {name: there.space[name].start for name in course}
+    start = there.space.with_values(carried(seen, there), usual)
+    one = fit(make_data(there, split), start, there.baseline_names())
     return one if seen.train_nats - one.train_nats > CHANGED_NATS else None
 
 

@@ -124,9 +124,19 @@ def _refined(last: Fit, number: int) -> float:
 
 def fit_with_impacts(world: World, split: Split, start: Array | None = None) -> Fit:
     """The baseline's fit, with as many segments as there were blows. start: vector of the world, if not its own."""
+    return with_impacts_in_place(with_impacts_sought(world, split, start), split)
+
+
+def with_impacts_sought(world: World, split: Split, start: Array | None = None) -> Fit:
+    """The first half of it: a segment wherever a blow seems to have been."""
     data = make_data(world, split)
     last = fit(data, world.space.vector() if start is None else start, (), iterations=0)
-    last = _with_blows(last, split, fitted=False)
+    return _sought(last, split, (), fitted=False)
+
+
+def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
+    """The second: each blow where it was, and none that was not."""
+    last = _in_place(sought, split, ())
     # the noise laws as they are now, rather than as they seemed at the start
     return refit_with(last, split, last.world.impacts)
 
@@ -134,12 +144,12 @@ def fit_with_impacts(world: World, split: Split, start: Array | None = None) -> 
 def with_hidden_blows(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
     """The fit with blows that show only now that it holds a cause more (of quantities `extra`), if they are any that
     the held-out part bears out."""
-    more = _with_blows(last, split, extra)
+    more = _in_place(_sought(last, split, extra), split, extra)
     gained = float((more.held_nats - last.held_nats).sum())
     return more if more.world.impacts != last.world.impacts and gained > 0.0 else last
 
 
-def _with_blows(last: Fit, split: Split, extra: tuple[str, ...] = (), fitted: bool = True) -> Fit:
+def _sought(last: Fit, split: Split, extra: tuple[str, ...], fitted: bool = True) -> Fit:
     """Blows sought in what is left, again and again. fitted: whether the fit is one, or only a start."""
     impacts: set[int] = set(last.world.impacts)
     for turn in range(5):
@@ -153,6 +163,11 @@ def _with_blows(last: Fit, split: Split, extra: tuple[str, ...] = (), fitted: bo
         impacts |= new
         last = refit_with(last, split, tuple(sorted(impacts)), extra)
         last, impacts = _sharpened(last, split, extra)
+    return last
+
+
+def _in_place(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
+    """Blows that are one merged, those half a period off moved, and those that were none dropped."""
     return pruned(_redated(_merged(last, split, extra), split, extra), split, extra)
 
 
