@@ -24,7 +24,7 @@ def ceiling_of(acceleration: Array, noise: float) -> float | None:
     top = int(np.argmax(counts[8:])) + 8
     if counts[top] < 0.05 * len(values) or counts[top] < 1.5 * counts[top // 2]:
         return None
-    level = float(0.5 * (edges[top] + edges[top + 1]))
+    level = float(np.median(values[(values >= edges[top]) & (values <= edges[top + 1])]))
     return level if level > 2.0 * noise else None
 
 

@@ -16,6 +16,7 @@ from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
 from diagnosis.candidate import Found
+from diagnosis.causes.accelerometer_clipping import RANGE
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
@@ -43,6 +44,7 @@ _MANY_GAPS, _AS_LONG = 4, 3.0
 _REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
 _QUEUED = "received_s steps by whole frames, started_s does not: each image is handed over that much later"
 _ASIDE_S = 0.4
+_LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is simulated as it is
 
 
 @dataclass(frozen=True)
@@ -132,14 +134,27 @@ def diagnose_measured(
 
 
 def _baseline(world: World, split: Split) -> Fit:
-    """The baseline's fit; where the accelerometer is at its limit, started where the rest of the data points."""
+    """The baseline's fit; where the accelerometer is at a limit that it should not have, started from that of a sensor
+    with such a limit."""
     if "acceleration" in world.channels:
         ceiling = ceiling_of(world.channels["acceleration"], world.model.accelerometer.noise_std_m_s2)
-        if ceiling is not None:
-            seen = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
-            there = world.changed(impacts=seen.world.impacts)
-            return fit(make_data(there, split), carried(seen, there), there.baseline_names())
+        if ceiling is not None and ceiling < _LIMIT_KNOWN * world.model.accelerometer.range_m_s2:
+            limited = _with_limit(world, split, ceiling)
+            there = limited.world
+            start = there.space.with_values(limited.vector, {RANGE: there.space[RANGE].start})
+            return fit(make_data(there, split), start, there.baseline_names())
     return _along_a_course(world, split) or _at_the_seen_frequency(world, split)
+
+
+def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
+    """The baseline's fit of a sensor with that limit, m/s^2: with the blows that what lies below it shows, or with
+    those that show once its limit is simulated from there: a vibration is below it long after the blow."""
+    below_it = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
+    there = world.changed(impacts=below_it.world.impacts)
+    start = there.space.with_values(carried(below_it, there), {RANGE: ceiling})
+    kept = fit(make_data(there, split), start, there.baseline_names())
+    sought = fit_with_impacts(world, split, world.space.with_values(carried(kept, world), {RANGE: ceiling}))
+    return max(kept, sought, key=lambda one: one.train_nats)
 
 
 def _at_the_seen_frequency(world: World, split: Split) -> Fit:

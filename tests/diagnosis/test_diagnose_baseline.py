@@ -1,11 +1,19 @@
-"""The baseline's fit finds an arm whose frequency is far from the model's, and says nothing else of it."""
+"""The baseline's fit finds an arm whose frequency is far from the model's, and blows that go beyond the sensor's
+range, and says nothing else of them."""
 
+from dataclasses import replace
+
+import msgspec
+import numpy as np
 import pytest
 
-from diagnosis.diagnose import _at_the_seen_frequency
+from diagnosis.ceiling import ceiling_of
+from diagnosis.diagnose import _at_the_seen_frequency, _baseline
 from diagnosis.split import interleaved
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
+
+LIMIT_M_S2 = 8.0
 
 
 @pytest.mark.parametrize("hz", [2.6, 3.1])
@@ -14,3 +22,17 @@ def test_a_frequency_far_off_is_fitted(hz: float) -> None:
     found = _at_the_seen_frequency(world, interleaved(20.0))
     assert found.value("modes.0.frequency_hz") == pytest.approx(hz, rel=1e-3)
     assert found.value("modes.0.damping_ratio") == pytest.approx(MODEL.arm.modes[0].damping_ratio, rel=0.1)
+
+
+@pytest.mark.parametrize("stated_m_s2", [LIMIT_M_S2, 20.0], ids=["stated", "unknown"])
+def test_a_blow_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: float) -> None:
+    """A second passes until the sensor shows all of the vibration again."""
+    struck = 7300
+    sensor = msgspec.structs.replace(MODEL.accelerometer, range_m_s2=stated_m_s2)
+    model = msgspec.structs.replace(MODEL, accelerometer=sensor)
+    data = measured(12.0, 5, {"jump.1.0.v": 3.0}, impacts=(struck,), model=model)
+    shown = np.clip(data.acceleration, -LIMIT_M_S2, LIMIT_M_S2)
+    assert ceiling_of(shown, sensor.noise_std_m_s2) is not None
+    found = _baseline(World(replace(data, acceleration=shown), model), interleaved(12.0))
+    assert len(found.world.impacts) == 1
+    assert found.world.impacts[0] == pytest.approx(struck, abs=10)
