@@ -157,14 +157,14 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
     if onset is not None:  # it may lie in the held-out part altogether
         seen = one.held_gain > 0.0 and one.gain > screening.threshold_nats + penalty
         return seen and (onset in AT_ONCE or _in_places(one, penalty)) and _plausible(one)
-    # what is certain may lie where it is held out
-    searched = one.gain - penalty if one.certain else one.train_gain
+    if one.certain:  # it may lie where it is held out, or where nothing is
+        seen = one.held_gain > -penalty and one.gain > screening.threshold_nats + penalty
+        return seen and _plausible(one)
     return (
-        searched > screening.threshold_nats
+        one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
         and (
-            one.certain
-            or (one.law is not None and one.law.alone)
+            (one.law is not None and one.law.alone)
             or one.held_gain > one.held_std
             or _rarely_seen(one, penalty)
         )

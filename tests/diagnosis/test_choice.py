@@ -112,6 +112,9 @@ def test_a_law_waits_but_not_for_what_explains_far_less() -> None:
 def test_what_the_data_show_by_themselves_comes_first() -> None:
     certain = replace(FRICTION, certain=True, held_std=1e3)
     assert choose([LAG, certain], SCREENING) is certain
+    not_held_out = replace(certain, held_gain=0.5)
+    assert choose([not_held_out], SCREENING) is not_held_out
+    assert choose([replace(certain, held_gain=-9.0)], SCREENING) is None
 
 
 def test_doubt_where_nothing_convinces_or_another_explains_more_of_what_was_searched() -> None:
