@@ -16,7 +16,6 @@ from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
 from diagnosis.candidate import Found
-from diagnosis.causes.accelerometer_clipping import RANGE
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
@@ -29,6 +28,7 @@ from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.lost_modes import with_lost_modes
 from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
 from diagnosis.pair_start import with_resonance_of
+from diagnosis.quantities import RANGE
 from diagnosis.recount import recounted
 from diagnosis.repeated_stamps import held_back, without
 from diagnosis.search import search
@@ -188,9 +188,8 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
 def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) -> Fit:
     """The fit, or one of those with its blows from these starts."""
     there = struck.world
-    vector, data = carried(struck, there), make_data(there, split)
-    names = there.baseline_names()
-    others = [fit(data, there.space.with_values(vector, one), names) for one in starts]
+    data, names = make_data(there, split), there.baseline_names()
+    others = [fit(data, there.space.with_values(struck.vector, one), names) for one in starts]
     return max((struck, *others), key=lambda one: one.train_nats)
 
 
@@ -199,7 +198,7 @@ def _steady_with_blows_of(seen: Fit, split: Split, course: Iterable[str]) -> Fit
     well."""
     there = seen.world
     usual = {name: there.space[name].start for name in course}
-    start = there.space.with_values(carried(seen, there), usual)
+    start = there.space.with_values(seen.vector, usual)
     one = fit(make_data(there, split), start, there.baseline_names())
     return one if seen.train_nats - one.train_nats > CHANGED_NATS else None
 

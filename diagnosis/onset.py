@@ -75,7 +75,6 @@ def settled(refitted: Fit, cause: Cause, split: Split) -> Fit:
     data = make_data(best.world, split)
     own = cause.free(best.world)
     for name, first in cause.settle.items():
-        at = best.world.space.place[name]
         onset = "onset" in name
         # a change of the arm's motion turns the phase of all that follows
         along = refitted.free if name == "arm.onset_s" else own
@@ -86,8 +85,7 @@ def settled(refitted: Fit, cause: Cause, split: Split) -> Fit:
             moved = False
             for sign in (1.0, -1.0):
                 trials += 1
-                start = best.vector.copy()
-                start[at] += sign * step
+                start = best.world.space.with_values(best.vector, {name: best.value(name) + sign * step})
                 trial = fit(data, start, [n for n in along if n != name], iterations=1, colour=best.colour)
                 if trial.train_nats > best.train_nats + 0.02:
                     best, moved = trial, True

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from diagnosis.fit import Data, Fit
+from diagnosis.quantities import RANGE
 from diagnosis.robust import std_about_median
 from diagnosis.unforetold import unforetold
 
@@ -55,7 +56,7 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
 
 def within_range(last: Fit) -> NDArray[np.bool_]:
     """Which samples of the accelerometer lie well within its range: at its limit it scatters less. (n,)"""
-    limit = _AT_THE_LIMIT * last.value("accelerometer.range_m_s2")
+    limit = _AT_THE_LIMIT * last.value(RANGE)
     measured, predicted = last.world.channels["acceleration"], last.predicted.channels["acceleration"]
     result: NDArray[np.bool_] = (np.abs(measured) < limit) & (np.abs(predicted) < limit)
     return result

@@ -16,6 +16,7 @@ _UNLIMITED = 1e9
 HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
 ARRIVAL = "drive.arrival_s"  # by which commands come later than the dead time says: a part of a cycle
 _ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth
+RANGE = "accelerometer.range_m_s2"
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
 _LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
@@ -81,7 +82,7 @@ class Layout:
             ("accelerometer.bias_m_s2", sensor.bias_m_s2, -1e3, 1e3, 1e-4),
             ("accelerometer.rate_m_s3", 0.0, -1e3, 1e3, 1e-5),
             ("accelerometer.rate_per_s", 0.0, -1.0, 1.0, 1e-6),
-            ("accelerometer.range_m_s2", sensor.range_m_s2, 1e-3, _UNLIMITED, 1e-3),
+            (RANGE, sensor.range_m_s2, 1e-3, _UNLIMITED, 1e-3),
             ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
             (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),
             ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache
 from math import sqrt
 
 import numpy as np
@@ -72,7 +72,7 @@ def search(
         screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
         threshold = screened[0] if screened else None
         stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, threshold)
-        best = next_to_take(stage, found, partial(_is_the_rest, found, split))
+        best = next_to_take(stage, found, _is_the_rest(found, split))
         if best is not None and best.law is None and step < MOST_CAUSES:
             whole = replace(best, fit=_completed(best, split, (*free, *best.free)))
             stage.candidates = [whole if one is best else one for one in stage.candidates]
@@ -91,14 +91,18 @@ def search(
     return found
 
 
-def _is_the_rest(found: Found, split: Split, one: Candidate) -> bool:
-    """Whether with a candidate nothing is left of the data, and something is without it."""
-    known_laws = frozenset(other.cause for other in found.findings if other.law is not None)
+def _is_the_rest(found: Found, split: Split) -> Callable[[Candidate], bool]:
+    """Tells whether with a candidate nothing is left of the data, and something is without it."""
+    known_laws = frozenset(one.cause for one in found.findings if one.law is not None)
 
-    def holds_more(of: Fit) -> bool:
+    def is_left(of: Fit) -> bool:
         return examine(make_data(of.world, split), of, known_laws).worst is not None
 
-    return holds_more(found.final) and not holds_more(one.fit)
+    @cache  # looked at where a candidate asks for it, and once
+    def is_left_without() -> bool:
+        return is_left(found.final)
+
+    return lambda one: is_left_without() and not is_left(one.fit)
 
 
 def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
@@ -188,22 +192,22 @@ def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fi
 
 
 def _held_begun_anew(refits: list[tuple[Cause, Fit]], last: Fit, split: Split) -> list[tuple[Cause, Fit]]:
-    """The refits, and of each cause that holds the arm one more, begun on what moves, unless it explains next to
-    nothing beside the others."""
+    """The refits, the best of each cause that holds the arm begun on what moves where that explains more, unless it
+    explains next to nothing beside the others."""
     most = max((one.train_nats for _, one in refits), default=last.train_nats) - last.train_nats
-    held: dict[str, tuple[Cause, Fit]] = {}
-    for cause, one in refits:
-        if cause.holds is None or one.train_nats - last.train_nats < _SHARE_TO_BEGIN_ANEW * most:
-            continue
-        if cause.id not in held or one.train_nats > held[cause.id][1].train_nats:
-            held[cause.id] = cause, one
     found = list(refits)
-    for cause, one in held.values():
-        assert cause.holds is not None
+    sizes = {cause.id: cause.holds for cause, _ in refits if cause.holds is not None}
+    for holding, size in sizes.items():
+        places = [place for place, (cause, _) in enumerate(refits) if cause.id == holding]
+        place = max(places, key=lambda place: refits[place][1].train_nats)
+        cause, one = refits[place]
+        if one.train_nats - last.train_nats < _SHARE_TO_BEGIN_ANEW * most:
+            continue
         data = make_data(one.world, split)
-        begun = begun_on_what_moves(data, one.vector, cause.holds, one.free, last.colour)
+        begun = begun_on_what_moves(data, one.vector, size, one.free, last.colour)
         if begun is not None:
-            found.append((cause, fit(data, begun, one.free, iterations=_ITERATIONS_FAR, colour=last.colour)))
+            other = fit(data, begun, one.free, iterations=_ITERATIONS_FAR, colour=last.colour)
+            found[place] = cause, max(one, other, key=lambda fitted: fitted.train_nats)
     return found
 
 

@@ -18,7 +18,7 @@ from diagnosis.fine_sensors import tip_moved, within_reach
 from diagnosis.frame_clock import FrameClock, frame_clock
 from diagnosis.kernel import K, add_decay, free_decay, reads_later, run, tip_of
 from diagnosis.measured import Measured
-from diagnosis.quantities import ARRIVAL, HIGHER, OF_ARRIVALS, Layout
+from diagnosis.quantities import ARRIVAL, HIGHER, OF_ARRIVALS, RANGE, Layout
 
 Array = NDArray[np.float64]
 
@@ -292,7 +292,7 @@ class World:
         if sine or cosine:
             phase = 2.0 * pi * vector[at["accelerometer.hum_hz"]] * t
             value = value + sine * np.sin(phase) + cosine * np.cos(phase)
-        most = vector[at["accelerometer.range_m_s2"]]
+        most = vector[at[RANGE]]
         shown: Array = np.clip(value, -most, most)
         return shown
 

@@ -5,8 +5,7 @@ import numpy as np
 from diagnosis.cause import Cause, Context, Trial, Values, free_of, has
 from diagnosis.ceiling import ceiling_of, plateau_of
 from diagnosis.fit import Fit
-
-RANGE = "accelerometer.range_m_s2"
+from diagnosis.quantities import RANGE
 
 
 def _trials(context: Context) -> list[Trial]:
