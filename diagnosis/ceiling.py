@@ -1,6 +1,7 @@
 """An accelerometer at its limit: samples that pile up at one size, on both sides, or stay there while it moves on."""
 
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ Array = NDArray[np.float64]
 _CLOSE = 0.9
 _LEVELS = np.linspace(1.0, 0.7, 61)  # of the largest sample
 _LEAST_NATS, _LEAST_OF_A_PEAK = 20.0, 3.0
-_FLAT = 0.4  # of the motion's own slope
+_FLAT, _FLAT_ALONE, _SURE = 0.4, 0.25, 2.0  # of the motion's own slope; deviations of it
 _BEYOND, _FEWEST, _FEWEST_PEAKS = 1.0, 8, 2  # deviations; samples; separate stretches
 
 
@@ -36,7 +37,8 @@ def below(measured: Measured, ceiling: float) -> Measured:
 
 def plateau_of(acceleration: Array, predicted: Array, noise: float) -> float | None:
     """The size at which the sensor stays, m/s^2, at each peak that the simulation has larger; None where it does not,
-    or at one peak only, or follows the motion there: a gain that is off, or a stiffness, has no such flat top.
+    or follows the motion there: a gain that is off, or a stiffness, has no such flat top. One peak alone has to be
+    quite flat.
 
     A few peaks after one blow tell, wherever they lie: the level is that of all data. All: (n,), m/s^2; noise: m/s^2.
     """
@@ -49,10 +51,12 @@ def plateau_of(acceleration: Array, predicted: Array, noise: float) -> float | N
     if gain.sum() < _LEAST_NATS or beyond.sum() < _FEWEST:
         return None
     starts = np.flatnonzero(np.diff(np.concatenate(([False], beyond)).astype(np.int64)) == 1)
-    if int(np.sum(np.add.reduceat(np.where(beyond, gain, 0.0), starts) > _LEAST_OF_A_PEAK)) < _FEWEST_PEAKS:
-        return None
+    peaks = int(np.sum(np.add.reduceat(np.where(beyond, gain, 0.0), starts) > _LEAST_OF_A_PEAK))
     by, of = due[beyond] - due[beyond].mean(), shown[beyond] - shown[beyond].mean()
-    return level if float(by @ of) < _FLAT * float(by @ by) else None
+    size = float(by @ by)
+    if peaks < _FEWEST_PEAKS:
+        return level if float(by @ of) + _SURE * noise * sqrt(size) < _FLAT_ALONE * size else None
+    return level if float(by @ of) < _FLAT * size else None
 
 
 def _gain(shown: Array, due: Array, level: float, noise: float) -> Array:

@@ -138,7 +138,7 @@ def _stage(
     screening = screen(data, last, causes, threshold_nats=threshold)
     by_law = [_of_law(data, last, law) for law in found_laws.result() if law.cause not in taken]
     refits = side_by_side(lambda one: (one.cause, _refitted(one, free, last, split)), _to_refit(screening))
-    refits = _held_begun_anew(refits, last, split)
+    refits = [(cause, one) for cause, one in _held_begun_anew(refits, last, split) if cause.possible(one)]
     top = max((refitted.train_nats for _, refitted in refits), default=last.train_nats)
 
     def near_the_top(one: tuple[Cause, Fit]) -> tuple[Cause, Fit]:

@@ -175,3 +175,15 @@ def test_a_buffer_holds_whole_frames(plain: Fit, frames: float, likely: bool) ->
     vector[plain.world.space.place["timing.stale_frames"]] = frames
     one = replace(plain, vector=vector, std={"timing.stale_frames": 0.002})
     assert (CAUSES["stale_frame_buffer"].surprise(one) < 1.0) is likely
+
+
+@pytest.mark.parametrize(("hz", "possible"), [(2.5, False), (2.9, False), (6.0, True), (15.0, True)])
+def test_a_second_mode_is_none_that_beats_with_the_first(hz: float, possible: bool) -> None:
+    """An arm that softens with its amplitude looks like two modes side by side."""
+    model = msgspec.structs.replace(
+        MODEL, arm=msgspec.structs.replace(MODEL.arm, modes=[*MODEL.arm.modes, Mode(frequency_hz=hz)])
+    )
+    assert (
+        CAUSES["second_bending_mode"].possible(fitted(measured(3.0, 5, {}, model=model), model=model))
+        is possible
+    )
