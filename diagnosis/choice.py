@@ -1,7 +1,8 @@
 """Which of the refitted causes is taken, and how surely: by what each predicts of the held-out part."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import erf, log, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ LEAST_HELD_NATS = 3.0
 _OVERLAP = 0.6
 _LEAST_OF_A_LAW = 0.25
 _LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
+_CLEARED = 0.2  # of a channel's nats
 _DISAGREE = 0.1
 _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
@@ -27,20 +29,42 @@ _NEARLY = 0.8  # of the held-out gain
 _SAME_STEP = 3.0  # deviations: a delay that wanders is known less well than they say
 
 
+class Rest(NamedTuple):
+    """What is left of the data with a candidate, of what is left without it. nothing: whether that is all explained;
+    share: that is left of the channel that the candidate clears."""
+
+    nothing: bool
+    share: float
+
+
+ALL = Rest(nothing=False, share=1.0)
+
+
+def rest(gain: float, without: Mapping[str, float], beside: Mapping[str, float]) -> Rest:
+    """The rest, by the nats that are left in each channel without a candidate and beside it; all of the training part.
+    A channel tells if at least half of what the candidate gains could come from there."""
+    shares = [
+        beside.get(name, 0.0) / nats
+        for name, nats in without.items()
+        if nats > 0.0 and nats - beside.get(name, 0.0) > 0.5 * gain
+    ]
+    return Rest(bool(without) and not beside, min(shares, default=1.0))
+
+
 def next_to_take(
-    stage: Stage, found: Found, is_the_rest: Callable[[Candidate], bool] = lambda one: False
+    stage: Stage, found: Found, rest_of: Callable[[Candidate], Rest] = lambda one: ALL
 ) -> Candidate | None:
     """The stage's best that adds something of its own: no other name for what is already found, and no small change
     that the first finding's simple form would leave of its true one.
 
-    is_the_rest: whether the data hold nothing more beside a candidate, and do without it: as small as it may be, that
-    is no likeness of what a simple form leaves.
+    rest_of: what the data hold beside a candidate, of what they hold without it: as small as it may be, one that leaves
+    nothing is no likeness of what a simple form leaves.
     """
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
         if not _convincing(one, stage.screening):
             continue
         small = bool(found.findings) and one.law is None and one.gain < _least_share(one, found.findings[0])
-        if small and not is_the_rest(one):
+        if small and not _stands_alone(one, stage, found.findings[0], rest_of(one)):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
         if not rivals:
@@ -48,6 +72,17 @@ def next_to_take(
         for earlier in rivals:
             earlier.other_names.append(one.cause)
     return None
+
+
+def _stands_alone(one: Candidate, stage: Stage, first: Candidate, left: Rest) -> bool:
+    """Whether a small one is there in its own right: nothing is left with it; or in another place than the first it
+    explains more than any other cause does, and next to nothing is left of what it explains. A likeness explains a
+    part of what a simple form leaves, and others a part of the same."""
+    if left.nothing:
+        return True
+    elsewhere = CATALOGUE[one.cause].place != CATALOGUE[first.cause].place
+    most = all(other.gain <= one.gain for other in stage.candidates if other.law is None)
+    return elsewhere and most and left.share < _CLEARED
 
 
 def _least_share(one: Candidate, first: Candidate) -> float:
@@ -209,7 +244,7 @@ def confidence(stage: Stage) -> float:
     taken = stage.taken
     if taken is None:
         return 0.0
-    rivals = [one for one in stage.candidates if one.cause != taken.cause]
+    rivals = [one for one in stage.candidates if one.cause != taken.cause and _rivals(taken, one)]
     certain = 0.5 * (1.0 + erf((taken.held_gain / max(taken.held_std, 1.0)) / sqrt(2.0)))
     if not rivals:
         return min(0.99, certain)
@@ -219,6 +254,12 @@ def confidence(stage: Stage) -> float:
     if lead < 0.0 and _tie(taken, rival):  # taken for what all data say, of which a third is held out
         lead, spread = _weight(taken) - _weight(rival), sqrt(3.0) * spread
     return float(min(0.99, certain * 0.5 * (1.0 + erf(lead / spread / sqrt(2.0)))))
+
+
+def _rivals(taken: Candidate, other: Candidate) -> bool:
+    """Whether two explain the same: beside one that the data plainly show, those that they do not explain something
+    else."""
+    return other.certain or not taken.certain
 
 
 def _spread(difference: Array) -> float:
@@ -234,7 +275,7 @@ def inseparable(stage: Stage) -> list[str]:
         return []
     near = ["stale_frame_buffer"] if _by_whole_frames(taken) else []
     for one in stage.candidates:
-        if one.cause == taken.cause or one.law is not None:
+        if one.cause == taken.cause or one.law is not None or not _rivals(taken, one):
             continue
         difference = taken.block_gains - one.block_gains
         lead = float(difference.sum()) + one.surprise - taken.surprise

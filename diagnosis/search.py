@@ -12,7 +12,7 @@ from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
-from diagnosis.choice import LEAST_HELD_NATS, choose, in_doubt, next_to_take, rank, too_small
+from diagnosis.choice import LEAST_HELD_NATS, Rest, choose, in_doubt, next_to_take, rank, rest, too_small
 from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
@@ -72,7 +72,7 @@ def search(
         screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
         threshold = screened[0] if screened else None
         stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, threshold)
-        best = next_to_take(stage, found, _is_the_rest(found, split))
+        best = next_to_take(stage, found, _rest_of(found, split))
         if best is not None and best.law is None and step < MOST_CAUSES:
             whole = replace(best, fit=_completed(best, split, (*free, *best.free)))
             stage.candidates = [whole if one is best else one for one in stage.candidates]
@@ -91,18 +91,19 @@ def search(
     return found
 
 
-def _is_the_rest(found: Found, split: Split) -> Callable[[Candidate], bool]:
-    """Tells whether with a candidate nothing is left of the data, and something is without it."""
+def _rest_of(found: Found, split: Split) -> Callable[[Candidate], Rest]:
+    """Tells what is left of the data with a candidate, beside what is left without it."""
     known_laws = frozenset(one.cause for one in found.findings if one.law is not None)
 
-    def is_left(of: Fit) -> bool:
-        return examine(make_data(of.world, split), of, known_laws).worst is not None
+    def left(of: Fit) -> dict[str, float]:
+        channels = examine(make_data(of.world, split), of, known_laws).channels
+        return {name: one.train_nats for name, one in channels.items() if not one.white}
 
     @cache  # looked at where a candidate asks for it, and once
-    def is_left_without() -> bool:
-        return is_left(found.final)
+    def without() -> dict[str, float]:
+        return left(found.final)
 
-    return lambda one: is_left_without() and not is_left(one.fit)
+    return lambda one: rest(one.train_gain, without(), left(one.fit))
 
 
 def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:

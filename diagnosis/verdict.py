@@ -61,12 +61,14 @@ def judge(found: Found, split: Split) -> Judged:
     gained = sum(max(one.held_gain, 0.0) for one in found.findings)
     left = worst if worst is not None and worst.nats > _SHARE_LEFT * gained else None
     judging = split.held & foretold(split, found.baseline)
-    ahead = _ahead(named[0], first, judging) if named else -np.inf
-    lead = _beyond_chance(ahead, named[0]) if named else 0.0
+    # what was taken first as the data plainly show it may be a small thing beside the others
+    main = max(named, key=lambda one: one.gain, default=None)
+    ahead = _ahead(main, first, judging) if main else -np.inf
+    lead = _beyond_chance(ahead, main) if main else 0.0
     if lead > 0.0 and left is None:
         left = _unnamed(first)
-    if named and left is not None:
-        lead = max(lead, _lead_of_laws(named[0], first))
+    if main and left is not None:
+        lead = max(lead, _lead_of_laws(main, first))
     if not found.findings and left is None:
         left = _too_small(found, first)
     if named and left is None and _too_many(found, named[0]):

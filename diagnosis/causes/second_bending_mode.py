@@ -54,12 +54,14 @@ def _apart(hz: float, known_hz: Iterable[float]) -> bool:
     return all(max(hz / one, one / hz) > _APART for one in known_hz)
 
 
-def _is_another(fit: Fit) -> bool:
+def _rings(fit: Fit) -> bool:
+    """Whether it is a mode of its own, and rings."""
     hz = [fit.value(f"modes.{j}.frequency_hz") for j in range(fit.world.modes)]
-    return _apart(hz[-1], hz[:-1])
+    return _apart(hz[-1], hz[:-1]) and fit.value(f"modes.{_mode(fit.world)}.damping_ratio") < _MOST_DAMPING
 
 
 _APART = 1.25
+_MOST_DAMPING = 0.3  # what is gone within a swing is no ring
 _LEAST_DAMPING = 0.001  # a ring that does not decay is kept up by something
 
 
@@ -78,5 +80,5 @@ CAUSE = Cause(
     surprise=lambda fit: (
         6.0 if fit.value(f"modes.{_mode(fit.world)}.damping_ratio") < _LEAST_DAMPING else 0.0
     ),
-    possible=_is_another,
+    possible=_rings,
 )

@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from diagnosis.candidate import Candidate, Found, Stage
-from diagnosis.choice import _likelier, choose, confidence, in_doubt, inseparable, next_to_take, rank
+from diagnosis.choice import (
+    Rest,
+    _likelier,
+    choose,
+    confidence,
+    in_doubt,
+    inseparable,
+    next_to_take,
+    rank,
+    rest,
+)
 from diagnosis.laws import LawFound
 from diagnosis.screen import Screening
 from tests.diagnosis.synthetic import fitted, measured
@@ -145,7 +155,31 @@ def test_what_a_simple_form_leaves_of_the_first_finding_is_not_taken() -> None:
     assert next_to_take(Stage(SCREENING, [elsewhere], elsewhere), first) is elsewhere
     less = replace(elsewhere, train_gain=18.0, held_gain=9.0)
     assert next_to_take(Stage(SCREENING, [less], less), first) is None
-    assert next_to_take(Stage(SCREENING, [less], less), first, lambda one: one is less) is less
+    assert (
+        next_to_take(Stage(SCREENING, [less], less), first, lambda one: Rest(nothing=True, share=0.0)) is less
+    )
+
+
+def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_taken() -> None:
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=20000.0, held_gain=10000.0)))
+    lens, bias = candidate("lens_distortion", 90.0, 45.0), candidate("accelerometer_bias_drift", 80.0, 40.0)
+    friction = candidate("joint_friction", 90.0, 45.0)
+
+    def taken(one: Candidate, others: list[Candidate], share: float) -> Candidate | None:
+        return next_to_take(Stage(SCREENING, [one, *others], one), first, lambda each: Rest(False, share))
+
+    assert taken(lens, [bias], 0.1) is lens
+    assert taken(bias, [lens], 0.1) is lens  # explains more
+    assert taken(lens, [], 0.3) is None  # explains a part of what is there
+    assert taken(friction, [], 0.1) is None  # what a lag's simple form leaves
+
+
+def test_the_rest_is_that_of_a_channel_from_which_the_gain_could_come() -> None:
+    without = {"acceleration": 200.0, "displacement": 30.0}
+    assert rest(150.0, without, {"acceleration": 20.0, "displacement": 30.0}) == Rest(False, 0.1)
+    assert rest(150.0, without, {"acceleration": 190.0}) == Rest(False, 1.0)  # the other says too little
+    assert rest(150.0, without, {}) == Rest(True, 0.0)
+    assert not rest(150.0, {}, {}).nothing
 
 
 def test_how_much_a_simple_form_leaves_is_a_share_of_all_data() -> None:
@@ -203,3 +237,11 @@ def test_an_event_that_needs_no_second_one_is_believed_although_it_lies_in_one_b
     assert choose([one], SCREENING) is None
     alone = replace(one, law=replace(LAW, alone=True))
     assert choose([alone], SCREENING) is alone
+
+
+def test_beside_what_the_data_show_by_themselves_a_larger_cause_is_no_rival() -> None:
+    certain = replace(FRICTION, certain=True, held_gain=40.0)
+    stage = Stage(SCREENING, [LAG, certain], certain)
+    assert inseparable(stage) == []
+    assert confidence(stage) == confidence(Stage(SCREENING, [certain], certain))
+    assert inseparable(Stage(SCREENING, [LAG, certain], replace(certain, certain=False))) == ["drive_lag"]
