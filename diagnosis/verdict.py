@@ -10,9 +10,11 @@ from scipy.special import expit
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
+from diagnosis.cause import Values
 from diagnosis.choice import confidence, inseparable
 from diagnosis.experiments import experiment
 from diagnosis.fit import Data, Fit, Split, least_level, make_data
+from diagnosis.reach import reach_of
 from diagnosis.residuals import noise_floor
 from diagnosis.scatter import ENCODER
 from diagnosis.side_by_side import meanwhile
@@ -193,9 +195,7 @@ def findings(found: Found, judged: Judged, split: Split) -> list[dict[str, Any]]
         near = inseparable(stage)
         values = one.values
         if one.law is None:
-            values = CAUSES[one.cause].parameters_of(found.final)
-            if "onset_s" in values:
-                values["onset_s"] = (values["onset_s"][0], one.values["onset_s"][1])
+            values = _known(one, found.final, split)
         origin = found.final.world.measured.origin_s
         listed.append(
             {
@@ -214,6 +214,18 @@ def findings(found: Found, judged: Judged, split: Split) -> list[dict[str, Any]]
         if one.law is None:
             previous = one.fit
     return listed
+
+
+def _known(one: Candidate, final: Fit, split: Split) -> Values:
+    """A finding's parameters by the last fit, an onset's and a threshold's deviations as they were searched for."""
+    cause = CAUSES[one.cause]
+    values = cause.parameters_of(final)
+    if "onset_s" in values:
+        values["onset_s"] = (values["onset_s"][0], one.values["onset_s"][1])
+    for quantity, reach in reach_of(final, cause, split).items():
+        name = quantity.split(".")[-1]
+        values[name] = (values[name][0], max(values[name][1], reach))
+    return values
 
 
 def _held_out(one: Candidate, previous: Fit, split: Split) -> dict[str, float]:

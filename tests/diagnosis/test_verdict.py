@@ -1,6 +1,6 @@
 """How sure a finding is where something without a name is left beside it."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -28,6 +28,17 @@ def candidate(cause: str, nats: float, law: bool) -> Candidate:
     gains = np.where(SPLIT.held, nats / SPLIT.held.sum(), 0.0)
     found = LawFound(cause, {}, 2.0 * nats, gains) if law else None
     return Candidate(cause, LAST, 2.0 * nats, nats, 1.0, gains, {}, found)
+
+
+@dataclass
+class Later:
+    """A result that is there already."""
+
+    known: Remains
+
+    def result(self) -> Remains:
+        """It."""
+        return self.known
 
 
 LAST = fitted(measured(9.0, 3), split=SPLIT)
@@ -74,3 +85,30 @@ def test_a_cause_too_small_for_a_name_is_left_unexplained_but_for_an_encoders(
     assert judged.verdict == verdict
     without = judge(Found(LAST, LAST, [], [replace(stage, too_small=None)]), SPLIT)
     assert without.verdict == "none"
+
+
+def test_a_term_is_a_rival_of_the_largest_finding_not_of_what_was_taken_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A clock that plainly stepped is taken before the damping that explains ten times as much, as a term does."""
+    step, damping = (
+        candidate(*one, law=False) for one in (("clock_step", 30.0), ("quadratic_damping", 300.0))
+    )
+    step = replace(step, values={"step_s": (0.0021, 1e-4)})
+    gained = np.where(SPLIT.held, 290.0 / SPLIT.held.sum(), 0.0)
+    terms = Explained(("force: speed times its size",), (0.1,), "acceleration", 500.0, 500.0, gained, gained)
+    nothing = Explained((), (), "", 0.0, 0.0, *np.zeros((2, len(SPLIT.held))))
+    left, white = (
+        left_in("acceleration", 290.0, 500.0),
+        replace(left_in("acceleration", 0.0, 0.0), white=True),
+    )
+
+    def verdict(*named: Candidate) -> str:
+        seen = iter([Remains({"acceleration": white}, nothing), Remains({"acceleration": left}, terms)])
+        monkeypatch.setattr("diagnosis.verdict.meanwhile", lambda *_: Later(next(seen)))
+        monkeypatch.setattr("diagnosis.verdict.examine", lambda *_: next(seen))
+        stages = [Stage(Screening([], 10.0), [one], one) for one in named]
+        return judge(Found(LAST, LAST, list(named), stages), SPLIT).verdict
+
+    assert verdict(step, damping) == "named"
+    assert verdict(step) == "unexplained"
