@@ -15,6 +15,7 @@ _CLOSE = 0.9
 _LEVELS = np.linspace(1.0, 0.7, 61)  # of the largest sample
 _LEAST_NATS, _LEAST_OF_A_PEAK = 20.0, 3.0
 _FLAT, _FLAT_ALONE, _SURE = 0.4, 0.25, 2.0  # of the motion's own slope; deviations of it
+_STEPS, _FEWEST_SAME, _MOSTLY = 3.0, 6, 0.8  # of a converter, in the noise; samples; of them
 _BEYOND, _FEWEST, _FEWEST_PEAKS = 1.0, 8, 2  # deviations; samples; separate stretches
 
 
@@ -38,12 +39,14 @@ def below(measured: Measured, ceiling: float) -> Measured:
 def plateau_of(acceleration: Array, predicted: Array, noise: float) -> float | None:
     """The size at which the sensor stays, m/s^2, at each peak that the simulation has larger; None where it does not,
     or follows the motion there: a gain that is off, or a stiffness, has no such flat top. One peak alone has to be
-    quite flat.
+    quite flat, or to show a converter's last value.
 
     A few peaks after one blow tell, wherever they lie: the level is that of all data. All: (n,), m/s^2; noise: m/s^2.
     """
     known = np.isfinite(acceleration)
     shown, due = np.where(known, np.abs(acceleration), 0.0), np.where(known, np.abs(predicted), 0.0)
+    if _same_again(shown, due, noise):
+        return float(shown.max())
     gains = [_gain(shown, due, float(level), noise) for level in _LEVELS * float(shown.max())]
     best = int(np.argmax([float(gain.sum()) for gain in gains]))
     level, gain = float(_LEVELS[best] * shown.max()), gains[best]
@@ -57,6 +60,15 @@ def plateau_of(acceleration: Array, predicted: Array, noise: float) -> float | N
     if peaks < _FEWEST_PEAKS:
         return level if float(by @ of) + _SURE * noise * sqrt(size) < _FLAT_ALONE * size else None
     return level if float(by @ of) < _FLAT * size else None
+
+
+def _same_again(shown: Array, due: Array, noise: float) -> bool:
+    """Whether the largest reading comes again and again where the simulation is as large: a converter's last value, if
+    it has many within the noise."""
+    values = np.unique(shown)
+    again = shown == values[-1]
+    fine = len(values) > 1 and noise > _STEPS * float(np.min(np.diff(values)))
+    return fine and int(again.sum()) >= _FEWEST_SAME and float(np.mean(due[again] > values[-1] - noise)) > _MOSTLY
 
 
 def _gain(shown: Array, due: Array, level: float, noise: float) -> Array:

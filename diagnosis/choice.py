@@ -245,7 +245,10 @@ def confidence(stage: Stage) -> float:
     if taken is None:
         return 0.0
     rivals = [one for one in stage.candidates if one.cause != taken.cause and _rivals(taken, one)]
-    certain = 0.5 * (1.0 + erf((taken.held_gain / max(taken.held_std, 1.0)) / sqrt(2.0)))
+    gain, spread = taken.held_gain, taken.held_std
+    if taken.certain and len(taken.train_blocks):  # it may show where nothing is held out
+        gain, spread = taken.gain, _spread(taken.train_blocks + taken.block_gains)
+    certain = 0.5 * (1.0 + erf((gain / max(spread, 1.0)) / sqrt(2.0)))
     if not rivals:
         return min(0.99, certain)
     rival = max(rivals, key=_merit)

@@ -60,6 +60,20 @@ def test_one_peak_that_is_is_flat_is_a_level() -> None:
     assert found == pytest.approx(26.5, abs=0.2)
 
 
+def test_a_converters_last_value_that_comes_again_and_again_is_a_level() -> None:
+    """The motion goes beyond it by little, and the noise is above it half of the time."""
+    barely = ONE_PEAK * 28.0 / 31.0
+    for seed in range(10):
+        rounded = np.round(shown(barely, seed) / 0.01) * 0.01
+        assert plateau_of(rounded, barely, NOISE) is None
+        assert plateau_of(np.clip(rounded, -27.2, 27.2), barely, NOISE) == pytest.approx(27.2)
+
+
+def test_a_coarse_converter_shows_its_values_again_and_again() -> None:
+    coarse = np.round(shown(ONE_PEAK) / 2.0) * 2.0
+    assert plateau_of(coarse, ONE_PEAK, NOISE) is None
+
+
 def test_samples_that_are_missing_say_nothing() -> None:
     cut = shown(np.clip(ring(), -26.5, 26.5))
     cut[::7] = np.nan
