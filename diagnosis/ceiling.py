@@ -68,7 +68,11 @@ def _same_again(shown: Array, due: Array, noise: float) -> bool:
     values = np.unique(shown)
     again = shown == values[-1]
     fine = len(values) > 1 and noise > _STEPS * float(np.min(np.diff(values)))
-    return fine and int(again.sum()) >= _FEWEST_SAME and float(np.mean(due[again] > values[-1] - noise)) > _MOSTLY
+    return (
+        fine
+        and int(again.sum()) >= _FEWEST_SAME
+        and float(np.mean(due[again] > values[-1] - noise)) > _MOSTLY
+    )
 
 
 def _gain(shown: Array, due: Array, level: float, noise: float) -> Array:

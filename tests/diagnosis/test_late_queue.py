@@ -66,3 +66,27 @@ def test_a_queue_that_holds_whole_frames_more_is_found(longer: int) -> None:
 )
 def test_nothing_else_is_such_a_queue(later_s: float, wander_s: float, older: int) -> None:
     assert late_queue(fit_with_impacts(World(queued(later_s, wander_s, older), TRIGGERED), SPLIT)) is None
+
+
+def stamped(later_s: float, set_by_s: float = 0.0) -> Measured:
+    """The same images with the camera's own stamps. set_by_s: by which the controller's clock is set on at FIRST."""
+    data = queued(later_s)
+    asked = data.frames.started_s
+    stamps = asked + 433.2 + np.random.default_rng(8).normal(0.0, 3e-4, len(asked))
+    on = np.where(np.arange(len(asked)) >= FIRST, set_by_s, 0.0)
+    frames = replace(
+        data.frames,
+        asked=False,
+        captured_s=stamps,
+        started_s=asked + on,
+        received_s=data.frames.received_s + on,
+    )
+    return replace(data, frames=frames)
+
+
+@pytest.mark.parametrize(("later_s", "set_by_s", "found"), [(PERIOD_S, 0.0, True), (0.0, PERIOD_S, False)])
+def test_requests_tell_a_stamped_cameras_queue_from_a_clock_that_was_set(
+    later_s: float, set_by_s: float, found: bool
+) -> None:
+    before = fit_with_impacts(World(stamped(later_s, set_by_s), TRIGGERED), SPLIT)
+    assert (late_queue(before) is not None) is found
