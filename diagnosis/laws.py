@@ -13,7 +13,7 @@ from diagnosis.fit import Data, Fit
 from diagnosis.late_bursts import find_bursts
 from diagnosis.measured import ClockGap, Measured
 from diagnosis.noise import HUBER, LEAST
-from diagnosis.outliers import SURE_NATS, outliers, pulses
+from diagnosis.outliers import SURE_NATS, outliers, pulses, strikes
 from diagnosis.repeated_stamps import held_back
 from diagnosis.request_times import missing_requests
 from diagnosis.robust import std_about_median
@@ -75,6 +75,8 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
         return None
     lasting = pulses(data, found)
     if lasting is not None and lasting.sum() > SURE_NATS:
+        return None
+    if strikes(spikes, last.predicted.motion.joint[:, 1], data.world.measured.cycle_s):
         return None
     block = data.blocks["acceleration"]
     per_block = _sums(block, spikes.astype(float), len(data.split.held))

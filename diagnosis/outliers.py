@@ -1,7 +1,7 @@
 """Samples of the accelerometer that are far off: single ones, as spikes are, or the tops of pulses that last."""
 
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from diagnosis.unforetold import unforetold
 Array = NDArray[np.float64]
 
 SURE_NATS = 6.0
-"""From here on outliers are taken for pulses."""
+"""From here on outliers are taken for pulses, or for strikes."""
 
 _OUTLYING = 6.0  # robust deviations
 _OF_TWO = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares
@@ -24,6 +24,7 @@ _AT_THE_LIMIT, _FEWEST_SAMPLES = 0.9, 100
 _STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
 _BEGUN_S = 0.01
 _CROWD_SAMPLES, _CROWD = 12, 4
+_TURNING, _BEFORE_S, _AFTER_S = 1e-3, 0.02, 0.06  # of the largest speed; about the instant it turns
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,27 @@ def pulse_gains(u: Array, tops: NDArray[np.int64]) -> Array:
         np.where(known, pulse - np.log((1.0 - share) * one + share * two + _NEVER), 0.0) for share in _OF_TWO
     ]
     return min(laws, key=lambda gains: float(gains.sum()))
+
+
+def strikes(flags: NDArray[np.bool_], joint_speed: Array, cycle_s: float) -> bool:
+    """Whether what stands out gathers where the joint begins to turn the other way: a gear strikes there as it crosses
+    its play, within a cycle or two, and no sensor's noise knows of it.
+
+    Against as large a share of them there as of the time (log-likelihood ratio of two binomial laws). flags and
+    joint_speed: (n,), the speed in rad/s.
+    """
+    turning = np.flatnonzero(np.abs(joint_speed) > _TURNING * float(np.max(np.abs(joint_speed), initial=0.0)))
+    begun = turning[1:][np.diff(np.sign(joint_speed[turning])) != 0.0]
+    near = np.zeros(len(flags), bool)
+    for cycle in begun:
+        near[max(0, cycle - round(_BEFORE_S / cycle_s)) : cycle + round(_AFTER_S / cycle_s)] = True
+    of_time, count, there = float(near.mean()), int(flags.sum()), int(flags[near].sum())
+    if not count or not 0.0 < of_time < 1.0 or there <= of_time * count:
+        return False
+    share = there / count
+    nats = there * log(share / of_time)
+    nats += (count - there) * log((1.0 - share) / (1.0 - of_time)) if there < count else 0.0
+    return nats > SURE_NATS
 
 
 def _normal(u: Array) -> Array:

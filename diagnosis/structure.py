@@ -52,7 +52,8 @@ class Remains:
 def examine(data: Data, last: Fit, known_laws: frozenset[str] = frozenset()) -> Remains:
     """Look at a fit's residuals. known_laws: causes among the findings that are laws of noise or timing."""
     terms = explained(data, last)
-    laws = uneven(data, last, "impulse_noise" in known_laws)
+    # when a gear strikes is known to a cycle or two, and shows in one sample
+    laws = uneven(data, last, "impulse_noise" in known_laws or last.value("drive.gap_rad") > 0.0)
     excused = {"arrival"} if "delay_bursts" in known_laws else set()
     held = data.split.held if data.split.held.any() else ~data.split.held
     held = held & ~unforetold(data, last)
