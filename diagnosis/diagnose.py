@@ -44,6 +44,7 @@ _MANY_GAPS, _AS_LONG = 4, 3.0
 _REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
 _QUEUED = "received_s steps by whole frames, started_s does not: each image is handed over that much later"
 _ASIDE_S = 0.4
+_MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
 _LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is simulated as it is
 
 
@@ -159,14 +160,28 @@ def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
 
 def _at_the_seen_frequency(world: World, split: Split) -> Fit:
     """The baseline's fit; where its frequency is far from the one that the vibration has from window to window, it is
-    stuck between the model's and the true one, and is begun again from there."""
+    stuck between the model's and the true one, and is begun again from there; so it is from its own, if that is not
+    what its blows were sought with and much is left."""
     usual = fit_with_impacts(world, split)
-    hz = seen_frequency(world, usual.predicted.motion, usual.value("modes.0.frequency_hz"))
+    fitted = usual.value("modes.0.frequency_hz")
+    hz = seen_frequency(world, usual.predicted.motion, fitted)
+    if hz is None and _left_by_a_wrong_start(usual):
+        hz = fitted
     if hz is None:
         return usual
     begun = world.space.with_values(world.space.vector(), {"modes.0.frequency_hz": hz})
     other = fit_with_impacts(world, split, begun)
     return other if other.train_nats > usual.train_nats + CHANGED_NATS else usual
+
+
+def _left_by_a_wrong_start(usual: Fit) -> bool:
+    """Whether a fit has gone far from the frequency that its blows were sought with, and leaves far more than the
+    accelerometer's noise: at a wrong frequency they are found late, and where there are none."""
+    world = usual.world
+    if not world.impacts or "acceleration" not in world.channels:
+        return False
+    moved = abs(usual.value("modes.0.frequency_hz") / world.space["modes.0.frequency_hz"].start - 1.0)
+    return moved > _MOVED and usual.sigma["acceleration"] > _MUCH * world.model.accelerometer.noise_std_m_s2
 
 
 def _along_a_course(world: World, split: Split) -> Fit | None:

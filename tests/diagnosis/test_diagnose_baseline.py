@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.ceiling import ceiling_of
-from diagnosis.diagnose import _at_the_seen_frequency, _baseline
+from diagnosis.diagnose import _at_the_seen_frequency, _baseline, _left_by_a_wrong_start
+from diagnosis.fit import fit, make_data
 from diagnosis.split import interleaved
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
@@ -36,3 +37,25 @@ def test_a_blow_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: flo
     found = _baseline(World(replace(data, acceleration=shown), model), interleaved(12.0))
     assert len(found.world.impacts) == 1
     assert found.world.impacts[0] == pytest.approx(struck, abs=10)
+
+
+@pytest.mark.parametrize(
+    ("hz", "level", "blows", "again"),
+    [
+        pytest.param(1.013, 5.0, (4300,), True, id="far off, and much left"),
+        pytest.param(1.0, 5.0, (4300,), False, id="where its blows were sought"),
+        pytest.param(1.013, 1.0, (4300,), False, id="far off, and nothing left"),
+        pytest.param(1.013, 5.0, (), False, id="without blows"),
+    ],
+)
+def test_blows_are_sought_again_where_a_wrong_frequency_found_them(
+    hz: float, level: float, blows: tuple[int, ...], again: bool
+) -> None:
+    world = World(measured(9.0, 3, {}, impacts=blows), MODEL, impacts=blows)
+    found = fit(
+        make_data(world, interleaved(9.0)), world.space.vector(), world.baseline_names(), iterations=1
+    )
+    name = "modes.0.frequency_hz"
+    vector = world.space.with_values(found.vector, {name: hz * world.space[name].start})
+    sigma = found.sigma | {"acceleration": level * MODEL.accelerometer.noise_std_m_s2}
+    assert _left_by_a_wrong_start(replace(found, vector=vector, sigma=sigma)) is again
