@@ -37,6 +37,11 @@ class Candidate:
         """Nats gained by all data."""
         return self.train_gain + self.held_gain
 
+    @property
+    def all_block_gains(self) -> Array:
+        """Nats gained in each block, of what trains there and what is held out; where train_blocks are known."""
+        return self.train_blocks + self.block_gains
+
 
 @dataclass
 class Stage:
@@ -61,3 +66,8 @@ class Found:
     final: Fit
     findings: list[Candidate] = field(default_factory=list)
     stages: list[Stage] = field(default_factory=list)
+
+    @property
+    def known_laws(self) -> frozenset[str]:
+        """Causes among the findings that are laws of noise or timing."""
+        return frozenset(one.cause for one in self.findings if one.law is not None)

@@ -213,7 +213,7 @@ def _rarely_seen(one: Candidate, penalty: float) -> bool:
     as some do against a likeness that is now right, now wrong."""
     if not len(one.train_blocks):
         return False
-    gains = one.train_blocks + one.block_gains
+    gains = one.all_block_gains
     sure = one.gain > float(np.std(gains, ddof=1) * sqrt(len(gains)))
     return sure and float(gains.min()) > -penalty and _in_places(one, penalty)
 
@@ -223,7 +223,7 @@ def _in_places(one: Candidate, penalty: float) -> bool:
     may be anything."""
     if not len(one.train_blocks):
         return True
-    gains = one.train_blocks + one.block_gains
+    gains = one.all_block_gains
     return one.gain - float(gains.max()) > penalty
 
 
@@ -247,7 +247,7 @@ def confidence(stage: Stage) -> float:
     rivals = [one for one in stage.candidates if one.cause != taken.cause and _rivals(taken, one)]
     gain, spread = taken.held_gain, taken.held_std
     if taken.certain and len(taken.train_blocks):  # it may show where nothing is held out
-        gain, spread = taken.gain, _spread(taken.train_blocks + taken.block_gains)
+        gain, spread = taken.gain, _spread(taken.all_block_gains)
     certain = 0.5 * (1.0 + erf((gain / max(spread, 1.0)) / sqrt(2.0)))
     if not rivals:
         return min(0.99, certain)

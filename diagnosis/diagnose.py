@@ -247,8 +247,8 @@ def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound
         return baseline, []
     period = 1.0 / world.model.camera.frame_rate_hz
     frames = world.measured.frames
-    queued = late_queue(baseline)
-    held = held_back(frames, period) or queued
+    repeated = held_back(frames, period)
+    held = repeated or late_queue(baseline)
     if held is None:
         return baseline, []
     mended = World(without(world.measured, held, period), world.model, world.impacts)
@@ -256,13 +256,13 @@ def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound
     # what shows at one instant may show in any block: all of them judge
     gains = other.held_nats - baseline.held_nats + other.train_blocks - baseline.train_blocks
     gained = float(gains.sum())
-    onset = float((frames.started_s if held is queued else frames.received_s)[held.first])
+    onset = float((frames.received_s if repeated else frames.started_s)[held.first])
     law = LawFound(
         "stale_frame_buffer",
         {"onset_s": (onset, 0.5 * period), "frames": (float(held.frames), 0.0)},
         gained,
         gains,
-        note=_QUEUED if held is queued else _REPEATED,
+        note=_REPEATED if repeated else _QUEUED,
     )
     return (other, [law]) if gained > 0.0 else (baseline, [])
 

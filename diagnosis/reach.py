@@ -15,6 +15,9 @@ _HALVINGS = 5
 def reach_of(final: Fit, cause: Cause, split: Split) -> dict[str, float]:
     """How far from its fitted value each threshold of a cause may lie, in the quantity's own unit: to the side on which
     the log-likelihood of all data takes longer to fall by half a nat, all else as fitted."""
+    thresholds = [name for name in cause.settle if "onset" not in name]
+    if not thresholds:
+        return {}
     data = make_data(final.world, split)
 
     def nats(name: str, off: float) -> float:
@@ -26,7 +29,7 @@ def reach_of(final: Fit, cause: Cause, split: Split) -> dict[str, float]:
         least, whole = nats(name, 0.0) - _DROP_NATS, abs(final.value(name))
         return max(_side(lambda off: nats(name, off) > least, side) for side in (whole, -whole))
 
-    return {name: reach(name) for name in cause.settle if "onset" not in name}
+    return {name: reach(name) for name in thresholds}
 
 
 def _side(likely: Callable[[float], bool], whole: float) -> float:

@@ -12,7 +12,7 @@ from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
-from diagnosis.choice import LEAST_HELD_NATS, Rest, choose, in_doubt, next_to_take, rank, rest, too_small
+from diagnosis.choice import ALL, LEAST_HELD_NATS, Rest, choose, in_doubt, next_to_take, rank, rest, too_small
 from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
@@ -93,17 +93,16 @@ def search(
 
 def _rest_of(found: Found, split: Split) -> Callable[[Candidate], Rest]:
     """Tells what is left of the data with a candidate, beside what is left without it."""
-    known_laws = frozenset(one.cause for one in found.findings if one.law is not None)
 
     def left(of: Fit) -> dict[str, float]:
-        channels = examine(make_data(of.world, split), of, known_laws).channels
+        channels = examine(make_data(of.world, split), of, found.known_laws).channels
         return {name: one.train_nats for name, one in channels.items() if not one.white}
 
     @cache  # looked at where a candidate asks for it, and once
     def without() -> dict[str, float]:
         return left(found.final)
 
-    return lambda one: rest(one.train_gain, without(), left(one.fit))
+    return lambda one: rest(one.train_gain, without(), left(one.fit)) if without() else ALL
 
 
 def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:

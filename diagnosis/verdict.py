@@ -50,9 +50,8 @@ class Judged:
 
 def judge(found: Found, split: Split) -> Judged:
     """Whether significant structure remains after all findings, or a term without a name beats them."""
-    known_laws = frozenset(one.cause for one in found.findings if one.law is not None)
     after = (
-        meanwhile(examine, make_data(found.final.world, split), found.final, known_laws)
+        meanwhile(examine, make_data(found.final.world, split), found.final, found.known_laws)
         if found.findings
         else None
     )

@@ -54,7 +54,7 @@ def test_one_peak_that_is_merely_lower_may_be_anything() -> None:
         assert plateau_of(shown(lower, seed), ONE_PEAK, NOISE) is None
 
 
-def test_one_peak_that_is_is_flat_is_a_level() -> None:
+def test_one_peak_that_is_flat_is_a_level() -> None:
     found = plateau_of(shown(np.clip(ONE_PEAK, -26.5, 26.5)), ONE_PEAK, NOISE)
     assert found is not None
     assert found == pytest.approx(26.5, abs=0.2)
