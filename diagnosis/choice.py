@@ -26,6 +26,8 @@ _DISAGREE = 0.1
 _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
+_PLAINLY, _BY_TURNS = 2.0, 3.0  # of what a block may lose by chance; standard errors
+_A_LITTLE = 0.05  # of the nats of the block that speaks most for a cause
 _SAME_STEP = 3.0  # deviations: a delay that wanders is known less well than they say
 
 
@@ -203,8 +205,23 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
             or one.held_gain > one.held_std
             or _rarely_seen(one, penalty)
         )
+        and not (one.law is None and _spoken_against(one, penalty))
         and _plausible(one)
     )
+
+
+def _spoken_against(one: Candidate, penalty: float) -> bool:
+    """Whether some block speaks plainly against the cause, and all together do not outweigh what they differ by: noise
+    that is not as white as it was taken for, an encoder's rounding above all, gains and loses by turns."""
+    if not len(one.train_blocks):
+        return False
+    gains = one.all_block_gains
+    return _contradicts(gains, _PLAINLY * penalty) and one.gain < _BY_TURNS * _sum_error(gains)
+
+
+def _sum_error(gains: Array) -> float:
+    """Standard error of the blocks' sum."""
+    return float(np.std(gains, ddof=1) * sqrt(len(gains)))
 
 
 def _rarely_seen(one: Candidate, penalty: float) -> bool:
@@ -214,8 +231,13 @@ def _rarely_seen(one: Candidate, penalty: float) -> bool:
     if not len(one.train_blocks):
         return False
     gains = one.all_block_gains
-    sure = one.gain > float(np.std(gains, ddof=1) * sqrt(len(gains)))
-    return sure and float(gains.min()) > -penalty and _in_places(one, penalty)
+    return one.gain > _sum_error(gains) and not _contradicts(gains, penalty) and _in_places(one, penalty)
+
+
+def _contradicts(gains: Array, most: float) -> bool:
+    """Whether a block speaks against a cause by more than that many nats, and more than another's size being a little
+    off may cost it where the cause hardly shows."""
+    return float(gains.min()) < -max(most, _A_LITTLE * float(gains.max()))
 
 
 def _in_places(one: Candidate, penalty: float) -> bool:

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 _LARGEST_STEP = 200  # frames: a counter that jumps further was reset
 _FEWEST, _OUTSTANDING, _LEAST_JUMP_S, _MOST_JUMPS = 100, 6.0, 1e-3, 5
 _QUARTZ, _SURE = 2e-4, 3.0
+_WHOLE, _SET = 0.15, 0.5  # of a frame; of the frames lost
+_ASIDE = 15  # frames
 
 
 @dataclass(frozen=True)
@@ -91,9 +93,29 @@ def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
     bad = (step < 1) | (step > _LARGEST_STEP) | (step > 4 * passed + 20)
     step = np.where(bad, np.maximum(1, np.rint(passed)).astype(np.int64), step)
     if not frames.counted and not np.any(step[~bad] > 1):  # nowhere does it skip: it may count arrivals
-        step = step + lost_before(_steadier(frames, step, period_s), step, period_s)[1:]
+        lost = _lost_by_stamps(frames, step, period_s)
+        step = step + (
+            lost_before(_steadier(frames, step, period_s), step, period_s)[1:] if lost is None else lost
+        )
     counts: NDArray[np.int64] = np.concatenate(([0], np.cumsum(step))) + counter[0]
     return counts
+
+
+def _lost_by_stamps(frames: Frames, step: NDArray[np.int64], period_s: float) -> NDArray[np.int64] | None:
+    """Frames lost in each interval, where a running camera's own stamps lie whole periods apart and the arrivals bear
+    out each loss: nothing else tells of one just before the recording's end. None where they do not."""
+    intervals = np.diff(frames.captured_s) / period_s
+    if frames.asked or not np.isfinite(intervals).all():
+        return None
+    lost = np.rint(intervals).astype(np.int64) - step
+    if np.any(lost < 0) or np.any(np.abs(intervals - step - lost) > _WHOLE):
+        return None
+    late = (frames.received_s - frames.captured_s) / period_s  # set at a loss: a clock was, and no frame lost
+    for i in np.flatnonzero(lost):
+        set_by = np.median(late[i + 1 : i + 1 + _ASIDE]) - np.median(late[max(0, i + 1 - _ASIDE) : i + 1])
+        if abs(set_by) > _SET * lost[i]:
+            return None
+    return lost
 
 
 def _steadier(frames: Frames, step: NDArray[np.int64], period_s: float) -> Array:

@@ -13,7 +13,7 @@ from diagnosis.fit import Data, Fit
 from diagnosis.late_bursts import find_bursts
 from diagnosis.measured import ClockGap, Measured
 from diagnosis.noise import HUBER, LEAST
-from diagnosis.outliers import SURE_NATS, outliers, pulses, strikes
+from diagnosis.outliers import SURE_NATS, outliers, pulses, strikes, tops_of
 from diagnosis.repeated_stamps import held_back
 from diagnosis.request_times import missing_requests
 from diagnosis.robust import std_about_median
@@ -68,7 +68,8 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     found = outliers(data, last)
     if found is None:
         return None
-    residual, known, sigma, spikes = found.residual, found.known, found.sigma, found.flags
+    residual, known, sigma = found.residual, found.known, found.sigma
+    spikes = tops_of(found)  # a filter spreads one over two samples
     u = np.abs(found.u)
     count = int(spikes.sum())
     if count == 0 or (count == 1 and u[spikes].max() < _LONE_SPIKE):
@@ -76,7 +77,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     lasting = pulses(data, found)
     if lasting is not None and lasting.sum() > SURE_NATS:
         return None
-    if strikes(spikes, last.predicted.motion.joint[:, 1], data.world.measured.cycle_s):
+    if strikes(found.flags, last.predicted.motion.joint[:, 1], data.world.measured.cycle_s):
         return None
     block = data.blocks["acceleration"]
     per_block = _sums(block, spikes.astype(float), len(data.split.held))

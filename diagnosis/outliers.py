@@ -68,11 +68,17 @@ def pulses(data: Data, found: Outliers | None) -> Array | None:
     there are none. (blocks,)"""
     if found is None or not found.flags.any():
         return None
-    size = np.where(found.flags, np.abs(found.u), 0.0)
-    top = found.flags & (size >= maximum_filter1d(size, 3))  # two samples beside each other have one
-    tops = np.flatnonzero(top)
+    tops = np.flatnonzero(tops_of(found))
     gains = pulse_gains(np.where(found.known, found.u, np.nan), tops)
     return np.bincount(data.blocks["acceleration"][tops], gains, len(data.split.held)).astype(np.float64)
+
+
+def tops_of(found: Outliers) -> NDArray[np.bool_]:
+    """The largest of each few that stand out beside each other: one for each spike, or pulse. (n,)"""
+    size = np.where(found.flags, np.abs(found.u), 0.0)
+    before, after = np.append(0.0, size[:-1]), np.append(size[1:], 0.0)
+    result: NDArray[np.bool_] = found.flags & (size > before) & (size >= after)
+    return result
 
 
 def pulse_gains(u: Array, tops: NDArray[np.int64]) -> Array:

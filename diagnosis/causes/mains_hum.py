@@ -18,12 +18,26 @@ def _values(fit: Fit) -> Values:
     return found
 
 
-_MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 16.7, 33.3, 400.0)
+_MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0)
+_RARE_HZ = (16.7, 33.3, 400.0)  # railways, ships and aircraft
 
 
 def of_the_mains(hz: float) -> bool:
-    """Whether a frequency is that of a mains, or of a harmonic of one, to 1.5 %."""
-    return any(abs(hz / mains - 1.0) < 0.015 for mains in _MAINS_HZ)
+    """Whether a frequency is that of a house's mains, or of a harmonic of one, to 1.5 %."""
+    return _among(hz, _MAINS_HZ)
+
+
+def _among(hz: float, usual_hz: tuple[float, ...]) -> bool:
+    return any(abs(hz / one - 1.0) < 0.015 for one in usual_hz)
+
+
+def _unusual(fit: Fit) -> float:
+    hz = fit.value("accelerometer.hum_hz")
+    if of_the_mains(hz):
+        return 0.0
+    return (
+        1.5 if _among(hz, _RARE_HZ) else 6.0
+    )  # a machine may run at any frequency: there it is a little likelier
 
 
 CAUSE = Cause(
@@ -32,5 +46,5 @@ CAUSE = Cause(
     trials=_trials,
     free=free_of("accelerometer.hum_hz", "accelerometer.hum_sin", "accelerometer.hum_cos"),
     parameters_of=_values,
-    surprise=lambda fit: 0.0 if of_the_mains(fit.value("accelerometer.hum_hz")) else 6.0,
+    surprise=_unusual,
 )

@@ -187,3 +187,16 @@ def test_a_second_mode_is_none_that_beats_with_the_first(hz: float, possible: bo
         CAUSES["second_bending_mode"].possible(fitted(measured(3.0, 5, {}, model=model), model=model))
         is possible
     )
+
+
+@pytest.mark.parametrize(
+    ("hz", "lead"), [(50.0, 3.0), (120.5, 3.0), (16.7, -2.0), (400.0, -2.0), (37.0, -6.0)]
+)
+def test_a_hum_is_what_has_the_frequency_of_a_mains_that_is_near(plain: Fit, hz: float, lead: float) -> None:
+    """Before any data, against a force on the arm; of rare mains the data must be left to tell."""
+    vector = plain.vector.copy()
+    for name in ("accelerometer.hum_hz", "arm.periodic_hz"):
+        vector[plain.world.space.place[name]] = hz
+    one = replace(plain, vector=vector)
+    ahead = CAUSES["periodic_disturbance"].surprise(one) - CAUSES["mains_hum"].surprise(one)
+    assert ahead >= lead if lead > 0.0 else lead <= ahead < 0.0

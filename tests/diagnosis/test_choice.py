@@ -105,6 +105,24 @@ def test_what_shows_in_few_blocks_may_show_in_one_that_is_held_out() -> None:
     assert choose([in_blocks(LAG, [90.0, 16.0], [35.0, -20.0])], SCREENING) is None  # for and against
 
 
+def test_few_blocks_may_speak_a_little_against_what_others_plainly_show() -> None:
+    """A twentieth of the best block, and no more."""
+    assert choose([in_blocks(LAG, [90.0, 250.0, 75.0], [-10.0, 130.0])], SCREENING) is not None
+    assert choose([in_blocks(LAG, [90.0, 250.0, 75.0], [-20.0, 130.0])], SCREENING) is None
+
+
+def test_what_gains_and_loses_by_turns_is_a_noise_that_is_not_white() -> None:
+    """As much in the mean as what gains alike everywhere."""
+    turns = np.array([20.0, -21.0, 24.0, 17.0, -12.0, 23.0, 3.0, -9.0, 37.0, 19.0])
+    held = np.arange(BLOCKS) % 2 == 0
+    for gains, taken in ((turns, False), (np.full(BLOCKS, turns.mean()), True)):
+        one = replace(
+            LAG, train_gain=gains[~held].sum(), held_gain=gains[held].sum(), held_std=60.0,
+            train_blocks=np.where(held, 0.0, gains), block_gains=np.where(held, gains, 0.0),
+        )  # fmt: skip
+        assert (choose([one], SCREENING) is not None) is taken
+
+
 def test_what_changed_for_good_shows_in_more_than_one_place() -> None:
     payload = candidate("payload_change", 0.0, 0.0)
     assert choose([in_blocks(payload, [9.0], [9.0])], SCREENING) is not None

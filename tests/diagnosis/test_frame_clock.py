@@ -39,6 +39,23 @@ def test_a_counter_of_arrivals_is_mended_by_the_arrivals(lost: list[int]) -> Non
     assert np.array_equal(counts - counts[0], exposed - exposed[0])
 
 
+@pytest.mark.parametrize("last", [1, 3])
+def test_stamps_tell_of_a_loss_just_before_the_end(last: int) -> None:
+    """Of one late frame the arrivals alone cannot say more than that it is late."""
+    exposed = np.delete(np.arange(400), [100, *range(399 - last - 4, 400 - last)])
+    stamped = frames(np.arange(len(exposed)), exposed, captured_s=exposed / RATE + 5.0)
+    counts = exposure_counts(stamped, 1.0 / RATE)
+    assert np.array_equal(counts - counts[0], exposed - exposed[0])
+
+
+def test_stamps_that_step_by_themselves_are_a_clock_that_was_set_and_no_loss() -> None:
+    """By five whole frames, which the arrivals know nothing of."""
+    exposed = np.arange(400)
+    stamps = exposed / RATE + np.where(exposed > 200, 5.0 / RATE, 0.0)
+    counts = exposure_counts(frames(exposed.copy(), exposed, captured_s=stamps), 1.0 / RATE)
+    assert np.array_equal(counts, exposed)
+
+
 @pytest.mark.parametrize("lost", [[], [100], [60, 200, 201, 330]])
 def test_where_arrivals_scatter_by_more_than_a_period_the_instants_at_which_frames_were_begun_tell(
     lost: list[int],

@@ -64,11 +64,15 @@ def test_few_spikes_are_seen_in_a_quick_motion() -> None:
     assert len(found_in(replace(data, acceleration=quiet))) == 1
 
 
-@pytest.mark.parametrize(("size", "seen"), [(40.0, True), (12.0, False)])
-def test_a_single_spike_counts_where_no_noise_goes_so_far(size: float, seen: bool) -> None:
+@pytest.mark.parametrize(
+    ("size", "beside", "seen"), [(40.0, 0.0, True), (40.0, 25.0, True), (12.0, 0.0, False)]
+)
+def test_a_single_spike_counts_where_no_noise_goes_so_far(size: float, beside: float, seen: bool) -> None:
+    """Of one sample, or of two."""
     data = measured(SECONDS, 4)
     spiked = data.acceleration.copy()
     spiked[9100] += size * NOISE["acceleration"]
+    spiked[9101] += beside * NOISE["acceleration"]
     last = fitted(replace(data, acceleration=spiked), split=SPLIT)
     found = [one for one in laws(make_data(last.world, SPLIT), last) if one.cause == "impulse_noise"]
     assert [one.alone for one in found] == [True] * seen
