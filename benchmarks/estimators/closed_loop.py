@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks.estimators.generator import expose, vision_errors
 from benchmarks.estimators.plant import Plant
 from benchmarks.estimators.regimes import CYCLE_S, Arm, Regime
-from benchmarks.estimators.trial import LENGTH_M, assumed_model, visual_sample
+from benchmarks.estimators.trial import LENGTH_M, assumed_model, scale_error, visual_sample
 from common.configuration import Controller as Settings
 from common.model import Model
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
@@ -74,6 +74,7 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
     felt = (noise * unit * random.standard_normal(count)).tolist()
     pushed = (course.force_std_m_s2 * random.standard_normal(count)).tolist()
     seen = vision_errors(arm, len(frames.number), random)
+    scale = 1.0 + scale_error(seed)
     phases = random.uniform(0.2, 0.8, len(course.strikes)).tolist()
     pending = sorted(course.strikes.items())
     tip, tip_rate = np.empty(count), np.empty(count)
@@ -93,7 +94,7 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
                 seen[next_frame]
             )
             first_seen = shown if next_frame == 0 else first_seen
-            samples.append(visual_sample(frames, next_frame, shown - first_seen, arm))
+            samples.append(visual_sample(frames, next_frame, scale * (shown - first_seen), arm))
             next_frame += 1
         output = controller.step(
             CycleInput(

@@ -11,7 +11,7 @@ from benchmarks.estimators.closed_loop import Course, run_closed
 from benchmarks.estimators.generator import Change, Data, generate
 from benchmarks.estimators.regimes import AFTER_BLOW_S, CYCLE_S, DURATION_S, REGIMES, SETTLING_S, Arm, Regime
 from benchmarks.estimators.tables import failure_of, mean_score
-from benchmarks.estimators.trial import Said, Score, assumed_model, run_method, score, score_of
+from benchmarks.estimators.trial import Said, Score, assumed_model, run_method, scale_error, score, score_of
 
 REGIMES_CHANGED = ("freerun drift", "triggered drift")
 NOISE = 0.3
@@ -134,9 +134,8 @@ def _open(name: str, regime: Regime, seed: tuple[int, ...]) -> Callable[[str], S
     data = generate(regime, NOISE, seed, condition.duration_s, condition.arm, condition.change)
     data = condition.change_data(data, np.random.default_rng((*seed, 1)))
     model = assumed_model(regime, NOISE)
-    return lambda method: score(
-        data, run_method(method, data, model, condition.scale_factor), condition.from_s
-    )
+    scale = condition.scale_factor * (1.0 + scale_error(seed))
+    return lambda method: score(data, run_method(method, data, model, scale), condition.from_s)
 
 
 def _closed(name: str, regime: Regime, seed: tuple[int, ...]) -> Callable[[str], Score]:

@@ -15,6 +15,10 @@ NOISES = (0.1, 0.3, 1.0)
 VARIATION_S = 0.0064
 DRIFT_TIME_S = 5.0
 
+# What `stillarm commission` states of the two sensors' scales (docs/commission.md): relative standard deviations.
+CAMERA_SCALE_STD = 0.001
+ACCELEROMETER_SCALE_STD = 0.002
+
 
 @dataclass(frozen=True)
 class Arm:

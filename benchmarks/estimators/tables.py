@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.estimators.bound import bound
 from benchmarks.estimators.generator import generate
 from benchmarks.estimators.regimes import DURATION_S, REGIMES, Arm
-from benchmarks.estimators.trial import Score, assumed_model, run_method, score, scored_frames
+from benchmarks.estimators.trial import Score, assumed_model, run_method, scale_error, score, scored_frames
 
 Row = dict[str, Any]
 _MEAN_OF_MODULUS = sqrt(2.0 / pi)  # of a Gaussian error, over its standard deviation
@@ -47,13 +47,12 @@ class Judged:
 def judge(job: Job) -> Judged:
     """Draw a trial, run every method over it, and find its bound. A method that raises fails alone."""
     regime, arm = REGIMES[job.regime], Arm()
-    data = generate(
-        regime, job.noise, (job.seed, job.trial, list(REGIMES).index(job.regime)), job.duration_s, arm
-    )
+    seed = job.seed, job.trial, list(REGIMES).index(job.regime)
+    data, scale = generate(regime, job.noise, seed, job.duration_s, arm), 1.0 + scale_error(seed)
     scores, failures = {}, {}
     for name in job.methods:
         try:
-            scores[name] = score(data, run_method(name, data, assumed_model(regime, job.noise)))
+            scores[name] = score(data, run_method(name, data, assumed_model(regime, job.noise), scale))
         except Exception as failure:  # whatever it raises is this method's result and no other's
             failures[name] = f"{type(failure).__name__}: {failure}"
     limit, frames = bound(data), scored_frames(data)

@@ -1,16 +1,24 @@
 """One trial of one method: the controller's own step on the generator's data, scored against the truth."""
 
 from dataclasses import dataclass
-from math import nan
+from math import hypot, nan
 from time import perf_counter_ns
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.estimators.generator import Data, Frames, cycle_times
-from benchmarks.estimators.regimes import AFTER_BLOW_S, CYCLE_S, SETTLING_S, Arm, Regime
+from benchmarks.estimators.regimes import (
+    ACCELEROMETER_SCALE_STD,
+    AFTER_BLOW_S,
+    CAMERA_SCALE_STD,
+    CYCLE_S,
+    SETTLING_S,
+    Arm,
+    Regime,
+)
 from common.configuration import Controller as Settings
-from common.model import Accelerometer, Camera, Mode, Model
+from common.model import Accelerometer, Camera, Commissioned, Mode, Model
 from common.model import Arm as ArmModel
 from common.visual_sample import TrackingStatus, VisualSample
 from controller.frame_delays import FrameDelays
@@ -60,7 +68,9 @@ class Score:
 
 
 def assumed_model(regime: Regime, noise: float, arm: Arm | None = None) -> Model:
-    """What a calibrated rig would tell the method: the true parameters, but for the delay only its mean and spread."""
+    """What a commissioned rig would tell the method: the true parameters, but for the delay only its mean and spread;
+    and how well the sensors' scales are known, from which they differ by `scale_error`.
+    """
     arm = Arm() if arm is None else arm
     w = arm.angular_frequency
     return Model(
@@ -75,7 +85,21 @@ def assumed_model(regime: Regime, noise: float, arm: Arm | None = None) -> Model
             scale_px_per_m=SCALE_PX_PER_M,
             noise_std_px=arm.vision_noise * arm.amplitude_m * SCALE_PX_PER_M,
         ),
+        commissioned=Commissioned(
+            date="2026-01-01",
+            recording="benchmark",
+            std={
+                "camera.scale_px_per_m": CAMERA_SCALE_STD * SCALE_PX_PER_M,
+                "accelerometer.scale": ACCELEROMETER_SCALE_STD,
+            },
+        ),
     )
+
+
+def scale_error(seed: tuple[int, ...]) -> float:
+    """Error of the image's scale relative to the accelerometer's, as a trial's commissioning has left it."""
+    std = hypot(CAMERA_SCALE_STD, ACCELEROMETER_SCALE_STD)
+    return std * float(np.random.default_rng((*seed, 2)).standard_normal())
 
 
 def visual_sample(frames: Frames, frame: int, seen_m: float, arm: Arm) -> VisualSample:

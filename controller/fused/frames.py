@@ -21,7 +21,7 @@ from controller.fused.learnt_force import LearntForce
 from controller.fused.learnt_walks import LearntWalks
 from controller.fused.reductions import largest
 from controller.fused.sensor_health import AccelerometerHealth
-from controller.fused.stated_scale import with_stated_scale
+from controller.fused.stated_scale import stated_variance, with_stated_scale
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -121,6 +121,7 @@ class FrameFusion:
         self._frame_s = start.frame_s(model)
         first = start.variances(model, settings, at, length_m)
         self._first_scale = float(first[0, at.scale])
+        self._stated_scale = min(stated_variance(model), 0.5 * self._first_scale)
         self.bank = FilterBank(at, first, start.jitters_s(model))
         self.evidence = Evidence(model, settings, at, length_m)
         self._shift_noise = start.shift_noise(model)
@@ -436,7 +437,7 @@ class FrameFusion:
             d = bank.x - x
             p = (w @ bank.p.reshape(FILTERS, -1)).reshape(at.size, at.size) + (d * w[:, None]).T @ d
         if self._as_calibrated:
-            x, p = with_stated_scale(x, p, at.scale, self._first_scale)
+            x, p = with_stated_scale(x, p, at.scale, self._first_scale, self._stated_scale)
         m = at.modes
         phasors: list[complex] = (x[at.cosine] - 1j * x[at.sine]).tolist()
         lag = now_s - bank.edge_s

@@ -1,9 +1,10 @@
 """The image scale that the model states, weighed against what the sensors say of it.
 
 The filters take it for uncertain by as much as another scene may make it. But a calibrated model mostly has it to a
-percent, which the accelerometer needs seconds to tell as well. So beforehand the scale's relative error e is taken,
-with even odds, for N(0, s^2) (as stated) or N(0, v) (as the filters take it). They make e = m +- sqrt(P) of v, so that
-the measurements alone say y +- sqrt(R) with 1 / R = 1 / P - 1 / v, y = m R / P; by them the odds of `as stated` are
+percent, and a commissioned one says itself how well, which the accelerometer needs seconds to tell. So beforehand the
+scale's relative error e is taken, with even odds, for N(0, s^2) (as stated) or N(0, v) (as the filters take it). They
+make e = m +- sqrt(P) of v, so that the measurements alone say y +- sqrt(R) with 1 / R = 1 / P - 1 / v, y = m R / P; by
+them the odds of `as stated` are
 
     N(y; 0, R + s^2) / N(y; 0, R + v)
 
@@ -12,37 +13,56 @@ the mixture (Bar-Shalom, Li and Kirubarajan, Estimation with Applications, 2001,
 nothing of it: it is told anew each time and is never counted twice.
 """
 
-from math import exp, sqrt
+from math import exp, hypot, sqrt
 
 import numpy as np
+from msgspec import UnsetType
 from numpy.typing import NDArray
+
+from common.model import Model
 
 Array = NDArray[np.float64]
 
-_STATED = 0.01**2  # variance: `stillarm calibrate` asks for 2 % of each scale and comes to some tenths
+_BY_HAND = (
+    0.01  # where the model does not say how well its scales are known: `stillarm calibrate` asks for 2 %
+)
+_LEAST = 0.002  # of a commissioned scale: the scene is not known better than that
 _TOLD = 0.5  # of the variance beforehand: above it, the sensors have said too little to judge by
-_SETTLED = 0.04  # of _STATED: below it, they know it too well for the model to add anything
+_SETTLED = 0.04  # of the stated variance: below it, they know it too well for the model to add anything
 
 
-def odds_as_stated(mean: float, variance: float, first: float) -> float:
+def stated_variance(model: Model) -> float:
+    """Of the image's scale relative to the accelerometer's, by the deviations that the model file states."""
+    std = {} if isinstance(model.commissioned, UnsetType) else model.commissioned.std
+    stated = {
+        "camera.scale_px_per_m": model.camera.scale_px_per_m,
+        "accelerometer.scale": model.accelerometer.scale,
+    }
+    if not stated.keys() <= std.keys():
+        return _BY_HAND**2
+    of_each = [std[name] / value for name, value in stated.items()]
+    return float(max(_LEAST, hypot(*of_each)) ** 2)
+
+
+def odds_as_stated(mean: float, variance: float, first: float, stated: float) -> float:
     """Of an error of the scale as the filters have it, who took it for N(0, first) beforehand; variance below first."""
     own = 1.0 / (1.0 / variance - 1.0 / first)
     square = (mean * own / variance) ** 2
-    narrow, wide = own + _STATED, own + first
+    narrow, wide = own + stated, own + first
     return sqrt(wide / narrow) * exp(0.5 * square * (1.0 / wide - 1.0 / narrow))
 
 
-def with_stated_scale(x: Array, p: Array, scale: int, first: float) -> tuple[Array, Array]:
+def with_stated_scale(x: Array, p: Array, scale: int, first: float, stated: float) -> tuple[Array, Array]:
     """State (n,) and covariance (n, n) once the model's word on the scale counts; x[scale]: its relative error.
 
-    first: the filters' variance of it beforehand.
+    first: the filters' variance of it beforehand. stated: the model's.
     """
     mean, variance = float(x[scale]), float(p[scale, scale])
-    if not _SETTLED * _STATED < variance < _TOLD * first:
+    if not _SETTLED * stated < variance < _TOLD * first:
         return x, p
-    odds = odds_as_stated(mean, variance, first)
+    odds = odds_as_stated(mean, variance, first, stated)
     probability = odds / (1.0 + odds)
-    total = variance + 1.0 / (1.0 / _STATED - 1.0 / first)
+    total = variance + 1.0 / (1.0 / stated - 1.0 / first)
     gain = p[scale] / total
     spread = (1.0 - probability) * mean * mean  # between the two cases
     return x - (probability * mean) * gain, p - (probability * (total - spread)) * np.outer(gain, gain)

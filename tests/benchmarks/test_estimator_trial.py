@@ -15,10 +15,12 @@ from benchmarks.estimators.trial import (
     assumed_model,
     run_method,
     samples_by_cycle,
+    scale_error,
     score,
     scored_cycles,
     scored_frames,
 )
+from common.model import Commissioned
 
 DATA = generate(REGIMES["freerun drift"], 0.3, (1,), 9.0, Arm())
 
@@ -33,6 +35,17 @@ def answers(data: Data, error: float = 0.0, delay_error_s: float = 0.0) -> Answe
         np.full(len(data.frames.number), 2.0 * abs(delay_error_s) + 1e-12),
         np.full(cycles, 5.0),
     )
+
+
+def test_the_scales_are_off_by_as_much_as_the_model_says() -> None:
+    """Of 400 trials; the same trial has the same error."""
+    model = assumed_model(REGIMES["freerun drift"], 0.3)
+    assert isinstance(model.commissioned, Commissioned)
+    std = model.commissioned.std
+    stated = np.hypot(std["camera.scale_px_per_m"] / model.camera.scale_px_per_m, std["accelerometer.scale"])
+    drawn = [scale_error((1, trial, 0)) for trial in range(400)]
+    assert np.sqrt(np.mean(np.square(drawn))) == pytest.approx(stated, rel=0.1)
+    assert scale_error((1, 7, 0)) == drawn[7]
 
 
 def test_the_truth_scores_zero() -> None:

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from common.configuration import Controller as Settings
+from common.model import Accelerometer, Commissioned, Model
 from controller.fused import frames
 from controller.fused.method import FusedMethod
-from controller.fused.stated_scale import odds_as_stated, with_stated_scale
+from controller.fused.stated_scale import odds_as_stated, stated_variance, with_stated_scale
 from tests.reference.ringing_world import judge, model_for, ring
 
 AMPLITUDE = 0.006
@@ -17,7 +18,7 @@ SCALE = 1
 def told(error: float, std: float, correlation: float = 0.8) -> tuple[np.ndarray, np.ndarray]:
     """A state (vibration, scale) of which the filters say `error` +- std of the scale, and what is told of it."""
     p = np.array([[std**2, -correlation * std**2], [-correlation * std**2, std**2]])
-    return with_stated_scale(np.array([0.0, error]), p, SCALE, FIRST)
+    return with_stated_scale(np.array([0.0, error]), p, SCALE, FIRST, STATED)
 
 
 def brute_force(error: float, std: float) -> tuple[float, float]:
@@ -55,7 +56,7 @@ def test_what_hangs_together_with_the_scale_gains_as_well() -> None:
 
 def test_another_scene_overrules_the_model() -> None:
     """20 % off, seen to 1 %: nothing is left of what the model says."""
-    assert odds_as_stated(0.2, 0.01**2, FIRST) < 1e-20
+    assert odds_as_stated(0.2, 0.01**2, FIRST, STATED) < 1e-20
     x, p = told(0.2, 0.01)
     assert x[SCALE] == pytest.approx(0.2, rel=1e-9)
     assert p[SCALE, SCALE] == pytest.approx(0.01**2, rel=1e-9)
@@ -72,9 +73,27 @@ def test_nothing_is_judged_before_the_sensors_have_spoken_nor_long_after() -> No
 def test_what_is_told_leaves_the_filter_alone() -> None:
     """It is told anew after each image: the filter's own arrays do not change."""
     x, p = np.array([0.0, 0.004]), np.diag([1e-4, 1e-4])
-    with_stated_scale(x, p, SCALE, FIRST)
+    with_stated_scale(x, p, SCALE, FIRST, STATED)
     assert x.tolist() == [0.0, 0.004]
     assert p.tolist() == np.diag([1e-4, 1e-4]).tolist()
+
+
+def commissioned(**std: float) -> Model:
+    """A model with scales of 800 px/m and -1, and these deviations of them."""
+    known = {name.replace("__", "."): value for name, value in std.items()}
+    return Model(
+        accelerometer=Accelerometer(scale=-1.0), commissioned=Commissioned("2026-01-01", "arm.mcap", known)
+    )
+
+
+def test_a_commissioned_model_says_how_well_its_scales_are_known() -> None:
+    """Of both together, as the images' scale counts relative to the accelerometer's; never better than the scene."""
+    told = commissioned(camera__scale_px_per_m=2.4, accelerometer__scale=0.004)
+    assert stated_variance(told) == pytest.approx(0.005**2)
+    exact = commissioned(camera__scale_px_per_m=0.1, accelerometer__scale=0.0001)
+    assert stated_variance(exact) == pytest.approx(0.002**2)
+    for silent in (Model(), commissioned(camera__scale_px_per_m=2.4)):
+        assert stated_variance(silent) == pytest.approx(STATED)
 
 
 def early_error(seed: int, scale_factor: float) -> float:
@@ -93,7 +112,7 @@ def test_the_first_seconds_gain_where_the_model_is_right_and_lose_little_where_i
 ) -> None:
     """Beside the filters alone, four trials: scale as stated, and 20 % off."""
     weighed = [[early_error(seed, scale) for seed in range(4)] for scale in (1.0, 1.2)]
-    monkeypatch.setattr(frames, "with_stated_scale", lambda x, p, scale, first: (x, p))
+    monkeypatch.setattr(frames, "with_stated_scale", lambda x, p, scale, first, stated: (x, p))
     alone = [[early_error(seed, scale) for seed in range(4)] for scale in (1.0, 1.2)]
     assert np.mean(weighed[0]) < 0.95 * np.mean(alone[0])
     assert np.mean(weighed[1]) < 1.01 * np.mean(alone[1])
