@@ -22,6 +22,7 @@ _OVERLAP = 0.6
 _LEAST_OF_A_LAW = 0.25
 _LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
 _CLEARED = 0.2  # of a channel's nats
+_AS_MUCH = 0.2  # of a gain
 _DISAGREE = 0.1
 _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
@@ -66,7 +67,9 @@ def next_to_take(
         if not _convincing(one, stage.screening):
             continue
         small = bool(found.findings) and one.law is None and one.gain < _least_share(one, found.findings[0])
-        if small and not _stands_alone(one, stage, found.findings[0], rest_of(one)):
+        if small and not (
+            _seen_before(one, stage, found) or _stands_alone(one, stage, found.findings[0], rest_of(one))
+        ):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
         if not rivals:
@@ -74,6 +77,13 @@ def next_to_take(
         for earlier in rivals:
             earlier.other_names.append(one.cause)
     return None
+
+
+def _seen_before(one: Candidate, stage: Stage, found: Found) -> bool:
+    """Whether it promised as much before anything was found: what is left of the first finding's true form was a small
+    part then of the whole, of which a likeness would have taken far more."""
+    before, now = found.stages[0].screening.promised(one.cause), stage.screening.promised(one.cause)
+    return abs(before - now) < _AS_MUCH * now
 
 
 def _stands_alone(one: Candidate, stage: Stage, first: Candidate, left: Rest) -> bool:

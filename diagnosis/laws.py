@@ -72,7 +72,8 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     spikes = tops_of(found)  # a filter spreads one over two samples
     u = np.abs(found.u)
     count = int(spikes.sum())
-    if count == 0 or (count == 1 and u[spikes].max() < _LONE_SPIKE):
+    plain = bool(u[spikes].max(initial=0.0) > _LONE_SPIKE)
+    if count == 0 or (count == 1 and not plain):
         return None
     lasting = pulses(data, found)
     if lasting is not None and lasting.sum() > SURE_NATS:
@@ -97,7 +98,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
         },
         float(gains.sum()),
         gains,
-        alone=count == 1,
+        alone=plain,
     )
 
 

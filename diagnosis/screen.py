@@ -47,6 +47,10 @@ class Screening:
     scored: list[Scored]
     threshold_nats: float
 
+    def promised(self, cause: str) -> float:
+        """Nats that the best trial of a cause scored; zero where it had none."""
+        return max((one.nats for one in self.scored if one.cause.id == cause), default=0.0)
+
 
 class _Whitened:
     """The training residual as one vector, the baseline's directions taken out of whatever is asked."""

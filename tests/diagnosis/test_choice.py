@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from diagnosis.candidate import Candidate, Found, Stage
+from diagnosis.catalogue import CAUSES
+from diagnosis.cause import Trial
 from diagnosis.choice import (
     Rest,
     _likelier,
@@ -18,7 +20,7 @@ from diagnosis.choice import (
     rest,
 )
 from diagnosis.laws import LawFound
-from diagnosis.screen import Screening
+from diagnosis.screen import Scored, Screening
 from tests.diagnosis.synthetic import fitted, measured
 
 SCREENING = Screening([], threshold_nats=8.0)
@@ -190,6 +192,24 @@ def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_ta
     assert taken(bias, [lens], 0.1) is lens  # explains more
     assert taken(lens, [], 0.3) is None  # explains a part of what is there
     assert taken(friction, [], 0.1) is None  # what a lag's simple form leaves
+
+
+@pytest.mark.parametrize(("before", "taken"), [(110.0, True), (1000.0, False), (0.0, False)])
+def test_a_small_one_that_promised_as_much_before_anything_was_found_is_taken(
+    before: float, taken: bool
+) -> None:
+    """A likeness of what a simple form leaves would have taken far more of the whole."""
+
+    def screening(nats: float) -> Screening:
+        world, start = LAST.world, LAST.vector
+        scored = Scored(CAUSES["gravity_leakage"], Trial({}, ()), nats, np.empty(0), world, start)
+        return Screening([scored], threshold_nats=8.0)
+
+    first = found(
+        Stage(screening(before), [LAG], replace(LAG, train_gain=20000.0, held_gain=10000.0)),
+    )
+    gravity = candidate("gravity_leakage", 100.0, 40.0)
+    assert (next_to_take(Stage(screening(100.0), [gravity], gravity), first) is gravity) is taken
 
 
 def test_the_rest_is_that_of_a_channel_from_which_the_gain_could_come() -> None:

@@ -81,6 +81,18 @@ def test_a_single_spike_counts_where_no_noise_goes_so_far(size: float, beside: f
         assert one.values["rate_hz"] == pytest.approx((1.0 / SECONDS, 1.0 / SECONDS), rel=0.05)
 
 
+@pytest.mark.parametrize(("size", "plain"), [(30.0, True), (12.0, False)])
+def test_of_two_spikes_close_together_one_may_be_plain_by_itself(size: float, plain: bool) -> None:
+    """No other block shows any."""
+    data = measured(SECONDS, 4)
+    spiked = data.acceleration.copy()
+    spiked[[9100, 9150]] += np.array([size, -15.0]) * NOISE["acceleration"]
+    last = fitted(replace(data, acceleration=spiked), split=SPLIT)
+    (law,) = (one for one in laws(make_data(last.world, SPLIT), last) if one.cause == "impulse_noise")
+    assert law.alone is plain
+    assert law.values["rate_hz"][0] == pytest.approx(2.0 / SECONDS, rel=0.05)
+
+
 def test_lost_frames_are_counted() -> None:
     data = measured(SECONDS, 5)
     keep = np.random.default_rng(2).random(len(data.frames)) > 0.1
