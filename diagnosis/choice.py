@@ -215,7 +215,7 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
             or one.held_gain > one.held_std
             or _rarely_seen(one, penalty)
         )
-        and not (one.law is None and _spoken_against(one, penalty))
+        and not _spoken_against(one, penalty)
         and _plausible(one)
     )
 

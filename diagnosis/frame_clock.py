@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from common.model import Model
 from diagnosis.lost_frames import lost_before, scatter
 from diagnosis.measured import Frames
-from diagnosis.robust import std_about_zero
+from diagnosis.robust import std_about_zero, step_at
 
 Array = NDArray[np.float64]
 
@@ -94,9 +94,9 @@ def exposure_counts(frames: Frames, period_s: float) -> NDArray[np.int64]:
     step = np.where(bad, np.maximum(1, np.rint(passed)).astype(np.int64), step)
     if not frames.counted and not np.any(step[~bad] > 1):  # nowhere does it skip: it may count arrivals
         lost = _lost_by_stamps(frames, step, period_s)
-        step = step + (
-            lost_before(_steadier(frames, step, period_s), step, period_s)[1:] if lost is None else lost
-        )
+        if lost is None:
+            lost = lost_before(_steadier(frames, step, period_s), step, period_s)[1:]
+        step = step + lost
     counts: NDArray[np.int64] = np.concatenate(([0], np.cumsum(step))) + counter[0]
     return counts
 
@@ -111,11 +111,8 @@ def _lost_by_stamps(frames: Frames, step: NDArray[np.int64], period_s: float) ->
     if np.any(lost < 0) or np.any(np.abs(intervals - step - lost) > _WHOLE):
         return None
     late = (frames.received_s - frames.captured_s) / period_s  # set at a loss: a clock was, and no frame lost
-    for i in np.flatnonzero(lost):
-        set_by = np.median(late[i + 1 : i + 1 + _ASIDE]) - np.median(late[max(0, i + 1 - _ASIDE) : i + 1])
-        if abs(set_by) > _SET * lost[i]:
-            return None
-    return lost
+    set_by = [abs(step_at(late, i + 1, _ASIDE)) / lost[i] for i in np.flatnonzero(lost).tolist()]
+    return lost if max(set_by, default=0.0) <= _SET else None
 
 
 def _steadier(frames: Frames, step: NDArray[np.int64], period_s: float) -> Array:

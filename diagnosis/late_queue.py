@@ -14,6 +14,7 @@ from diagnosis.arrival_steps import SIDE, ArrivalStep, step_of_arrivals
 from diagnosis.fit import Fit
 from diagnosis.measured import Frames
 from diagnosis.repeated_stamps import MOST_HELD, Held
+from diagnosis.robust import step_at
 
 _SURE = 2.0  # standard deviations of the step
 _ALIKE, _FEWEST = 0.25, 5  # of the step; frames on either side
@@ -40,4 +41,4 @@ def _requests_keep_to_stamps(frames: Frames, step: ArrivalStep) -> bool:
     before, after = apart[max(0, step.index - SIDE) : step.index], apart[step.index : step.index + SIDE]
     if min(np.isfinite(before).sum(), np.isfinite(after).sum()) < _FEWEST:
         return False
-    return bool(abs(np.nanmedian(after) - np.nanmedian(before)) < _ALIKE * abs(step.step_s))
+    return abs(step_at(apart, step.index, SIDE)) < _ALIKE * abs(step.step_s)

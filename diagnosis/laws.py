@@ -72,7 +72,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
     spikes = tops_of(found)  # a filter spreads one over two samples
     u = np.abs(found.u)
     count = int(spikes.sum())
-    plain = bool(u[spikes].max(initial=0.0) > _LONE_SPIKE)
+    plain = bool(u[spikes].max(initial=0.0) >= _LONE_SPIKE)
     if count == 0 or (count == 1 and not plain):
         return None
     lasting = pulses(data, found)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from diagnosis.measured import Frames, Measured
+from diagnosis.robust import step_at
 
 MOST_HELD = 4
 """Frames that a queue is taken to hold at most, where nothing but the images tells."""
@@ -29,15 +30,14 @@ def held_back(frames: Frames, period_s: float) -> Held | None:
     if frames.asked or np.isfinite(stamps).sum() < 2 * _ASIDE:
         return None
     late = frames.received_s - stamps
-    for i in np.flatnonzero(np.diff(stamps) < 0.5 * period_s) + 1:
+    for i in (np.flatnonzero(np.diff(stamps) < 0.5 * period_s) + 1).tolist():
         before = stamps[max(0, i - _MOST_FRAMES) : i][::-1]
         again = np.flatnonzero(np.abs(before - stamps[i]) < _SAME_S)
         if not len(again):
             continue
         many = int(again[0]) + 1
-        step = float(np.nanmedian(late[i : i + _ASIDE]) - np.nanmedian(late[max(0, i - _ASIDE) : i]))
-        if step > _STAYS * many * period_s:
-            return Held(int(i), many)
+        if step_at(late, i, _ASIDE) > _STAYS * many * period_s:
+            return Held(i, many)
     return None
 
 

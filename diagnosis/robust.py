@@ -1,5 +1,6 @@
-"""Standard deviations that a few outliers do not move: from the median absolute deviation (Hampel, Journal of the
-American Statistical Association 69, 1974), which for normal values is the standard deviation over 1.4826."""
+"""Standard deviations and steps that a few outliers do not move: from medians, and from the median absolute deviation
+(Hampel, Journal of the American Statistical Association 69, 1974), which for normal values is the standard deviation
+over 1.4826."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,3 +18,11 @@ def std_about_zero(values: Array) -> float:
 def std_about_median(values: Array) -> float:
     """Of values about their own median. values: (n,), n > 0, none missing."""
     return std_about_zero(values - np.median(values))
+
+
+def step_at(values: Array, index: int, side: int) -> float:
+    """By how much the median of up to `side` values from `index` on exceeds that of as many before it; unknown ones,
+    NaN, are left out."""
+    return float(
+        np.nanmedian(values[index : index + side]) - np.nanmedian(values[max(0, index - side) : index])
+    )

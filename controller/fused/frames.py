@@ -121,7 +121,7 @@ class FrameFusion:
         self._frame_s = start.frame_s(model)
         first = start.variances(model, settings, at, length_m)
         self._first_scale = float(first[0, at.scale])
-        self._stated_scale = min(stated_variance(model), 0.5 * self._first_scale)
+        self._stated_scale = stated_variance(model, self._first_scale)
         self.bank = FilterBank(at, first, start.jitters_s(model))
         self.evidence = Evidence(model, settings, at, length_m)
         self._shift_noise = start.shift_noise(model)

@@ -23,16 +23,16 @@ from common.model import Model
 
 Array = NDArray[np.float64]
 
-_BY_HAND = (
-    0.01  # where the model does not say how well its scales are known: `stillarm calibrate` asks for 2 %
-)
+_BY_HAND = 0.01  # of a model that does not say how well its scales are known: `calibrate` asks for 2 %
 _LEAST = 0.002  # of a commissioned scale: the scene is not known better than that
 _TOLD = 0.5  # of the variance beforehand: above it, the sensors have said too little to judge by
 _SETTLED = 0.04  # of the stated variance: below it, they know it too well for the model to add anything
 
 
-def stated_variance(model: Model) -> float:
-    """Of the image's scale relative to the accelerometer's, by the deviations that the model file states."""
+def stated_variance(model: Model, first: float) -> float:
+    """Of the image's scale relative to the accelerometer's, by the deviations that the model file states; well below
+    `first`, the filters' variance of it beforehand, or there were nothing to weigh.
+    """
     std = {} if isinstance(model.commissioned, UnsetType) else model.commissioned.std
     stated = {
         "camera.scale_px_per_m": model.camera.scale_px_per_m,
@@ -41,7 +41,7 @@ def stated_variance(model: Model) -> float:
     if not stated.keys() <= std.keys():
         return _BY_HAND**2
     of_each = [std[name] / value for name, value in stated.items()]
-    return float(max(_LEAST, hypot(*of_each)) ** 2)
+    return float(min(max(_LEAST, hypot(*of_each)) ** 2, _TOLD * first))
 
 
 def odds_as_stated(mean: float, variance: float, first: float, stated: float) -> float:

@@ -16,9 +16,8 @@ def _trials(context: Context) -> list[Trial]:
     ]
     measured, sigma = context.world.channels["acceleration"], context.fit.sigma["acceleration"]
     plateau = plateau_of(measured, context.fit.predicted.channels["acceleration"], sigma)
-    if plateau is not None and plateau < context.value(
-        RANGE
-    ):  # at the range that is simulated it says nothing
+    # at the range that is simulated it says nothing
+    if plateau is not None and plateau < context.value(RANGE):
         trials.append(Trial({}, ({RANGE: plateau},), one_sided=True, exact=True, certain=True))
     ceiling = ceiling_of(measured, sigma)
     if ceiling is not None:

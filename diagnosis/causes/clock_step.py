@@ -6,7 +6,7 @@ from diagnosis.arrival_steps import SIDE, step_of_arrivals
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 from diagnosis.fit import Fit
 from diagnosis.request_times import request_intervals
-from diagnosis.robust import std_about_median
+from diagnosis.robust import std_about_median, step_at
 
 _OUTSTANDING = 6.0  # robust deviations
 _ASIDE_S = 0.3  # of an onset: a frame that is under way when the clock is set was asked for before
@@ -44,7 +44,7 @@ def _seen(context: Context) -> float | None:
     i = int(np.argmax(np.abs(surprise[SIDE:-SIDE]))) + SIDE if len(surprise) > 3 * SIDE else 0
     if i == 0 or abs(surprise[i]) < _OUTSTANDING * usual:
         return None
-    step = float(np.nanmedian(late[i : i + SIDE]) - np.nanmedian(late[i - SIDE : i]))
+    step = step_at(late, i, SIDE)
     if step * surprise[i] <= 0.0 or abs(step) < 0.5 * abs(float(surprise[i])):
         return None
     return float(context.world.just_before(i))

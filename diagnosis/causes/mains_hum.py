@@ -35,9 +35,8 @@ def _unusual(fit: Fit) -> float:
     hz = fit.value("accelerometer.hum_hz")
     if of_the_mains(hz):
         return 0.0
-    return (
-        1.5 if _among(hz, _RARE_HZ) else 6.0
-    )  # a machine may run at any frequency: there it is a little likelier
+    # a machine may run at any frequency: at a rare mains' it is a little likelier
+    return 1.5 if _among(hz, _RARE_HZ) else 6.0
 
 
 CAUSE = Cause(

@@ -89,11 +89,11 @@ def commissioned(**std: float) -> Model:
 def test_a_commissioned_model_says_how_well_its_scales_are_known() -> None:
     """Of both together, as the images' scale counts relative to the accelerometer's; never better than the scene."""
     told = commissioned(camera__scale_px_per_m=2.4, accelerometer__scale=0.004)
-    assert stated_variance(told) == pytest.approx(0.005**2)
+    assert stated_variance(told, FIRST) == pytest.approx(0.005**2)
     exact = commissioned(camera__scale_px_per_m=0.1, accelerometer__scale=0.0001)
-    assert stated_variance(exact) == pytest.approx(0.002**2)
+    assert stated_variance(exact, FIRST) == pytest.approx(0.002**2)
     for silent in (Model(), commissioned(camera__scale_px_per_m=2.4)):
-        assert stated_variance(silent) == pytest.approx(STATED)
+        assert stated_variance(silent, FIRST) == pytest.approx(STATED)
 
 
 def early_error(seed: int, scale_factor: float) -> float:
