@@ -237,7 +237,8 @@ def _of_law(data: Data, last: Fit, law: LawFound) -> Candidate:
 def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     refitted, spread = onset_seen(refitted, cause, split)
     gains = block_gain(refitted, last)
-    gains[~foretold(split, last, refitted)] = 0.0  # a mode that it adds has a state after a blow, too
+    # a mode that it adds has a state after a blow, too
+    gains[~(foretold(split, last, refitted) & foretold(split, refitted, closely=True))] = 0.0
     values = cause.parameters_of(refitted)
     if "onset_s" in values:
         values["onset_s"] = (values["onset_s"][0], spread)

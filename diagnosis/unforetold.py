@@ -8,19 +8,24 @@ from diagnosis.fit import Data, Fit, Split, make_data
 from diagnosis.noise import HUBER
 
 _MISFIT = 2.0  # times the channel's variance, outliers bounded
+_CLOSE_MISFIT, _CHANCE = 1.2, 4.0  # the same; standard errors of a mean square
 _SHOWING = ("acceleration", "deflection", "displacement")
 
 
-def foretold(split: Split, *fits: Fit) -> NDArray[np.bool_]:
-    """Which blocks all of the fits could have foretold. (blocks,)"""
+def foretold(split: Split, *fits: Fit, closely: bool = False) -> NDArray[np.bool_]:
+    """Which blocks all of the fits could have foretold. (blocks,)
+
+    closely: as nearly as chance allows. A cause that explains a block is close; where it is off with the cause as
+    without, what the cause moves a little is multiplied by how far off it is, and tens of nats say nothing of it.
+    """
     found = np.ones(len(split.held), bool)
     for one in fits:
         if _struck(one, split):
-            found &= ~unforetold(make_data(one.world, split), one)
+            found &= ~unforetold(make_data(one.world, split), one, closely)
     return found
 
 
-def unforetold(data: Data, last: Fit) -> NDArray[np.bool_]:
+def unforetold(data: Data, last: Fit, closely: bool = False) -> NDArray[np.bool_]:
     """Which blocks: the state after a blow is fitted to the training part alone, which knows nothing of a mode that
     has faded by then. Such a block's thousands of nats hang on the last digit of the first mode, and say nothing of
     any cause. (blocks,)"""
@@ -28,7 +33,7 @@ def unforetold(data: Data, last: Fit) -> NDArray[np.bool_]:
     found = np.zeros(len(split.held), bool)
     for block in _struck(last, split):
         found[block] = any(
-            _misfit(last, name, data.held[name] & (data.blocks[name] == block)) > _MISFIT
+            _strays(last, name, data.held[name] & (data.blocks[name] == block), closely)
             for name in _SHOWING
             if name in last.residuals
         )
@@ -46,6 +51,10 @@ def _struck(last: Fit, split: Split) -> list[int]:
     return [int(block) for block in np.unique(blocks) if split.held[block]]
 
 
-def _misfit(last: Fit, name: str, here: NDArray[np.bool_]) -> float:
+def _strays(last: Fit, name: str, here: NDArray[np.bool_], closely: bool) -> bool:
+    """Whether a channel's mean square there is more than it may be."""
     u = np.clip(last.residuals[name][here] / last.sigma[name], -HUBER, HUBER)
-    return float(np.mean(u * u)) if len(u) else 0.0
+    if not len(u):
+        return False
+    most = min(_MISFIT, max(_CLOSE_MISFIT, 1.0 + _CHANCE * (2.0 / len(u)) ** 0.5)) if closely else _MISFIT
+    return float(np.mean(u * u)) > most

@@ -1,5 +1,6 @@
 """A blow where it is held out, in a rig with a mode that fades before the next block."""
 
+from dataclasses import replace
 from math import pi
 
 import msgspec
@@ -13,7 +14,7 @@ from diagnosis.laws import laws
 from diagnosis.search import _lost, _of_fit, block_gain
 from diagnosis.split import interleaved
 from diagnosis.structure import examine
-from diagnosis.unforetold import _struck, unforetold
+from diagnosis.unforetold import _struck, foretold, unforetold
 from diagnosis.world import World
 from tests.diagnosis.synthetic import MODEL, measured
 
@@ -76,3 +77,34 @@ def test_a_blow_just_before_a_block_leaves_no_time_to_learn_from_it() -> None:
         world = World(measured(9.0, 3, model=MODEL), MODEL, impacts=(struck,))
         last = fit(make_data(world, SPLIT), world.space.vector(), (), iterations=0)
         assert _struck(last, SPLIT) == seen
+
+
+def test_a_block_that_is_a_little_off_is_foretold_but_not_closely() -> None:
+    data = measured(9.0, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(STRUCK,))
+    world = World(data, MODEL, impacts=(STRUCK,))
+    last = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
+    assert foretold(SPLIT, last, closely=True).all()
+    scale = (
+        1.5 / np.mean((last.residuals["acceleration"][4000:5000] / last.sigma["acceleration"]) ** 2)
+    ) ** 0.5
+    off = replace(last, residuals=last.residuals | {"acceleration": scale * last.residuals["acceleration"]})
+    assert foretold(SPLIT, off).all()
+    assert foretold(SPLIT, off, closely=True).tolist() == [block != 4 for block in range(9)]
+
+
+def test_a_cause_gains_nothing_where_it_is_a_little_off_itself() -> None:
+    data = measured(9.0, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(STRUCK,))
+    world = World(data, MODEL, impacts=(STRUCK,))
+    marked = make_data(world, SPLIT)
+    last = fit(marked, world.space.vector(), world.baseline_names())
+    otherwise = last.vector.copy()
+    otherwise[world.space.place["jump.1.0.v"]] *= 1.01
+    other = fit(marked, otherwise, last.free, iterations=0, colour=last.colour)
+    assert _of_fit(CAUSES["drive_lag"], other, last, SPLIT).block_gains[4] != 0.0
+    scale = (
+        1.5 / np.mean((other.residuals["acceleration"][4000:5000] / other.sigma["acceleration"]) ** 2)
+    ) ** 0.5
+    off = replace(
+        other, residuals=other.residuals | {"acceleration": scale * other.residuals["acceleration"]}
+    )
+    assert _of_fit(CAUSES["drive_lag"], off, last, SPLIT).block_gains[4] == 0.0
