@@ -31,6 +31,9 @@ _SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of a blow, by the accelerometer, standard d
 _VOTES = 3
 _HUBER = 7.0
 _BLIND_BLOCKS = 12  # without the accelerometer
+_BLIND_WALK = (
+    400.0  # of the variance: images alone tell of phase, frequency and delay at once, and not so exactly
+)
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
@@ -313,7 +316,7 @@ class FrameFusion:
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
-            self._walks.forget()
+            self._walks.allow(_BLIND_WALK)
         else:
             # by the best filter: what another frequency or decay explains, as with a payload, is no force
             self.force.see(float(settled.seen.surprise[self.evidence.best]))

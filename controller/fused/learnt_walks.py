@@ -14,7 +14,7 @@ from controller.fused.bank import FilterBank
 from controller.fused.layout import Layout
 
 _STRETCH_S = 1.5
-_LEAST_SHARE, _MOST_SHARE = 0.04, 36.0  # of the variance: a fifth of the deviation, and six times it
+_LEAST_SHARE, _MOST_SHARE = 0.04, 900.0  # of the variance: a fifth of the deviation, and thirty times it
 _RATE = 0.3  # of the share's logarithm, for each stretch
 _MOST_SURPRISE = 9.0
 _LEAST_EXPECTED = 0.2  # of the walk's variance: less comes of a filter that was not measured
@@ -86,6 +86,13 @@ class LearntWalks:
             self.lead.see(values[ahead], variances[ahead], lead_walk * elapsed_s)
         else:
             self.lead.forget()
+
+    def allow(self, share: float) -> None:
+        """Walks of frequency and decay as assumed, times that share of their variance, until the next is learnt."""
+        self._noise[: self._filters, self._places.start : self._places.stop] = [
+            share * one for one in self._assumed
+        ]
+        self.forget()
 
     def forget(self) -> None:
         """The stretch under way is of no use."""

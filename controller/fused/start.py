@@ -21,7 +21,7 @@ _STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
 AHEAD_FRAMES = 1.0  # n_i before mid-exposure: half a frame, a whole one, or two
 _LEAST_DELAY_SPREAD_S = 0.002
 DISTURBED = 0.2  # probability of that level before anything is seen
-_DISTURBED_WALK, _DISTURBED_SHARE = 30.0, 22.0  # of the disturbed level, by what the quiet one allows
+_DISTURBED_WALK, _DISTURBED_SHARE = 150.0, 22.0  # of the disturbed level, by what the quiet one allows
 _DRIFT_RETURN = 0.35  # 1/s: the delay wanders over its spread in some seconds
 
 
@@ -92,7 +92,7 @@ def state_noise(settings: Fused, at: Layout) -> Array:
         result[level, at.bias] = (0.015 * looser / at.w_first**2) ** 2
     result[quiet, at.frequency] = (settings.frequency_walk * at.w) ** 2
     result[disturbed, at.frequency] = (_DISTURBED_WALK * settings.frequency_walk * at.w) ** 2
-    result[quiet, at.decay] = (0.00005 * at.w) ** 2
+    result[quiet, at.decay] = (0.000015 * at.w) ** 2
     result[disturbed, at.decay] = (0.006 * at.w) ** 2
     return result
 

@@ -1,5 +1,6 @@
 """Walks whose rate is learnt: by a scalar filter of their own, and inside the fused method."""
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -70,13 +71,13 @@ def test_what_was_not_measured_teaches_nothing() -> None:
 
 
 def test_the_share_stays_within_bounds() -> None:
-    """A fifth and six times the deviation, however still or wild the estimate."""
+    """A fifth and thirty times the deviation, however still or wild the estimate."""
     still, wild = LearntWalk(), LearntWalk()
     for k in range(60):
         still.see(0.0, 1.0, 1.0)
         wild.see(100.0 * (k % 2), 1.0, 1.0)
     assert still.share == 0.04
-    assert wild.share == 36.0
+    assert wild.share == 900.0
 
 
 def test_an_estimate_that_something_else_has_moved_teaches_nothing() -> None:
@@ -121,20 +122,33 @@ def test_how_often_the_arm_is_disturbed_is_learnt() -> None:
     assert disturbed > 0.7
 
 
+SETTINGS = msgspec.structs.replace(Settings().fused, frequency_walk=0.00005)
+
+
 def walking(seed: int, share_per_root_s: float) -> FusedMethod:
     """The method after 20 s of an arm struck now and then, whose frequency walks by that share."""
     model = model_for(AMPLITUDE, 0.3)
     random = np.random.default_rng(seed)
     steps = np.cumsum(share_per_root_s * np.sqrt(0.05) * random.standard_normal(2000))
     trial = ring(model, seed, 20.0, delay="drift", frequency=lambda t: 1.0 + float(steps[int(t / 0.05)]))
-    method = FusedMethod(model, Settings().fused, "model")
+    method = FusedMethod(model, SETTINGS, "model")
     judge(method, model, trial)
     return method
 
 
 def test_the_method_learns_how_far_the_frequency_walks() -> None:
     """Less than it allows for where it is constant, more where it walks five times as far."""
-    assumed = (Settings().fused.frequency_walk * 2.0 * np.pi * 2.6) ** 2
+    assumed = (SETTINGS.frequency_walk * 2.0 * np.pi * 2.6) ** 2
     still, restless = (float(walking(3, walk).frames._state_noise[0, 2]) / assumed for walk in (0.0, 0.0005))
     assert still < 0.7
     assert restless > 1.5
+
+
+def test_without_an_accelerometer_the_walks_are_wide_and_nothing_is_learnt() -> None:
+    at = Layout(model_for(AMPLITUDE, 0.3), 2.0)
+    noise = np.full((FILTERS, at.size), 0.01)
+    walks = LearntWalks(at, noise, LAWS)
+    walks.allow(400.0)
+    wide = np.full((FILTERS, at.size), 0.01)
+    wide[:LAWS, at.frequency.start : at.decay.stop] = 4.0
+    assert noise == pytest.approx(wide)
