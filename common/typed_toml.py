@@ -18,6 +18,7 @@ Structure = TypeVar("Structure")
 
 _PATH = re.compile(r" - at `\$?(?P<path>[^`]*)`$")
 _BYTE_ORDER_MARK = "\ufeff"  # some editors begin a file with it
+_BARE = re.compile(r"[A-Za-z0-9_-]+")  # a TOML key without quotes
 _SOME_KEY = "[...]"  # how msgspec names the key of a table whose keys are free
 _UNKNOWN = re.compile(r"unknown field `(?P<field>[^`]*)`")
 
@@ -49,9 +50,9 @@ def parse_toml(text: str, structure: type[Structure], name: str) -> Structure:
 
 def convert_tree(tree: dict[str, Any], structure: type[Structure], name: str) -> Structure:
     """Check a tree of plain values against `structure`; `name` stands for the file in error messages."""
-    for key, value in _leaves(tree, ""):
+    for keys, value in _leaves(tree, []):
         if isinstance(value, float) and not math.isfinite(value):
-            raise UserError(f"{name}: {key} = {value}: a finite number is needed")
+            raise UserError(f"{name}: {_join(keys)} = {value}: a finite number is needed")
     try:
         return msgspec.convert(tree, structure)
     except msgspec.ValidationError as error:
@@ -60,7 +61,7 @@ def convert_tree(tree: dict[str, Any], structure: type[Structure], name: str) ->
 
 def _explain(message: str, tree: dict[str, Any], structure: Any, name: str) -> str:
     match = _PATH.search(message)
-    keys = _found(_split(match["path"]), tree) if match else []
+    keys = _found(message, _split(match["path"]), tree, structure) if match else []
     problem = message[: match.start()] if match else message
     unknown = _UNKNOWN.search(problem)
     if unknown:
@@ -124,18 +125,34 @@ def _split(path: str) -> list[str | int]:
     ]
 
 
-def _found(keys: list[str | int], tree: Any) -> list[str | int]:
-    """The keys with a table's own key where msgspec only says that there is one: that of the value that is no
-    plain one.
-    """
+def _found(message: str, keys: list[str | int], tree: Any, structure: Any) -> list[str | int]:
+    """The keys with a table's own key where msgspec's message only says that there is one."""
     found: list[str | int] = []
     for key in keys:
         table = _value_at(tree, found)
-        if key == _SOME_KEY and isinstance(table, dict):
-            found.append(next((k for k, v in table.items() if not isinstance(v, str | int | float)), key))
-        else:
-            found.append(key)
+        named = key != _SOME_KEY or not isinstance(table, dict)
+        found.append(key if named else _refused(message, found, tree, structure))
     return found
+
+
+def _refused(message: str, keys: list[str | int], tree: Any, structure: Any) -> str:
+    """The key of the table at `keys` that is refused with that message, the table's others aside."""
+    for key, value in _value_at(tree, keys).items():
+        try:
+            msgspec.convert(_with(tree, keys, {key: value}), structure)
+        except msgspec.ValidationError as error:
+            if str(error) == message:
+                return str(key)
+    return _SOME_KEY
+
+
+def _with(tree: Any, keys: list[str | int], value: Any) -> Any:
+    """A tree with another value at `keys`."""
+    if not keys:
+        return value
+    copy = tree.copy()
+    copy[keys[0]] = _with(tree[keys[0]], keys[1:], value)
+    return copy
 
 
 def _toml(value: Any) -> str:
@@ -145,7 +162,8 @@ def _toml(value: Any) -> str:
 def _join(keys: list[str | int]) -> str:
     text = ""
     for key in keys:
-        text += f"[{key}]" if isinstance(key, int) else f".{key}" if text else key
+        one = f"[{key}]" if isinstance(key, int) else key if _BARE.fullmatch(key) else f'"{key}"'
+        text += f".{one}" if text and not isinstance(key, int) else one
     return text or "(file)"
 
 
@@ -158,15 +176,12 @@ def _value_at(tree: Any, keys: list[str | int]) -> Any:
     return tree
 
 
-def _leaves(tree: Any, path: str) -> Iterator[tuple[str, Any]]:
-    if isinstance(tree, dict):
-        for key, value in tree.items():
-            yield from _leaves(value, f"{path}.{key}" if path else str(key))
-    elif isinstance(tree, list):
-        for index, value in enumerate(tree):
-            yield from _leaves(value, f"{path}[{index}]")
+def _leaves(tree: Any, keys: list[str | int]) -> Iterator[tuple[list[str | int], Any]]:
+    if isinstance(tree, dict | list):
+        for key, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
+            yield from _leaves(value, [*keys, key])
     else:
-        yield path, tree
+        yield keys, tree
 
 
 def _shorten(value: Any) -> str:

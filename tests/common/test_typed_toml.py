@@ -13,6 +13,7 @@ from common.scenario import Scenario
 from common.typed_toml import convert_tree, load_toml, parse_toml
 from common.user_error import UserError
 
+COMMISSIONED = '[commissioned]\ndate = "d"\nrecording = "r"\n[commissioned.std]\n'
 REFUSED = [
     (Model, '[camera]\nmode = "free"', ["camera.mode = 'free'", '"freerun" or "triggered"']),
     (Configuration, '[drive]\ndriver = "servo"', ["drive.driver = 'servo'", '"udp_gateway"', '"none"']),
@@ -47,6 +48,14 @@ REFUSED = [
         ["supervisor.tracker.feature", "supervisor.tracker.features"],
     ),
     (Scenario, "[[strikes]]\ntime_s = 1.0", ["strikes[0].deflection_m", "missing"]),
+    (
+        Model,
+        f'{COMMISSIONED}"camera.noise_std_px" = 0.1\n"arm.length_m" = -1.0',
+        ['commissioned.std."arm.length_m" = -1.0', ">= 0"],
+    ),
+    (Model, f'{COMMISSIONED}first = 0.1\nsecond = "two"', ["commissioned.std.second = 'two'", "`float`"]),
+    (Model, f'{COMMISSIONED}"arm.length_m" = nan', ['commissioned.std."arm.length_m" = nan', "finite"]),
+    (Model, '[[effects]]\ncause = "a"\nx = 1.0\ny = [1]', ["effects[0].y = [1]", "got `array`"]),
     (Model, "a = \n", ["not valid TOML"]),
     (Model, "a = " + "[" * 5000, ["not valid TOML"]),
 ]
