@@ -21,7 +21,7 @@ from controller.fused.learnt_force import LearntForce
 from controller.fused.learnt_walks import LearntWalks
 from controller.fused.reductions import largest
 from controller.fused.sensor_health import AccelerometerHealth
-from controller.fused.stated_scale import stated_variance, with_stated_scale
+from controller.fused.stated_scale import stated_scale, with_stated_scale
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -124,7 +124,7 @@ class FrameFusion:
         self._frame_s = start.frame_s(model)
         first = start.variances(model, settings, at, length_m)
         self._first_scale = float(first[0, at.scale])
-        self._stated_scale = stated_variance(model, self._first_scale)
+        self._stated_scale = stated_scale(model, self._first_scale)
         self.bank = FilterBank(at, first, start.jitters_s(model))
         self.evidence = Evidence(model, settings, at, length_m)
         self._shift_noise = start.shift_noise(model)

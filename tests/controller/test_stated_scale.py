@@ -7,21 +7,23 @@ from common.configuration import Controller as Settings
 from common.model import Accelerometer, Commissioned, Model
 from controller.fused import frames
 from controller.fused.method import FusedMethod
-from controller.fused.stated_scale import odds_as_stated, stated_variance, with_stated_scale
+from controller.fused.stated_scale import Stated, odds_as_stated, stated_scale, with_stated_scale
 from tests.reference.ringing_world import judge, model_for, ring
 
 AMPLITUDE = 0.006
 FIRST, STATED = 0.07**2, 0.01**2
+EVEN = Stated(STATED, 1.0)
 SCALE = 1
 
 
-def told(error: float, std: float, correlation: float = 0.8) -> tuple[np.ndarray, np.ndarray]:
+def told(error: float, std: float, odds: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """A state (vibration, scale) of which the filters say `error` +- std of the scale, and what is told of it."""
-    p = np.array([[std**2, -correlation * std**2], [-correlation * std**2, std**2]])
-    return with_stated_scale(np.array([0.0, error]), p, SCALE, FIRST, STATED)
+    across = -0.8 * std**2
+    p = np.array([[std**2, across], [across, std**2]])
+    return with_stated_scale(np.array([0.0, error]), p, SCALE, FIRST, Stated(STATED, odds))
 
 
-def brute_force(error: float, std: float) -> tuple[float, float]:
+def brute_force(error: float, std: float, odds: float) -> tuple[float, float]:
     """Mean and variance of the scale's error by integration over it, with the mixture as its prior."""
     e = np.linspace(-0.4, 0.4, 400001)
 
@@ -29,7 +31,7 @@ def brute_force(error: float, std: float) -> tuple[float, float]:
         return np.asarray(np.exp(-0.5 * np.square(at) / variance) / np.sqrt(variance))
 
     own = 1.0 / (1.0 / std**2 - 1.0 / FIRST)
-    density = normal(e - error * own / std**2, own) * (normal(e, FIRST) + normal(e, STATED))
+    density = normal(e - error * own / std**2, own) * (normal(e, FIRST) + odds * normal(e, STATED))
     density /= density.sum()
     mean = float(density @ e)
     return mean, float(density @ (e - mean) ** 2)
@@ -37,10 +39,11 @@ def brute_force(error: float, std: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize("error", [0.0, 0.004, -0.02, 0.05])
 @pytest.mark.parametrize("std", [0.004, 0.01, 0.03])
-def test_the_mixture_is_that_of_the_integral(error: float, std: float) -> None:
+@pytest.mark.parametrize("odds", [1.0, 9.0])
+def test_the_mixture_is_that_of_the_integral(error: float, std: float, odds: float) -> None:
     """Mean and variance of the scale under its prior of two normal distributions."""
-    x, p = told(error, std)
-    mean, variance = brute_force(error, std)
+    x, p = told(error, std, odds)
+    mean, variance = brute_force(error, std, odds)
     assert x[SCALE] == pytest.approx(mean, abs=1e-6)
     assert p[SCALE, SCALE] == pytest.approx(variance, rel=1e-3)
 
@@ -56,7 +59,7 @@ def test_what_hangs_together_with_the_scale_gains_as_well() -> None:
 
 def test_another_scene_overrules_the_model() -> None:
     """20 % off, seen to 1 %: nothing is left of what the model says."""
-    assert odds_as_stated(0.2, 0.01**2, FIRST, STATED) < 1e-20
+    assert odds_as_stated(0.2, 0.01**2, FIRST, EVEN) < 1e-20
     x, p = told(0.2, 0.01)
     assert x[SCALE] == pytest.approx(0.2, rel=1e-9)
     assert p[SCALE, SCALE] == pytest.approx(0.01**2, rel=1e-9)
@@ -73,7 +76,7 @@ def test_nothing_is_judged_before_the_sensors_have_spoken_nor_long_after() -> No
 def test_what_is_told_leaves_the_filter_alone() -> None:
     """It is told anew after each image: the filter's own arrays do not change."""
     x, p = np.array([0.0, 0.004]), np.diag([1e-4, 1e-4])
-    with_stated_scale(x, p, SCALE, FIRST, STATED)
+    with_stated_scale(x, p, SCALE, FIRST, EVEN)
     assert x.tolist() == [0.0, 0.004]
     assert p.tolist() == np.diag([1e-4, 1e-4]).tolist()
 
@@ -89,11 +92,11 @@ def commissioned(**std: float) -> Model:
 def test_a_commissioned_model_says_how_well_its_scales_are_known() -> None:
     """Of both together, as the images' scale counts relative to the accelerometer's; never better than the scene."""
     told = commissioned(camera__scale_px_per_m=2.4, accelerometer__scale=0.004)
-    assert stated_variance(told, FIRST) == pytest.approx(0.005**2)
+    assert stated_scale(told, FIRST) == pytest.approx((0.005**2, 9.0))
     exact = commissioned(camera__scale_px_per_m=0.1, accelerometer__scale=0.0001)
-    assert stated_variance(exact, FIRST) == pytest.approx(0.002**2)
+    assert stated_scale(exact, FIRST) == pytest.approx((0.002**2, 9.0))
     for silent in (Model(), commissioned(camera__scale_px_per_m=2.4)):
-        assert stated_variance(silent, FIRST) == pytest.approx(STATED)
+        assert stated_scale(silent, FIRST) == pytest.approx((STATED, 1.0))
 
 
 def early_error(seed: int, scale_factor: float) -> float:
