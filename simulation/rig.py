@@ -49,12 +49,14 @@ from simulation.disturbance import DISTURBANCE_STREAM, Disturbance
 from simulation.effect_clock import EffectClock
 from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
-from simulation.rig_drive import rig_drive
+from simulation.rig_drive import RigDrive, rig_drive
 from simulation.truth import strike_line, true_state
 
 _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
 _NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test must not be on its account
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
+_LOOKS = 10  # a cycle, for the first command
+_AFTER_COMMAND = 0.5  # cycles from a command's arrival to the plant's step
 
 
 def run(
@@ -110,6 +112,21 @@ def run(
     finally:
         if recorder is not None:
             recorder.close()
+
+
+def fall_into_step(clock: CycleClock, following: int, cycle_s: float, drive: RigDrive) -> None:
+    """Wait for the drive's first command, no longer than to the following cycle; put that half a cycle after it.
+
+    Else the offset of two clocks, another one each time, would decide whether commands act a cycle late: which no model
+    of the rig says.
+    """
+    while (left := clock.origin_s + following * cycle_s - time.monotonic()) > 0.0:
+        time.sleep(min(left, cycle_s / _LOOKS))
+        seen_s = time.monotonic()
+        drive.poll(seen_s)
+        if drive.commanded:
+            clock.origin_s = seen_s + (_AFTER_COMMAND - following) * cycle_s
+            return
 
 
 class _PlantProcess:
@@ -180,6 +197,8 @@ class _PlantProcess:
             _record_frames(recorder, frames)
             if not camera_alive():
                 raise UserError("the rig's camera process ended; its message above tells why")
+            if self._first_command_s is None:
+                fall_into_step(clock, cycle + 1, self._cycle_s, self._drive)
             cycle = clock.wait(cycle)
 
     def _step(self, time_s: float, command: float, recorder: RecorderClient | None) -> None:

@@ -1,12 +1,14 @@
 """The rig's process where it cannot start: nothing of another rig's is touched, nothing is left behind."""
 
 import socket
+import time
 from pathlib import Path
 
 import pytest
 
 from common.shared_memory import SharedBlock, block_path
 from common.user_error import UserError
+from controller.schedule import CycleClock
 from simulation import rig
 
 _NAMES = ("test-rig-i2c", "test-rig-camera-pose")
@@ -83,3 +85,36 @@ def test_an_effect_that_the_rig_cannot_obey_is_refused_in_one_line(
         rig.run(configuration, None, seed=None, scenario=None)
     assert str(refused.value).startswith(f"{model}: effects") and "\n" not in str(refused.value)
     assert not any(block_path(name).exists() for name in _NAMES)
+
+
+class _CommandedAt:
+    """A drive that has been commanded once it is looked at for the nth time."""
+
+    def __init__(self, look: int) -> None:
+        self._look, self.looks, self.seen_s = look, 0, 0.0
+
+    @property
+    def commanded(self) -> bool:
+        return self.looks >= self._look
+
+    def poll(self, now_s: float) -> float:
+        self.looks, self.seen_s = self.looks + 1, now_s
+        return 0.0
+
+
+def test_the_plant_steps_half_a_cycle_after_the_first_command() -> None:
+    clock, drive = CycleClock(0.01, time.monotonic() - 1.0), _CommandedAt(2)
+    rig.fall_into_step(clock, 7, 0.01, drive)  # that cycle is long due
+    assert drive.looks == 0
+    clock = CycleClock(0.01, time.monotonic() + 10.0)
+    rig.fall_into_step(clock, 3, 0.01, drive)
+    assert drive.looks == 2
+    assert clock.origin_s + 3 * 0.01 == pytest.approx(drive.seen_s + 0.005, abs=1e-6)
+
+
+def test_without_a_command_the_plant_keeps_its_own_time() -> None:
+    now = time.monotonic()
+    clock = CycleClock(0.01, now)
+    rig.fall_into_step(clock, 3, 0.01, _CommandedAt(10**9))
+    assert clock.origin_s == now
+    assert time.monotonic() >= now + 0.03
