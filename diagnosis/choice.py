@@ -21,7 +21,9 @@ LEAST_HELD_NATS = 3.0
 _OVERLAP = 0.6
 _LEAST_OF_A_LAW = 0.25
 _LEAST_SHARE, _LEAST_SHARE_ELSEWHERE = 0.04, 0.01
-_CLEARED = 0.2  # of a channel's nats
+_CLEARED, _MOSTLY_CLEARED = 0.2, 0.35  # of a channel's nats
+_FAR_AHEAD = 0.5  # the next one's gain, of the best's
+_STEADY = 4.0  # standard errors over blocks
 _AS_MUCH = 0.2  # of a gain
 _DISAGREE = 0.1
 _TOLD_APART_NATS = 3.0
@@ -29,6 +31,7 @@ _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
 _PLAINLY, _BY_TURNS = 2.0, 3.0  # of what a block may lose by chance; standard errors
 _A_LITTLE = 0.05  # of the nats of the block that speaks most for a cause
+_LIMITS = ("accelerometer_clipping", "drive_saturation")  # seen at the hardest moves and blows alone
 _SAME_STEP = 3.0  # deviations: a delay that wanders is known less well than they say
 
 
@@ -88,13 +91,17 @@ def _seen_before(one: Candidate, stage: Stage, found: Found) -> bool:
 
 def _stands_alone(one: Candidate, stage: Stage, first: Candidate, left: Rest) -> bool:
     """Whether a small one is there in its own right: nothing is left with it; or in another place than the first it
-    explains more than any other cause does, and next to nothing is left of what it explains. A likeness explains a
-    part of what a simple form leaves, and others a part of the same."""
+    explains more than any other cause does, and that steadily, or leaves next to nothing of what it explains. A
+    likeness explains a part of what a simple form leaves, here more and there less, and others a part of the same."""
     if left.nothing:
         return True
-    elsewhere = CATALOGUE[one.cause].place != CATALOGUE[first.cause].place
-    most = all(other.gain <= one.gain for other in stage.candidates if other.law is None)
-    return elsewhere and most and left.share < _CLEARED
+    if CATALOGUE[one.cause].place == CATALOGUE[first.cause].place:
+        return False
+    others = [other.gain for other in stage.candidates if other.law is None and other is not one]
+    next_gain = max(others, default=0.0)
+    cleared = _MOSTLY_CLEARED if next_gain < _FAR_AHEAD * one.gain else _CLEARED
+    steadily = one.held_std > 0.0 and one.held_gain > _STEADY * one.held_std
+    return next_gain <= one.gain and (steadily or left.share < cleared)
 
 
 def _least_share(one: Candidate, first: Candidate) -> float:
@@ -116,11 +123,17 @@ def _same_thing(earlier: Stage, one: Candidate) -> bool:
 
 
 def choose(ranked: list[Candidate], screening: Screening) -> Candidate | None:
-    """The best that convinces: where that is too small to have a name, none but a law of noise or timing, as what does
-    less well than it is no more than a likeness of the same."""
-    if too_small(ranked, screening) is not None:
-        ranked = [one for one in ranked if one.law is not None]
+    """The best that convinces: where that is too small to have a name, none but a law of noise or what shows in the
+    arrivals, as what else does less well than it is no more than a likeness of the same."""
+    small = too_small(ranked, screening)
+    if small is not None:
+        ranked = [one for one in ranked if one.law is not None or _by_arrivals(one, small)]
     return _best(ranked, screening)
+
+
+def _by_arrivals(one: Candidate, small: Candidate) -> bool:
+    """Whether a cause shows in the arrivals, of which one that is too small to have a name changes nothing."""
+    return CATALOGUE[one.cause].place == "timing" != CATALOGUE[small.cause].place
 
 
 def too_small(ranked: list[Candidate], screening: Screening) -> Candidate | None:
@@ -204,10 +217,12 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
     if onset is not None:  # it may lie in the held-out part altogether
         seen = one.held_gain > 0.0 and one.gain > screening.threshold_nats + penalty
         return seen and (onset in AT_ONCE or _in_places(one, penalty)) and _plausible(one)
-    if one.certain:  # it may lie where it is held out, or where nothing is
+    if one.certain or (one.cause in _LIMITS and _at_extremes(one, penalty)):
+        # it may lie where it is held out, or where nothing is
         seen = one.held_gain > -penalty and one.gain > screening.threshold_nats + penalty
-        return seen and _plausible(one)
-    return (
+        if seen:
+            return _plausible(one)
+    return not one.certain and (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
         and (
@@ -218,6 +233,13 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
         and not _spoken_against(one, penalty)
         and _plausible(one)
     )
+
+
+def _at_extremes(one: Candidate, penalty: float) -> bool:
+    """Whether a limit shows in several blocks, where the motion reaches it, and nothing speaks against it."""
+    if not len(one.train_blocks):
+        return False
+    return _in_places(one, penalty) and not _contradicts(one.all_block_gains, penalty)
 
 
 def _spoken_against(one: Candidate, penalty: float) -> bool:

@@ -113,6 +113,19 @@ def test_few_blocks_may_speak_a_little_against_what_others_plainly_show() -> Non
     assert choose([in_blocks(LAG, [90.0, 250.0, 75.0], [-20.0, 130.0])], SCREENING) is None
 
 
+def test_a_limit_may_show_where_nothing_is_held_out() -> None:
+    """Of a few hard moves none may lie there; but it has to show in more than one, and nothing may speak against it."""
+    none = [0.0] * BLOCKS
+    limit = in_blocks(candidate("accelerometer_clipping", 0.0, 0.0), [40.0, 30.0, *none[2:]], none)
+    assert choose([limit], SCREENING) is limit
+    once = in_blocks(limit, [70.0, *none[1:]], none)
+    assert choose([once], SCREENING) is None
+    against = in_blocks(limit, [40.0, 30.0, *none[2:]], [*none[1:], -6.0])
+    assert choose([against], SCREENING) is None
+    no_limit = replace(limit, cause="lens_distortion")
+    assert choose([no_limit], SCREENING) is None
+
+
 def test_what_gains_and_loses_by_turns_is_a_noise_that_is_not_white() -> None:
     """As much in the mean as what gains alike everywhere."""
     turns = np.array([20.0, -21.0, 24.0, 17.0, -12.0, 23.0, 3.0, -9.0, 37.0, 19.0])
@@ -190,7 +203,11 @@ def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_ta
 
     assert taken(lens, [bias], 0.1) is lens
     assert taken(bias, [lens], 0.1) is lens  # explains more
-    assert taken(lens, [], 0.3) is None  # explains a part of what is there
+    assert taken(lens, [], 0.3) is lens  # far ahead of all others
+    assert taken(lens, [bias], 0.3) is None  # explains a part of what is there, as another does
+    assert taken(lens, [], 0.4) is None
+    assert taken(replace(lens, held_std=10.0), [bias], 1.0) is not None  # steadily
+    assert taken(replace(lens, held_std=12.0), [bias], 1.0) is None
     assert taken(friction, [], 0.1) is None  # what a lag's simple form leaves
 
 

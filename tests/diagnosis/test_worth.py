@@ -49,6 +49,17 @@ def test_a_cause_far_below_what_is_typical_has_no_name(small: Candidate, large: 
     assert too_small([large], SCREENING) is None
 
 
+def test_behind_one_that_is_too_small_only_what_arrivals_show_is_taken() -> None:
+    """An arm that is a little off changes none of them; but others may be likenesses of the same."""
+    small = candidate("payload_change", onset_s=3.0, frequency_ratio=1.000008)
+    drift = replace(candidate("delay_drift", rate_s_per_s=0.001), train_gain=150.0, held_gain=80.0)
+    tilt = replace(
+        candidate("camera_tilt_coupling", rotation_px_per_rad=40.0), train_gain=150.0, held_gain=80.0
+    )
+    assert choose([small, tilt, drift], SCREENING) is drift
+    assert choose([small, tilt], SCREENING) is None
+
+
 def test_a_limit_is_worth_a_name_wherever_it_lies() -> None:
     assert worth_a_name(
         candidate("accelerometer_clipping", range_m_s2=LAST.value("accelerometer.range_m_s2"))
