@@ -73,6 +73,14 @@ def search(
         threshold = screened[0] if screened else None
         stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, threshold)
         best = next_to_take(stage, found, _rest_of(found, split))
+        if best is None and found.final is not found.baseline and step < MOST_CAUSES:
+            strays = _beside_what_strays(data, last)
+            if strays is not None:
+                other = _stage(data, strays, split, [CAUSES[name] for name in names], taken, free, threshold)
+                best = next_to_take(other, found, _rest_of(found, split))
+                if best is not None:
+                    best = _as_before(best, last, split)
+                    stage = replace(other, candidates=[best, *other.candidates])
         if best is not None and best.law is None and step < MOST_CAUSES:
             whole = replace(best, fit=_completed(best, split, (*free, *best.free)))
             stage.candidates = [whole if one is best else one for one in stage.candidates]
@@ -89,6 +97,23 @@ def search(
             free = tuple(name for name in found.final.free if name not in usual)
     _drop_needless(found, split)
     return found
+
+
+def _beside_what_strays(data: Data, last: Fit) -> Fit | None:
+    """A fit of what was found, what its simple forms leave taken for noise that strays; None where nothing does. That
+    raises the level of all noise, of which a small cause elsewhere then seems to be a part."""
+    colour = strayed(data, last)
+    if all(colour[name] == last.colour.get(name) for name in colour):
+        return None
+    return fit(data, last.vector, last.free, iterations=8, colour=colour)
+
+
+def _as_before(one: Candidate, last: Fit, split: Split) -> Candidate:
+    """A candidate with its fit under the noise of the last one."""
+    if one.law is not None:
+        return replace(one, fit=last)
+    data = make_data(one.fit.world, split)
+    return replace(one, fit=fit(data, one.fit.vector, one.fit.free, colour=last.colour))
 
 
 def _rest_of(found: Found, split: Split) -> Callable[[Candidate], Rest]:
