@@ -20,7 +20,7 @@ from diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
 
-_LONE_SPIKE = 20.0  # robust deviations; a blow that strikes so hard is heard to ring
+_LONE_SPIKE = 15.0  # robust deviations; a blow that strikes so hard is heard to ring
 _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
 # within so many deviations of the delay that the model states late frames are normal, but for so many in a row

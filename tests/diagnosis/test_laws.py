@@ -86,7 +86,7 @@ def test_of_two_spikes_close_together_one_may_be_plain_by_itself(size: float, pl
     """No other block shows any."""
     data = measured(SECONDS, 4)
     spiked = data.acceleration.copy()
-    spiked[[9100, 9150]] += np.array([size, -15.0]) * NOISE["acceleration"]
+    spiked[[9100, 9150]] += np.array([size, -11.0]) * NOISE["acceleration"]
     last = fitted(replace(data, acceleration=spiked), split=SPLIT)
     (law,) = (one for one in laws(make_data(last.world, SPLIT), last) if one.cause == "impulse_noise")
     assert law.alone is plain
