@@ -56,7 +56,7 @@ _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"
 _NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test must not be on its account
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
 _LOOKS = 10  # a cycle, for the first command
-_AFTER_COMMAND = 0.5  # cycles from a command's arrival to the plant's step
+_AFTER_COMMAND = 0.3  # cycles from the first command to the plant's step: it is later in its cycle than others
 
 
 def run(
@@ -115,7 +115,7 @@ def run(
 
 
 def fall_into_step(clock: CycleClock, following: int, cycle_s: float, drive: RigDrive) -> None:
-    """Wait for the drive's first command, no longer than to the following cycle; put that half a cycle after it.
+    """Wait for the drive's first command, no longer than to the following cycle; put that a third of a cycle after it.
 
     Else the offset of two clocks, another one each time, would decide whether commands act a cycle late: which no model
     of the rig says.

@@ -102,14 +102,14 @@ class _CommandedAt:
         return 0.0
 
 
-def test_the_plant_steps_half_a_cycle_after_the_first_command() -> None:
+def test_the_plant_steps_a_third_of_a_cycle_after_the_first_command() -> None:
     clock, drive = CycleClock(0.01, time.monotonic() - 1.0), _CommandedAt(2)
     rig.fall_into_step(clock, 7, 0.01, drive)  # that cycle is long due
     assert drive.looks == 0
     clock = CycleClock(0.01, time.monotonic() + 10.0)
     rig.fall_into_step(clock, 3, 0.01, drive)
     assert drive.looks == 2
-    assert clock.origin_s + 3 * 0.01 == pytest.approx(drive.seen_s + 0.005, abs=1e-6)
+    assert clock.origin_s + 3 * 0.01 == pytest.approx(drive.seen_s + 0.003, abs=1e-6)
 
 
 def test_without_a_command_the_plant_keeps_its_own_time() -> None:
