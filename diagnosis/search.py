@@ -13,7 +13,7 @@ from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
 from diagnosis.choice import ALL, LEAST_HELD_NATS, Rest, choose, in_doubt, next_to_take, rank, rest, too_small
-from diagnosis.fit import Data, Fit, Split, colours, fit, make_data, strayed
+from diagnosis.fit import Colours, Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
 from diagnosis.lost_modes import with_lost_modes
@@ -71,20 +71,19 @@ def search(
         names = [name for name in CAUSES if name not in taken and (only is None or name in only)]
         screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
         threshold = screened[0] if screened else None
-        stage = _stage(data, last, split, [CAUSES[name] for name in names], taken, free, threshold)
-        best = next_to_take(stage, found, _rest_of(found, split))
+        causes = [CAUSES[name] for name in names]
+        stage = _stage(data, last, split, causes, taken, free, threshold)
+        best = next_to_take(stage, found, _rest_of(last, found.known_laws, split))
+        strays = None
         if best is None and found.final is not found.baseline and step < MOST_CAUSES:
-            strays = _beside_what_strays(data, last)
-            if strays is not None:
-                other = _stage(data, strays, split, [CAUSES[name] for name in names], taken, free, threshold)
-                best = next_to_take(other, found, _rest_of(found, split))
-                if best is not None:
-                    best = _as_before(best, last, split)
-                    stage = replace(other, candidates=[best, *other.candidates])
+            strays = _under(data, last, strayed(data, last))
+        if strays is not None:
+            other = _stage(data, strays, split, causes, taken, free, threshold)
+            best = next_to_take(other, found, _rest_of(strays, found.known_laws, split))
+            if best is not None:
+                stage, best = _with_fit(other, best, _as_before(best, last, split))
         if best is not None and best.law is None and step < MOST_CAUSES:
-            whole = replace(best, fit=_completed(best, split, (*free, *best.free)))
-            stage.candidates = [whole if one is best else one for one in stage.candidates]
-            best = whole
+            stage, best = _with_fit(stage, best, _completed(best, split, (*free, *best.free)))
         stage.taken = best
         found.stages.append(stage)
         if best is None or step == MOST_CAUSES:
@@ -99,33 +98,38 @@ def search(
     return found
 
 
-def _beside_what_strays(data: Data, last: Fit) -> Fit | None:
-    """A fit of what was found, what its simple forms leave taken for noise that strays; None where nothing does. That
-    raises the level of all noise, of which a small cause elsewhere then seems to be a part."""
-    colour = strayed(data, last)
+def _under(data: Data, last: Fit, colour: Colours) -> Fit | None:
+    """What was found, fitted under another noise, such as what strays slowly; None where it is no other. What a simple
+    form leaves, taken for white, raises the level of all noise, of which a small cause elsewhere seems to be a part."""
     if all(colour[name] == last.colour.get(name) for name in colour):
         return None
     return fit(data, last.vector, last.free, iterations=8, colour=colour)
 
 
-def _as_before(one: Candidate, last: Fit, split: Split) -> Candidate:
-    """A candidate with its fit under the noise of the last one."""
+def _as_before(one: Candidate, last: Fit, split: Split) -> Fit:
+    """A candidate's fit under the noise of the last one."""
     if one.law is not None:
-        return replace(one, fit=last)
-    data = make_data(one.fit.world, split)
-    return replace(one, fit=fit(data, one.fit.vector, one.fit.free, colour=last.colour))
+        return last
+    return fit(make_data(one.fit.world, split), one.fit.vector, one.fit.free, colour=last.colour)
 
 
-def _rest_of(found: Found, split: Split) -> Callable[[Candidate], Rest]:
-    """Tells what is left of the data with a candidate, beside what is left without it."""
+def _with_fit(stage: Stage, one: Candidate, other: Fit) -> tuple[Stage, Candidate]:
+    """A stage in which one of its candidates has another fit, and that candidate."""
+    new = replace(one, fit=other)
+    return replace(stage, candidates=[new if each is one else each for each in stage.candidates]), new
+
+
+def _rest_of(last: Fit, known_laws: frozenset[str], split: Split) -> Callable[[Candidate], Rest]:
+    """Tells what is left of the data with a candidate, beside what the last fit leaves: both under the same noise, as
+    what strays is otherwise taken for what the candidate explains."""
 
     def left(of: Fit) -> dict[str, float]:
-        channels = examine(make_data(of.world, split), of, found.known_laws).channels
+        channels = examine(make_data(of.world, split), of, known_laws).channels
         return {name: one.train_nats for name, one in channels.items() if not one.white}
 
     @cache  # looked at where a candidate asks for it, and once
     def without() -> dict[str, float]:
-        return left(found.final)
+        return left(last)
 
     return lambda one: rest(one.train_gain, without(), left(one.fit)) if without() else ALL
 
@@ -240,9 +244,9 @@ def _with_straying(data: Data, last: Fit, split: Split, refits: list[tuple[Cause
     """The leading candidates once more, what the best of them leaves taken for noise that strays slowly."""
     best = max((one for _, one in refits), key=lambda one: one.train_nats)
     colour = strayed(make_data(best.world, split), best)
-    if all(colour[name] == last.colour.get(name) for name in colour):
+    again = _under(data, last, colour)
+    if again is None:
         return []
-    again = fit(data, last.vector, last.free, iterations=8, colour=colour)
     found = []
     for cause, one in refits:
         if one.train_nats - last.train_nats > 0.3 * (best.train_nats - last.train_nats):
@@ -263,7 +267,7 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     refitted, spread = onset_seen(refitted, cause, split)
     gains = block_gain(refitted, last)
     # a mode that it adds has a state after a blow, too
-    gains[~(foretold(split, last, refitted) & foretold(split, refitted, closely=True))] = 0.0
+    gains[~(foretold(split, last) & foretold(split, refitted, closely=True))] = 0.0
     values = cause.parameters_of(refitted)
     if "onset_s" in values:
         values["onset_s"] = (values["onset_s"][0], spread)

@@ -354,7 +354,8 @@ class World:
         )
         bend = vector[at["camera.lens_per_px2"]]
         if bend:
-            value = value * (1.0 + bend * value * value)
+            with np.errstate(over="ignore"):  # a candidate that runs away
+                value = value * (1.0 + bend * value * value)
         sine, cosine = vector[at["camera.locking_sin_px"]], vector[at["camera.locking_cos_px"]]
         if sine or cosine:
             value = value + sine * np.sin(2.0 * pi * value) + cosine * np.cos(2.0 * pi * value)

@@ -56,9 +56,8 @@ _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"
 _NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test must not be on its account
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
 _LOOKS = 10  # a cycle, for the first command
-_AFTER_COMMAND = (
-    0.3  # cycles from the first command to the plant's step: it is later in its cycle than others
-)
+# cycles from the first command to the plant's step; it comes later in its cycle than those that follow
+_AFTER_COMMAND = 0.3
 
 
 def run(

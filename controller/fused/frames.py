@@ -31,9 +31,8 @@ _SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of a blow, by the accelerometer, standard d
 _VOTES = 3
 _HUBER = 7.0
 _BLIND_BLOCKS = 12  # without the accelerometer
-_BLIND_WALK = (
-    400.0  # of the variance: images alone tell of phase, frequency and delay at once, and not so exactly
-)
+# of the variance: images alone tell of phase, frequency and delay at once, and not so exactly
+_BLIND_WALK = 400.0
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
