@@ -61,7 +61,7 @@ def next_to_take(
     stage: Stage, found: Found, rest_of: Callable[[Candidate], Rest] = lambda one: ALL
 ) -> Candidate | None:
     """The stage's best that adds something of its own: no other name for what is already found, and no small change
-    that the first finding's simple form would leave of its true one.
+    that a finding's simple form would leave of its true one.
 
     rest_of: what the data hold beside a candidate, of what they hold without it: as small as it may be, one that leaves
     nothing is no likeness of what a simple form leaves.
@@ -69,9 +69,9 @@ def next_to_take(
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
         if not _convincing(one, stage.screening):
             continue
-        small = bool(found.findings) and one.law is None and one.gain < _least_share(one, found.findings[0])
-        if small and not (
-            _seen_before(one, stage, found) or _stands_alone(one, stage, found.findings[0], rest_of(one))
+        larger = [each for each in found.findings if one.law is None and one.gain < _least_share(one, each)]
+        if larger and not (
+            _seen_before(one, stage, found) or _stands_alone(one, stage, larger, rest_of(one))
         ):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
@@ -89,13 +89,14 @@ def _seen_before(one: Candidate, stage: Stage, found: Found) -> bool:
     return abs(before - now) < _AS_MUCH * now
 
 
-def _stands_alone(one: Candidate, stage: Stage, first: Candidate, left: Rest) -> bool:
-    """Whether a small one is there in its own right: nothing is left with it; or in another place than the first it
-    explains more than any other cause does, and that steadily, or leaves next to nothing of what it explains. A
-    likeness explains a part of what a simple form leaves, here more and there less, and others a part of the same."""
+def _stands_alone(one: Candidate, stage: Stage, larger: list[Candidate], left: Rest) -> bool:
+    """Whether a small one is there in its own right: nothing is left with it; or in another place than the larger
+    findings it explains more than any other cause does, and that steadily, or leaves next to nothing of what it
+    explains. A likeness explains a part of what a simple form leaves, here more and there less, and others a part of
+    the same."""
     if left.nothing:
         return True
-    if CATALOGUE[one.cause].place == CATALOGUE[first.cause].place:
+    if any(CATALOGUE[one.cause].place == CATALOGUE[each.cause].place for each in larger):
         return False
     others = [other.gain for other in stage.candidates if other.law is None and other is not one]
     next_gain = max(others, default=0.0)
@@ -104,13 +105,14 @@ def _stands_alone(one: Candidate, stage: Stage, first: Candidate, left: Rest) ->
     return next_gain <= one.gain and (steadily or left.share < cleared)
 
 
-def _least_share(one: Candidate, first: Candidate) -> float:
-    """Nats that a simple form may leave of its true one: in the same place more than elsewhere, and a sensor's none
-    outside of its own channel. By all data: what is held out of a few hard moves may be any share of them."""
-    here, there = CATALOGUE[one.cause].place, CATALOGUE[first.cause].place
+def _least_share(one: Candidate, earlier: Candidate) -> float:
+    """Nats that a finding's simple form may leave of its true one: in the same place more than elsewhere, and a
+    sensor's none outside of its own channel. By all data: what is held out of a few hard moves may be any share of
+    them."""
+    here, there = CATALOGUE[one.cause].place, CATALOGUE[earlier.cause].place
     if here == there:
-        return _LEAST_SHARE * first.gain
-    return _LEAST_SHARE_ELSEWHERE * first.gain if there in ("arm", "drive") else 0.0
+        return _LEAST_SHARE * earlier.gain
+    return _LEAST_SHARE_ELSEWHERE * earlier.gain if there in ("arm", "drive") else 0.0
 
 
 def _same_thing(earlier: Stage, one: Candidate) -> bool:
@@ -133,7 +135,7 @@ def choose(ranked: list[Candidate], screening: Screening) -> Candidate | None:
 
 def _by_arrivals(one: Candidate, small: Candidate) -> bool:
     """Whether a cause shows in the arrivals, of which one that is too small to have a name changes nothing."""
-    return CATALOGUE[one.cause].place == "timing" != CATALOGUE[small.cause].place
+    return CATALOGUE[one.cause].place == "timing" and CATALOGUE[small.cause].place != "timing"
 
 
 def too_small(ranked: list[Candidate], screening: Screening) -> Candidate | None:
@@ -217,12 +219,13 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
     if onset is not None:  # it may lie in the held-out part altogether
         seen = one.held_gain > 0.0 and one.gain > screening.threshold_nats + penalty
         return seen and (onset in AT_ONCE or _in_places(one, penalty)) and _plausible(one)
-    if one.certain or (one.cause in _LIMITS and _at_extremes(one, penalty)):
-        # it may lie where it is held out, or where nothing is
-        seen = one.held_gain > -penalty and one.gain > screening.threshold_nats + penalty
-        if seen:
-            return _plausible(one)
-    return not one.certain and (
+    # it may lie where it is held out, or where nothing is
+    anywhere = one.held_gain > -penalty and one.gain > screening.threshold_nats + penalty
+    if one.certain:
+        return anywhere and _plausible(one)
+    if anywhere and one.cause in _LIMITS and _at_extremes(one, penalty):
+        return _plausible(one)
+    return (
         one.train_gain > screening.threshold_nats
         and one.held_gain > penalty
         and (

@@ -193,6 +193,15 @@ def test_what_a_simple_form_leaves_of_the_first_finding_is_not_taken() -> None:
     )
 
 
+def test_what_is_small_beside_a_later_finding_is_what_that_leaves_too() -> None:
+    step, lag = candidate("clock_step", 20.0, 10.0), replace(LAG, train_gain=2000.0, held_gain=1000.0)
+    both = found(Stage(SCREENING, [step], step), Stage(SCREENING, [lag], lag))
+    drift = candidate("tracking_drift", 14.0, 5.0)
+    assert next_to_take(Stage(SCREENING, [drift], drift), both) is None
+    larger = candidate("tracking_drift", 60.0, 20.0)
+    assert next_to_take(Stage(SCREENING, [larger], larger), both) is larger
+
+
 def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_taken() -> None:
     first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=20000.0, held_gain=10000.0)))
     lens, bias = candidate("lens_distortion", 90.0, 45.0), candidate("accelerometer_bias_drift", 80.0, 40.0)
