@@ -15,7 +15,7 @@ from controller.fused.dating import Dating
 from controller.fused.evidence import Evidence
 from controller.fused.joint_date import JointDate
 from controller.fused.layout import Layout
-from controller.fused.learnt_walks import LearntWalk
+from controller.fused.learnt_walks import LearntWalk, LearntWander
 
 Array = NDArray[np.float64]
 
@@ -31,6 +31,7 @@ class FrameDates:
     """Dates each frame: `accept`, then `take_arrival` and `take_started`, which may wait for later cycles.
 
     lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s.
+    shift_noise: growth of the variance of each filter's shift, s^2/s, (filters,).
     """
 
     def __init__(
@@ -49,7 +50,9 @@ class FrameDates:
         self._model_delay_s = model.timing.capture_delay_s
         spread_s = start.spread_s(model)
         self.dating = Dating(self._frame_s, self._model_delay_s, spread_s)
-        self._shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
+        self.shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
+        self._wander = LearntWander(at)
+        self._wanders = float(self.shift_noise[Law.DRIFT]), float(self._shift_return[Law.DRIFT])
         self._joint_date = JointDate()
         self._clock_rate = ClockRate(spread_s, self._cycle_s)
         self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s) for _ in range(2)]
@@ -71,6 +74,13 @@ class FrameDates:
         best = self._evidence.best
         return float(self.dating.nominal[best % LAWS] + self._bank.x[best, self._at.shift])
 
+    def learn_wander(self, law: int) -> None:
+        """After an image; law: that is believed."""
+        noise, back = self._wanders
+        self._wander.see(self._bank, law, noise)
+        self.shift_noise[Law.DRIFT :: LAWS] = self._wander.share * noise
+        self._shift_return[Law.DRIFT :: LAWS] = self._wander.share * back
+
     def recount(self, frames: int) -> None:
         """The count was that many frames short."""
         self.dating.nominal[Law.CLOCK] += frames * self._frame_s
@@ -85,7 +95,7 @@ class FrameDates:
             return True
         dating, t, bank = self.dating, self._at.shift, self._bank
         elapsed = dating.elapsed[LAW_OF]
-        bank.advance_dating(elapsed, self._shift_return, self._shift_noise, _SKEW_NOISE)
+        bank.advance_dating(elapsed, self._shift_return, self.shift_noise, _SKEW_NOISE)
         for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2

@@ -126,7 +126,6 @@ class FrameFusion:
         self._stated_scale = stated_scale(model, self._first_scale)
         self.bank = FilterBank(at, first, start.jitters_s(model))
         self.evidence = Evidence(model, settings, at, length_m)
-        self._shift_noise = start.shift_noise(model)
         self._state_noise = start.state_noise(settings, at)
         self._walks = LearntWalks(at, self._state_noise, LAWS)
         self.dates = FrameDates(model, at, self.bank, self.evidence, self._walks.lead)
@@ -321,6 +320,7 @@ class FrameFusion:
             self.force.see(float(settled.seen.surprise[self.evidence.best]))
             self.evidence.remember()
             law = self.evidence.best % LAWS
+            self.dates.learn_wander(law)
             self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
 
     @property
@@ -367,7 +367,7 @@ class FrameFusion:
         size = 1.5 * abs(float(seen.residual[best]))
         if self._blind and self._shifts:
             then_s, shift, variance = self._shifts[0]
-            grown = self._shift_noise * (received_s - then_s)
+            grown = self.dates.shift_noise * (received_s - then_s)
             self.bank.forget_phase(max(size, 1.5 * self.amplitude_m), shift, variance + grown)
             self._shifts.clear()
             return True

@@ -10,10 +10,12 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.fused.bank import FilterBank
+from controller.fused.bank import FilterBank, Law
 from controller.fused.layout import Layout
 
 _STRETCH_S = 1.5
+_WANDER_STRETCH_S, _WANDER_RATE = 0.25, 0.05  # a delay is seen to wander within a few frames
+_MOST_WANDER = 30.0  # of the variance: a delay that changes within some frames is no wander, but white
 _LEAST_SHARE, _MOST_SHARE = 0.04, 900.0  # of the variance: a fifth of the deviation, and thirty times it
 _RATE = 0.3  # of the share's logarithm, for each stretch
 _MOST_SURPRISE = 9.0
@@ -23,9 +25,10 @@ _LEAST_EXPECTED = 0.2  # of the walk's variance: less comes of a filter that was
 class LearntWalk:
     """share: of the variance that a walk was assumed to grow by, how much it does."""
 
-    def __init__(self) -> None:
-        """As assumed."""
+    def __init__(self, rate: float = _RATE, most: float = _MOST_SHARE) -> None:
+        """As assumed. rate: of the share's logarithm, for each stretch; most: the share's bound."""
         self.share = 1.0
+        self._rate, self._most = rate, most
         self._value = self._variance = 0.0
         self._begun = False
 
@@ -47,8 +50,41 @@ class LearntWalk:
             return
         surprise = min(step * step / expected, _MOST_SURPRISE)
         told = min(walked / expected, 1.0)  # the rest of the step is what was learnt of where it began
-        grown = self.share * exp(_RATE * told * (surprise - 1.0))
-        self.share = min(max(grown, _LEAST_SHARE), _MOST_SHARE)
+        grown = self.share * exp(self._rate * told * (surprise - 1.0))
+        self.share = min(max(grown, _LEAST_SHARE), self._most)
+
+
+class LearntWander:
+    """How fast the delay wanders over its spread, by the quiet filter of the law DRIFT while that is believed.
+
+    share: of the rate assumed at which it comes back to its mean, and of its walk's variance: the spread stays.
+    """
+
+    def __init__(self, at: Layout) -> None:
+        """As assumed."""
+        self._shift = at.shift
+        self._walk = LearntWalk(_WANDER_RATE, _MOST_WANDER)
+        self._since_s = float("-inf")
+        self._moved = -1
+
+    @property
+    def share(self) -> float:
+        return self._walk.share
+
+    def see(self, bank: FilterBank, law: int, assumed: float) -> None:
+        """After an image; law: that is believed; assumed: growth of the shift's variance, s^2/s."""
+        if law != Law.DRIFT:
+            self._walk.forget()
+            return
+        elapsed_s = bank.edge_s - self._since_s
+        if elapsed_s < _WANDER_STRETCH_S:
+            return
+        self._since_s = bank.edge_s
+        if bank.moved[law] != self._moved or elapsed_s > 2.0 * _WANDER_STRETCH_S:
+            self._moved = bank.moved[law]
+            self._walk.forget()
+        shift = self._shift
+        self._walk.see(float(bank.x[law, shift]), float(bank.p[law, shift, shift]), assumed * elapsed_s)
 
 
 class LearntWalks:

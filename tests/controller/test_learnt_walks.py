@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 
 from common.configuration import Controller as Settings
+from controller.fused import start
 from controller.fused.bank import FILTERS, LAWS, FilterBank, Law
 from controller.fused.evidence import Evidence
 from controller.fused.layout import Layout
-from controller.fused.learnt_walks import LearntWalk, LearntWalks
+from controller.fused.learnt_walks import LearntWalk, LearntWalks, LearntWander
 from controller.fused.method import FusedMethod
 from tests.reference.ringing_world import judge, model_for, ring
 
@@ -152,3 +153,33 @@ def test_without_an_accelerometer_the_walks_are_wide_and_nothing_is_learnt() -> 
     wide = np.full((FILTERS, at.size), 0.01)
     wide[:LAWS, at.frequency.start : at.decay.stop] = 4.0
     assert noise == pytest.approx(wide)
+
+
+@pytest.mark.parametrize("wander_s", [1.0, 8.0])
+def test_the_method_learns_how_fast_the_delay_wanders(wander_s: float) -> None:
+    """The rate at which it comes back to its mean, where no clock dates the frames; the spread is the model's."""
+    model = model_for(AMPLITUDE, 0.3)
+    trial = ring(model, 5, 25.0, delay="drift", triggered=True, wander_s=wander_s)
+    method = FusedMethod(model, Settings().fused, "model")
+    judge(method, model, trial)
+    assumed = float(start.shift_return()[Law.DRIFT])
+    learnt = float(method.frames.dates.shift_noise[Law.DRIFT] / start.shift_noise(model)[Law.DRIFT])
+    assert 1.0 / 1.6 < learnt * assumed * wander_s < 1.6
+
+
+def test_a_wander_is_learnt_in_stretches_that_its_law_was_believed_throughout() -> None:
+    at = Layout(model_for(AMPLITUDE, 0.3), 2.0)
+    bank = FilterBank(at, np.full((FILTERS, at.size), 1e-6), np.zeros(FILTERS))
+    wander = LearntWander(at)
+
+    def strides(law: Law, step_s: float) -> float:
+        """The share after twenty stretches of it, in each of which the shift went three deviations."""
+        for k in range(20):
+            bank.edge_s += step_s
+            bank.x[:, at.shift] = 3e-3 * (k % 2)
+            wander.see(bank, law, 1e-6 / step_s)
+        return wander.share
+
+    assert strides(Law.CLOCK, 0.25) == 1.0
+    assert strides(Law.DRIFT, 0.6) == 1.0  # images were missing, or the arm was still
+    assert strides(Law.DRIFT, 0.25) > 5.0

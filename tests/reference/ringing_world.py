@@ -104,13 +104,15 @@ class RingingMode:
         )
 
 
-def late_by(delay: str, count: int, period_s: float, random: np.random.Generator) -> Array:
-    """Capture delays, s: constant | drift (8 s, 6.4 ms) | white (6.4 ms), all 74 ms in the mean."""
+def late_by(
+    delay: str, count: int, period_s: float, random: np.random.Generator, wander_s: float = 8.0
+) -> Array:
+    """Capture delays, s: constant | drift (over wander_s, 6.4 ms) | white (6.4 ms), all 74 ms in the mean."""
     if delay == "constant":
         return np.full(count, 0.074)
     steps = random.standard_normal(count)
     if delay == "drift":
-        keep = exp(-period_s / 8.0)
+        keep = exp(-period_s / wander_s)
         for k in range(1, count):
             steps[k] = keep * steps[k - 1] + sqrt(1.0 - keep * keep) * steps[k]
     return 0.074 + 0.0064 * steps
@@ -121,9 +123,11 @@ def ring(
     delay: str = "constant", triggered: bool = False, stamped: bool = False,
     frequency: Callable[[float], float] = lambda t: 1.0, scale_factor: Callable[[float], float] = lambda t: 1.0,
     lost: float = 0.0, command: Callable[[float], float] = lambda t: 0.0, offset_px: float = 20.0, rest_s: float = 0.0,
-    bias_m_s2: float = 0.1, started_ahead: Callable[[float], float] | None = None,
+    bias_m_s2: float = 0.1, started_ahead: Callable[[float], float] | None = None, wander_s: float = 8.0,
 ) -> Ringing:  # fmt: skip
     """Draw one trial. excitation: strikes | pushes (smooth, 0.15 s) | steady (amplitude swings smoothly) | once.
+
+    wander_s: within which the delay `drift` forgets.
 
     started_ahead: by how much n_i precedes mid-exposure in the mean at a time, s, with a quarter frame of white noise;
     None: n_i is always 0.
@@ -138,7 +142,7 @@ def ring(
     mid = 0.003 + period * random.random() + np.arange(count) * period * (1.0 + 1e-4 * random.uniform(-1, 1))
     if triggered:
         mid += 0.005 * random.uniform(-1.0, 1.0, count)
-    arrival = np.maximum.accumulate(mid + late_by(delay, count, period, random))
+    arrival = np.maximum.accumulate(mid + late_by(delay, count, period, random, wander_s))
     deflection, envelope, acceleration = np.zeros(n), np.zeros(n), length * joint.acceleration + bias_m_s2
     seen = np.zeros(count)
     for index, mode in enumerate(model.arm.modes):
