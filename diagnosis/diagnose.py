@@ -32,6 +32,7 @@ from diagnosis.quantities import RANGE
 from diagnosis.recount import recounted
 from diagnosis.repeated_stamps import held_back, without
 from diagnosis.search import search
+from diagnosis.set_stamps import without_set_stamps
 from diagnosis.split import interleaved, stated
 from diagnosis.verdict import Judged
 from diagnosis.world import World
@@ -114,8 +115,9 @@ def diagnose_measured(
     baseline = recounted(dated(_baseline(world, split), split), split)
     baseline = with_lost_modes(baseline, split)
     baseline, steps = _without_steps(baseline, split)
+    baseline, set_back = without_set_stamps(baseline, split)
     baseline, old = _without_old_images(baseline, split)
-    known = (*steps, *old)
+    known = (*steps, *set_back, *old)
     found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=known)
     tick(0.92, "what is left")
     judged = say.judge(found, split)

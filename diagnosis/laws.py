@@ -20,6 +20,7 @@ from diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
 
+OF_STAMPS = "captured_s alone steps: the camera's own clock"
 _LONE_SPIKE = 15.0  # robust deviations; a blow that strikes so hard is heard to ring
 _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
@@ -250,7 +251,7 @@ def _stamp_step(data: Data, last: Fit) -> LawFound | None:
         },
         float(gain_all.sum()),
         blocks,
-        note="captured_s alone steps: the camera's own clock",
+        note=OF_STAMPS,
     )
 
 

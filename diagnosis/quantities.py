@@ -18,6 +18,8 @@ ARRIVAL = "drive.arrival_s"  # by which commands come later than the dead time s
 _ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth
 RANGE = "accelerometer.range_m_s2"
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
+OF_LAST_JUMP = "accelerometer.of_last_jump"  # share of a command's jump, beyond what interpolation has of it
+_OF_LAST_JUMP_STD = 0.5  # where within a cycle a late sensor reads, and how sharply, is unknown
 _LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
 
@@ -85,6 +87,7 @@ class Layout:
             (RANGE, sensor.range_m_s2, 1e-3, _UNLIMITED, 1e-3),
             ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
             (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),
+            (OF_LAST_JUMP, 0.0, -1.0, 1.0, 1e-3),
             ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),
             ("accelerometer.hum_hz", 0.0, 0.0, 5000.0, 1e-5),
             ("accelerometer.hum_sin", 0.0, -1e3, 1e3, 1e-5),
@@ -122,6 +125,7 @@ class Layout:
             2.0 * abs(self.model.camera.scale_px_per_m),
         )
         sets[OF_ARRIVALS] = (0.0, 1.0)
+        sets[OF_LAST_JUMP] = (0.0, _OF_LAST_JUMP_STD)
         sets[ARRIVAL] = (0.0, _ARRIVAL_STD * measured.cycle_s)
         sets["accelerometer.bias_m_s2"] = (self.model.accelerometer.bias_m_s2, 10.0)
         if "displacement" in self.channels:

@@ -18,7 +18,7 @@ from diagnosis.fine_sensors import tip_moved, within_reach
 from diagnosis.frame_clock import FrameClock, frame_clock
 from diagnosis.kernel import K, add_decay, free_decay, reads_later, run, tip_of
 from diagnosis.measured import Measured
-from diagnosis.quantities import ARRIVAL, HIGHER, OF_ARRIVALS, RANGE, Layout
+from diagnosis.quantities import ARRIVAL, HIGHER, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layout
 
 Array = NDArray[np.float64]
 
@@ -283,6 +283,8 @@ class World:
         cycles = vector[at["accelerometer.delay_s"]] / self.measured.cycle_s
         if cycles > 0.0:
             value = _late(value, cycles)
+        if vector[at[OF_LAST_JUMP]]:
+            value = value + self._of_last_jump(motion, vector, int(cycles))
         gain = vector[at["accelerometer.scale"]] * (1.0 + vector[at["accelerometer.rate_per_s"]] * t)
         value = (
             gain * value + vector[at["accelerometer.bias_m_s2"]] + vector[at["accelerometer.rate_m_s3"]] * t
@@ -302,8 +304,27 @@ class World:
         at = self.space.place
         later = reads_later(self._dead_s(vector), self.measured.cycle_s)
         share = float(vector[at[OF_ARRIVALS]]) - (1.0 if later else 0.0)
+        return np.asarray(share * self._stiff_lever(vector) * motion.joint[:, 3])
+
+    def _of_last_jump(self, motion: Motion, vector: Array, late: int) -> Array:
+        """What a late accelerometer reads more of the jump of theta'' between two cycles than interpolation between
+        them has of it, m/s^2. It reads before the jump or after, or some of both where its lag is a filter's.
+
+        late: whole cycles of its delay.
+        """
+        at, alpha = self.space.place, motion.joint[:, 2]
+        stays = np.exp(-2.0 * pi * vector[at["drive.bandwidth_hz"]] * self.measured.cycle_s)
+        jump = np.zeros(len(alpha))
+        jump[late + 1 :] = (
+            np.diff(alpha[: len(alpha) - late]) + (1.0 - stays) * alpha[: len(alpha) - late - 1]
+        )
+        return np.asarray(vector[at[OF_LAST_JUMP]] * self._stiff_lever(vector) * jump)
+
+    def _stiff_lever(self, vector: Array) -> float:
+        """The tip's acceleration by the joint's while no mode has moved, m."""
+        at = self.space.place
         rest = 1.0 - sum(float(vector[at[f"modes.{i}.participation"]]) for i in range(self.modes))
-        return np.asarray(share * rest * self.length * motion.joint[:, 3])
+        return rest * self.length
 
     def instants(self, vector: Array) -> Array:
         """Mid-exposure of each frame as the vector has it, s."""

@@ -1,6 +1,7 @@
 """An accelerometer that lags."""
 
 from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
+from diagnosis.quantities import OF_LAST_JUMP
 
 
 def _trials(context: Context) -> list[Trial]:
@@ -12,6 +13,6 @@ CAUSE = Cause(
     id="accelerometer_lag",
     needs=has("acceleration"),
     trials=_trials,
-    free=free_of("accelerometer.delay_s"),
+    free=free_of("accelerometer.delay_s", OF_LAST_JUMP),
     parameters_of=lambda fit: plain(fit, delay_s="accelerometer.delay_s"),
 )

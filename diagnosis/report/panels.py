@@ -362,6 +362,10 @@ def stamp_offsets(case: Case, name: str) -> Draw:
         world = case.after.world
         frames, clock = world.measured.frames, world.frame_clock
         off = frames.captured_s - clock.grid_s
+        if not clock.counted and case.finding is not None:  # the stamps are the grid, their step taken back
+            onset_s, step_s = (case.finding.values[one][0] for one in ("onset_s", "step_s"))
+            asked = frames.started_s if np.isfinite(frames.started_s).all() else frames.received_s
+            off = frames.captured_s - asked + np.where(frames.received_s >= onset_s, step_s, 0.0)
         x, y = few(frames.received_s + world.measured.origin_s, 1e3 * (off - np.nanmedian(off)))
         axes.plot(x, y, ".", color=AFTER, ms=3)
         axes.set_xlabel("time, s")

@@ -1,11 +1,19 @@
 """What happens within a cycle that no model tells: which comes first, a command or a reading, and by how much."""
 
-import pytest
+from dataclasses import replace
 
-from diagnosis.quantities import ARRIVAL, OF_ARRIVALS
+import msgspec
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP
 from diagnosis.search import search
 from diagnosis.split import interleaved
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from diagnosis.world import World
+from tests.diagnosis.synthetic import MODEL, empty, fitted, measured
+
+Array = NDArray[np.float64]
 
 
 @pytest.mark.parametrize("share", [0.0, 0.6, 1.0])
@@ -41,3 +49,37 @@ def test_half_a_cycle_more_of_dead_time_is_found() -> None:
     )
     assert [one.cause for one in found.findings] == ["drive_dead_time"]
     assert found.final.value("drive.dead_time_s") == pytest.approx(0.0025, abs=1.5e-4)
+
+
+@pytest.mark.parametrize("late_s", [0.0003, 0.0006, 0.0014])
+def test_a_late_accelerometer_reads_before_a_command_or_after_it(late_s: float) -> None:
+    """By a simulation ten times finer: interpolated between cycles, a jump of the joint's acceleration is half seen."""
+    seconds, dead_s = 4.0, 0.0025
+    step = np.repeat(np.random.default_rng(9).normal(0.0, 0.02, round(seconds / 0.005)), 5)
+    values = {"drive.dead_time_s": dead_s, "accelerometer.delay_s": late_s, "modes.0.participation": 0.6}
+
+    def read(cycle_s: float, share: float) -> Array:
+        model = msgspec.structs.replace(MODEL, timing=msgspec.structs.replace(MODEL.timing, cycle_s=cycle_s))
+        finer = round(0.001 / cycle_s)
+        data = empty(seconds, model)
+        commands = np.repeat(step, finer)[: data.cycles]
+        world = World(replace(data, command=commands, reference=commands), model)
+        vector = world.space.with_values(world.space.vector(), {**values, OF_LAST_JUMP: share})
+        return world.predict(vector).channels["acceleration"][::finer][100:3900]
+
+    true, interpolated = read(0.0001, 0.0), read(0.001, 0.0)
+    direction = read(0.001, 1.0) - interpolated
+    share = float(direction @ (true - interpolated) / (direction @ direction))
+    left = true - interpolated - share * direction
+    assert np.std(left) < 0.35 * np.std(true - interpolated)
+    assert abs(share) < 1.0
+
+
+def test_a_late_accelerometer_is_told_from_a_drive_with_dead_time() -> None:
+    """Whatever it reads of the last jump."""
+    data = measured(12.0, 9, {"accelerometer.delay_s": 0.0004, OF_LAST_JUMP: -0.5})
+    found = search(
+        fitted(data), interleaved(12.0), only=["drive_dead_time", "drive_lag", "accelerometer_lag"]
+    )
+    assert [one.cause for one in found.findings] == ["accelerometer_lag"]
+    assert found.final.value("accelerometer.delay_s") == pytest.approx(0.0004, abs=1e-4)

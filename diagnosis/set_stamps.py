@@ -1,0 +1,69 @@
+"""A triggered camera's clock that was set: its stamps step against the requests and the arrivals alike.
+
+Images are dated by their stamps there. If it was the computers' clock that was set, requests and arrivals step against
+the stamps just so, and the images keep to the stamps: what they show tells which of the two it was.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from diagnosis.arrival_steps import arrival_step
+from diagnosis.fit import CHANGED_NATS, WANDER_S, Fit, Split
+from diagnosis.impacts import fit_with_impacts
+from diagnosis.laws import OF_STAMPS, LawFound
+from diagnosis.measured import Frames, Measured
+from diagnosis.robust import std_about_median, step_at
+from diagnosis.world import World
+
+_KNOWN = 0.8  # of the frames
+_BESIDE = 60  # frames: a clock may be set in parts, within a second
+
+
+class SetStamps(NamedTuple):
+    """The first frame whose stamp is of the clock that was set, and by how much, s, with its standard deviation."""
+
+    first: int
+    step_s: float
+    std_s: float
+
+
+def set_stamps(frames: Frames, longest_frames: float) -> SetStamps | None:
+    """The step of a camera's stamps against the requests, or the arrivals where those scatter less; None where they go
+    on alike. longest_frames: that the time between them wanders over."""
+    apart = [frames.captured_s - other for other in (frames.started_s, frames.received_s)]
+    known = [one for one in apart if np.isfinite(one).mean() > _KNOWN]
+    if frames.asked or not known:
+        return None
+    late = min(known, key=lambda one: std_about_median(np.diff(one[np.isfinite(one)])))
+    step = arrival_step(late, longest_frames)
+    return None if step is None else SetStamps(step.index, step_at(late, step.index, _BESIDE), step.std_s)
+
+
+def taken_back(measured: Measured, step: SetStamps) -> Measured:
+    """The same data, the stamps those of a clock that was never set."""
+    stamps = measured.frames.captured_s.copy()
+    stamps[step.first :] -= step.step_s
+    return replace(measured, frames=replace(measured.frames, captured_s=stamps))
+
+
+def without_set_stamps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
+    """The baseline with the stamps that date a triggered camera's images those of a clock that was never set, if the
+    images say that it was."""
+    world = baseline.world
+    frames, clock = world.measured.frames, world.frame_clock
+    if clock.counted or clock.arrival or "displacement" not in world.channels:
+        return baseline, []
+    step = set_stamps(frames, WANDER_S / world.step_s("displacement"))
+    if step is None:
+        return baseline, []
+    other = fit_with_impacts(World(taken_back(world.measured, step), world.model), split)
+    # what shows at one instant may show in any block: all of them judge
+    gains = other.held_nats - baseline.held_nats + other.train_blocks - baseline.train_blocks
+    gained = float(gains.sum())
+    onset = float(frames.received_s[step.first]), world.step_s("displacement")
+    law = LawFound(
+        "clock_step", {"onset_s": onset, "step_s": (step.step_s, step.std_s)}, gained, gains, OF_STAMPS
+    )
+    return (other, [law]) if gained > CHANGED_NATS else (baseline, [])
