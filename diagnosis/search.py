@@ -314,7 +314,10 @@ def _drop_needless(found: Found, split: Split) -> None:
                 start = carried(found.final, world)
             names = tuple(dict.fromkeys((*world.baseline_names(), *rest)))
             without = fit(make_data(world, split), start, names, colour=found.final.colour)
-            losses.append((_lost(found.final, without, split), one, without))
+            lost = _lost(found.final, without, split)
+            if onset_of(cause) is not None:  # it may lie where nothing is held out, or by an edge of what is
+                lost += found.final.train_nats - without.train_nats
+            losses.append((lost, one, without))
         least, one, without = min(losses, key=lambda loss: loss[0])
         if least > LEAST_HELD_NATS:
             return

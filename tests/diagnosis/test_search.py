@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.candidate import Candidate
+from diagnosis.candidate import Candidate, Found
 from diagnosis.choice import ALL
-from diagnosis.fit import make_data, strayed
-from diagnosis.search import _rest_of, _under, search
+from diagnosis.fit import fit, make_data, strayed
+from diagnosis.noise import Colour
+from diagnosis.search import _drop_needless, _rest_of, _under, block_gain, search
 from diagnosis.split import interleaved
 from diagnosis.structure import examine
 from tests.diagnosis.synthetic import fitted, measured
@@ -40,3 +41,35 @@ def test_what_strays_is_not_cleared_by_what_is_fitted_beside_it() -> None:
     gains = np.ones(len(split.held))
     one = Candidate("lens_distortion", strays, 30.0, 10.0, 1.0, gains, {})
     assert _rest_of(strays, frozenset(), split)(one) == ALL
+
+
+def test_a_step_by_the_edge_of_what_is_held_out_is_not_dropped() -> None:
+    """A frame before it, taken for one behind it, is held out: what all others say of the step still counts."""
+    seconds, step_s = 12.0, 0.02
+    split = interleaved(seconds)
+    times = np.arange(0.0, seconds, 0.001)
+    held = split.held[split.blocks_of(times)]
+    edge = float(times[np.flatnonzero(held[:-1] & ~held[1:])[1]])
+    data = measured(seconds, 4, {"accelerometer.delay_s": 0.006})
+    received = data.frames.received_s + step_s * (data.frames.received_s >= edge)
+    data = replace(data, frames=replace(data.frames, received_s=received))
+    names = ("timing.step_s", "accelerometer.delay_s")
+    both = fitted(data, *names, split=split)
+    made = make_data(both.world, split)
+    early = both.world.space.with_values(
+        both.vector, {"timing.step_onset_s": edge - 0.04, "timing.step_s": step_s}
+    )
+    wander = Colour(0.94, 0.0)  # of the delay, by steps of which the one sought is no rare one
+    both = fit(made, early, both.free, colour={**both.colour, "arrival": wander})
+    nothing = np.zeros(len(split.held))
+    findings = [
+        Candidate(cause, both, 0.0, 0.0, 0.0, nothing, {}) for cause in ("clock_step", "accelerometer_lag")
+    ]
+    found = Found(both, both, findings)
+    plain = both.world.space.with_values(both.vector, {"timing.step_s": 0.0})
+    without = fit(
+        made, plain, tuple(name for name in both.free if name != "timing.step_s"), colour=both.colour
+    )
+    assert float(block_gain(both, without)[split.held].sum()) < 0.0
+    _drop_needless(found, split)
+    assert [one.cause for one in found.findings] == ["clock_step", "accelerometer_lag"]
