@@ -30,6 +30,7 @@ _TOLD_APART_NATS = 3.0
 _SURE = 2.0  # standard errors
 _NEARLY = 0.8  # of the held-out gain
 _PLAINLY, _BY_TURNS = 2.0, 3.0  # of what a block may lose by chance; standard errors
+_LOSSES = 0.1  # of all gains
 _A_LITTLE = 0.05  # of the nats of the block that speaks most for a cause
 _LIMITS = ("accelerometer_clipping", "drive_saturation")  # seen at the hardest moves and blows alone
 _SAME_STEP = 3.0  # deviations: a delay that wanders is known less well than they say
@@ -247,11 +248,13 @@ def _at_extremes(one: Candidate, penalty: float) -> bool:
 
 def _spoken_against(one: Candidate, penalty: float) -> bool:
     """Whether some block speaks plainly against the cause, and all together do not outweigh what they differ by: noise
-    that is not as white as it was taken for, an encoder's rounding above all, gains and loses by turns."""
+    that is not as white as it was taken for, an encoder's rounding above all, gains and loses by turns. Not where what
+    is lost is little: then they differ because some show far more of the cause than others."""
     if not len(one.train_blocks):
         return False
     gains = one.all_block_gains
-    return _contradicts(gains, _PLAINLY * penalty) and one.gain < _BY_TURNS * _sum_error(gains)
+    by_turns = -float(gains[gains < 0.0].sum()) > _LOSSES * float(gains[gains > 0.0].sum())
+    return by_turns and _contradicts(gains, _PLAINLY * penalty) and one.gain < _BY_TURNS * _sum_error(gains)
 
 
 def _sum_error(gains: Array) -> float:

@@ -138,6 +138,19 @@ def test_what_gains_and_loses_by_turns_is_a_noise_that_is_not_white() -> None:
         assert (choose([one], SCREENING) is not None) is taken
 
 
+def test_blocks_that_differ_because_some_show_far_more_of_a_cause_do_not_speak_against_it() -> None:
+    """A gap in the gears, by the moves that cross it; little is lost where a blow falls."""
+    shown = [92.0, 61.0, 124.0, -39.0, 235.0, 236.0, 1492.0, 948.0, 66.0, -89.0]
+    for factor, taken in ((1.0, True), (6.0, False)):
+        gains = np.array([one if one > 0.0 else factor * one for one in shown])
+        held = np.arange(BLOCKS) % 2 == 1
+        one = replace(
+            LAG, train_gain=gains[~held].sum(), held_gain=gains[held].sum(), held_std=100.0,
+            train_blocks=np.where(held, 0.0, gains), block_gains=np.where(held, gains, 0.0),
+        )  # fmt: skip
+        assert (choose([one], SCREENING) is not None) is taken
+
+
 def test_what_changed_for_good_shows_in_more_than_one_place() -> None:
     payload = candidate("payload_change", 0.0, 0.0)
     assert choose([in_blocks(payload, [9.0], [9.0])], SCREENING) is not None
