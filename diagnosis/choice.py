@@ -92,14 +92,18 @@ def _seen_before(one: Candidate, stage: Stage, found: Found) -> bool:
 
 def _stands_alone(one: Candidate, stage: Stage, larger: list[Candidate], left: Rest) -> bool:
     """Whether a small one is there in its own right: nothing is left with it; or in another place than the larger
-    findings it explains more than any other cause does, and that steadily, or leaves next to nothing of what it
-    explains. A likeness explains a part of what a simple form leaves, here more and there less, and others a part of
+    findings it explains more than any other that convinces does, and that steadily, or leaves next to nothing of what
+    it explains. A likeness explains a part of what a simple form leaves, here more and there less, and others a part of
     the same."""
     if left.nothing:
         return True
     if any(CATALOGUE[one.cause].place == CATALOGUE[each.cause].place for each in larger):
         return False
-    others = [other.gain for other in stage.candidates if other.law is None and other is not one]
+    others = [
+        other.gain
+        for other in stage.candidates
+        if other.law is None and other is not one and _more_than_chance(other, stage.screening)
+    ]
     next_gain = max(others, default=0.0)
     cleared = _MOSTLY_CLEARED if next_gain < _FAR_AHEAD * one.gain else _CLEARED
     steadily = one.held_std > 0.0 and one.held_gain > _STEADY * one.held_std

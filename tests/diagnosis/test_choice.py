@@ -228,6 +228,7 @@ def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_ta
     assert taken(lens, [], 0.3) is lens  # far ahead of all others
     assert taken(lens, [bias], 0.3) is None  # explains a part of what is there, as another does
     assert taken(lens, [], 0.4) is None
+    assert taken(lens, [replace(bias, held_gain=1.0, train_gain=120.0)], 0.3) is lens  # that one is chance
     assert taken(replace(lens, held_std=10.0), [bias], 1.0) is not None  # steadily
     assert taken(replace(lens, held_std=12.0), [bias], 1.0) is None
     assert taken(friction, [], 0.1) is None  # what a lag's simple form leaves
