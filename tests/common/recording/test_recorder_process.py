@@ -60,7 +60,8 @@ def test_close_completes_the_file(tmp_path: Path) -> None:
 
 
 DAEMON = """
-import sys, time
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that runs tests behind it (`&`) has it ignored
 from common.recording.header import RecordingHeader
 from common.recording.recorder_process import RecorderClient
 from common.recording.topics import FastSample
