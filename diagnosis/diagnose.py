@@ -19,7 +19,7 @@ from diagnosis.candidate import Found
 from diagnosis.ceiling import below, ceiling_of
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
-from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
+from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, gain_of_each_block, make_data
 from diagnosis.frequency_course import frequency_courses, seen_frequency
 from diagnosis.image_dating import dated
 from diagnosis.impacts import carried, fit_with_impacts, with_impacts_in_place, with_impacts_sought
@@ -255,8 +255,7 @@ def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound
         return baseline, []
     mended = World(without(world.measured, held, period), world.model, world.impacts)
     other = fit(make_data(mended, split), carried(baseline, mended), mended.baseline_names())
-    # what shows at one instant may show in any block: all of them judge
-    gains = other.held_nats - baseline.held_nats + other.train_blocks - baseline.train_blocks
+    gains = gain_of_each_block(other, baseline)
     gained = float(gains.sum())
     onset = float((frames.received_s if repeated else frames.started_s)[held.first])
     law = LawFound(

@@ -8,6 +8,7 @@ from common.causes import CAUSES
 from common.model import EffectValue, Model
 from diagnosis.candidate import Candidate
 from diagnosis.fit import Fit
+from diagnosis.laws import OF_STAMPS
 
 
 def refitted_model(model: Model, final: Fit) -> Model:
@@ -68,7 +69,7 @@ def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:
     if one.cause == "gear_backlash":
         effect["behind_encoder"] = final.world.behind_encoder
     if one.cause == "clock_step" and one.note:
-        effect["clock"] = "camera" if "captured_s" in one.note else "all"
+        effect["clock"] = "camera" if one.note == OF_STAMPS else "all"
     return effect
 
 

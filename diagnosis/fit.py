@@ -71,6 +71,11 @@ class Fit:
         return float(self.vector[self.world.space.place[name]])
 
 
+def gain_of_each_block(after: Fit, before: Fit) -> Array:
+    """Log-likelihood gained in each block, held out or not: what shows at one instant may show in any. (blocks,)"""
+    return after.held_nats - before.held_nats + after.train_blocks - before.train_blocks
+
+
 @dataclass(frozen=True)
 class Data:
     """A world's channels as one problem: which samples train, which are held out, and in which block."""

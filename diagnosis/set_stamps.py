@@ -8,14 +8,17 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diagnosis.arrival_steps import arrival_step
-from diagnosis.fit import CHANGED_NATS, WANDER_S, Fit, Split
+from diagnosis.fit import CHANGED_NATS, WANDER_S, Fit, Split, gain_of_each_block
 from diagnosis.impacts import fit_with_impacts
 from diagnosis.laws import OF_STAMPS, LawFound
 from diagnosis.measured import Frames, Measured
 from diagnosis.robust import std_about_median, step_at
 from diagnosis.world import World
+
+Array = NDArray[np.float64]
 
 _KNOWN = 0.8  # of the frames
 _BESIDE = 60  # frames: a clock may be set in parts, within a second
@@ -29,16 +32,24 @@ class SetStamps(NamedTuple):
     std_s: float
 
 
-def set_stamps(frames: Frames, longest_frames: float) -> SetStamps | None:
-    """The step of a camera's stamps against the requests, or the arrivals where those scatter less; None where they go
-    on alike. longest_frames: that the time between them wanders over."""
+def stamps_apart(frames: Frames) -> Array | None:
+    """A camera's stamps less the requests, or less the arrivals where those scatter less, s, (frames,), NaN where
+    unknown; None without stamps."""
     apart = [frames.captured_s - other for other in (frames.started_s, frames.received_s)]
     known = [one for one in apart if np.isfinite(one).mean() > _KNOWN]
     if frames.asked or not known:
         return None
-    late = min(known, key=lambda one: std_about_median(np.diff(one[np.isfinite(one)])))
-    step = arrival_step(late, longest_frames)
-    return None if step is None else SetStamps(step.index, step_at(late, step.index, _BESIDE), step.std_s)
+    return min(known, key=lambda one: std_about_median(np.diff(one[np.isfinite(one)])))
+
+
+def set_stamps(frames: Frames, longest_frames: float) -> SetStamps | None:
+    """The step of a camera's stamps against the controller's clock; None where they go on alike. longest_frames: that
+    the time between them wanders over."""
+    apart = stamps_apart(frames)
+    step = None if apart is None else arrival_step(apart, longest_frames)
+    if apart is None or step is None:
+        return None
+    return SetStamps(step.index, step_at(apart, step.index, _BESIDE), step.std_s)
 
 
 def taken_back(measured: Measured, step: SetStamps) -> Measured:
@@ -59,8 +70,7 @@ def without_set_stamps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]
     if step is None:
         return baseline, []
     other = fit_with_impacts(World(taken_back(world.measured, step), world.model), split)
-    # what shows at one instant may show in any block: all of them judge
-    gains = other.held_nats - baseline.held_nats + other.train_blocks - baseline.train_blocks
+    gains = gain_of_each_block(other, baseline)
     gained = float(gains.sum())
     onset = float(frames.received_s[step.first]), world.step_s("displacement")
     law = LawFound(

@@ -315,9 +315,7 @@ class World:
         at, alpha = self.space.place, motion.joint[:, 2]
         stays = np.exp(-2.0 * pi * vector[at["drive.bandwidth_hz"]] * self.measured.cycle_s)
         jump = np.zeros(len(alpha))
-        jump[late + 1 :] = (
-            np.diff(alpha[: len(alpha) - late]) + (1.0 - stays) * alpha[: len(alpha) - late - 1]
-        )
+        jump[late + 1 :] = alpha[1 : len(alpha) - late] - stays * alpha[: len(alpha) - late - 1]
         return np.asarray(vector[at[OF_LAST_JUMP]] * self._stiff_lever(vector) * jump)
 
     def _stiff_lever(self, vector: Array) -> float:

@@ -51,8 +51,7 @@ class FrameDates:
         spread_s = start.spread_s(model)
         self.dating = Dating(self._frame_s, self._model_delay_s, spread_s)
         self.shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
-        self._wander = LearntWander(at)
-        self._wanders = float(self.shift_noise[Law.DRIFT]), float(self._shift_return[Law.DRIFT])
+        self._wander = LearntWander(at, self.shift_noise, self._shift_return)
         self._joint_date = JointDate()
         self._clock_rate = ClockRate(spread_s, self._cycle_s)
         self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s) for _ in range(2)]
@@ -75,11 +74,8 @@ class FrameDates:
         return float(self.dating.nominal[best % LAWS] + self._bank.x[best, self._at.shift])
 
     def learn_wander(self, law: int) -> None:
-        """After an image; law: that is believed."""
-        noise, back = self._wanders
-        self._wander.see(self._bank, law, noise)
-        self.shift_noise[Law.DRIFT :: LAWS] = self._wander.share * noise
-        self._shift_return[Law.DRIFT :: LAWS] = self._wander.share * back
+        """After an image: how fast the delay wanders; law: that is believed."""
+        self._wander.see(self._bank, law)
 
     def recount(self, frames: int) -> None:
         """The count was that many frames short."""

@@ -10,7 +10,7 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.fused.bank import FilterBank, Law
+from controller.fused.bank import LAWS, FilterBank, Law
 from controller.fused.layout import Layout
 
 _STRETCH_S = 1.5
@@ -60,9 +60,13 @@ class LearntWander:
     share: of the rate assumed at which it comes back to its mean, and of its walk's variance: the spread stays.
     """
 
-    def __init__(self, at: Layout) -> None:
-        """As assumed."""
-        self._shift = at.shift
+    def __init__(
+        self, at: Layout, shift_noise: NDArray[np.float64], shift_return: NDArray[np.float64]
+    ) -> None:
+        """As assumed. shift_noise: growth of the shift's variance, s^2/s; shift_return: rate at which it comes back,
+        1/s; both (filters,) and kept in step for that law."""
+        self._shift, self._noise, self._return = at.shift, shift_noise, shift_return
+        self._assumed = float(shift_noise[Law.DRIFT]), float(shift_return[Law.DRIFT])
         self._walk = LearntWalk(_WANDER_RATE, _MOST_WANDER)
         self._since_s = float("-inf")
         self._moved = -1
@@ -71,8 +75,8 @@ class LearntWander:
     def share(self) -> float:
         return self._walk.share
 
-    def see(self, bank: FilterBank, law: int, assumed: float) -> None:
-        """After an image; law: that is believed; assumed: growth of the shift's variance, s^2/s."""
+    def see(self, bank: FilterBank, law: int) -> None:
+        """After an image; law: that is believed."""
         if law != Law.DRIFT:
             self._walk.forget()
             return
@@ -83,8 +87,10 @@ class LearntWander:
         if bank.moved[law] != self._moved or elapsed_s > 2.0 * _WANDER_STRETCH_S:
             self._moved = bank.moved[law]
             self._walk.forget()
-        shift = self._shift
-        self._walk.see(float(bank.x[law, shift]), float(bank.p[law, shift, shift]), assumed * elapsed_s)
+        shift, (noise, back) = self._shift, self._assumed
+        self._walk.see(float(bank.x[law, shift]), float(bank.p[law, shift, shift]), noise * elapsed_s)
+        self._noise[Law.DRIFT :: LAWS] = self.share * noise
+        self._return[Law.DRIFT :: LAWS] = self.share * back
 
 
 class LearntWalks:

@@ -19,6 +19,7 @@ from diagnosis.report.views import (
 )
 from diagnosis.residuals import UNITS, residual_of, spectrum_of, times_of, variables
 from diagnosis.robust import std_about_median
+from diagnosis.set_stamps import stamps_apart
 
 Array = NDArray[np.float64]
 
@@ -356,20 +357,21 @@ def missing_frames(case: Case, name: str) -> Draw:
 
 
 def stamp_offsets(case: Case, name: str) -> Draw:
-    """The camera's stamps against the frames' own grid."""
+    """The camera's stamps against the frames' own grid; where they are that grid, their step taken back, as they were
+    against the controller's clock."""
 
     def draw(axes: Axes) -> None:
         world = case.after.world
         frames, clock = world.measured.frames, world.frame_clock
-        off = frames.captured_s - clock.grid_s
-        if not clock.counted and case.finding is not None:  # the stamps are the grid, their step taken back
+        off, other = frames.captured_s - clock.grid_s, "frame grid"
+        apart = None if clock.counted else stamps_apart(frames)
+        if apart is not None and case.finding is not None:
             onset_s, step_s = (case.finding.values[one][0] for one in ("onset_s", "step_s"))
-            asked = frames.started_s if np.isfinite(frames.started_s).all() else frames.received_s
-            off = frames.captured_s - asked + np.where(frames.received_s >= onset_s, step_s, 0.0)
+            off, other = apart + np.where(frames.received_s >= onset_s, step_s, 0.0), "the controller's clock"
         x, y = few(frames.received_s + world.measured.origin_s, 1e3 * (off - np.nanmedian(off)))
         axes.plot(x, y, ".", color=AFTER, ms=3)
         axes.set_xlabel("time, s")
-        axes.set_ylabel("stamp less frame grid, ms")
-        axes.set_title("the camera's clock against its own frames")
+        axes.set_ylabel(f"stamp less {other}, ms")
+        axes.set_title(f"the camera's clock against {'its own frames' if clock.counted else other}")
 
     return draw

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from diagnosis.laws import OF_STAMPS
 from diagnosis.report import panels
 from diagnosis.report.case import ARM_CHANNELS, Case
 from diagnosis.report.drawing import Draw, svg
@@ -53,7 +54,7 @@ def picture(case: Case) -> str:
     assert case.finding is not None
     cause = case.finding.cause
     panel, channels = _TELLING.get(cause, (panels.residual_in_time, ()))
-    if cause == "clock_step" and case.finding.law is not None and case.finding.note.startswith("captured_s"):
+    if cause == "clock_step" and case.finding.note == OF_STAMPS:
         return svg([panels.stamp_offsets(case, "displacement")], f"{cause}: stamps", panel_in=(7.0, 2.9))
     if cause == "clock_step" and case.finding.law is not None:
         return svg([panels.residual_in_time(case, case.channels[0])], cause, panel_in=(9.0, 2.9))

@@ -170,16 +170,20 @@ def test_the_method_learns_how_fast_the_delay_wanders(wander_s: float) -> None:
 def test_a_wander_is_learnt_in_stretches_that_its_law_was_believed_throughout() -> None:
     at = Layout(model_for(AMPLITUDE, 0.3), 2.0)
     bank = FilterBank(at, np.full((FILTERS, at.size), 1e-6), np.zeros(FILTERS))
-    wander = LearntWander(at)
+    noise, back = np.full(FILTERS, 4e-6), np.full(FILTERS, 0.35)
+    wander = LearntWander(at, noise, back)
 
     def strides(law: Law, step_s: float) -> float:
         """The share after twenty stretches of it, in each of which the shift went three deviations."""
         for k in range(20):
             bank.edge_s += step_s
             bank.x[:, at.shift] = 3e-3 * (k % 2)
-            wander.see(bank, law, 1e-6 / step_s)
+            wander.see(bank, law)
         return wander.share
 
     assert strides(Law.CLOCK, 0.25) == 1.0
     assert strides(Law.DRIFT, 0.6) == 1.0  # images were missing, or the arm was still
     assert strides(Law.DRIFT, 0.25) > 5.0
+    for assumed, now in ((4e-6, noise), (0.35, back)):
+        assert now[Law.DRIFT :: LAWS] == pytest.approx(wander.share * assumed)
+        assert np.all(np.delete(now, [Law.DRIFT, LAWS + Law.DRIFT]) == assumed)

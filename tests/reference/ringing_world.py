@@ -128,7 +128,6 @@ def ring(
     """Draw one trial. excitation: strikes | pushes (smooth, 0.15 s) | steady (amplitude swings smoothly) | once.
 
     wander_s: within which the delay `drift` forgets.
-
     started_ahead: by how much n_i precedes mid-exposure in the mean at a time, s, with a quarter frame of white noise;
     None: n_i is always 0.
     """
