@@ -122,9 +122,11 @@ def _cameras() -> list[tuple[str, str, CameraDevice]]:
     sys.path.append("/usr/lib/python3/dist-packages")  # where Debian keeps gi
     genicam = importlib.util.find_spec("genicam")
     producer = str(Path(genicam.origin).parent / "viky.cti") if genicam and genicam.origin else ""
-    small = {"width_px": 640, "height_px": 480, "frame_rate_hz": _RATE_HZ}
+    emulated = CameraDevice(
+        driver="basler", exposure_s=0.005, width_px=640, height_px=480, frame_rate_hz=_RATE_HZ
+    )
     return [
-        ("basler", "pylon's camera emulator", CameraDevice(driver="basler", exposure_s=0.005, **small)),  # type: ignore[arg-type]
+        ("basler", "pylon's camera emulator", emulated),
         (
             "genicam",
             "test transport layer of genicam",

@@ -3,6 +3,9 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from math import isnan
+from typing import Any
+
+import msgspec
 
 from common.configuration import Configuration, default_configuration_path
 from common.configuration import Controller as ControllerSettings
@@ -77,7 +80,7 @@ def read_run(recording: Recording) -> RecordedRun:
     configuration = parse_toml(text, Configuration, f"{name} (configuration)")
     model = check_model(parse_toml(header.model, Model, f"{name} (model)"), f"{name} (model)")
 
-    def topic(topic_name: str) -> list:  # type: ignore[type-arg]
+    def topic(topic_name: str) -> list[Any]:
         return list(recording.messages(topic_name)) if recording.counts.get(topic_name) else []
 
     return RecordedRun(name, configuration, model, topic("/fast"), topic("/frames"), topic("/estimate"))
@@ -140,10 +143,10 @@ def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = No
     return comparison
 
 
-def _numbers(was: object, now: object) -> Iterator[tuple[str, object, object]]:
+def _numbers(was: object, now: msgspec.Struct) -> Iterator[tuple[str, object, object]]:
     # time_s follows from the cycle, unless a simulated clock stepped; before there were states, none was recorded
     passed = {"time_s", "state", "reason"} if getattr(was, "state", None) == "" else {"time_s"}
-    for key in now.__struct_fields__:  # type: ignore[attr-defined]
+    for key in now.__struct_fields__:
         if key not in passed:
             yield key, getattr(was, key), getattr(now, key)
 
