@@ -1,7 +1,7 @@
 """Which of the refitted causes is taken, and how surely: by what each predicts of the held-out part."""
 
 from collections.abc import Callable, Mapping
-from math import erf, log, sqrt
+from math import erf, inf, log, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -59,20 +59,26 @@ def rest(gain: float, without: Mapping[str, float], beside: Mapping[str, float])
 
 
 def next_to_take(
-    stage: Stage, found: Found, rest_of: Callable[[Candidate], Rest] = lambda one: ALL
+    stage: Stage,
+    found: Found,
+    rest_of: Callable[[Candidate], Rest] = lambda one: ALL,
+    left_elsewhere: Callable[[], Mapping[str, float]] = dict,
 ) -> Candidate | None:
     """The stage's best that adds something of its own: no other name for what is already found, and no small change
     that a finding's simple form would leave of its true one.
 
     rest_of: what the data hold beside a candidate, of what they hold without it: as small as it may be, one that leaves
-    nothing is no likeness of what a simple form leaves.
+    nothing is no likeness of what a simple form leaves. left_elsewhere: nats that a finding's simple form leaves at
+    most in other places, where something tells.
     """
     for one in [stage.taken, *stage.candidates] if stage.taken is not None else []:
         if not _convincing(one, stage.screening):
             continue
         larger = [each for each in found.findings if one.law is None and one.gain < _least_share(one, each)]
         if larger and not (
-            _seen_before(one, stage, found) or _stands_alone(one, stage, larger, rest_of(one))
+            _seen_before(one, stage, found)
+            or _more_than_left(one, larger, left_elsewhere())
+            or _stands_alone(one, stage, larger, rest_of(one))
         ):
             continue
         rivals = [earlier for earlier in found.stages if _same_thing(earlier, one)]
@@ -88,6 +94,14 @@ def _seen_before(one: Candidate, stage: Stage, found: Found) -> bool:
     part then of the whole, of which a likeness would have taken far more."""
     before, now = found.stages[0].screening.promised(one.cause), stage.screening.promised(one.cause)
     return abs(before - now) < _AS_MUCH * now
+
+
+def _more_than_left(one: Candidate, larger: list[Candidate], most: Mapping[str, float]) -> bool:
+    """Whether it explains more in another place than the larger findings' simple forms can leave there."""
+    return all(
+        CATALOGUE[one.cause].place != CATALOGUE[each.cause].place and one.gain > most.get(each.cause, inf)
+        for each in larger
+    )
 
 
 def _stands_alone(one: Candidate, stage: Stage, larger: list[Candidate], left: Rest) -> bool:
@@ -257,8 +271,22 @@ def _spoken_against(one: Candidate, penalty: float) -> bool:
     if not len(one.train_blocks):
         return False
     gains = one.all_block_gains
-    by_turns = -float(gains[gains < 0.0].sum()) > _LOSSES * float(gains[gains > 0.0].sum())
-    return by_turns and _contradicts(gains, _PLAINLY * penalty) and one.gain < _BY_TURNS * _sum_error(gains)
+    return (
+        _loses_much(gains)
+        and _contradicts(gains, _PLAINLY * penalty)
+        and one.gain < _BY_TURNS * _sum_error(gains)
+    )
+
+
+def _loses_much(gains: Array) -> bool:
+    """Whether what blocks lose is not little beside what others gain."""
+    return -float(gains[gains < 0.0].sum()) > _LOSSES * float(gains[gains > 0.0].sum())
+
+
+def by_all_blocks(gains: Array) -> bool:
+    """Whether blocks, held out or not, speak for a cause in more than one place, and next to none against it: what
+    grows towards both ends, as a clock's skew does, hardly shows in what is held out between them."""
+    return not _loses_much(gains) and float(gains.sum() - gains.max()) > LEAST_HELD_NATS
 
 
 def _sum_error(gains: Array) -> float:

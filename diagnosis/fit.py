@@ -159,6 +159,15 @@ def _nats(data: Data, residuals: dict[str, Array], sigma: dict[str, float]) -> t
     return train, held
 
 
+def train_nats_of_channels(data: Data, one: Fit) -> dict[str, float]:
+    """Log-likelihood of what trains, by channel."""
+    found = {}
+    for name, residual in one.residuals.items():
+        trained, level_now = residual[data.train[name]], one.sigma[name]
+        found[name] = float(log_likelihood(trained / level_now, level_now).sum())
+    return found
+
+
 def jacobian(
     world: World,
     vector: Array,

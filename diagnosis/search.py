@@ -12,7 +12,18 @@ from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
-from diagnosis.choice import ALL, LEAST_HELD_NATS, Rest, choose, in_doubt, next_to_take, rank, rest, too_small
+from diagnosis.choice import (
+    ALL,
+    LEAST_HELD_NATS,
+    Rest,
+    by_all_blocks,
+    choose,
+    in_doubt,
+    next_to_take,
+    rank,
+    rest,
+    too_small,
+)
 from diagnosis.fit import Colours, Data, Fit, Split, colours, fit, make_data, strayed
 from diagnosis.impacts import carried, pruned, with_hidden_blows
 from diagnosis.laws import LawFound, backward_steps, laws
@@ -20,6 +31,7 @@ from diagnosis.lost_modes import with_lost_modes
 from diagnosis.moving_part import begun_on_what_moves
 from diagnosis.onset import AT_ONCE, onset_of, onset_seen, settled
 from diagnosis.screen import Scored, Screening, screen, variant
+from diagnosis.seen_at_joint import most_left_elsewhere
 from diagnosis.side_by_side import meanwhile, side_by_side
 from diagnosis.structure import examine
 from diagnosis.unforetold import foretold
@@ -73,13 +85,14 @@ def search(
         threshold = screened[0] if screened else None
         causes = [CAUSES[name] for name in names]
         stage = _stage(data, last, split, causes, taken, free, threshold)
-        best = next_to_take(stage, found, _rest_of(last, found.known_laws, split))
+        elsewhere = _left_elsewhere(found, split, threshold)
+        best = next_to_take(stage, found, _rest_of(last, found.known_laws, split), elsewhere)
         strays = None
         if best is None and found.final is not found.baseline and step < MOST_CAUSES:
             strays = _under(data, last, strayed(data, last))
         if strays is not None:
             other = _stage(data, strays, split, causes, taken, free, threshold)
-            best = next_to_take(other, found, _rest_of(strays, found.known_laws, split))
+            best = next_to_take(other, found, _rest_of(strays, found.known_laws, split), elsewhere)
             if best is not None:
                 stage, best = _with_fit(other, best, _as_before(best, last, split))
         if best is not None and best.law is None and step < MOST_CAUSES:
@@ -119,19 +132,33 @@ def _with_fit(stage: Stage, one: Candidate, other: Fit) -> tuple[Stage, Candidat
     return replace(stage, candidates=[new if each is one else each for each in stage.candidates]), new
 
 
+def _left(of: Fit, known_laws: frozenset[str], split: Split) -> dict[str, float]:
+    """Nats that a fit leaves in each channel."""
+    channels = examine(make_data(of.world, split), of, known_laws).channels
+    return {name: one.train_nats for name, one in channels.items() if not one.white}
+
+
 def _rest_of(last: Fit, known_laws: frozenset[str], split: Split) -> Callable[[Candidate], Rest]:
     """Tells what is left of the data with a candidate, beside what the last fit leaves: both under the same noise, as
     what strays is otherwise taken for what the candidate explains."""
 
-    def left(of: Fit) -> dict[str, float]:
-        channels = examine(make_data(of.world, split), of, known_laws).channels
-        return {name: one.train_nats for name, one in channels.items() if not one.white}
-
     @cache  # looked at where a candidate asks for it, and once
     def without() -> dict[str, float]:
-        return left(last)
+        return _left(last, known_laws, split)
 
-    return lambda one: rest(one.train_gain, without(), left(one.fit)) if without() else ALL
+    def of(one: Candidate) -> Rest:
+        return rest(one.train_gain, without(), _left(one.fit, known_laws, split)) if without() else ALL
+
+    return of
+
+
+def _left_elsewhere(found: Found, split: Split, threshold: float | None) -> Callable[[], dict[str, float]]:
+    """Tells the nats that findings' simple forms leave at most in other places; looked at once, too."""
+
+    def left(of: Fit) -> dict[str, float]:
+        return _left(of, found.known_laws, split)
+
+    return cache(lambda: most_left_elsewhere(found, split, left, threshold or LEAST_HELD_NATS))
 
 
 def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
@@ -286,12 +313,16 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     )
 
 
-def _lost(final: Fit, without: Fit, split: Split) -> float:
-    """Held-out nats that go with a finding. What nobody could have foretold is not counted, as where it was taken: a
-    thousand nats either way there would drop the very cause that explains the recording."""
-    gains = block_gain(final, without)
-    gains[~foretold(split, without)] = 0.0
-    return float(gains[split.held].sum())
+def _lost(one: Candidate, final: Fit, without: Fit, split: Split) -> float:
+    """Held-out nats that go with a finding; all, where it need not show where something is held out: it has an onset,
+    by an edge perhaps; or the data show it by themselves; or all blocks together speak for it. What nobody could have
+    foretold is not counted, as where it was taken: a thousand nats either way there would drop the very cause that
+    explains the recording."""
+    held = block_gain(final, without)
+    held[~foretold(split, without)] = 0.0
+    train = final.train_blocks - without.train_blocks
+    anywhere = one.certain or onset_of(CAUSES[one.cause]) is not None or by_all_blocks(held + train)
+    return float(held[split.held].sum()) + (float(train.sum()) if anywhere else 0.0)
 
 
 def _drop_needless(found: Found, split: Split) -> None:
@@ -314,10 +345,7 @@ def _drop_needless(found: Found, split: Split) -> None:
                 start = carried(found.final, world)
             names = tuple(dict.fromkeys((*world.baseline_names(), *rest)))
             without = fit(make_data(world, split), start, names, colour=found.final.colour)
-            lost = _lost(found.final, without, split)
-            if onset_of(cause) is not None:  # it may lie where nothing is held out, or by an edge of what is
-                lost += found.final.train_nats - without.train_nats
-            losses.append((lost, one, without))
+            losses.append((_lost(one, found.final, without, split), one, without))
         least, one, without = min(losses, key=lambda loss: loss[0])
         if least > LEAST_HELD_NATS:
             return

@@ -11,6 +11,7 @@ from diagnosis.cause import Trial
 from diagnosis.choice import (
     Rest,
     _likelier,
+    by_all_blocks,
     choose,
     confidence,
     in_doubt,
@@ -232,6 +233,26 @@ def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_ta
     assert taken(replace(lens, held_std=10.0), [bias], 1.0) is not None  # steadily
     assert taken(replace(lens, held_std=12.0), [bias], 1.0) is None
     assert taken(friction, [], 0.1) is None  # what a lag's simple form leaves
+
+
+def test_a_small_one_that_is_more_than_a_finding_can_leave_there_is_taken() -> None:
+    """The joint's own sensor shows how much is left of a drive's true form."""
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=20000.0, held_gain=10000.0)))
+    lens, friction = candidate("lens_distortion", 40.0, 20.0), candidate("joint_friction", 40.0, 20.0)
+
+    def taken(one: Candidate, most: dict[str, float]) -> Candidate | None:
+        return next_to_take(Stage(SCREENING, [one], one), first, left_elsewhere=lambda: most)
+
+    assert taken(lens, {"drive_lag": 59.0}) is lens
+    assert taken(lens, {"drive_lag": 61.0}) is None
+    assert taken(lens, {}) is None  # nothing tells
+    assert taken(friction, {"drive_lag": 59.0}) is None
+
+
+def test_blocks_speak_for_a_cause_if_several_do_and_next_to_none_against_it() -> None:
+    assert by_all_blocks(np.array([80.0, -4.0, 5.0, 80.0]))  # what grows towards both ends
+    assert not by_all_blocks(np.array([80.0, -4.0, 5.0, 0.0]))  # at one place
+    assert not by_all_blocks(np.array([80.0, -30.0, 5.0, 80.0]))
 
 
 @pytest.mark.parametrize(("before", "taken"), [(110.0, True), (1000.0, False), (0.0, False)])

@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from diagnosis.candidate import Candidate, Found
+from diagnosis.catalogue import CAUSES
 from diagnosis.choice import ALL
 from diagnosis.fit import fit, make_data, strayed
 from diagnosis.noise import Colour
-from diagnosis.search import _drop_needless, _rest_of, _under, block_gain, search
+from diagnosis.search import _drop_needless, _lost, _of_fit, _rest_of, _under, block_gain, search
 from diagnosis.split import interleaved
 from diagnosis.structure import examine
 from tests.diagnosis.synthetic import fitted, measured
@@ -73,3 +75,23 @@ def test_a_step_by_the_edge_of_what_is_held_out_is_not_dropped() -> None:
     assert float(block_gain(both, without)[split.held].sum()) < 0.0
     _drop_needless(found, split)
     assert [one.cause for one in found.findings] == ["clock_step", "accelerometer_lag"]
+
+
+@pytest.mark.parametrize(
+    ("train", "certain", "lost"),
+    [
+        ([0.0, 0.0, 300.0], False, 1.0),  # in one place: it may be anything
+        ([0.0, 0.0, 300.0], True, 301.0),  # as an accelerometer clips at one blow
+        ([80.0, 5.0, 80.0], False, 166.0),  # as a clock's skew grows towards both ends
+        ([80.0, -60.0, 80.0], False, 1.0),
+    ],
+)
+def test_what_is_lost_with_a_finding(train: list[float], certain: bool, lost: float) -> None:
+    """Where a cause need not show in what is held out, all data tell whether it is needless."""
+    split = interleaved(6.0)
+    without = fitted(measured(6.0, 5), split=split)
+    blocks, held = np.zeros(len(split.held)), np.zeros(len(split.held))
+    blocks[[0, 3, 8]], held[4] = train, 1.0
+    final = replace(without, train_blocks=without.train_blocks + blocks, held_nats=without.held_nats + held)
+    one = replace(_of_fit(CAUSES["accelerometer_clipping"], final, without, split), certain=certain)
+    assert _lost(one, final, without, split) == pytest.approx(lost)

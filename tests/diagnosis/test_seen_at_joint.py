@@ -1,0 +1,55 @@
+"""What a drive's form can leave elsewhere, from how much of it is left at the joint."""
+
+from dataclasses import replace
+from math import inf
+
+import pytest
+
+from diagnosis.candidate import Candidate, Found
+from diagnosis.catalogue import CAUSES
+from diagnosis.fit import Fit, fit, make_data
+from diagnosis.noise import Colour
+from diagnosis.search import _of_fit
+from diagnosis.seen_at_joint import most_left_elsewhere
+from diagnosis.split import interleaved
+from tests.diagnosis.synthetic import fitted, measured
+
+SPLIT = interleaved(6.0)
+DATA = measured(6.0, 3, {"drive.velocity_loss_rad_s": 0.02})
+PLAIN = fitted(DATA)
+FRICTION = _of_fit(CAUSES["joint_friction"], fitted(DATA, "drive.velocity_loss_rad_s"), PLAIN, SPLIT)
+LEAST = 10.0
+
+
+def most(one: Candidate, left_at_joint: float = 0.0) -> dict[str, float]:
+    found = Found(PLAIN, one.fit, [one])
+    return most_left_elsewhere(found, SPLIT, lambda of: {"joint_position": left_at_joint}, LEAST)
+
+
+def test_it_is_in_the_ratio_of_what_is_left_at_the_joint_of_what_was_explained_there() -> None:
+    unseen = most(FRICTION)["joint_friction"]
+    assert 0.0 < unseen < 0.05 * FRICTION.gain
+    assert most(FRICTION, LEAST)["joint_friction"] == unseen
+    assert most(FRICTION, 7.0 * LEAST)["joint_friction"] == pytest.approx(7.0 * unseen)
+
+
+def test_what_strays_at_the_joint_is_counted_as_left_there() -> None:
+    """A fit in which it is noise would leave nothing."""
+    asked: list[Fit] = []
+
+    def left(of: Fit) -> dict[str, float]:
+        asked.append(of)
+        return {}
+
+    colour = {**FRICTION.fit.colour, "joint_position": Colour(0.9, 0.0)}
+    strayed = fit(make_data(PLAIN.world, SPLIT), FRICTION.fit.vector, FRICTION.fit.free, colour=colour)
+    most_left_elsewhere(Found(PLAIN, strayed, [FRICTION]), SPLIT, left, LEAST)
+    assert "joint_position" not in asked[0].colour
+
+
+def test_where_the_joint_tells_nothing_there_is_no_bound() -> None:
+    behind = fitted(DATA, "drive.velocity_loss_rad_s")
+    behind.world = behind.world.changed(behind_encoder=True)
+    assert most(replace(FRICTION, fit=behind))["joint_friction"] == inf
+    assert most(replace(FRICTION, fit=PLAIN))["joint_friction"] == inf
+    assert most(replace(FRICTION, cause="cubic_stiffness")) == {}
