@@ -184,7 +184,7 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
     q, v = np.zeros(m), np.zeros(m)
     wd, sig, w2 = np.zeros(m), np.zeros(m), np.zeros(m)
     scale_before, others_before = -1.0, -1.0
-    next_jump = 0
+    next_jump, side, ahead = 0, 0, 0.0
     for k in range(n):
         t = k * dt
         while next_jump < jump_cycles.shape[0] and jump_cycles[next_jump] <= k:
@@ -267,17 +267,26 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
             starts[count], fades[count], kinds[count] = start, fade, kind
             count += 1
         if gap > 0.0:
-            before = theta
+            touched, before = side, theta
             theta = min(max(theta, theta_m - 0.5 * gap), theta_m + 0.5 * gap)
-            moved = (theta - before) / dt
-            starts[0], fades[0], kinds[0] = (moved - omega) / dt, 0.0, 2
-            count = 1
-            alpha, jump = (alpha_m, jump) if theta != before else (0.0, 0.0)
-            omega = moved
+            ahead = 0.0
+            # between the flanks the link rests; on one, it goes with the motor
+            side = 1 if theta == theta_m + 0.5 * gap else -1 if theta == theta_m - 0.5 * gap else 0
+            if side * omega_m > 0.0:  # the motor has just turned
+                side = 0
+            if side == 0 or side != touched:
+                now_rad_s = omega_m if side else 0.0
+                starts[0], fades[0], kinds[0] = (now_rad_s - omega) / dt, 0.0, 2
+                count = 1
+                ahead = theta - before - 0.5 * (omega + now_rad_s) * dt
+            omega, alpha, jump = (omega_m, alpha_m, jump) if side else (0.0, 0.0, 0.0)
         else:
             theta, omega, alpha = theta_m, omega_m, alpha_m
         if substeps > 1:  # a pair of input and output: no joint
             count, kinds[0], starts[0], fades[0] = 1, 2, 0.0, 0.0
+        if ahead != 0.0:  # it strikes earlier in the cycle than halfway, or later
+            for i in range(m):
+                q[i] -= modes[i, 2] * length * ahead
         # the modes over the cycle, exactly; forces that depend on the state as kicks before and after
         for part in range(substeps):
             now = t + part * h

@@ -211,6 +211,30 @@ def test_play_stands_between_motor_and_joint() -> None:
     assert np.max(np.abs(theta - motor)) == pytest.approx(0.5 * gap)
 
 
+@pytest.mark.parametrize("gap", [2e-4, 0.01])
+def test_an_arm_behind_play_moves_as_in_steps_of_a_fiftieth(
+    gap: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The link rests between the flanks, is struck within a cycle, and goes with the motor until that turns."""
+    _, omega, _, _, q, qdd, _ = simulated({"GAP": gap})
+    parts = 50
+    monkeypatch.setattr("tests.diagnosis.test_kernel.DT", DT / parts)
+    monkeypatch.setattr("tests.diagnosis.test_kernel.CYCLES", CYCLES * parts)
+    monkeypatch.setattr("tests.diagnosis.test_kernel.COMMAND", np.repeat(COMMAND, parts))
+    _, fine_omega, _, _, fine_q, fine_qdd, _ = simulated({"GAP": gap})
+    assert off(omega, fine_omega[::parts]) < 1e-6
+    for mode in range(2):
+        assert off(q[:, mode], fine_q[::parts, mode]) < 1e-3
+        assert off(qdd[:, mode], fine_qdd[::parts, mode]) < 1e-3
+
+
+def test_next_to_no_play_is_none() -> None:
+    """Or a play of nothing would explain what any lag of half a cycle does."""
+    _, _, _, _, none, *_ = simulated()
+    _, _, _, _, hardly_any, *_ = simulated({"GAP": 2e-10})
+    assert off(hardly_any, none) < 1e-4
+
+
 def test_the_joint_stops_at_the_end_of_its_range() -> None:
     theta, omega, *_ = simulated({"HIGHEST": 0.1})
     assert theta.max() == pytest.approx(0.1)
