@@ -123,11 +123,11 @@ def thinned_mask(name: str, mask: Mask) -> Mask:
     return whole
 
 
-def residuals_of(world: World, predicted: Predicted, colour: Colours) -> dict[str, Array]:
+def residuals_of(world: World, predicted: Predicted, vector: Array, colour: Colours) -> dict[str, Array]:
     """Measured less predicted, whitened where a channel has colour."""
     found = {}
-    for name, values in world.channels.items():
-        residual = values - predicted.channels[name]
+    for name in world.channels:
+        residual = world.residual(name, predicted, vector)
         found[name] = colour[name].whiten(residual) if name in colour else residual
     return found
 
@@ -274,7 +274,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     if colour is None:
         colour = colours(data, vector)
     predicted = world.predict(vector)
-    residuals = residuals_of(world, predicted, colour)
+    residuals = residuals_of(world, predicted, vector, colour)
     sigma = _levels(data, residuals)
     train, held = _nats(data, residuals, sigma)
 
@@ -316,7 +316,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
                 damping = max(10.0 * damping, 1e-3)
                 continue
             new_predicted = world.predict(moved)
-            new_residuals = residuals_of(world, new_predicted, colour)
+            new_residuals = residuals_of(world, new_predicted, moved, colour)
             if all(np.isfinite(new_predicted.channels[c]).all() for c in new_predicted.channels):
                 new_sigma = _levels(data, new_residuals)
                 new_train, new_held = _nats(data, new_residuals, new_sigma)
