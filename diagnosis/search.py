@@ -319,7 +319,7 @@ def _lost(one: Candidate, final: Fit, without: Fit, split: Split) -> float:
     foretold is not counted, as where it was taken: a thousand nats either way there would drop the very cause that
     explains the recording."""
     held = block_gain(final, without)
-    held[~foretold(split, without)] = 0.0
+    held[~(foretold(split, without) & foretold(split, final, closely=True))] = 0.0
     train = final.train_blocks - without.train_blocks
     anywhere = one.certain or onset_of(CAUSES[one.cause]) is not None or by_all_blocks(held + train)
     return float(held[split.held].sum()) + (float(train.sum()) if anywhere else 0.0)
