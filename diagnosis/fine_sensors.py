@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from diagnosis.noise import LEAST
-from diagnosis.robust import std_about_zero
+from diagnosis.robust import OF_FIFTH, OF_SECOND, std_about_zero
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,6 @@ _SAME = 1e-9  # rad: values that a file's rounding alone tells apart
 _FEWEST = 200
 _QUIET = 0.1  # of the pieces, which are as quiet as the image gets
 _PIECE = 32  # frames
-_OF_SECOND, _OF_FIFTH = 6.0**0.5, 252.0**0.5  # white noise in second and fifth differences, over its own
 
 
 def is_fine_encoder(position: Array) -> bool:
@@ -30,7 +29,7 @@ def is_fine_encoder(position: Array) -> bool:
         return False
     steps = np.abs(np.diff(known))
     step = float(np.min(steps, initial=np.inf, where=steps > _SAME))
-    noise = std_about_zero(np.diff(known, 2)) / _OF_SECOND
+    noise = std_about_zero(np.diff(known, 2)) / OF_SECOND
     return bool(max(step, noise) < _FINE * LEAST["joint_position"])
 
 
@@ -45,7 +44,7 @@ def is_fine_image(displacement_px: Array) -> bool:
     whole = pieces[np.isfinite(pieces).all(axis=1)]
     if not len(whole):
         return False
-    noise = np.sqrt(np.mean(whole**2, axis=1)) / _OF_FIFTH
+    noise = np.sqrt(np.mean(whole**2, axis=1)) / OF_FIFTH
     return float(np.quantile(noise, _QUIET)) < LEAST["displacement"]
 
 

@@ -267,19 +267,18 @@ def run(  # noqa: PLR0912, PLR0915  (one loop; a call a cycle would cost as much
             starts[count], fades[count], kinds[count] = start, fade, kind
             count += 1
         if gap > 0.0:
-            touched, before = side, theta
+            touched, theta_before, omega_before = side, theta, omega
             theta = min(max(theta, theta_m - 0.5 * gap), theta_m + 0.5 * gap)
             ahead = 0.0
             # between the flanks the link rests; on one, it goes with the motor
             side = 1 if theta == theta_m + 0.5 * gap else -1 if theta == theta_m - 0.5 * gap else 0
             if side * omega_m > 0.0:  # the motor has just turned
                 side = 0
-            if side == 0 or side != touched:
-                now_rad_s = omega_m if side else 0.0
-                starts[0], fades[0], kinds[0] = (now_rad_s - omega) / dt, 0.0, 2
-                count = 1
-                ahead = theta - before - 0.5 * (omega + now_rad_s) * dt
             omega, alpha, jump = (omega_m, alpha_m, jump) if side else (0.0, 0.0, 0.0)
+            if side == 0 or side != touched:
+                starts[0], fades[0], kinds[0] = (omega - omega_before) / dt, 0.0, 2
+                count = 1
+                ahead = theta - theta_before - 0.5 * (omega_before + omega) * dt
         else:
             theta, omega, alpha = theta_m, omega_m, alpha_m
         if substeps > 1:  # a pair of input and output: no joint

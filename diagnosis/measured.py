@@ -12,6 +12,7 @@ from common.recording.reader import Recording
 from common.user_error import UserError
 from common.visual_sample import TrackingStatus
 from diagnosis.fine_sensors import is_fine_encoder, is_fine_image
+from diagnosis.struck_flanks import fast_noise
 
 Array = NDArray[np.float64]
 
@@ -91,6 +92,11 @@ class Measured:
     def has_fine_image(self) -> bool:
         """Whether the images' noise lies below what trackers stray."""
         return is_fine_image(self.frames.displacement_px)
+
+    @cached_property
+    def fast_noise_m_s2(self) -> float:
+        """The accelerometer's white noise, whatever the arm does."""
+        return fast_noise(self.acceleration)
 
     def channel(self, name: str) -> Array:
         """A fast channel's samples on the grid."""

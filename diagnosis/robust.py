@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _MAD_TO_STD = 1.4826
+OF_SECOND, OF_FIFTH = 6.0**0.5, 252.0**0.5  # white noise in second and fifth differences, over its own
 
 
 def std_about_zero(values: Array) -> float:

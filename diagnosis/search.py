@@ -50,6 +50,14 @@ def block_gain(after: Fit, before: Fit) -> Array:
     return after.held_nats - before.held_nats
 
 
+def _gain_where_foretold(after: Fit, before: Fit, split: Split) -> Array:
+    """The same where both could have foretold the block: elsewhere a thousand nats either way would take, or drop, the
+    very cause that explains the recording. A mode that a fit adds has a state after a blow, too."""
+    gains = block_gain(after, before)
+    gains[~(foretold(split, before) & foretold(split, after, closely=True))] = 0.0
+    return gains
+
+
 def _spread(gains: Array, held: NDArray[np.bool_]) -> float:
     """Standard error of the gains' sum over held-out blocks."""
     one = gains[held]
@@ -132,33 +140,23 @@ def _with_fit(stage: Stage, one: Candidate, other: Fit) -> tuple[Stage, Candidat
     return replace(stage, candidates=[new if each is one else each for each in stage.candidates]), new
 
 
-def _left(of: Fit, known_laws: frozenset[str], split: Split) -> dict[str, float]:
-    """Nats that a fit leaves in each channel."""
-    channels = examine(make_data(of.world, split), of, known_laws).channels
-    return {name: one.train_nats for name, one in channels.items() if not one.white}
-
-
 def _rest_of(last: Fit, known_laws: frozenset[str], split: Split) -> Callable[[Candidate], Rest]:
     """Tells what is left of the data with a candidate, beside what the last fit leaves: both under the same noise, as
     what strays is otherwise taken for what the candidate explains."""
 
+    def left(of: Fit) -> dict[str, float]:
+        return examine(make_data(of.world, split), of, known_laws).left
+
     @cache  # looked at where a candidate asks for it, and once
     def without() -> dict[str, float]:
-        return _left(last, known_laws, split)
+        return left(last)
 
-    def of(one: Candidate) -> Rest:
-        return rest(one.train_gain, without(), _left(one.fit, known_laws, split)) if without() else ALL
-
-    return of
+    return lambda one: rest(one.train_gain, without(), left(one.fit)) if without() else ALL
 
 
 def _left_elsewhere(found: Found, split: Split, threshold: float | None) -> Callable[[], dict[str, float]]:
     """Tells the nats that findings' simple forms leave at most in other places; looked at once, too."""
-
-    def left(of: Fit) -> dict[str, float]:
-        return _left(of, found.known_laws, split)
-
-    return cache(lambda: most_left_elsewhere(found, split, left, threshold or LEAST_HELD_NATS))
+    return cache(lambda: most_left_elsewhere(found, split, threshold or LEAST_HELD_NATS))
 
 
 def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
@@ -292,9 +290,7 @@ def _of_law(data: Data, last: Fit, law: LawFound) -> Candidate:
 
 def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     refitted, spread = onset_seen(refitted, cause, split)
-    gains = block_gain(refitted, last)
-    # a mode that it adds has a state after a blow, too
-    gains[~(foretold(split, last) & foretold(split, refitted, closely=True))] = 0.0
+    gains = _gain_where_foretold(refitted, last, split)
     values = cause.parameters_of(refitted)
     if "onset_s" in values:
         values["onset_s"] = (values["onset_s"][0], spread)
@@ -315,11 +311,8 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
 
 def _lost(one: Candidate, final: Fit, without: Fit, split: Split) -> float:
     """Held-out nats that go with a finding; all, where it need not show where something is held out: it has an onset,
-    by an edge perhaps; or the data show it by themselves; or all blocks together speak for it. What nobody could have
-    foretold is not counted, as where it was taken: a thousand nats either way there would drop the very cause that
-    explains the recording."""
-    held = block_gain(final, without)
-    held[~(foretold(split, without) & foretold(split, final, closely=True))] = 0.0
+    by an edge perhaps; or the data show it by themselves; or all blocks together speak for it."""
+    held = _gain_where_foretold(final, without, split)
     train = final.train_blocks - without.train_blocks
     anywhere = one.certain or onset_of(CAUSES[one.cause]) is not None or by_all_blocks(held + train)
     return float(held[split.held].sum()) + (float(train.sum()) if anywhere else 0.0)

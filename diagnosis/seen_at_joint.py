@@ -1,30 +1,29 @@
 """What a drive's simple form can leave of its true one elsewhere, by how much of it the joint's sensor shows."""
 
-from collections.abc import Callable, Mapping
 from math import inf
 
 from common.causes import CAUSES as CATALOGUE
 from diagnosis.candidate import Candidate, Found
 from diagnosis.fit import Fit, Split, fit, make_data, train_nats_of_channels
+from diagnosis.structure import examine
 
 _AT_JOINT = ("joint_position", "joint_velocity")
 _AS_AT_JOINT = 3.0
 """Times the share that is left at the joint: measured 1 to 2 times, where a friction's form was too simple."""
 
 
-def most_left_elsewhere(
-    found: Found, split: Split, left: Callable[[Fit], Mapping[str, float]], least: float
-) -> dict[str, float]:
+def most_left_elsewhere(found: Found, split: Split, least: float) -> dict[str, float]:
     """Nats of all that its simple form may leave elsewhere, by each of the drive's findings: what it explained there,
     in the ratio of what is left of it at the joint. Infinite where the joint tells nothing of it.
 
-    left: tells the nats that a fit leaves in each channel; least: as many as go unseen.
+    least: nats that go unseen.
     """
     of_drive = [one for one in found.findings if one.law is None and CATALOGUE[one.cause].place == "drive"]
     if not of_drive:
         return {}
-    unexplained = left(_with_white_joint(found.final, split))
-    at_joint = max(sum(unexplained.get(name, 0.0) for name in _AT_JOINT), least)
+    final = _with_white_joint(found.final, split)
+    left = examine(make_data(final.world, split), final, found.known_laws).left
+    at_joint = max(sum(left.get(name, 0.0) for name in _AT_JOINT), least)
     return {one.cause: _of_one(one, found, split, at_joint, least) for one in of_drive}
 
 

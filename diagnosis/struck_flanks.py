@@ -7,11 +7,10 @@ play foretells, and little more: a residual there is no longer than noise often 
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.robust import std_about_zero
+from diagnosis.robust import OF_FIFTH, std_about_zero
 
 Array = NDArray[np.float64]
 
-_OF_FIFTH = 252.0**0.5  # white noise in fifth differences, over its own
 _AS_NOISE = 3.0  # deviations
 _SHAKES_S = 0.01
 
@@ -21,7 +20,7 @@ def fast_noise(acceleration: Array) -> float:
     acceleration: (n,), NaN where unmeasured."""
     fifth = np.diff(acceleration, 5)
     fifth = fifth[np.isfinite(fifth)]
-    return std_about_zero(fifth) / _OF_FIFTH if len(fifth) else 0.0
+    return std_about_zero(fifth) / OF_FIFTH if len(fifth) else 0.0
 
 
 def without_strikes(residual: Array, omega: Array, length_m: float, noise: float, step_s: float) -> Array:

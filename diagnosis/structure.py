@@ -43,6 +43,11 @@ class Remains:
     terms: Explained
 
     @property
+    def left(self) -> dict[str, float]:
+        """Nats that are left of the training part, by each channel in which something can be predicted."""
+        return {name: one.train_nats for name, one in self.channels.items() if not one.white}
+
+    @property
     def worst(self) -> Structure | None:
         """The channel in which most can be predicted, if any."""
         found = [one for one in self.channels.values() if not one.white]

@@ -19,7 +19,7 @@ from diagnosis.frame_clock import FrameClock, frame_clock
 from diagnosis.kernel import K, add_decay, free_decay, reads_later, run, tip_of
 from diagnosis.measured import Measured
 from diagnosis.quantities import ARRIVAL, HIGHER, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layout
-from diagnosis.struck_flanks import fast_noise, without_strikes
+from diagnosis.struck_flanks import without_strikes
 
 Array = NDArray[np.float64]
 
@@ -99,7 +99,6 @@ class World:
             for i in range(self.modes)
             for part in "qv"
         }
-        self._fast_noise = fast_noise(measured.acceleration) if "acceleration" in self.channels else 0.0
         none = np.empty(0)
         self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
         self._decays: dict[tuple[float, float], Array] = {}
@@ -224,8 +223,8 @@ class World:
         off: Array = self.channels[name] - predicted.channels[name]
         if name != "acceleration" or vector[self.space.place["drive.gap_rad"]] == 0.0:
             return off
-        omega = predicted.motion.joint[:, 1]
-        return without_strikes(off, omega, self.length, self._fast_noise, self.measured.cycle_s)
+        omega, noise = predicted.motion.joint[:, 1], self.measured.fast_noise_m_s2
+        return without_strikes(off, omega, self.length, noise, self.measured.cycle_s)
 
     def _moved(self, vector: Array, near: Motion) -> Motion:
         """The arm's motion, from one nearby where nothing differs but what jumps: a linear mode's answer adds up."""

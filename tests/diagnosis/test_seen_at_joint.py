@@ -7,11 +7,13 @@ import pytest
 
 from diagnosis.candidate import Candidate, Found
 from diagnosis.catalogue import CAUSES
-from diagnosis.fit import Fit, fit, make_data
+from diagnosis.fit import Data, Fit, fit, make_data
 from diagnosis.noise import Colour
 from diagnosis.search import _of_fit
 from diagnosis.seen_at_joint import most_left_elsewhere
 from diagnosis.split import interleaved
+from diagnosis.structure import Remains, Structure
+from diagnosis.structure import examine as real_examine
 from tests.diagnosis.synthetic import fitted, measured
 
 SPLIT = interleaved(6.0)
@@ -21,29 +23,41 @@ FRICTION = _of_fit(CAUSES["joint_friction"], fitted(DATA, "drive.velocity_loss_r
 LEAST = 10.0
 
 
-def most(one: Candidate, left_at_joint: float = 0.0) -> dict[str, float]:
-    found = Found(PLAIN, one.fit, [one])
-    return most_left_elsewhere(found, SPLIT, lambda of: {"joint_position": left_at_joint}, LEAST)
+def leaves(monkeypatch: pytest.MonkeyPatch, nats: float) -> list[Fit]:
+    """Every fit leaves so much at the joint; which were asked."""
+    asked = []
+
+    def examine(data: Data, last: Fit, known_laws: frozenset[str]) -> Remains:
+        asked.append(last)
+        joint = Structure("joint_position", False, nats, 0.0, nats, (0.0, 0.0), "", "")
+        remains = real_examine(data, last, known_laws)
+        return replace(remains, channels=remains.channels | {"joint_position": joint})
+
+    monkeypatch.setattr("diagnosis.seen_at_joint.examine", examine)
+    return asked
 
 
-def test_it_is_in_the_ratio_of_what_is_left_at_the_joint_of_what_was_explained_there() -> None:
+def most(one: Candidate) -> dict[str, float]:
+    return most_left_elsewhere(Found(PLAIN, one.fit, [one]), SPLIT, LEAST)
+
+
+def test_it_is_in_the_ratio_of_what_is_left_at_the_joint_of_what_was_explained_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     unseen = most(FRICTION)["joint_friction"]
     assert 0.0 < unseen < 0.05 * FRICTION.gain
-    assert most(FRICTION, LEAST)["joint_friction"] == unseen
-    assert most(FRICTION, 7.0 * LEAST)["joint_friction"] == pytest.approx(7.0 * unseen)
+    leaves(monkeypatch, LEAST)
+    assert most(FRICTION)["joint_friction"] == unseen
+    leaves(monkeypatch, 7.0 * LEAST)
+    assert most(FRICTION)["joint_friction"] == pytest.approx(7.0 * unseen)
 
 
-def test_what_strays_at_the_joint_is_counted_as_left_there() -> None:
+def test_what_strays_at_the_joint_is_counted_as_left_there(monkeypatch: pytest.MonkeyPatch) -> None:
     """A fit in which it is noise would leave nothing."""
-    asked: list[Fit] = []
-
-    def left(of: Fit) -> dict[str, float]:
-        asked.append(of)
-        return {}
-
+    asked = leaves(monkeypatch, 0.0)
     colour = {**FRICTION.fit.colour, "joint_position": Colour(0.9, 0.0)}
     strayed = fit(make_data(PLAIN.world, SPLIT), FRICTION.fit.vector, FRICTION.fit.free, colour=colour)
-    most_left_elsewhere(Found(PLAIN, strayed, [FRICTION]), SPLIT, left, LEAST)
+    most_left_elsewhere(Found(PLAIN, strayed, [FRICTION]), SPLIT, LEAST)
     assert "joint_position" not in asked[0].colour
 
 
