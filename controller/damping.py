@@ -1,9 +1,9 @@
 """Damping by the joint: a velocity proportional to the predicted deflection.
 
 With theta'' = k q', q'' + 2 zeta w q' + w^2 q = -p L theta'' becomes q'' + (2 zeta w + p L k) q' + w^2 q = 0: a joint
-velocity k q adds the damping ratio p L k / (2 w), for either sign of the participation p. docs/damping.md derives
-it, with the slow return to the commanded position that keeps an offset from making the joint creep. The law
-"composite" (composite.py) takes the rate into the fast part, and the image into the slow one.
+velocity k q adds the damping ratio p L k / (2 w), for either sign of the participation p, and a little more if it
+trails q. docs/damping.md derives it, with the slow return to the commanded position that keeps an offset from making
+the joint creep. The law "composite" (composite.py) takes the rate into the fast part, and the image into the slow one.
 """
 
 from enum import StrEnum
@@ -25,6 +25,11 @@ _ENTRY_S = 0.2  # from no damping to full damping
 # the vibration's amplitude, or would command at most this share of the drive's velocity. A fit to a quarter of a
 # period, its zero unknown, claims several times what is there, four or five times its own deviation.
 _SURE_OF_AMPLITUDE, _SURE_OF_DRIVE = 0.15, 0.002
+
+
+def most_damping_lag_s(damping_ratio: float, angular_frequency: float) -> float:
+    """How late a joint damps most that damps a vibration to this ratio, up to 0.4; docs/damping.md."""
+    return 2.0 * damping_ratio / (1.0 + 4.0 * damping_ratio * damping_ratio) / angular_frequency
 
 
 class DampingStatus(StrEnum):
@@ -51,7 +56,9 @@ class JointDamping:
         self._gain = 2.0 * settings.added_damping_ratio * w / (mode.participation * length)
         self._sure_rad_s = _SURE_OF_DRIVE * model.drive.max_velocity_rad_s
         self._decay = 2.0 * mode.damping_ratio * w
-        self.lead_s = drive_lead_s(model.drive, w)
+        drive_lead = drive_lead_s(model.drive, w)
+        self.lead_s = drive_lead - most_damping_lag_s(mode.damping_ratio + settings.added_damping_ratio, w)
+        """How far ahead the deflection is that the joint follows."""
         self._weight = 0.0
         self.at_limit = False
         """Whether the part returned last was cut down to settings.max_velocity_rad_s."""
@@ -59,7 +66,7 @@ class JointDamping:
         self._commanded = DriveModel(model.drive, model.timing.cycle_s)
         self._anchored = False
         play = effect_of(model, "gear_backlash")
-        self._crossing = PlayCrossing(play["gap_rad"], self.lead_s, w, self._cycle_s) if play else None
+        self._crossing = PlayCrossing(play["gap_rad"], drive_lead, w, self._cycle_s) if play else None
         self._composite: CompositeControl | None = None
         if settings.law == "composite":
             self._composite = CompositeControl(model, length, self._gain, settings.return_time_s)
@@ -106,7 +113,7 @@ class JointDamping:
             self._composite.see_cycle(cycle, self._commanded.position_rad, estimate, samples, joint)
 
     def predicted_m(self, estimate: Estimate) -> float:
-        """The deflection at which the joint will answer: the present one, moved on by the drive's lead."""
+        """The deflection that the joint's answer follows: the present one, moved by `lead_s`."""
         rate = estimate.deflection_rate_m_s
         bend = -self._w * self._w * estimate.deflection_m - self._decay * rate
         lead = self.lead_s

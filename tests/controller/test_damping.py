@@ -1,5 +1,6 @@
 """Damping in closed loop, against an arm integrated apart from the controller."""
 
+from cmath import exp as complex_exp
 from math import exp, nan, pi
 
 import numpy as np
@@ -9,8 +10,8 @@ from hypothesis import strategies as st
 
 from common.configuration import Controller as Settings
 from common.configuration import Damping
-from common.model import Arm, Mode, Model
-from controller.damping import DampingStatus, JointDamping
+from common.model import Arm, Drive, Mode, Model
+from controller.damping import DampingStatus, JointDamping, most_damping_lag_s
 from controller.estimate import DelayEstimate, Estimate, Status
 from controller.step import Controller, CycleInput
 from tests.reference.arm_world import constant, run_world
@@ -38,6 +39,50 @@ def test_the_added_damping_is_what_was_asked_for(participation: float) -> None:
         arm, Controller(arm, settings), 4.0, strikes={1.0: A}, delay=constant(0.074), damping=lambda t: True
     ).arrays()
     assert decay_ratio(trace["time"], trace["truth"], 1.4, 3.0) == pytest.approx(0.07, abs=0.008)
+
+
+def decay_per_s(ratio: float, added: float, w: float, lag_s: float) -> float:
+    """Of the first mode under a joint velocity that trails the deflection: the root of s^2 + 2 zeta w s + w^2 +
+    2 zeta_a w s exp(-s lag) = 0, by secants from the root without a lag."""
+
+    def characteristic(s: complex) -> complex:
+        return s * s + 2.0 * ratio * w * s + w * w + 2.0 * added * w * s * complex_exp(-s * lag_s)
+
+    s, before = complex(-(ratio + added) * w, w), complex(-(ratio + added) * w, 1.01 * w)
+    while abs(s - before) > 1e-9 * w:
+        f = characteristic(s)
+        s, before = s - f * (s - before) / (f - characteristic(before)), s
+    return -s.real
+
+
+@given(
+    added=st.floats(0.03, 0.35),
+    ratio=st.floats(0.001, 0.05),
+    w=st.floats(3.0, 100.0),
+    away=st.floats(0.4, 1.0),
+)
+def test_a_joint_that_trails_by_the_most_damping_lag_damps_most(
+    added: float, ratio: float, w: float, away: float
+) -> None:
+    lag = most_damping_lag_s(ratio + added, w)
+    most = decay_per_s(ratio, added, w, lag)
+    assert most > (ratio + added) * w
+    assert decay_per_s(ratio, added, w, (1.0 + away) * lag) < most
+    assert decay_per_s(ratio, added, w, (1.0 - away) * lag) < most
+
+
+def test_a_dead_time_known_damps_more_than_one_mistaken_either_way() -> None:
+    def damped(assumed_s: float) -> float:
+        rig, known = (Model(arm=model().arm, drive=Drive(dead_time_s=late)) for late in (0.02, assumed_s))
+        controller = Controller(known, Settings(method="correlation", damping=Damping()))
+        trace = run_world(
+            rig, controller, 3.0, strikes={1.0: A}, delay=constant(0.074), damping=lambda t: True
+        ).arrays()
+        return decay_ratio(trace["time"], trace["truth"], 1.4, 2.4)
+
+    right = damped(0.02)
+    assert right > 0.13
+    assert max(damped(0.003), damped(0.037)) < 0.98 * right
 
 
 def test_an_image_offset_never_makes_the_joint_creep() -> None:

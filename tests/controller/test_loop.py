@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from common.configuration import Controller as Settings
+from common.configuration import Regression
 from common.datagram import DEMO_KEY, Kind, encode
 from common.model import Arm, Model
 from common.recording.topics import TOPICS
@@ -155,9 +156,10 @@ def test_no_allocation_survives_a_cycle(
     """Blocks of memory held before and after a thousand cycles and six thousand more: no more than there were, but for
     two numbers that grew; and no circle of references, which only the collector, which is off, could free.
 
-    settled: when the method's own memory, of a fixed length, is full.
+    settled: when the method's own memory, of a fixed length, is full; a regression's window is made one of that.
     """
     devices, recorder, _ = parts
+    settings = Settings(method=method, regression=Regression(variable_window=False))
     devices.done = None
     blocks = array("q", [0, 0, 0])
     looks = (settled, settled + 1005, settled + 7005)  # all right after an image
@@ -172,7 +174,7 @@ def test_no_allocation_survives_a_cycle(
     gc.collect()
     gc.disable()
     try:
-        loop_of(parts, settings=Settings(method=method)).run(watch)
+        loop_of(parts, settings=settings).run(watch)
         unreachable = gc.collect()
     finally:
         gc.enable()
