@@ -7,7 +7,7 @@ own, tell what the difference is worth: a pair's two runs have the same noise.
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -20,18 +20,33 @@ from common.model import EffectValue, Model
 from common.recording.topics import EstimateSample, TrueState
 from common.scenario import Move, Scenario, Strike, Window
 from common.user_error import UserError
+from simulation.ring_down import envelope_m, settling_time_s
 from simulation.virtual_time import VirtualRun, simulate
 
 Array = NDArray[np.float64]
 
-MEASURES = {
-    "prediction_error_moving_rms": "prediction error while the joint moves, rms",
-    "prediction_error_free_rms": "prediction error while the arm rings freely, rms",
-    "residual_vibration_rms": "vibration left from two seconds after a blow on, damped, rms",
-}
-"""What is scored, each over the amplitude of the blow."""
 
-_LEAST_CHANGE, _LEAST = 0.005, 1e-3  # of the value before; of the blow's amplitude
+class Measure(NamedTuple):
+    """What is scored: its words, the least change that counts, the unit in which it is shown: % of the blow, or s."""
+
+    words: str
+    least: float = 1e-3
+    unit: str = "%"
+
+    def shown(self, value: float) -> str:
+        """The value with its unit."""
+        return f"{100.0 * value:.2f} %" if self.unit == "%" else f"{value:.3f} {self.unit}"
+
+
+MEASURES = {
+    "prediction_error_moving_rms": Measure("prediction error while the joint moves, rms"),
+    "prediction_error_free_rms": Measure("prediction error while the arm rings freely, rms"),
+    "settling_time_s": Measure("settling time, damped, until 5 % of a blow is left", 0.02, "s"),
+    "residual_vibration_rms": Measure("vibration left from two seconds after a blow on, damped, rms"),
+}
+"""What is scored."""
+
+_LEAST_CHANGE = 0.005  # of the value before
 _SURE = 2.0  # spreads of the pairs
 _FREE_S, _DAMPED_S, _ON_S, _END_S = 4.5, 9.0, 9.2, 14.0
 _FIRST_S, _SEEN_S, _LEFT_AFTER_S = (
@@ -66,10 +81,10 @@ class _InMemory:
 
 def outcome(use: dict[str, Any], measure: str) -> str:
     """Whether a measure is "better" or "worse" with the extended model: its mean over the pairs changes by twice their
-    spread, by half a per cent, and by a thousandth of the blow; else "". use: `begin_use`'s answer, of runs made."""
+    spread, by half a per cent, and by the least that counts; else "". use: `begin_use`'s answer, of runs made."""
     before, after = use["before"][measure], use["after"][measure]
     spread = use["spread"][measure] if use["spread"] else 0.0
-    if abs(after - before) <= max(_LEAST, _LEAST_CHANGE * before, _SURE * spread):
+    if abs(after - before) <= max(MEASURES[measure].least, _LEAST_CHANGE * before, _SURE * spread):
         return ""
     return "better" if after < before else "worse"
 
@@ -99,6 +114,7 @@ def begin_use(
     prediction_error_moving_rms, prediction_error_free_rms: rms of estimated less true deflection, from half a second
     after a blow on, while the joint moves and while the arm rings freely; residual_vibration_rms: rms of the true
     deflection from two seconds after the blow that is damped; all over the blow's amplitude of 20 mm.
+    settling_time_s: from that blow until the vibration stays below 5 % of it; of one that does not, the time watched.
     Raises UserError where there is nothing to run: no length, or effects that the simulated rig cannot have.
     """
     if extended.arm.length_m is None:
@@ -135,6 +151,10 @@ def _scores(rig: Model, configuration: Configuration, run: tuple[int, Model]) ->
     simulate(VirtualRun(configuration, rig, assumed, SCENARIO, seed, name="the extended model"), kept, kept)
     truth, said = np.array(kept.truth), np.array(kept.estimates)
     true, estimated = truth[:, 1], np.interp(truth[:, 0], said[:, 0], np.nan_to_num(said[:, 1]))
+    struck = truth[:, 0] > _DAMPED_S
+    step_s = float(truth[1, 0] - truth[0, 0])
+    envelope = envelope_m(true[struck], step_s, rig.arm.modes[0].frequency_hz)
+    settled_s = settling_time_s(envelope, step_s, _STRUCK_M)
 
     def rms(values: Array, start: float, end: float) -> float:
         inside = (truth[:, 0] >= start) & (truth[:, 0] < end)
@@ -143,5 +163,6 @@ def _scores(rig: Model, configuration: Configuration, run: tuple[int, Model]) ->
     return {
         "prediction_error_moving_rms": rms(estimated - true, _FIRST_S + _SEEN_S, _FREE_S),
         "prediction_error_free_rms": rms(estimated - true, _FREE_S + _SEEN_S, _DAMPED_S),
+        "settling_time_s": _END_S - _DAMPED_S if settled_s is None else settled_s,
         "residual_vibration_rms": rms(true, _DAMPED_S + _LEFT_AFTER_S, _END_S),
     }

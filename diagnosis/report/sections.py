@@ -261,15 +261,15 @@ def use(result: Diagnosis) -> str:
     if found["before"] is None:
         return f"<section><h2>What it is worth in use</h2>{note}</section>"
     rows = []
-    for key, word in MEASURES.items():
+    for key, one in MEASURES.items():
         before, after = found["before"][key], found["after"][key]
         change = 100.0 * (after / before - 1.0) if before else 0.0
         spread = f" ± {100.0 * found['spread'][key] / before:.0f} %" if found["spread"] and before else ""
         rows.append(
             [
-                escape(word),
-                f"{100.0 * before:.2f} %",
-                f"{100.0 * after:.2f} %",
+                escape(one.words),
+                one.shown(before),
+                one.shown(after),
                 f"<span class='{outcome(found, key)}'>{change:+.0f} %</span>{spread}",
             ]
         )

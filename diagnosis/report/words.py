@@ -90,8 +90,8 @@ def use_sentence(use: dict[str, Any]) -> str:
     if use["before"] is None:
         return f"In use: {use['note']}."
     changes = [
-        f"{word.split(',')[0]} {100.0 * use['before'][key]:.2f} to {100.0 * use['after'][key]:.2f} %, {how}"
-        for key, word in MEASURES.items()
+        f"{one.words.split(',')[0]} {one.shown(use['before'][key])} to {one.shown(use['after'][key])}, {how}"
+        for key, one in MEASURES.items()
         if (how := outcome(use, key))
     ]
     pairs = "a single pair of runs" if use["pairs"] == 1 else f"{use['pairs']} pairs of runs"

@@ -18,6 +18,7 @@ from diagnosis.report.sections import gains
 from diagnosis.report.sections import use as use_section
 from diagnosis.report.words import NAMES, next_steps, number, verdict_sentence
 from diagnosis.scatter import ON_ITS_PAST
+from diagnosis.use import MEASURES
 from stillarm.commands.diagnose_command import sentence
 from tests.diagnosis.synthetic import MODEL, measured
 
@@ -93,13 +94,15 @@ def test_a_loss_is_shown_as_one(found: Diagnosis) -> None:
 
 
 def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Diagnosis) -> None:
-    keys = ("prediction_error_moving_rms", "prediction_error_free_rms", "residual_vibration_rms")
+    keys = tuple(MEASURES)
     use: dict[str, Any] = {
         "before": dict.fromkeys(keys, 0.2), "after": dict.fromkeys(keys, 0.3), "spread": None, "pairs": 1, "note": None,
     }  # fmt: skip
     section = use_section(replace(found, table={**found.table, "use": use}))
     assert "worth in use" in section
     assert "<span class='worse'>+50 %</span>" in section
+    assert "prediction error while the joint moves 20.00 % to 30.00 %, worse; " in section
+    assert "settling time 0.200 s to 0.300 s, worse; " in section
     assert use_section(found) == ""
     unsure = {**use, "spread": dict.fromkeys(keys, 0.06), "pairs": 4}
     section = use_section(replace(found, table={**found.table, "use": unsure}))
