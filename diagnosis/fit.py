@@ -197,7 +197,8 @@ def jacobian(
             if predicted[channel] is base.channels[channel]:
                 columns[:, index] = 0.0
                 continue
-            slope = (predicted[channel] - base.channels[channel]) / step
+            with np.errstate(over="ignore", invalid="ignore"):  # of a trial in which the arm runs away
+                slope = (predicted[channel] - base.channels[channel]) / step
             columns[:, index] = thinned(
                 channel, colour[channel].whiten(slope) if channel in colour else slope
             )

@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 _SHARE_LEFT = 0.15  # of what the findings gain, held out
 _LEAD_NATS = 5.0  # how much likelier a name is than any one term, before any data
 _BOUND = 6.0  # deviations
+_BY_CHANCE = 3.0  # nats
 _LIKENESS = 0.3  # a cause that a term without a name beats
 _CHANNEL_OF_LAWS = {"accelerometer": "acceleration", "timing": "arrival"}
 
@@ -228,14 +229,17 @@ def _known(one: Candidate, final: Fit, split: Split) -> Values:
 
 
 def _held_out(one: Candidate, previous: Fit, split: Split) -> dict[str, float]:
-    """Errors on the held-out part before and after this finding, in the channel that it mends most."""
+    """Errors on the held-out part before and after this finding, in the channel that it mends most, by more than chance
+    does where the simulation itself may be off by as much as levels are never below."""
     best = (0.0, 1.0, 1.0)
     first, last = make_data(previous.world, split), make_data(one.fit.world, split)
     judging = foretold(split, previous, one.fit)
     for name in previous.world.channels:
-        before, spread, _ = _error(previous, first, name, judging)
+        before, spread, count = _error(previous, first, name, judging)
         after, _, _ = _error(one.fit, last, name, judging)
-        if before > least_level(previous.world, name) and 1.0 - after / before > best[0]:
+        sigma = max(after, least_level(previous.world, name))
+        nats = 0.5 * count * (before**2 - after**2) / sigma**2
+        if nats > _BY_CHANCE and 1.0 - after / before > best[0]:
             best = (1.0 - after / before, before / spread, after / spread)
     reduction, before, after = best
     return {
