@@ -33,16 +33,46 @@ def test_images_tell_that_no_frame_was_lost_where_arrivals_say_so(frame: int) ->
     assert image_nats(mended) > image_nats(misled) + 100.0
 
 
-def test_a_frame_that_was_lost_stays_lost() -> None:
+def _lost_at(frame: int, many: int) -> Measured:
+    """So many frames never came, and the counter counts arrivals."""
     data = measured(SECONDS, 5)
-    f, kept = data.frames, np.delete(np.arange(len(data.frames)), 300)
+    f, kept = data.frames, np.delete(np.arange(len(data.frames)), range(frame, frame + many))
     shown = replace(
         f, counter=np.arange(len(kept)), received_s=f.received_s[kept], started_s=f.started_s[kept],
         displacement_px=f.displacement_px[kept], captured_s=f.captured_s[kept],
     )  # fmt: skip
+    return replace(data, frames=shown)
+
+
+def test_a_frame_that_was_lost_stays_lost() -> None:
     split = interleaved(SECONDS)
-    last = fitted(replace(data, frames=shown), split=split)
+    last = fitted(_lost_at(300, 1), split=split)
     assert last.world.frame_clock.lost == 1
+    assert recounted(last, split).world is last.world
+
+
+@pytest.mark.parametrize("frame", [120, 300, 480])
+@pytest.mark.parametrize("many", [2, 5])
+def test_images_tell_how_many_were_lost_where_arrivals_look_as_if_a_clock_was_set(
+    frame: int, many: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    split = interleaved(SECONDS)
+    with monkeypatch.context() as patch:
+        patch.setattr("diagnosis.frame_clock.lost_before", lambda times, *_: np.zeros(len(times), np.int64))
+        misled = fitted(_lost_at(frame, many), split=split)
+    assert misled.world.frame_clock.lost == 0
+    mended = recounted(misled, split)
+    assert mended.world.frame_clock.lost == many
+    assert image_nats(mended) > image_nats(misled) + 100.0
+
+
+def test_a_clock_that_was_set_lost_no_frame() -> None:
+    data = measured(SECONDS, 5)
+    f, set_s = data.frames, 4.4 * PERIOD_S * (np.arange(len(data.frames)) >= 300)
+    late = replace(f, counted=True, received_s=f.received_s + set_s, started_s=f.started_s + set_s)
+    split = interleaved(SECONDS)
+    last = fitted(replace(data, frames=late), split=split)
+    assert last.world.frame_clock.lost == 0
     assert recounted(last, split).world is last.world
 
 
