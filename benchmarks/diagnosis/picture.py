@@ -61,7 +61,7 @@ def draw_sizes(by_nats: list[dict[str, Any]], by_cause: dict[str, dict[str, Any]
         right.set_xscale("log")
     right.set_xlabel("least size from which on 80 % were named")
     right.grid(axis="x", alpha=0.3)
-    right.legend(fontsize=8)
+    right.legend(fontsize=8, loc="lower right")
     figure.savefig(path, dpi=130)
 
 
