@@ -337,20 +337,22 @@ class FilterBank:
         self.x[:, self._at.cosine] += z.real
         self.x[:, self._at.sine] -= z.imag
 
-    def forget_phase(self, spread_m: float, shift: Array, variance: Array) -> None:
-        """A blow that the images alone have shown: the vibration is unknown, a wandering delay what it was before it.
+    def forget_phase(self, spread_m: float, x: Array, p: Array, grown: Array) -> None:
+        """A blow that the images alone have shown: the vibration is unknown, all else what it was before it to the laws
+        that let the delay walk.
 
-        Images taken in before the blow was noticed have moved the shifts of the laws that let them walk; without an
-        accelerometer nothing would bring them back. shift, s, variance, s^2: (filters,).
+        Images taken in before the blow was noticed have moved it, and without an accelerometer nothing would bring it
+        back. Delay and frequency stay correlated: a frequency that is off lets the delay walk off through all blows.
+        x, p: before the blow; grown: by how much the variances have grown since, (filters, n).
         """
-        at, p = self._at, self.p
+        at = self._at
+        walks, rest = slice(int(Law.DRIFT), None, LAWS), slice(2 * at.modes, at.size)
+        self.x[walks, rest] = x[walks, rest]
+        self.p[walks, rest, rest] = p[walks, rest, rest]
+        self.p[walks, self._diagonal[rest], self._diagonal[rest]] += grown[walks, rest]
         for i in range(2 * at.modes):
-            p[:, i, :] = p[:, :, i] = 0.0
-        p[:, self._diagonal[at.phasor], self._diagonal[at.phasor]] = spread_m**2
-        t, walks = at.shift, slice(int(Law.DRIFT), None, LAWS)
-        p[walks, t, :] = p[walks, :, t] = 0.0
-        p[walks, t, t] = variance[walks]
-        self.x[walks, t] = shift[walks]
+            self.p[:, i, :] = self.p[:, :, i] = 0.0
+        self.p[:, self._diagonal[at.phasor], self._diagonal[at.phasor]] = spread_m**2
 
     def loosen(self) -> None:
         """Frequencies, decay and image scale may have changed, as with a payload or another scene."""

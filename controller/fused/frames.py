@@ -31,8 +31,6 @@ _SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of a blow, by the accelerometer, standard d
 _VOTES = 3
 _HUBER = 7.0
 _BLIND_BLOCKS = 12  # without the accelerometer
-# of the variance: images alone tell of phase, frequency and delay at once, and not so exactly
-_BLIND_WALK = 400.0
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
@@ -145,7 +143,7 @@ class FrameFusion:
         self.blow = False
         self._unused_blocks = 0
         self._blind = False
-        self._shifts: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
+        self._before: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
         self._left: Block | None = None  # looked at, its end not yet reached
         self._left_block: tuple[AimedAtBlock, float] | None = None  # yet to be taken in, with that variance
         self._aimed: Aimed | None = None
@@ -309,12 +307,12 @@ class FrameFusion:
             return
         settled, self._settled = self._settled, None
         received_s = settled.received_s
-        bank, t = self.bank, self._at.shift
+        bank = self.bank
         bank.symmetrise()
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
-            self._shifts.append((received_s, bank.x[:, t].copy(), bank.p[:, t, t].copy()))
-            self._walks.allow(_BLIND_WALK)
+            self._before.append((received_s, bank.x.copy(), bank.p.copy()))
+            self._walks.allow_as_assumed()
         else:
             # by the best filter: what another frequency or decay explains, as with a payload, is no force
             self.force.see(float(settled.seen.surprise[self.evidence.best]))
@@ -334,7 +332,7 @@ class FrameFusion:
         if blind and not self._blind:
             instant = received_s - self.delay_s
             self.evidence.go_blind(self.bank, self.dates.dating, instant, self.delay_std_s)
-            self._shifts.clear()
+            self._before.clear()
         elif self._blind and not blind:
             self.evidence.see_again()
         self._blind = blind
@@ -365,11 +363,12 @@ class FrameFusion:
             self.bank.loosen()  # no blow explains it: the arm or the scene has changed
             self._as_calibrated = False
         size = 1.5 * abs(float(seen.residual[best]))
-        if self._blind and self._shifts:
-            then_s, shift, variance = self._shifts[0]
-            grown = self.dates.shift_noise * (received_s - then_s)
-            self.bank.forget_phase(max(size, 1.5 * self.amplitude_m), shift, variance + grown)
-            self._shifts.clear()
+        if self._blind and self._before:
+            then_s, x, p = self._before[0]
+            grown = self._state_noise * (received_s - then_s)
+            grown[:, self._at.shift] += self.dates.shift_noise * (received_s - then_s)
+            self.bank.forget_phase(max(size, 1.5 * self.amplitude_m), x, p, grown)
+            self._before.clear()
             return True
         sizes = (size,) + (0.3 * size,) * (self._at.modes - 1)
         self.bank.inflate(Jump.guessed(float(times[best]), sizes))

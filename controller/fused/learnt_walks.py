@@ -129,10 +129,10 @@ class LearntWalks:
         else:
             self.lead.forget()
 
-    def allow(self, share: float) -> None:
-        """Walks of frequency and decay as assumed, times that share of their variance, until the next is learnt."""
+    def allow_as_assumed(self) -> None:
+        """Walks of frequency and decay as assumed, or more where more was learnt, until the next is learnt."""
         self._noise[: self._filters, self._places.start : self._places.stop] = [
-            share * one for one in self._assumed
+            max(walk.share, 1.0) * one for walk, one in zip(self._walks, self._assumed, strict=True)
         ]
         self.forget()
 

@@ -145,14 +145,46 @@ def test_the_method_learns_how_far_the_frequency_walks() -> None:
     assert restless > 1.5
 
 
-def test_without_an_accelerometer_the_walks_are_wide_and_nothing_is_learnt() -> None:
+def test_without_an_accelerometer_walks_are_as_assumed_or_as_far_as_was_learnt() -> None:
     at = Layout(model_for(AMPLITUDE, 0.3), 2.0)
     noise = np.full((FILTERS, at.size), 0.01)
     walks = LearntWalks(at, noise, LAWS)
-    walks.allow(400.0)
-    wide = np.full((FILTERS, at.size), 0.01)
-    wide[:LAWS, at.frequency.start : at.decay.stop] = 4.0
-    assert noise == pytest.approx(wide)
+    places = range(at.frequency.start, at.decay.stop)
+    for walk, share in zip(walks._walks, (0.04, 9.0), strict=True):
+        walk.share = share
+        noise[:LAWS, places] *= 0.1
+    walks.allow_as_assumed()
+    kept = np.full((FILTERS, at.size), 0.01)
+    kept[:LAWS, at.decay.start] *= 9.0
+    assert noise == pytest.approx(kept)
+
+
+def test_a_blow_that_images_alone_show_leaves_what_delay_and_frequency_have_in_common() -> None:
+    """And all else that is no vibration is what it was before it, to the laws that let the delay walk."""
+    at = Layout(model_for(AMPLITUDE, 0.3), 2.0)
+    bank = FilterBank(at, np.full((FILTERS, at.size), 1e-4), np.zeros(FILTERS))
+    w, t = at.frequency.start, at.shift
+    bank.p[:, w, t] = bank.p[:, t, w] = 6e-5
+    bank.p[:, 0, t] = bank.p[:, t, 0] = 3e-5
+    x, p = bank.x.copy(), bank.p.copy()
+    bank.x += 0.01
+    bank.p *= 0.5
+    now = bank.p.copy()
+    grown = np.zeros((FILTERS, at.size))
+    grown[:, t] = 2e-5
+    bank.forget_phase(0.02, x, p, grown)
+    drift, clock = int(Law.DRIFT), int(Law.CLOCK)
+    assert bank.p[drift, w, t] == bank.p[drift, t, w] == 6e-5
+    assert bank.p[drift, t, t] == pytest.approx(1.2e-4)
+    assert bank.x[drift, at.phasor.stop :] == pytest.approx(0.0)
+    assert bank.p[clock, at.phasor.stop :, at.phasor.stop :] == pytest.approx(
+        now[clock, at.phasor.stop :, at.phasor.stop :]
+    )
+    assert bank.x[clock, t] == 0.01
+    for law in (drift, clock):
+        assert not bank.p[law, at.phasor, at.phasor.stop :].any()
+        assert np.diag(bank.p[law])[at.phasor] == pytest.approx(0.02**2)
+        assert np.linalg.eigvalsh(bank.p[law]).min() > 0.0
 
 
 @pytest.mark.parametrize("wander_s", [1.0, 8.0])
