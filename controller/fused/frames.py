@@ -312,7 +312,6 @@ class FrameFusion:
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
         if self._blind:
             self._before.append((received_s, bank.x.copy(), bank.p.copy()))
-            self._walks.allow_as_assumed()
         else:
             # by the best filter: what another frequency or decay explains, as with a payload, is no force
             self.force.see(float(settled.seen.surprise[self.evidence.best]))
@@ -333,6 +332,7 @@ class FrameFusion:
             instant = received_s - self.delay_s
             self.evidence.go_blind(self.bank, self.dates.dating, instant, self.delay_std_s)
             self._before.clear()
+            self._walks.allow_as_assumed()
         elif self._blind and not blind:
             self.evidence.see_again()
         self._blind = blind
