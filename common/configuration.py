@@ -81,7 +81,7 @@ class Fused(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
     frequency_spread: Positive = 0.02
     frequency_walk: Positive = 0.00001
-    disturbance_share: Positive = 0.0008
+    disturbance_share: Positive = 0.0005
     min_amplitude_m: NonNegative = 0.0003
     known_within_s: Positive = 0.005
 

@@ -54,11 +54,18 @@ def _stick(data: Data, random: np.random.Generator) -> Data:
     return replace(data, acceleration_m_s2=acceleration)
 
 
+def _drift_away(data: Data, random: np.random.Generator) -> Data:
+    """The scene comes 20 % nearer, in 20 s from 10 s on."""
+    nearer = 1.0 + 0.2 * np.clip((data.frames.exposed_s - 0.5 * ONSET_S) / ONSET_S, 0.0, 1.0)
+    return replace(data, seen_m=data.seen_m * nearer)
+
+
 OPEN_LOOP: dict[str, Condition] = {
     "as told": Condition(),
     "frequency 2 % off": Condition(Arm(frequency_hz=2.6 * 1.02)),
     "payload at 20 s: frequency -10 %": Condition(change=Change(ONSET_S, 0.9), from_s=ONSET_S),
     "scene 20 % off in depth": Condition(scale_factor=0.8),
+    "scene 20 % nearer within 20 s": Condition(change_data=_drift_away),
     "10 % of the frames lost": Condition(change_data=_lose_frames),
     "accelerometer dead at 20 s": Condition(duration_s=80.0, from_s=ONSET_S, change_data=_die),
     "accelerometer stuck at 20 s": Condition(duration_s=80.0, from_s=ONSET_S, change_data=_stick),

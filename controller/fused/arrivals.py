@@ -12,7 +12,7 @@ _MIDDLE, _LONG = 64, 256  # frames
 _MEMORY, _LONG_MEMORY = 300.0, 2500.0  # frames
 _ENOUGH = 64  # differences over the longest time
 _DOUBT = 5.0  # two standard deviations of a difference of two such means: 2 * 1.22 * sqrt(2 * 2)
-_LEAST_WALK = 0.02  # of the white spread, in a square root second
+_LEAST_WALK = 0.005  # of the white spread, in a square root second
 _SAFETY = 1.5  # the few independent differences of a drift make its walk uncertain
 
 

@@ -20,6 +20,7 @@ from controller.fused.layout import Layout
 from controller.fused.learnt_force import LearntForce
 from controller.fused.learnt_walks import LearntWalks
 from controller.fused.reductions import largest
+from controller.fused.scale_watch import ScaleWatch
 from controller.fused.sensor_health import AccelerometerHealth
 from controller.fused.stated_scale import stated_scale, with_stated_scale
 
@@ -34,7 +35,7 @@ _BLIND_BLOCKS = 12  # without the accelerometer
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
 _CLEAR = 0.995
-_UNSEEN = 0.003  # of an image's variance, a second: by so much the phasors wander however small the vibration
+_UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
 _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
@@ -127,6 +128,7 @@ class FrameFusion:
         self._state_noise = start.state_noise(settings, at)
         self._walks = LearntWalks(at, self._state_noise, LAWS)
         self.dates = FrameDates(model, at, self.bank, self.evidence, self._walks.lead)
+        self._scale_watch = ScaleWatch()
         self._phasor_share = start.phasor_share(settings)
         self._carried = np.eye(at.size)[: 2 * at.modes]
         self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
@@ -170,6 +172,10 @@ class FrameFusion:
                 bank.loosen_bias(drifted)
             if not health.mute:  # what contradicts the images counts less (Huber)
                 self._unused_blocks = 0
+                off = self._scale_watch.see(
+                    value - expected, expected, total * health.doubt, block.end_s - block.start_s
+                )
+                self._as_calibrated = self._as_calibrated and not off
                 huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
                 self._left_block = bank.aim_at_block(block), block.variance * max(huber, health.doubt)
         self._left = block
@@ -186,6 +192,7 @@ class FrameFusion:
         self._left = None
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
+        noise[:, self._at.scale] += self._scale_watch.walk * dt
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
         push = self.force.during(block.start_s, block.end_s)
         if push is not None:
@@ -218,6 +225,7 @@ class FrameFusion:
         """What the arrival of the frame accepted last tells, if that has not been taken in."""
         if self.dates.take_arrival():  # what a wrong clock has taught of the accelerometer is wrong, too
             self.health.begin_comparison()
+            self._scale_watch.restart()
             self._images = self._outliers = self._votes = 0
             self._as_calibrated = True
 
@@ -361,6 +369,7 @@ class FrameFusion:
         self._breaks += 1.0
         if sees and (self._breaks > 1.5 or suspicion < _SUSPICIOUS):
             self.bank.loosen()  # no blow explains it: the arm or the scene has changed
+            self._scale_watch.restart()
             self._as_calibrated = False
         size = 1.5 * abs(float(seen.residual[best]))
         if self._blind and self._before:

@@ -3,7 +3,7 @@
 from cmath import exp
 from collections import deque
 from enum import Enum
-from math import hypot, inf, isfinite, pi, sqrt
+from math import inf, isfinite, pi, sqrt
 
 from common.configuration import Fused
 from common.model import Model, length_of
@@ -25,7 +25,6 @@ _FIRST_PERIODS, _HIGHEST_PERIODS = (
 _SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
 _ALARM_S = 0.6
 _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
-_STRIKE_FLOOR = 0.003  # of a strike: nothing is better known
 _MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates count: no cycle may be long
 _AHEAD_FRAMES = 0.9  # of an image are blocks taken in
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
@@ -191,7 +190,7 @@ class FusedMethod:
         per_sum = self._at.w_first**2 * self._cycle_s / w  # of samples as deflection: velocity over w
         size, std = -strike.sum_m * per_sum, strike.sum_std_m * per_sum
         step = [-1j * size * exp(-1j * w * time_s)]
-        across = abs(size) * hypot(w * strike.cycle_std * self._cycle_s, _STRIKE_FLOOR)
+        across = abs(size) * w * strike.cycle_std * self._cycle_s
         jump = Jump(time_s, (std,), (min(across, std),))
         self._joint_input.add(time_s, step)
         self._blows.forget()

@@ -88,7 +88,7 @@ def state_noise(settings: Fused, at: Layout) -> Array:
     quiet, disturbed = slice(0, LAWS), slice(LAWS, None)
     for level, looser in ((quiet, 1.0), (disturbed, 2.0)):
         result[level, at.offset] = (1e-5 * looser) ** 2
-        result[level, at.scale] = (2.5e-4 * looser) ** 2
+        result[level, at.scale] = (1e-4 * looser) ** 2
         result[level, at.bias] = (0.015 * looser / at.w_first**2) ** 2
     result[quiet, at.frequency] = (settings.frequency_walk * at.w) ** 2
     result[disturbed, at.frequency] = (_DISTURBED_WALK * settings.frequency_walk * at.w) ** 2

@@ -1,0 +1,86 @@
+"""An image scale that drifts is seen and followed; noise, a blow and a spike are no drift."""
+
+from dataclasses import replace
+from math import pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from benchmarks.estimators.generator import Data, generate
+from benchmarks.estimators.regimes import REGIMES, Arm
+from benchmarks.estimators.trial import Score, assumed_model, run_method, scale_error, score
+from controller.fused.scale_watch import ScaleWatch
+
+BLOCK_S, W = 0.016, 2.0 * pi * 2.6
+NOISE = 0.3 / sqrt(16.0)  # of a block, of the amplitude
+
+
+def seen_after(watch: ScaleWatch, error: float, seconds: float, seed: int) -> float:
+    """Time until the watch finds the scale off where it is off by `error`, s; `seconds` where it does not."""
+    random = np.random.default_rng(seed)
+    for block in range(round(seconds / BLOCK_S)):
+        expected = sin(W * block * BLOCK_S)
+        difference = error * expected + NOISE * random.standard_normal()
+        if watch.see(difference, expected, NOISE**2, BLOCK_S):
+            return block * BLOCK_S
+    return seconds
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_hour_of_noise_is_no_drift(seed: int) -> None:
+    watch = ScaleWatch()
+    assert seen_after(watch, 0.0, 3600.0, seed) == 3600.0
+    assert watch.walk == 0.0
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(error=st.floats(0.03, 0.3), sign=st.sampled_from((-1.0, 1.0)), seed=st.integers(0, 99))
+def test_a_scale_that_is_off_is_found_as_soon_as_the_noise_lets_it(
+    error: float, sign: float, seed: int
+) -> None:
+    """The score of an error d grows as d sqrt(t / 2 / block) / noise: twice the alarm's 4.7 deviations are enough."""
+    watch = ScaleWatch()
+    enough = 2.0 * BLOCK_S * (9.4 * NOISE / error) ** 2 / (1.0 - min(0.5, (0.025 / error) ** 2))
+    after = seen_after(watch, sign * error, 60.0, seed)
+    assert after < max(enough, 0.4)
+    assert 0.2 * error**2 < 4.0 * watch.walk < 9.0 * error**2
+
+
+def test_the_room_given_fades_once_the_scale_is_right_again() -> None:
+    watch = ScaleWatch()
+    assert seen_after(watch, 0.1, 60.0, 0) < 60.0
+    room = watch.walk
+    assert seen_after(watch, 0.0, 60.0, 1) == 60.0
+    assert watch.walk == pytest.approx(room * np.exp(-3.0), rel=0.01)
+
+
+def test_blows_and_spikes_do_not_count() -> None:
+    """Of a size that alone would be an alarm."""
+    watch = ScaleWatch()
+    for block in range(1000):
+        expected = sin(W * block * BLOCK_S)
+        assert not watch.see(10.0 * NOISE if block % 50 == 0 else 0.0, expected, NOISE**2, BLOCK_S)
+
+
+def drifting(share: float) -> Data:
+    """A scene that comes nearer by that share within 20 s, from 10 s on."""
+    data = generate(REGIMES["freerun drift"], 0.3, (311, 0, 1), 40.0, Arm())
+    return replace(
+        data, seen_m=data.seen_m * (1.0 + share * np.clip((data.frames.exposed_s - 10.0) / 20.0, 0.0, 1.0))
+    )
+
+
+@pytest.fixture(scope="module")
+def score_of_drift() -> Score:
+    data = drifting(0.2)
+    answers = run_method("fused", data, assumed_model(data.regime, 0.3), 1.0 + scale_error((311, 0, 1)))
+    return score(data, answers)
+
+
+def test_a_scene_that_comes_nearer_is_followed(score_of_drift: Score) -> None:
+    """Without the watch the mean error is 3 % and the normalised error squared 12."""
+    assert score_of_drift.error_mean < 0.015
+    assert score_of_drift.error_last < 0.015
+    assert score_of_drift.deflection_normalised_error_squared < 3.0
