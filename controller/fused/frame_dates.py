@@ -51,7 +51,9 @@ class FrameDates:
         spread_s = start.spread_s(model)
         self.dating = Dating(self._frame_s, self._model_delay_s, spread_s)
         self.shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
-        self._wander = LearntWander(at, self.shift_noise, self._shift_return)
+        self._wanders = [
+            LearntWander(at, law, self.shift_noise, self._shift_return) for law in (Law.DRIFT, Law.STEADY)
+        ]
         self._joint_date = JointDate()
         self._clock_rate = ClockRate(spread_s, self._cycle_s)
         self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s) for _ in range(2)]
@@ -75,7 +77,8 @@ class FrameDates:
 
     def learn_wander(self, law: int) -> None:
         """After an image: how fast the delay wanders; law: that is believed."""
-        self._wander.see(self._bank, law)
+        for wander in self._wanders:
+            wander.see(self._bank, law)
 
     def recount(self, frames: int) -> None:
         """The count was that many frames short."""

@@ -17,7 +17,7 @@ _STRETCH_S = 1.5
 _WANDER_STRETCH_S, _WANDER_RATE = 0.25, 0.05  # a delay is seen to wander within a few frames
 _MOST_WANDER = 30.0  # of the variance: a delay that changes within some frames is no wander, but white
 _LEAST_SHARE, _MOST_SHARE = 0.04, 900.0  # of the variance: a fifth of the deviation, and thirty times it
-_RATE = 0.3  # of the share's logarithm, for each stretch
+_RATE = 0.6  # of the share's logarithm, for each stretch
 _MOST_SURPRISE = 9.0
 _LEAST_EXPECTED = 0.2  # of the walk's variance: less comes of a filter that was not measured
 
@@ -39,7 +39,7 @@ class LearntWalk:
     def see(self, value: float, variance: float, assumed: float) -> None:
         """The estimate at the end of a stretch, where the next begins; assumed: the walk's variance over it.
 
-        The share falls by a quarter at most; a step of three deviations makes it eleven times larger.
+        The share falls to half at most; a step of three deviations makes it a hundred times larger.
         """
         walked = self.share * assumed
         expected = self._variance - variance + walked
@@ -55,19 +55,24 @@ class LearntWalk:
 
 
 class LearntWander:
-    """How fast the delay wanders over its spread, by the quiet filter of the law DRIFT while that is believed.
+    """How fast the delay wanders by a law that dates frames by their arrival, by its quiet filter while it is believed.
 
-    share: of the rate assumed at which it comes back to its mean, and of its walk's variance: the spread stays.
+    share: of the walk's variance assumed, and of the rate at which it comes back to its mean: its spread stays.
     """
 
     def __init__(
-        self, at: Layout, shift_noise: NDArray[np.float64], shift_return: NDArray[np.float64]
+        self, at: Layout, law: Law, shift_noise: NDArray[np.float64], shift_return: NDArray[np.float64]
     ) -> None:
-        """As assumed. shift_noise: growth of the shift's variance, s^2/s; shift_return: rate at which it comes back,
-        1/s; both (filters,) and kept in step for that law."""
-        self._shift, self._noise, self._return = at.shift, shift_noise, shift_return
-        self._assumed = float(shift_noise[Law.DRIFT]), float(shift_return[Law.DRIFT])
-        self._walk = LearntWalk(_WANDER_RATE, _MOST_WANDER)
+        """As assumed; law: DRIFT, which wanders within some frames, or STEADY, which hardly does.
+
+        shift_noise: growth of the shift's variance, s^2/s; shift_return: rate at which it comes back, 1/s; both
+        (filters,) and kept in step for that law.
+        """
+        self._shift, self._law, self._noise, self._return = at.shift, law, shift_noise, shift_return
+        self._assumed = float(shift_noise[law]), float(shift_return[law])
+        drifts = law is Law.DRIFT
+        self._stretch_s = _WANDER_STRETCH_S if drifts else _STRETCH_S
+        self._walk = LearntWalk(_WANDER_RATE, _MOST_WANDER) if drifts else LearntWalk()
         self._since_s = float("-inf")
         self._moved = -1
 
@@ -77,20 +82,21 @@ class LearntWander:
 
     def see(self, bank: FilterBank, law: int) -> None:
         """After an image; law: that is believed."""
-        if law != Law.DRIFT:
+        own = self._law
+        if law != own:
             self._walk.forget()
             return
         elapsed_s = bank.edge_s - self._since_s
-        if elapsed_s < _WANDER_STRETCH_S:
+        if elapsed_s < self._stretch_s:
             return
         self._since_s = bank.edge_s
-        if bank.moved[law] != self._moved or elapsed_s > 2.0 * _WANDER_STRETCH_S:
-            self._moved = bank.moved[law]
+        if bank.moved[own] != self._moved or elapsed_s > 2.0 * self._stretch_s:
+            self._moved = bank.moved[own]
             self._walk.forget()
         shift, (noise, back) = self._shift, self._assumed
-        self._walk.see(float(bank.x[law, shift]), float(bank.p[law, shift, shift]), noise * elapsed_s)
-        self._noise[Law.DRIFT :: LAWS] = self.share * noise
-        self._return[Law.DRIFT :: LAWS] = self.share * back
+        self._walk.see(float(bank.x[own, shift]), float(bank.p[own, shift, shift]), noise * elapsed_s)
+        self._noise[own::LAWS] = self.share * noise
+        self._return[own::LAWS] = self.share * back
 
 
 class LearntWalks:

@@ -70,7 +70,7 @@ def shift_noise(model: Model) -> Array:
     """Growth of the variance of each filter's shift, s^2 per s, (filters,)."""
     result = np.zeros(LAWS)
     result[Law.CLOCK] = result[Law.STAMPS] = 1e-6**2
-    result[Law.STEADY], result[Law.JITTER] = 5e-5**2, 2e-4**2
+    result[Law.STEADY], result[Law.JITTER] = 3e-5**2, 2e-4**2
     result[Law.DRIFT] = 2.0 * _DRIFT_RETURN * spread_s(model) ** 2
     return np.tile(result, LEVELS)
 

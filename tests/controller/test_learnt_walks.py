@@ -199,23 +199,26 @@ def test_the_method_learns_how_fast_the_delay_wanders(wander_s: float) -> None:
     assert 1.0 / 1.6 < learnt * assumed * wander_s < 1.6
 
 
-def test_a_wander_is_learnt_in_stretches_that_its_law_was_believed_throughout() -> None:
+@pytest.mark.parametrize(("own", "stretch_s"), [(Law.DRIFT, 0.25), (Law.STEADY, 1.5)])
+def test_a_wander_is_learnt_in_stretches_that_its_law_was_believed_throughout(
+    own: Law, stretch_s: float
+) -> None:
     at = Layout(model_for(AMPLITUDE, 0.3), 2.0)
     bank = FilterBank(at, np.full((FILTERS, at.size), 1e-6), np.zeros(FILTERS))
     noise, back = np.full(FILTERS, 4e-6), np.full(FILTERS, 0.35)
-    wander = LearntWander(at, noise, back)
+    wander = LearntWander(at, own, noise, back)
 
     def strides(law: Law, step_s: float) -> float:
         """The share after twenty stretches of it, in each of which the shift went three deviations."""
         for k in range(20):
             bank.edge_s += step_s
-            bank.x[:, at.shift] = 3e-3 * (k % 2)
+            bank.x[:, at.shift] = 3.0 * (4e-6 * stretch_s) ** 0.5 * (k % 2)
             wander.see(bank, law)
         return wander.share
 
-    assert strides(Law.CLOCK, 0.25) == 1.0
-    assert strides(Law.DRIFT, 0.6) == 1.0  # images were missing, or the arm was still
-    assert strides(Law.DRIFT, 0.25) > 5.0
+    assert strides(Law.CLOCK, stretch_s) == 1.0
+    assert strides(own, 2.4 * stretch_s) == 1.0  # images were missing, or the arm was still
+    assert strides(own, stretch_s) > 5.0
     for assumed, now in ((4e-6, noise), (0.35, back)):
-        assert now[Law.DRIFT :: LAWS] == pytest.approx(wander.share * assumed)
-        assert np.all(np.delete(now, [Law.DRIFT, LAWS + Law.DRIFT]) == assumed)
+        assert now[own::LAWS] == pytest.approx(wander.share * assumed)
+        assert np.all(np.delete(now, [own, LAWS + own]) == assumed)
