@@ -40,7 +40,8 @@ def run_slice(
     """Wake at every cycle for a while; do the work, if any."""
     now = time.monotonic
     clock = CycleClock(cycle_s, now() + _LEAD_CYCLES * cycle_s)
-    cycle, last = clock.start(), round(duration_s / cycle_s)
+    cycle = clock.start()
+    last = cycle + round(duration_s / cycle_s)  # a start that was late shortens nothing
     while cycle < last:
         woke = now()
         measured.lateness.add(woke - clock.origin_s - cycle * cycle_s)

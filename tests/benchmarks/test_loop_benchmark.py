@@ -1,6 +1,7 @@
 """The loop's benchmark: what it adds up, and what it asks for. No timing of this machine is judged here."""
 
 import secrets
+import time
 
 import pytest
 
@@ -9,6 +10,7 @@ from benchmarks.loop.latency import run as run_latency
 from benchmarks.loop.run import Window, verdict
 from benchmarks.loop.slices import Measured, run_slice
 from controller.loop_block import LoopBlock
+from controller.schedule import CycleClock
 from controller.states.table import State
 
 # as cyclictest 2.4 prints it
@@ -56,6 +58,20 @@ def test_a_slice_runs_its_cycles_and_its_work() -> None:
         assert sum(measured.lateness.counts()) == measured.cycles
     assert len(calls) == with_work.cycles == sum(with_work.compute.counts())
     assert sum(without.compute.counts()) == 0
+
+
+def test_a_slice_that_starts_late_is_no_shorter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its first cycles are not lost without being run or missed."""
+    start = CycleClock.start
+
+    def late(clock: CycleClock) -> int:
+        time.sleep(0.02)
+        return start(clock)
+
+    monkeypatch.setattr(CycleClock, "start", late)
+    measured = Measured()
+    run_slice(measured, 0.05, 0.001)
+    assert measured.cycles + measured.misses >= 50
 
 
 def test_a_window_counts_from_when_it_was_opened() -> None:
