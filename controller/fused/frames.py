@@ -172,13 +172,16 @@ class FrameFusion:
                 bank.loosen_bias(drifted)
             if not health.mute:  # what contradicts the images counts less (Huber)
                 self._unused_blocks = 0
-                off = self._scale_watch.see(
-                    value - expected, expected, total * health.doubt, block.end_s - block.start_s
-                )
-                self._as_calibrated = self._as_calibrated and not off
+                self._watch_scale(block, value - expected, expected, total * health.doubt)
                 huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
                 self._left_block = bank.aim_at_block(block), block.variance * max(huber, health.doubt)
         self._left = block
+
+    def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
+        if self.force.intensity:  # it moves images and accelerometer alike: their departures do add up
+            self._scale_watch.restart()
+        elif self._scale_watch.see(difference, expected, variance, block.end_s - block.start_s):
+            self._as_calibrated = False
 
     def leave_block(self) -> bool:
         """Take in the block looked at last, then, in a second call, move on to its end; False where all is done."""

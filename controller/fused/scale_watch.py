@@ -11,6 +11,7 @@ _MEMORY_S = 10.0
 _ALARM = 22.0  # of the score's square, which has mean 1: by chance once in fifty hours
 _SOON_S = 4.0  # as far again
 _FADE_S = 20.0  # what has drifted may go on
+_MOST = 0.3  # a vibration so small that only this much shows is not what tells a drift
 _BOUND = 9.0  # of one innovation squared: a blow or a spike may not decide alone
 
 
@@ -40,6 +41,9 @@ class ScaleWatch:
         self._variance = keep * keep * self._variance + weight * expected_m
         if self._score * self._score <= _ALARM * self._variance:
             return False
-        self.walk = max(self.walk, (self._score / self._information) ** 2 / _SOON_S)
+        error = self._score / self._information
         self.restart()
+        if abs(error) > _MOST:
+            return False
+        self.walk = max(self.walk, error * error / _SOON_S)
         return True
