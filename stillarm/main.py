@@ -57,7 +57,11 @@ def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    signal.signal(signal.SIGTERM, _interrupt)
+    for number in (
+        signal.SIGTERM,
+        signal.SIGINT,
+    ):  # a shell that starts it behind itself (`&`) has SIGINT ignored
+        signal.signal(number, _interrupt)
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if word in COMMANDS), None)
     try:

@@ -177,26 +177,27 @@ def test_what_the_operating_system_refuses_is_one_line(
     assert "replay/frames.csv: no space left on device" in one_line(capsys)
 
 
-def test_sigterm_unwinds_as_ctrl_c_does(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_sigterm_unwinds_as_ctrl_c_does_even_where_a_shell_has_that_ignored(
+    number: signal.Signals, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """So that a demo that is told to end ends its processes on the way."""
+    """So that a demo that is told to end ends its processes on the way, and what moves a joint always stops."""
     unwound = []
 
     def told_to_end(arguments: object) -> int:
         try:
-            os.kill(os.getpid(), signal.SIGTERM)
+            os.kill(os.getpid(), number)
             time.sleep(5.0)
         finally:
             unwound.append(True)
         return 0
 
-    before = signal.getsignal(signal.SIGTERM)
+    before = signal.signal(number, signal.SIG_IGN)
     monkeypatch.setattr("stillarm.commands.replay_command.run", told_to_end)
     try:
         assert main(["replay", "rec.mcap"]) == 130
     finally:
-        signal.signal(signal.SIGTERM, before)
+        signal.signal(number, before)
     assert unwound == [True]
     assert "interrupted" in one_line(capsys)
 
