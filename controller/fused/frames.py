@@ -195,7 +195,7 @@ class FrameFusion:
         self._left = None
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
-        noise[:, self._at.scale] += self._scale_watch.walk * dt
+        noise[:, self._at.scale] += self._scale_watch.grown(dt)
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
         push = self.force.during(block.start_s, block.end_s)
         if push is not None:

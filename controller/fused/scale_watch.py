@@ -27,12 +27,17 @@ class ScaleWatch:
         """What was seen says nothing of what comes."""
         self._score = self._information = self._variance = 0.0
 
+    def grown(self, elapsed_s: float) -> float:
+        """By how much that variance grows within elapsed_s; the walk fades meanwhile, whatever is seen."""
+        variance = self.walk * elapsed_s
+        self.walk -= variance / _FADE_S
+        return variance
+
     def see(self, difference_m: float, expected_m: float, variance: float, elapsed_s: float) -> bool:
         """A block's departure from what was expected, that, the departure's variance, m^2, and the block's length.
 
         Returns whether the scale has just been found to be off.
         """
-        self.walk -= self.walk * elapsed_s / _FADE_S
         if difference_m * difference_m > _BOUND * variance:
             return False
         keep, weight = 1.0 - elapsed_s / _MEMORY_S, expected_m / variance

@@ -27,6 +27,7 @@ def seen_after(watch: ScaleWatch, error: float, seconds: float, seed: int) -> fl
         difference = error * expected + NOISE * random.standard_normal()
         if watch.see(difference, expected, NOISE**2, BLOCK_S):
             return block * BLOCK_S
+        watch.grown(BLOCK_S)
     return seconds
 
 
@@ -58,6 +59,16 @@ def test_the_room_given_fades_once_the_scale_is_right_again() -> None:
     assert watch.walk == pytest.approx(room * np.exp(-3.0), rel=0.01)
 
 
+def test_the_room_given_fades_when_nothing_more_is_seen() -> None:
+    """As with an accelerometer that has died since."""
+    watch = ScaleWatch()
+    assert seen_after(watch, 0.1, 60.0, 0) < 60.0
+    room = watch.walk
+    grown = sum(watch.grown(BLOCK_S) for _ in range(round(60.0 / BLOCK_S)))
+    assert watch.walk == pytest.approx(room * np.exp(-3.0), rel=0.01)
+    assert grown == pytest.approx(room * 20.0 * (1.0 - np.exp(-3.0)), rel=0.01)
+
+
 def test_blows_and_spikes_do_not_count() -> None:
     """Of a size that alone would be an alarm."""
     watch = ScaleWatch()
@@ -67,7 +78,7 @@ def test_blows_and_spikes_do_not_count() -> None:
 
 
 def test_a_vibration_too_small_to_tell_is_no_drift() -> None:
-    """Departures that add up, of a hundredth of the vibration that would show a percent: a scale half as large?"""
+    """Departures that add up to more than any scale is off: it is not the scale."""
     watch = ScaleWatch()
     for block in range(2000):
         expected = 0.01 * sin(W * block * BLOCK_S)
