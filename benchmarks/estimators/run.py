@@ -142,7 +142,7 @@ def draw(result: dict[str, Any], what: Campaign, folder: Path) -> list[Path]:
     draw_predictions(what.methods, what.seed, paths[0])
     for figure, limit, label in (
         ("error_mean", "bound_deflection", "mean prediction error / amplitude"),
-        ("delay_rms_s", "bound_rms_s", "rms delay error, s"),
+        ("delay_rms_s", "bound_s", "rms delay error, s"),
     ):
         paths.append(folder / f"{figure}_against_noise.png")
         draw_errors_against_noise(result["rows"], figure, limit, label, paths[-1])

@@ -13,6 +13,10 @@ from benchmarks.estimators.regimes import DURATION_S, REGIMES, Arm
 from benchmarks.estimators.trial import Score, assumed_model, run_method, scale_error, score, scored_frames
 
 Row = dict[str, Any]
+_UNCERTAIN = (
+    "error_mean", "error_max", "delay_rms_s", "ratio", "delay_normalised_error_squared",
+    "deflection_normalised_error_squared",
+)  # fmt: skip
 _MEAN_OF_MODULUS = sqrt(2.0 / pi)  # of a Gaussian error, over its standard deviation
 
 
@@ -32,7 +36,7 @@ class Job:
 class Judged:
     """What came of a job. scores: by method; failures: by method, what it raised.
 
-    bound_s: mean over the scored frames of the posterior standard deviation of the delay; bound_rms_s: its rms;
+    bound_s: rms over the scored frames of the posterior standard deviation of the delay; bound_mean_s: its mean;
     bound_deflection: mean absolute error at the bound, as a fraction of the momentary amplitude.
     """
 
@@ -40,7 +44,7 @@ class Judged:
     scores: dict[str, Score]
     failures: dict[str, str]
     bound_s: float
-    bound_rms_s: float
+    bound_mean_s: float
     bound_deflection: float
 
 
@@ -60,31 +64,56 @@ def judge(job: Job) -> Judged:
     relative = limit.deflection_std_m[frames] / data.amplitude_m[data.frames.read_cycle[frames]]
     return Judged(
         job, scores, failures,
-        float(std.mean()), float(np.sqrt(np.mean(std**2))), _MEAN_OF_MODULUS * float(relative.mean()),
+        float(np.sqrt(np.mean(std**2))), float(std.mean()), _MEAN_OF_MODULUS * float(relative.mean()),
     )  # fmt: skip
 
 
 def estimator_rows(judged: Iterable[Judged]) -> list[Row]:
-    """A row for each method, regime and noise: means over the trials; delay_rms_s and bound_rms_s are rms over them."""
+    """A row for each method, regime and noise: means over the trials, of delay_rms_s and bound_s the rms.
+
+    ratio: delay_rms_s over bound_s, the least rms error. standard_errors: by figure, None where they cannot be told.
+    """
     rows = []
     for (regime, noise), cell in _cells(judged).items():
-        bound_s = _mean(one.bound_s for one in cell)
-        bound_rms_s = _rms(one.bound_rms_s for one in cell)
         for name in cell[0].job.methods:
-            scores = [one.scores[name] for one in cell if name in one.scores]
-            row = {"method": name, "regime": regime, "noise": noise, **mean_score(scores)}
-            rms = row["delay_rms_s"]
-            row |= {
-                "bound_s": bound_s,
-                "ratio": None if rms is None else rms / bound_s,
-                "bound_rms_s": bound_rms_s,
-                "ratio_rms": None if rms is None else rms / bound_rms_s,
-                "bound_deflection": _mean(one.bound_deflection for one in cell),
-                "trials": len(scores),
-                "failure": failure_of(one.failures.get(name) for one in cell),
-            }
-            rows.append(row)
+            rows.append(
+                {
+                    "method": name,
+                    "regime": regime,
+                    "noise": noise,
+                    **_figures(cell, name),
+                    "standard_errors": _standard_errors(cell, name),
+                    "trials": sum(name in one.scores for one in cell),
+                    "failure": failure_of(one.failures.get(name) for one in cell),
+                }
+            )
     return rows
+
+
+def _figures(cell: list[Judged], name: str) -> Row:
+    row = mean_score([one.scores[name] for one in cell if name in one.scores])
+    rms, bound_s = row["delay_rms_s"], _rms(one.bound_s for one in cell)
+    return row | {
+        "bound_s": bound_s,
+        "ratio": None if rms is None else rms / bound_s,
+        "bound_mean_s": _mean(one.bound_mean_s for one in cell),
+        "bound_deflection": _mean(one.bound_deflection for one in cell),
+    }
+
+
+def _standard_errors(cell: list[Judged], name: str) -> dict[str, float | None]:
+    """Of the figures over trials, by the jackknife (J. W. Tukey, Ann. Math. Statist. 29, 1958)."""
+    without_one = (
+        [_figures(cell[:k] + cell[k + 1 :], name) for k in range(len(cell))] if len(cell) > 1 else []
+    )
+    return {figure: _jackknife([row[figure] for row in without_one]) for figure in _UNCERTAIN}
+
+
+def _jackknife(values: list[float | None]) -> float | None:
+    known = [one for one in values if one is not None]
+    if not known or len(known) < len(values):
+        return None
+    return sqrt((len(known) - 1) * float(np.var(known)))
 
 
 def mean_score(scores: list[Score]) -> Row:

@@ -250,6 +250,7 @@ def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 def _brief(row: dict[str, Any]) -> dict[str, Any]:
     """The columns that fit a terminal, under short names; the file of --json holds them all."""
+    row = row | {f"{name}_error": error for name, error in row.get("standard_errors", {}).items()}
     brief = {short: row[name] for name, short in _SHORT.items() if name in row}
     return brief if row["failure"] is None else brief | {"trials": f"{brief['trials']}: {row['failure']}"}
 
@@ -269,6 +270,7 @@ _SHORT = {
     "delay_rms_s": "rms_s",
     "bound_s": "bound_s",
     "ratio": "ratio",
+    "ratio_error": "+-",
     "delay_normalised_error_squared": "nes_delay",
     "deflection_normalised_error_squared": "nes_defl",
     "us_per_cycle": "us",
