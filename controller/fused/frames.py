@@ -332,6 +332,11 @@ class FrameFusion:
             self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
 
     @property
+    def scale_drifts(self) -> bool:
+        """Whether images and accelerometer have lately been found to disagree ever more on how far the tip moves."""
+        return self._scale_watch.drifts
+
+    @property
     def blind(self) -> bool:
         """Whether the images are all there is: nothing of the accelerometer has been of use for a while."""
         return self._blind

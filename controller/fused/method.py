@@ -28,6 +28,7 @@ _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
 _MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates count: no cycle may be long
 _AHEAD_FRAMES = 0.9  # of an image are blocks taken in
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
+_SCALE_DRIFTS = "images and accelerometer drift apart: the scene's depth, or the accelerometer's gain"
 
 
 class _Work(Enum):
@@ -423,7 +424,7 @@ class FusedMethod:
         frames = self.frames
         amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))
         status = Status.ESTIMATED
-        self.reason = self.health.reason
+        self.reason = self.health.reason or (_SCALE_DRIFTS if frames.scale_drifts else "")
         known = frames.delay_std_s <= self._settings.known_within_s
         self._known = self._known or known
         if not self._known:

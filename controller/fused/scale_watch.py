@@ -7,6 +7,8 @@ sum r e / s over its own standard deviation is the score test of d = 0 (C. R. Ra
 has gone. An accelerometer whose gain drifts looks the same, and is taken for a scene that does.
 """
 
+from math import inf
+
 _MEMORY_S = 10.0
 _ALARM = 22.0  # of the score's square, which has mean 1: by chance once in fifty hours
 _SOON_S = 4.0  # as far again
@@ -21,6 +23,7 @@ class ScaleWatch:
     def __init__(self) -> None:
         """In agreement."""
         self.walk = 0.0
+        self._since_alarm_s = inf
         self.restart()
 
     def restart(self) -> None:
@@ -31,7 +34,13 @@ class ScaleWatch:
         """By how much that variance grows within elapsed_s; the walk fades meanwhile, whatever is seen."""
         variance = self.walk * elapsed_s
         self.walk -= variance / _FADE_S
+        self._since_alarm_s += elapsed_s
         return variance
+
+    @property
+    def drifts(self) -> bool:
+        """Whether the scale has been found to be off lately."""
+        return self._since_alarm_s < _FADE_S
 
     def see(self, difference_m: float, expected_m: float, variance: float, elapsed_s: float) -> bool:
         """A block's departure from what was expected, that, the departure's variance, m^2, and the block's length.
@@ -51,4 +60,5 @@ class ScaleWatch:
         if abs(error) > _MOST:
             return False
         self.walk = max(self.walk, error * error / _SOON_S)
+        self._since_alarm_s = 0.0
         return True

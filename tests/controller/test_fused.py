@@ -134,6 +134,14 @@ def test_a_sensor_that_no_longer_shows_the_vibration_is_muted(
     assert method.reason.startswith("accelerometer")
 
 
+def test_an_accelerometer_whose_gain_falls_is_told_of() -> None:
+    """By a quarter within 10 s: to these two sensors no other thing than a scene that comes nearer."""
+    _, method = run(6.0, 10, delay="white")
+    assert method.reason == ""
+    _, method = run(16.0, 10, delay="white", change=lambda k, a: a * (1.0 - 2.5e-5 * max(0, k - 6000)))
+    assert method.reason.startswith("images and accelerometer drift apart")
+
+
 def test_spikes_and_sudden_noise_do_little() -> None:
     """Two percent of the samples off by 20 m/s^2; then noise ten times as large."""
     noise = np.random.default_rng(1).standard_normal((10_000, 2))

@@ -69,6 +69,18 @@ def test_the_room_given_fades_when_nothing_more_is_seen() -> None:
     assert grown == pytest.approx(room * 20.0 * (1.0 - np.exp(-3.0)), rel=0.01)
 
 
+def test_a_drift_is_told_of_for_a_while() -> None:
+    """From the alarm on, until what it gave room for has faded."""
+    watch = ScaleWatch()
+    assert not watch.drifts
+    assert seen_after(watch, 0.1, 60.0, 0) < 60.0
+    assert watch.drifts
+    watch.grown(15.0)
+    assert watch.drifts
+    watch.grown(6.0)
+    assert not watch.drifts
+
+
 def test_blows_and_spikes_do_not_count() -> None:
     """Of a size that alone would be an alarm."""
     watch = ScaleWatch()
