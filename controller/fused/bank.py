@@ -130,15 +130,21 @@ class FilterBank:
         residual = block.value - block.forced - summed(value.real, 1) - self.x[:, at.bias]
         return AimedAtBlock(gain, value * (lag + 2.0 / fast), residual)
 
-    def take_block(self, aimed: AimedAtBlock, variance: float) -> None:
-        """Take in the block that was aimed at last, nothing having changed since; variance, m^2."""
+    def take_block(self, aimed: AimedAtBlock, variance: float, shown: tuple[float, float] | None) -> None:
+        """Take in the block that was aimed at last, nothing having changed since; variance, m^2.
+
+        shown: covariance of the block's value with what moves the first mode's phasor meanwhile, m^2.
+        """
         at, gain, by_rate = self._at, aimed.gain, aimed.by_rate
         slope = np.zeros(self.x.shape)
         slope[:, at.cosine], slope[:, at.sine] = gain.real, gain.imag
         slope[:, at.frequency], slope[:, at.decay] = -by_rate.imag, -by_rate.real
         slope[:, at.bias] = 1.0
         ph = np.matvec(self.p, slope)
-        weight = ph / (np.vecdot(ph, slope) + variance)[:, None]
+        total = (np.vecdot(ph, slope) + variance)[:, None]
+        if shown is not None:
+            ph[:, :2] += shown
+        weight = ph / total
         self.x += weight * aimed.residual[:, None]
         self.p -= weight[:, :, None] * ph[:, None, :]
 

@@ -133,7 +133,7 @@ class FrameFusion:
         self._carried = np.eye(at.size)[: 2 * at.modes]
         self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
-        self.force = LearntForce(at.w.tolist(), self._noise_m2)
+        self.force = LearntForce(at.w.tolist(), self._noise_m2, health.variance)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
         self._arrival_mean, self._arrival_variance = self.delay_s, self.delay_std_s**2
@@ -147,7 +147,9 @@ class FrameFusion:
         self._blind = False
         self._before: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
         self._left: Block | None = None  # looked at, its end not yet reached
-        self._left_block: tuple[AimedAtBlock, float] | None = None  # yet to be taken in, with that variance
+        self._left_block: tuple[AimedAtBlock, float, tuple[float, float] | None] | None = (
+            None  # yet to be taken in, with that variance, and what it shows of the force
+        )
         self._aimed: Aimed | None = None
         self._foreseen: Foreseen | None = None
         self._looked: Looked | None = None
@@ -161,6 +163,9 @@ class FrameFusion:
         bank = self.bank
         for jump in block.jumps:
             bank.inflate(jump)
+        push = self.force.during(block.start_s, block.end_s)
+        if push is not None:
+            bank.inflate(push)
         self._unused_blocks += 1
         if block.count:
             best = self.evidence.best
@@ -174,7 +179,8 @@ class FrameFusion:
                 self._unused_blocks = 0
                 self._watch_scale(block, value - expected, expected, total * health.doubt)
                 huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
-                self._left_block = bank.aim_at_block(block), block.variance * max(huber, health.doubt)
+                variance = block.variance * max(huber, health.doubt)
+                self._left_block = bank.aim_at_block(block), variance, self.force.shown(block)
         self._left = block
 
     def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
@@ -197,9 +203,6 @@ class FrameFusion:
         noise = self._state_noise * dt
         noise[:, self._at.scale] += self._scale_watch.grown(dt)
         noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
-        push = self.force.during(block.start_s, block.end_s)
-        if push is not None:
-            bank.inflate(push)
         bank.move_on(block, noise)
         return True
 

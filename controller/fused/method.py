@@ -242,7 +242,7 @@ class FusedMethod:
         usual = max(abs(present.z[0]), _USUAL_BLOW_STDS * sqrt(variance))
         blow = self._blows.see(block, residual, variance, usual)
         if blow is None or not self.health.alarm(block.end_s, blow.excess):
-            present.take_block(block, noise, at_end=True)
+            present.take_block(block, noise, self.frames.force.shown(block), at_end=True)
         else:
             self._mark(blow)
 
@@ -397,7 +397,8 @@ class FusedMethod:
             for jump in block.jumps:
                 present.inflate(jump)
             if block.count and not self.health.mute:
-                present.take_block(block, block.variance * self.health.doubt, at_end=False)
+                noise = block.variance * self.health.doubt
+                present.take_block(block, noise, self.frames.force.shown(block), at_end=False)
             self._push(block.start_s, block.end_s)
             present.move_on(block)
         assert self._block_start is not None

@@ -59,8 +59,10 @@ class Present:
         for i, more in enumerate(increment):
             self.z[i] = self.z[i] * self.turn_cycle[i] + more
 
-    def take_block(self, block: Block, variance: float, *, at_end: bool) -> None:
-        """Take in a block; the phasors stand at its start, or (at_end) at its end."""
+    def take_block(
+        self, block: Block, variance: float, shown: tuple[float, float] | None, *, at_end: bool
+    ) -> None:
+        """Take in a block; the phasors stand at its start, or (at_end) at its end. shown: LearntForce.shown."""
         base = block.end_s if at_end else block.start_s
         rows: list[float] = []
         value = self.bias
@@ -69,7 +71,7 @@ class Present:
             z = self.z[i] - block.step[i] if at_end else self.z[i]
             value += (z * seen).real
             rows += (seen.real, seen.imag)
-        self._update(rows, block.value - block.forced - value, variance + self.bias_variance)
+        self._update(rows, block.value - block.forced - value, variance + self.bias_variance, shown)
 
     def residual(self, block: Block) -> float:
         """How far a block, at whose end the phasors stand, lies from what they say, m."""
@@ -79,10 +81,15 @@ class Present:
             value += ((self.z[i] - block.step[i]) * seen).real
         return block.value - block.forced - value
 
-    def _update(self, rows: list[float], residual: float, noise: float) -> None:
+    def _update(
+        self, rows: list[float], residual: float, noise: float, shown: tuple[float, float] | None
+    ) -> None:
         p = self.p
         ph = [sum([a * b for a, b in zip(line, rows, strict=True)]) for line in p]
         total = noise + sum([a * b for a, b in zip(ph, rows, strict=True)])
+        if shown is not None:
+            ph[0] += shown[0]
+            ph[1] += shown[1]
         weight = residual / total
         for i, one in enumerate(ph):
             line, share = p[i], one / total
