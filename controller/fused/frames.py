@@ -263,10 +263,11 @@ class FrameFusion:
         aimed, self._aimed = self._aimed, None
         self._foreseen = Foreseen(aimed, self.bank.vibration_at(aimed.times, aimed.joint.step))
 
-    def look(self, suspicion: float, sees: bool) -> bool:
+    def look(self, suspicion: float, sees: bool, in_use: bool) -> bool:
         """The image foreseen; whether it is of use: `take` comes next then, before anything else.
 
-        suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one.
+        suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one;
+        in_use: whether its samples count.
         """
         assert self._foreseen is not None
         ((image, times, received_s, joint), vibration), self._foreseen = self._foreseen, None
@@ -277,7 +278,7 @@ class FrameFusion:
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
-            if not self._explain(image, times, received_s, seen, suspicion, sees):
+            if not self._explain(image, times, received_s, seen, suspicion, sees, in_use):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
                 return False
             times = self.dates.instants_s + bank.x[:, at.shift]
@@ -357,8 +358,9 @@ class FrameFusion:
         self._blind = blind
 
     def _explain(
-        self, image: Look, times: Array, received_s: float, seen: Seen, suspicion: float, sees: bool
-    ) -> bool:
+        self, image: Look, times: Array, received_s: float, seen: Seen, suspicion: float, sees: bool,
+        in_use: bool,
+    ) -> bool:  # fmt: skip
         """An image that breaks with everything: wrong by itself, a miscounted frame, or a blow. Whether to use it."""
         self._outliers += 1
         if suspicion < _SUSPICIOUS:
@@ -378,7 +380,8 @@ class FrameFusion:
         self.blow = True
         best = self.evidence.best
         self._breaks += 1.0
-        if sees and (self._breaks > 1.5 or suspicion < _SUSPICIOUS):
+        # An arm that has changed breaks again and again, and makes the accelerometer contradict, too.
+        if (in_use and self._breaks > 1.5) or (sees and suspicion < _SUSPICIOUS):
             self.bank.loosen()  # no blow explains it: the arm or the scene has changed
             self._scale_watch.restart()
             self._as_calibrated = False

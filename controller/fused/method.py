@@ -308,7 +308,9 @@ class FusedMethod:
     def _look_at_image(self) -> None:
         assert self._frame is not None
         frames, (sample, received_s, _) = self.frames, self._frame
-        of_use = frames.look(self._blows.suspicion, self._accelerometer_sees(self._now_s))
+        in_use = bool(self._blocks) and self._blocks[-1].count > 0 and not self.health.mute
+        sees = in_use and self.health.sees_blows and self._now_s - self._alarm_s > _ALARM_S
+        of_use = frames.look(self._blows.suspicion, sees, in_use)
         self._last_frame_s = received_s
         if frames.blow:
             self._blows.forget()
@@ -377,11 +379,6 @@ class FusedMethod:
     def _merge(self, now_s: float) -> None:
         self._snapshot = self.frames.merged(now_s)
         self._taken.clear()
-
-    def _accelerometer_sees(self, time_s: float) -> bool:
-        """Whether it is alive, and has raised no alarm of its own just now."""
-        recent = bool(self._blocks) and self._blocks[-1].count > 0
-        return recent and self.health.sees_blows and time_s - self._alarm_s > _ALARM_S
 
     def _restart_present(self, now_s: float) -> None:
         """From the bank's instant to now."""
