@@ -57,10 +57,8 @@ def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    for number in (
-        signal.SIGTERM,
-        signal.SIGINT,
-    ):  # a shell that starts it behind itself (`&`) has SIGINT ignored
+    # SIGINT too: a shell that starts a command behind itself (`&`) has it ignored.
+    for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _interrupt)
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if word in COMMANDS), None)

@@ -44,9 +44,7 @@ class Damped:
 def damp(job: DampingJob) -> Damped:
     """Strike, and disturb, under every method."""
     arm, regime = Arm(), REGIMES[job.regime]
-    unit, w = arm.amplitude_m, arm.angular_frequency
-    # A white force of density S keeps up a variance of S / (4 zeta w^3); held over a cycle, S = variance * cycle.
-    force = DISTURBED * unit * sqrt(4.0 * arm.damping_ratio * w**3 / CYCLE_S)
+    unit, force = arm.amplitude_m, steady_force_m_s2(arm)
     struck = Course(_RING_S, dict.fromkeys((0.0, *_STRIKES_S), unit), damping=lambda t: t >= _ON_S)
     disturbed = Course(_DISTURBED_S, {0.0: unit}, damping=lambda t: t >= _ON_S, force_std_m_s2=force)
     settling, residual, failures = {}, {}, {}
@@ -60,6 +58,14 @@ def damp(job: DampingJob) -> Damped:
         except Exception as failure:  # whatever it raises is this method's result and no other's
             failures[name] = f"{type(failure).__name__}: {failure}"
     return Damped(job, settling, residual, failures)
+
+
+def steady_force_m_s2(arm: Arm) -> float:
+    """Standard deviation of the random force, drawn anew each cycle, that keeps up DISTURBED of the amplitude.
+
+    A white force of density S keeps up a variance of S / (4 zeta w^3); held over a cycle, S = variance * cycle.
+    """
+    return DISTURBED * arm.amplitude_m * sqrt(4.0 * arm.damping_ratio * arm.angular_frequency**3 / CYCLE_S)
 
 
 def settling_time_s(run: Run, struck_m: float) -> float:

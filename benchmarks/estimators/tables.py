@@ -64,7 +64,7 @@ def judge(job: Job) -> Judged:
     relative = limit.deflection_std_m[frames] / data.amplitude_m[data.frames.read_cycle[frames]]
     return Judged(
         job, scores, failures,
-        float(np.sqrt(np.mean(std**2))), float(std.mean()), _MEAN_OF_MODULUS * float(relative.mean()),
+        _rms(std), float(std.mean()), _MEAN_OF_MODULUS * float(relative.mean()),
     )  # fmt: skip
 
 
@@ -111,9 +111,8 @@ def _standard_errors(cell: list[Judged], name: str) -> dict[str, float | None]:
 
 def _jackknife(values: list[float | None]) -> float | None:
     known = [one for one in values if one is not None]
-    if not known or len(known) < len(values):
-        return None
-    return sqrt((len(known) - 1) * float(np.var(known)))
+    complete = known and len(known) == len(values)
+    return sqrt((len(known) - 1) * float(np.var(known))) if complete else None
 
 
 def mean_score(scores: list[Score]) -> Row:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controller.fused.blocks import Block, Jump
+from controller.fused.blocks import Block, Jump, along_rate
 from controller.fused.layout import Layout
 from controller.fused.quadratic_form import quadratic_form
 from controller.fused.reductions import summed
@@ -328,7 +328,7 @@ class FilterBank:
     def inflate(self, jump: Jump) -> None:
         """A blow has moved the phasors by an unknown amount."""
         for i, (along_m, across_m) in enumerate(zip(jump.along_m, jump.across_m, strict=True)):
-            along = -1j * exp(-1j * self._w[i] * jump.time_s)  # of Z: -i conj(turn) for a change of rate
+            along = along_rate(self._w[i], jump.time_s)
             cosine, sine = along.real, -along.imag
             c, d, rest = 2 * i, 2 * i + 1, across_m**2
             power = along_m**2 - rest

@@ -3,10 +3,16 @@
 Over a block of a twenty-fourth of a period the mean holds all but half a percent of what the samples say.
 """
 
+from cmath import exp
 from dataclasses import dataclass
 from typing import NamedTuple
 
 _GROWN = 2.5
+
+
+def along_rate(w: float, time_s: float) -> complex:
+    """By what a mode's phasor moves for each unit that its rate over w rises at time_s."""
+    return -1j * exp(-1j * w * time_s)
 
 
 class Jump(NamedTuple):

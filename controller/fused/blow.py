@@ -28,6 +28,17 @@ class Blow(NamedTuple):
     excess: float
 
 
+class BlowReport(NamedTuple):
+    """What the accelerometer tells of a blow when an image is looked at.
+
+    suspicion: of one, standard deviations squared; sees: whether it could see one; in_use: whether its samples count.
+    """
+
+    suspicion: float
+    sees: bool
+    in_use: bool
+
+
 class BlowDetector:
     """Watches the residuals of the accelerometer's blocks."""
 

@@ -13,6 +13,7 @@ from common.visual_sample import VisualSample
 from controller.fused import start
 from controller.fused.bank import FILTERS, LAW_OF, LAWS, AimedAtBlock, FilterBank, Law, Seen, Vibration
 from controller.fused.blocks import Block, Jump
+from controller.fused.blow import BlowReport
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
 from controller.fused.joint_input import JointInput
@@ -34,6 +35,7 @@ _HUBER = 7.0
 _BLIND_BLOCKS = 12  # without the accelerometer
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
 _BREAK_MEMORY_FRAMES = 60.0
+_BLOWS = 1.5  # breaks within that memory that may be blows
 _CLEAR = 0.995
 _UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
@@ -50,6 +52,14 @@ class Merged(NamedTuple):
     bias: float
     bias_variance: float
     covariance: list[list[float]]
+
+
+class BlockToTake(NamedTuple):
+    """A block looked at, to be taken in next: FilterBank.take_block."""
+
+    aimed: AimedAtBlock
+    variance: float
+    shown: tuple[float, float] | None
 
 
 class Look(NamedTuple):
@@ -147,9 +157,7 @@ class FrameFusion:
         self._blind = False
         self._before: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_A_BLOW)
         self._left: Block | None = None  # looked at, its end not yet reached
-        self._left_block: tuple[AimedAtBlock, float, tuple[float, float] | None] | None = (
-            None  # yet to be taken in, with that variance, and what it shows of the force
-        )
+        self._left_block: BlockToTake | None = None
         self._aimed: Aimed | None = None
         self._foreseen: Foreseen | None = None
         self._looked: Looked | None = None
@@ -180,7 +188,7 @@ class FrameFusion:
                 self._watch_scale(block, value - expected, expected, total * health.doubt)
                 huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
                 variance = block.variance * max(huber, health.doubt)
-                self._left_block = bank.aim_at_block(block), variance, self.force.shown(block)
+                self._left_block = BlockToTake(bank.aim_at_block(block), variance, self.force.shown(block))
         self._left = block
 
     def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
@@ -263,12 +271,8 @@ class FrameFusion:
         aimed, self._aimed = self._aimed, None
         self._foreseen = Foreseen(aimed, self.bank.vibration_at(aimed.times, aimed.joint.step))
 
-    def look(self, suspicion: float, sees: bool, in_use: bool) -> bool:
-        """The image foreseen; whether it is of use: `take` comes next then, before anything else.
-
-        suspicion: of a blow, by the accelerometer, standard deviations squared. sees: whether it could see one;
-        in_use: whether its samples count.
-        """
+    def look(self, report: BlowReport) -> bool:
+        """The image foreseen; whether it is of use: `take` comes next then, before anything else."""
         assert self._foreseen is not None
         ((image, times, received_s, joint), vibration), self._foreseen = self._foreseen, None
         at, bank, weights = self._at, self.bank, self.evidence.weights
@@ -278,7 +282,7 @@ class FrameFusion:
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
-            if not self._explain(image, times, received_s, seen, suspicion, sees, in_use):
+            if not self._explain(image, times, received_s, seen, report):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
                 return False
             times = self.dates.instants_s + bank.x[:, at.shift]
@@ -357,13 +361,10 @@ class FrameFusion:
             self.evidence.see_again()
         self._blind = blind
 
-    def _explain(
-        self, image: Look, times: Array, received_s: float, seen: Seen, suspicion: float, sees: bool,
-        in_use: bool,
-    ) -> bool:  # fmt: skip
+    def _explain(self, image: Look, times: Array, received_s: float, seen: Seen, report: BlowReport) -> bool:
         """An image that breaks with everything: wrong by itself, a miscounted frame, or a blow. Whether to use it."""
         self._outliers += 1
-        if suspicion < _SUSPICIOUS:
+        if report.suspicion < _SUSPICIOUS:
             extra = self._other_count(image, times, received_s)
             if extra != self._voted:
                 self._votes, self._late = 0, 0.0
@@ -372,7 +373,7 @@ class FrameFusion:
             self._late += received_s - float(times[Law.CLOCK]) - self._arrival_mean
             if self._votes < _VOTES and self._outliers <= _VOTES:
                 return False
-        elif suspicion < _EVIDENT and self._outliers < 2:
+        elif report.suspicion < _EVIDENT and self._outliers < 2:
             return False
         if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * self._frame_s:
             self.dates.recount(self._voted)
@@ -381,7 +382,7 @@ class FrameFusion:
         best = self.evidence.best
         self._breaks += 1.0
         # An arm that has changed breaks again and again, and makes the accelerometer contradict, too.
-        if (in_use and self._breaks > 1.5) or (sees and suspicion < _SUSPICIOUS):
+        if (report.in_use and self._breaks > _BLOWS) or (report.sees and report.suspicion < _SUSPICIOUS):
             self.bank.loosen()  # no blow explains it: the arm or the scene has changed
             self._scale_watch.restart()
             self._as_calibrated = False

@@ -15,9 +15,9 @@ Without a force it sinks to a floor so far below what matters that chance does n
 what lasts for a second or so, and what the filters cannot follow by another frequency or decay.
 """
 
-from math import cos, exp, log, sin, sqrt
+from math import exp, log, sqrt
 
-from controller.fused.blocks import Block, Jump
+from controller.fused.blocks import Block, Jump, along_rate
 
 _RATE, _USUAL, _MOST_SURPRISE = 0.06, 1.1, 16.0
 _FLOOR, _OF_NO_MATTER = 1e-4, 0.03  # of an image's variance, a second
@@ -71,5 +71,5 @@ class LearntForce:
         if most <= 0.0:
             return None
         covariance = -min(self.intensity, most) / w
-        angle = 0.5 * w * (block.start_s + block.end_s)
-        return -covariance * sin(angle), covariance * cos(angle)
+        moved = covariance * along_rate(w, 0.5 * (block.start_s + block.end_s))
+        return moved.real, -moved.imag

@@ -9,8 +9,8 @@ from common.configuration import Fused
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.estimate import DelayEstimate, Estimate, FrameDelay, Observation, Status
-from controller.fused.blocks import Block, BlockSums, Jump
-from controller.fused.blow import Blow, BlowDetector
+from controller.fused.blocks import Block, BlockSums, Jump, along_rate
+from controller.fused.blow import Blow, BlowDetector, BlowReport
 from controller.fused.frames import FrameFusion, Merged
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
@@ -190,7 +190,7 @@ class FusedMethod:
         w, time_s = self._w[0], strike.cycle * self._cycle_s
         per_sum = self._at.w_first**2 * self._cycle_s / w  # of samples as deflection: velocity over w
         size, std = -strike.sum_m * per_sum, strike.sum_std_m * per_sum
-        step = [-1j * size * exp(-1j * w * time_s)]
+        step = [size * along_rate(w, time_s)]
         across = abs(size) * w * strike.cycle_std * self._cycle_s
         jump = Jump(time_s, (std,), (min(across, std),))
         self._joint_input.add(time_s, step)
@@ -310,7 +310,7 @@ class FusedMethod:
         frames, (sample, received_s, _) = self.frames, self._frame
         in_use = bool(self._blocks) and self._blocks[-1].count > 0 and not self.health.mute
         sees = in_use and self.health.sees_blows and self._now_s - self._alarm_s > _ALARM_S
-        of_use = frames.look(self._blows.suspicion, sees, in_use)
+        of_use = frames.look(BlowReport(self._blows.suspicion, sees, in_use))
         self._last_frame_s = received_s
         if frames.blow:
             self._blows.forget()

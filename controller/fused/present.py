@@ -6,7 +6,7 @@ Plain floats: it runs once a block and once a frame for each block since the fra
 from cmath import exp
 from math import sqrt
 
-from controller.fused.blocks import Block, Jump
+from controller.fused.blocks import Block, Jump, along_rate
 from controller.fused.quadratic_form import quadratic_form
 
 
@@ -108,7 +108,7 @@ class Present:
     def inflate(self, jump: Jump) -> None:
         """FilterBank.inflate."""
         for i, w in enumerate(self._w):
-            along = -1j * exp(-1j * w * jump.time_s)
+            along = along_rate(w, jump.time_s)
             rest = jump.across_m[i] ** 2
             power = jump.along_m[i] ** 2 - rest
             direction = (along.real, -along.imag)

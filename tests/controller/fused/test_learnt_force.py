@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.estimators.closed_loop import Course, run_closed
+from benchmarks.estimators.damping_table import steady_force_m_s2
 from benchmarks.estimators.regimes import CYCLE_S, REGIMES, Arm
 from controller.fused.blocks import Block
 from controller.fused.learnt_force import LearntForce
@@ -129,9 +130,8 @@ def test_a_quiet_sensor_shows_no_force() -> None:
 
 def test_under_a_random_force_the_estimate_stays_what_it_says() -> None:
     arm = Arm()
-    unit, w = arm.amplitude_m, arm.angular_frequency
-    push = 0.3 * unit * sqrt(4.0 * arm.damping_ratio * w**3 / CYCLE_S)
-    course = Course(16.0, {0.0: unit}, force_std_m_s2=push)
+    unit = arm.amplitude_m
+    course = Course(16.0, {0.0: unit}, force_std_m_s2=steady_force_m_s2(arm))
     run = run_closed("fused", REGIMES["freerun drift"], 0.3, (11, 0, 2), course)
     error = (run.predicted_m - run.deflection_m)[6000:]
     assert float(np.sqrt(np.mean(error**2))) < 0.06 * unit  # 0.05 could be reached; without learning it 0.15

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.estimators.closed_loop import Course, run_closed
-from benchmarks.estimators.damping_table import DISTURBED
+from benchmarks.estimators.damping_table import steady_force_m_s2
 from benchmarks.estimators.generator import Data, generate
-from benchmarks.estimators.regimes import CYCLE_S, REGIMES, Arm
+from benchmarks.estimators.regimes import REGIMES, Arm
 from benchmarks.estimators.trial import Score, assumed_model, run_method, scale_error, score
 from controller.fused.scale_watch import ScaleWatch
 
@@ -101,7 +101,7 @@ def test_a_vibration_too_small_to_tell_is_no_drift() -> None:
 def test_a_steady_random_force_is_no_drift() -> None:
     """It moves what images and accelerometer show; taken for a drift it left 0.121 of the amplitude."""
     arm = Arm()
-    force = DISTURBED * arm.amplitude_m * sqrt(4.0 * arm.damping_ratio * arm.angular_frequency**3 / CYCLE_S)
+    force = steady_force_m_s2(arm)
     course = Course(40.0, {0.0: arm.amplitude_m}, damping=lambda t: t >= 5.0, force_std_m_s2=force)
     run = run_closed("fused", REGIMES["triggered jitter"], 0.3, (83021, 1, 2), course)
     assert np.sqrt(np.mean(run.deflection_m[10_000:] ** 2)) < 0.112 * arm.amplitude_m
