@@ -8,6 +8,7 @@ from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
 from controller.joint_motion import JointMotion
+from controller.known_image_motion import forced_rate_m_s, joint_image_rate_m_s
 from controller.prediction.exact_regression import ExactRegression
 from controller.prediction.image_offset import ImageOffset
 from controller.prediction.sine_regression import SineRegression
@@ -61,15 +62,16 @@ class SineMethod:
         return self._predict(observation.time_s, joint)
 
     def _take(self, sample: VisualSample, observation: Observation) -> None:
-        joint, time_s = observation.joint, observation.time_s
+        joint, time_s, sensors = observation.joint, observation.time_s, self._sensors
         assumed = time_s - self.delay.estimate.delay_s
-        seen = self._sensors.of_image(sample.displacement_x_px, joint.position_at(assumed))
+        seen = sensors.of_image(sample.displacement_x_px, joint.position_at(assumed))
         self.delay.see_sample(sample, observation.cycle, seen)
         captured = time_s - self.delay.estimate.delay_s
-        free = self._sensors.of_image(
+        free = sensors.of_image(
             sample.displacement_x_px, joint.position_at(captured)
         ) - joint.forced_deflection_at(captured)
-        if self._regression.add(captured, free, self._offset.offset_m, _LONGEST_GAP_S):
+        known_rate = joint_image_rate_m_s(sensors, joint, captured) + forced_rate_m_s(joint, captured)
+        if self._regression.add(captured, free, self._offset.offset_m, _LONGEST_GAP_S, known_rate):
             self._offset.forget_vibration()
         self._offset.add(captured, free)
 

@@ -17,6 +17,8 @@ from controller.kalman.belief import Belief, carried, corrected, first_belief, s
 from controller.kalman.fast_sensor import FastSensor, Reading
 from controller.kalman.forced_motion import ForcedMotion, image_shares
 from controller.kalman.two_time_scales import Densities, TwoTimeScales
+from controller.joint_motion import JointMotion
+from controller.known_image_motion import joint_image_rate_m_s
 from controller.sensor_deflection import SensorDeflection
 from controller.sine_method import DelayEstimator
 
@@ -146,16 +148,18 @@ class KalmanMethod:
             sqrt(sample.variance_x_px2) if sample.variance_x_px2 > 0.0 else self._noise_px
         ) * self._noise_m_per_px
         rates = slice(1, self._model.slow, 2)
-        before, after = joint.position_at(captured - _RATE_SPAN_S), joint.position_at(captured + _RATE_SPAN_S)
-        of_joint = (self._sensors.of_image(0.0, after) - self._sensors.of_image(0.0, before)) / (
-            2.0 * _RATE_SPAN_S
-        )
-        rate = float(belief.state[rates].sum()) - of_joint
+        rate = float(belief.state[rates].sum()) + self._known_rate(joint, captured)
         unknown = float(belief.covariance[rates, rates].sum())
         bend = self._w * self._w * float(belief.state[0 : self._model.slow : 2].sum())
         dating = self._delay.estimate.std_s
         of_dating = dating * dating * (rate * rate + unknown) + 0.75 * (bend * dating * dating) ** 2
         return max(own, _LEAST_NOISE_M) ** 2 + of_dating
+
+    def _known_rate(self, joint: JointMotion, captured: float) -> float:
+        """Of what is taken off the image: the joint, and the modes' answer to it, m/s."""
+        forced = self._forced.image_deflection_at
+        of_forced = forced(joint, captured + _RATE_SPAN_S) - forced(joint, captured - _RATE_SPAN_S)
+        return joint_image_rate_m_s(self._sensors, joint, captured) + of_forced / (2.0 * _RATE_SPAN_S)
 
     def _catch_up(self, fast: FastSensor, belief: Belief, observation: Observation) -> None:
         """Put the fast sensor's samples of the time that no image has reached yet to a copy of the belief.
