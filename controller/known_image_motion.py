@@ -7,7 +7,7 @@ _HALF_SPAN_S = 0.002  # two cycles: the drive's report is rounded to an encoder'
 
 
 def joint_image_rate_m_s(sensors: SensorDeflection, joint: JointMotion, time_s: float) -> float:
-    """Rate at which the joint alone moves the image at an instant, in metres of the first mode's deflection per second."""
+    """Rate at which the joint alone moves the image at an instant, m/s, in metres of the first mode."""
     before, after = joint.position_at(time_s - _HALF_SPAN_S), joint.position_at(time_s + _HALF_SPAN_S)
     return (sensors.of_image(0.0, before) - sensors.of_image(0.0, after)) / (2.0 * _HALF_SPAN_S)
 

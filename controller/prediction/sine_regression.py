@@ -77,7 +77,12 @@ class SineRegression:
         self._values.clear()
 
     def add(
-        self, time_s: float, value_m: float, offset_m: float, longest_gap_s: float, known_rate_m_s: float = 0.0
+        self,
+        time_s: float,
+        value_m: float,
+        offset_m: float,
+        longest_gap_s: float,
+        known_rate_m_s: float = 0.0,
     ) -> bool:
         """Take in one sample at its capture time; `offset_m` is taken off all of the window's samples.
 
@@ -87,8 +92,10 @@ class SineRegression:
         """
         if self._times and abs(time_s - self._times[-1]) > longest_gap_s:
             self.restart()
-        changed = self._variable_window and self.samples >= 3 and self._changed(
-            time_s, value_m - offset_m, known_rate_m_s
+        changed = (
+            self._variable_window
+            and self.samples >= 3
+            and self._changed(time_s, value_m - offset_m, known_rate_m_s)
         )
         if changed:
             self.restart()
