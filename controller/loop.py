@@ -10,12 +10,13 @@ from typing import Protocol
 
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, LinkSample, LogLine, LoopSample
+from controller.cycle_input import CycleInput
 from controller.loop_block import LoopBlock
 from controller.overrun import ThreadCounters
 from controller.recorded import estimate_sample, fast_sample, frame_sample
 from controller.schedule import CycleClock
 from controller.states.table import GROUND_OF, Event, Operator, State
-from controller.step import Controller, CycleInput, CycleOutput
+from controller.step import Controller, CycleOutput
 
 _LINK_EVERY_S = 1.0
 _LONGEST_STOP_S = 0.5  # the command has faded out long before
