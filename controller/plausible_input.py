@@ -22,7 +22,7 @@ PAUSE_S = 1.0
 """After a longer pause nothing that was known of the motion holds, and the histories end: all begins anew."""
 
 MOST_CYCLE = 1 << 40  # 35 years of milliseconds; the time of a cycle is then known to 0.2 us
-MOST_SAMPLES = 4  # in a cycle: each costs up to 0.2 ms
+MOST_SAMPLES = 16  # in a cycle, after a hold-up of a quarter of a second; each costs up to 0.1 ms
 _OLDEST_SAMPLE_S = 2.5  # controller.joint_motion.HISTORY_S: nothing is known of the joint before
 _MOST_FRAME = 1 << 63
 _MOST_STAMP_S = 1e12  # a camera's clock in s since any epoch; its resolution is then 0.1 ms
