@@ -86,10 +86,10 @@ class PlausibleInput:
         self._reference = _REFERENCES * drive.max_velocity_rad_s
         self._deflection = length_m
         span = drive.max_position_rad - drive.min_position_rad
-        self._middle_rad = 0.5 * (drive.max_position_rad + drive.min_position_rad)
-        self._reach_rad = _SPANS * span
+        middle_rad, reach_rad = 0.5 * (drive.max_position_rad + drive.min_position_rad), _SPANS * span
+        self._lowest_rad, self._highest_rad = middle_rad - reach_rad, middle_rad + reach_rad
         px_per_m, px_per_rad = abs(camera.scale_px_per_m), abs(camera.rotation_px_per_rad)
-        turn_rad = 2.0 * self._reach_rad + _BENDING
+        turn_rad = 2.0 * reach_rad + _BENDING
         self._scene_px = min(px_per_m * length_m * turn_rad + px_per_rad * turn_rad, FARTHEST_PX)
         rad_s = _STEP_VELOCITIES * drive.max_velocity_rad_s
         swing = _SWING * length_m * model.arm.modes[0].angular_frequency
@@ -110,23 +110,23 @@ class PlausibleInput:
         if cycle != read.cycle:
             changes["cycle"] = cycle
         acceleration = read.acceleration_m_s2
-        if not -self._acceleration <= acceleration <= self._acceleration and not isnan(acceleration):
+        if not -self._acceleration <= acceleration <= self._acceleration and not _missing(acceleration):
             changes["acceleration_m_s2"] = self._refuse(Field.ACCELERATION)
         position = read.joint_position_rad
-        if not isnan(position) and not self._placed(position, time_s):
+        if not _missing(position) and not self._placed(position, time_s):
             changes["joint_position_rad"] = self._refuse(Field.JOINT_POSITION)
         velocity = read.joint_velocity_rad_s
-        if not -self._velocity <= velocity <= self._velocity and not isnan(velocity):
+        if not -self._velocity <= velocity <= self._velocity and not _missing(velocity):
             changes["joint_velocity_rad_s"] = self._refuse(Field.JOINT_VELOCITY)
         age = self._aged(read.joint_age_s, elapsed)
-        if age != read.joint_age_s and not isnan(age):
+        if age is not read.joint_age_s:
             changes["joint_age_s"] = age
         if not -self._reference <= read.reference_rad_s <= self._reference:
-            if not isnan(read.reference_rad_s):
+            if not _missing(read.reference_rad_s):
                 self._refuse(Field.REFERENCE)
             changes["reference_rad_s"] = 0.0
         deflection = read.deflection_m
-        if not -self._deflection <= deflection <= self._deflection and not isnan(deflection):
+        if not -self._deflection <= deflection <= self._deflection and not _missing(deflection):
             changes["deflection_m"] = self._refuse(Field.DEFLECTION)
         if read.damping_allowed not in _PERMISSIONS:
             self._refuse(Field.DAMPING_ALLOWED)
@@ -161,7 +161,7 @@ class PlausibleInput:
         self._image_steps.restart()
 
     def _placed(self, position_rad: float, time_s: float) -> bool:
-        within = -self._reach_rad <= position_rad - self._middle_rad <= self._reach_rad
+        within = self._lowest_rad <= position_rad <= self._highest_rad
         return within and self._position_steps.accepts(position_rad, time_s)
 
     def _aged(self, age_s: float, elapsed: int) -> float:
@@ -169,14 +169,15 @@ class PlausibleInput:
         if 0.0 <= age_s <= _OLDEST_REPORT_S:
             self._age_s = age_s
             return age_s
-        if not isnan(age_s):
+        missing = _missing(age_s)
+        if not missing:
             self._refuse(Field.JOINT_AGE)
-        known = self._age_s
         if age_s > _OLDEST_REPORT_S:
             return _OLDEST_REPORT_S
-        if not isnan(known):
-            self._age_s = known = min(known + elapsed * self._cycle_s, _OLDEST_REPORT_S)
-        return known
+        if _missing(self._age_s):
+            return age_s if missing else nan
+        self._age_s = min(self._age_s + elapsed * self._cycle_s, _OLDEST_REPORT_S)
+        return self._age_s
 
     def _check_operator(self, asked: int, changes: dict[str, Any]) -> None:
         whole = isinstance(asked, int)
@@ -219,12 +220,16 @@ class PlausibleInput:
         ):
             changes["displacement_x_px"] = self._refuse(Field.DISPLACEMENT)
         variance = sample.variance_x_px2
-        if not 0.0 <= variance <= self._scene_px**2 and not isnan(variance):
+        if not 0.0 <= variance <= self._scene_px**2 and not _missing(variance):
             changes["variance_x_px2"] = self._refuse(Field.VARIANCE)
         captured = sample.captured_s
-        if not -_MOST_STAMP_S <= captured <= _MOST_STAMP_S and not isnan(captured):
+        if not -_MOST_STAMP_S <= captured <= _MOST_STAMP_S and not _missing(captured):
             changes["captured_s"] = self._refuse(Field.CAPTURED)
         return msgspec.structs.replace(sample, **changes) if changes else sample
+
+
+def _missing(value: float) -> bool:
+    return isinstance(value, float) and isnan(value)  # an integer may be too large to become a float
 
 
 _PERMISSIONS = (True, False)
