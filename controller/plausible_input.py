@@ -33,7 +33,8 @@ _BENDING = 0.5  # of the arm's length: no beam bends further
 _VELOCITIES, _REFERENCES = 10.0, 100.0  # of the drive's greatest velocity
 _STEP_SPANS = 0.05  # of the joint's range, from one report to the next
 _STEP_VELOCITIES = 2.0
-_STEP_SCENE = 0.05  # of what the scene can move in all, from one image to the next
+_STEP_SCENE = 0.02  # of what the scene can move in all, from one image to the next
+_CONFIRMED_IMAGES, _CONFIRMED_S = 3, 0.05  # images, and time of reports, that agree on another level
 _SWING = 0.05  # of the arm's length: amplitude of a large vibration
 
 
@@ -60,7 +61,8 @@ class Field(IntEnum):
 class Admitted(NamedTuple):
     """A cycle with plausible values only. elapsed: cycles since the last one, at least 1.
 
-    begin_anew: the loop has paused for longer than PAUSE_S, or the cycle number has gone back.
+    begin_anew: the loop has paused for longer than PAUSE_S, the cycle number has gone back, or the joint's reports have
+    another zero.
     """
 
     read: CycleInput
@@ -94,8 +96,9 @@ class PlausibleInput:
         rad_s = _STEP_VELOCITIES * drive.max_velocity_rad_s
         swing = _SWING * length_m * model.arm.modes[0].angular_frequency
         px_s = px_per_m * (length_m * rad_s + swing) + px_per_rad * (rad_s + swing / length_m)
-        self._position_steps = PlausibleSteps(_STEP_SPANS * span, rad_s)
-        self._image_steps = PlausibleSteps(_STEP_SCENE * self._scene_px, px_s)
+        reports = max(_CONFIRMED_IMAGES, round(_CONFIRMED_S / cycle_s))
+        self._position_steps = PlausibleSteps(_STEP_SPANS * span, rad_s, reports)
+        self._image_steps = PlausibleSteps(_STEP_SCENE * self._scene_px, px_s, _CONFIRMED_IMAGES)
         self._cycle: int | None = None
         self._age_s = nan
         self._frame = -1
@@ -113,6 +116,7 @@ class PlausibleInput:
         if not -self._acceleration <= acceleration <= self._acceleration and not _missing(acceleration):
             changes["acceleration_m_s2"] = self._refuse(Field.ACCELERATION)
         position = read.joint_position_rad
+        self._position_steps.moved = False
         if not _missing(position) and not self._placed(position, time_s):
             changes["joint_position_rad"] = self._refuse(Field.JOINT_POSITION)
         velocity = read.joint_velocity_rad_s
@@ -135,6 +139,7 @@ class PlausibleInput:
             self._check_operator(read.operator, changes)
         if read.samples:
             self._check_samples(read.samples, cycle, time_s, changes)
+        begin_anew = begin_anew or self._position_steps.moved
         return Admitted(replace(read, **changes) if changes else read, elapsed, begin_anew)
 
     def _refuse(self, which: Field) -> float:
@@ -214,11 +219,12 @@ class PlausibleInput:
         if started != -1 and (type(started) is not int or not 0 <= cycle - started <= self._oldest_cycles):
             self._refuse(Field.STARTED_CYCLE)
             changes["started_cycle"] = -1
-        displacement = sample.displacement_x_px
-        if sample.status == TrackingStatus.MEASURED and not (
-            abs(displacement) <= self._scene_px and self._image_steps.accepts(displacement, time_s)
-        ):
-            changes["displacement_x_px"] = self._refuse(Field.DISPLACEMENT)
+        if sample.status == TrackingStatus.MEASURED:
+            displacement, steps = sample.displacement_x_px, self._image_steps
+            if not (abs(displacement) <= self._scene_px and steps.accepts(displacement, time_s)):
+                changes["displacement_x_px"] = self._refuse(Field.DISPLACEMENT)
+            elif steps.moved:  # further than the tip can have moved: the displacement has another zero
+                changes["restarted"] = True
         variance = sample.variance_x_px2
         if not 0.0 <= variance <= self._scene_px**2 and not _missing(variance):
             changes["variance_x_px2"] = self._refuse(Field.VARIANCE)

@@ -63,6 +63,7 @@ class Controller:
         self._supervision = Supervision(model, settings, length, identified_only=identified_only)
         check_dither(settings.dither, model)
         self._dither_settings = settings.dither
+        self._limits = CommandLimits(model.drive, self._cycle_s)
         self._begin(0.0)
 
     def _begin(self, joint_position_rad: float) -> None:
@@ -74,7 +75,6 @@ class Controller:
         )
         self._damping = JointDamping(model, settings.damping, model_name)
         self._motion = Motion(model, settings.reference_shaping)
-        self._limits = CommandLimits(model.drive, self._cycle_s)
         self._dither = STILL
 
     @property
