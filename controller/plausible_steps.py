@@ -23,10 +23,12 @@ class PlausibleSteps:
     def accepts(self, value: float, time_s: float) -> bool:
         """Whether to use a finite value of a time that is not before that of the last call."""
         last, self.moved = self._last, False
-        if last is None or self._near(last, value, time_s):
-            self._last, self._agreeing = (value, time_s), 0
-            return True
         agrees = self._agreeing > 0 and self._near(self._refused, value, time_s)
+        if last is None or self._near(last, value, time_s):
+            nearer = agrees and last is not None and abs(value - self._refused[0]) < abs(value - last[0])
+            if not nearer:  # with time, the last level comes within reach of the other one
+                self._last, self._agreeing = (value, time_s), 0
+                return True
         self._agreeing = self._agreeing + 1 if agrees else 1
         self._refused = value, time_s
         if self._agreeing < self._confirmed_by:
