@@ -32,7 +32,7 @@ def world_of(method: str) -> tuple[World, Verdict]:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_every_field_at_once(method: str) -> None:
-    """NaN, then 1e300 (2^40 for a counter) in every field, for thirty cycles or samples each, while the damping acts."""
+    """NaN, then 1e300 (2^40 for a counter) in every field, in thirty cycles or samples each, while the damping acts."""
     world, usual = world_of(method)
     assert not usual.faults
     for far, whole in ((nan, -2), (1e300, 2**40)):
