@@ -14,7 +14,7 @@ from common.effects import effect_of
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.composite import CompositeControl
-from controller.drive_model import DriveModel, drive_lead_s
+from controller.drive_model import STEPWISE_CYCLES, DriveModel, drive_lead_s
 from controller.estimate import Estimate, Status
 from controller.gear_play import GearPlay, PlayCrossing
 from controller.joint_motion import JointMotion
@@ -102,8 +102,10 @@ class JointDamping:
         if not self._anchored:
             self.anchor(joint_position_rad)
             return
-        for _ in range(min(cycles, 100_000)):
+        for _ in range(min(cycles, STEPWISE_CYCLES)):
             self._commanded.advance(reference_rad_s)
+        if cycles > STEPWISE_CYCLES:
+            self._commanded.advance_many(cycles - STEPWISE_CYCLES, reference_rad_s)
 
     def see_cycle(
         self, cycle: int, estimate: Estimate, samples: list[VisualSample], joint: JointMotion

@@ -5,9 +5,12 @@ millisecond, is metres per second squared at the tip.
 """
 
 from collections import deque
-from math import atan, exp, pi
+from math import atan, exp, expm1, pi
 
 from common.model import Drive
+
+STEPWISE_CYCLES = 300
+"""Of a pause: more are passed at once. 0.3 ms of computing; 35 lags of the default drive."""
 
 
 class DriveModel:
@@ -59,6 +62,26 @@ class DriveModel:
         limit = drive.max_acceleration_rad_s2
         acceleration = self._rate * (arriving - self.velocity_rad_s)
         self.acceleration_rad_s2 = limit if acceleration > limit else max(acceleration, -limit)
+
+    def advance_many(self, cycles: int, command_rad_s: float) -> None:
+        """Move on by many cycles at once, with `command_rad_s` arriving throughout: a pause that is longer than dead
+        time and ramp, of which `STEPWISE_CYCLES` have been stepped through.
+
+        mean_acceleration_rad_s2 is then the mean over all of them.
+        """
+        drive, cycle_s = self._drive, self._cycle_s
+        arriving = min(max(command_rad_s, -drive.max_velocity_rad_s), drive.max_velocity_rad_s)
+        self._waiting.extend([arriving] * len(self._waiting))
+        angle = self._rate * cycle_s
+        off, gone = self.velocity_rad_s - arriving, expm1(-cycles * angle)
+        # the sum of the trapezoids of off * stay^k
+        way = cycle_s * (cycles * arriving + off * 0.5 * (1.0 + self._stay) * gone / expm1(-angle))
+        velocity = arriving + off * (1.0 + gone)
+        self.mean_acceleration_rad_s2 = (velocity - self.velocity_rad_s) / (cycles * cycle_s)
+        self.acceleration_rad_s2 = 0.0
+        self.velocity_rad_s = velocity
+        self.position_rad += way
+        self._stop_at_the_end()
 
     def _stop_at_the_end(self) -> None:
         drive = self._drive

@@ -32,13 +32,23 @@ class GearPlay:
 
     def advance(self, command_rad_s: float) -> None:
         """Move on by one cycle. Where the motor meets a flank theta' jumps to its velocity."""
-        motor, before = self._motor, self._motor.position_rad
-        motor.advance(command_rad_s)
+        before = self._motor.position_rad
+        self._motor.advance(command_rad_s)
+        self._follow_motor(before, self._cycle_s)
+
+    def advance_many(self, cycles: int, command_rad_s: float) -> None:
+        """DriveModel.advance_many."""
+        before = self._motor.position_rad
+        self._motor.advance_many(cycles, command_rad_s)
+        self._follow_motor(before, cycles * self._cycle_s)
+
+    def _follow_motor(self, before: float, passed_s: float) -> None:
+        motor = self._motor
         ahead = self.ahead_rad + motor.position_rad - before
         self.ahead_rad = min(max(ahead, -self._half_rad), self._half_rad)
         in_contact = abs(ahead) >= self._half_rad and ahead * motor.velocity_rad_s > 0.0
         velocity = motor.velocity_rad_s if in_contact else 0.0
-        self.mean_acceleration_rad_s2 = (velocity - self.velocity_rad_s) / self._cycle_s
+        self.mean_acceleration_rad_s2 = (velocity - self.velocity_rad_s) / passed_s
         self.velocity_rad_s = velocity
         self.acceleration_rad_s2 = motor.acceleration_rad_s2 if in_contact else 0.0
         self.position_rad = motor.position_rad - self.ahead_rad

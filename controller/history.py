@@ -30,12 +30,29 @@ class CycleHistory:
             self._twice[place] = self._twice[place + self._length] = value
             self._cycle = cycle
             return
-        first = cycle if self._cycle is None else max(self._cycle + 1, cycle - self._length + 1)
-        for n in range(first, cycle + 1):
-            place = n % self._length
-            self._twice[place] = value
-            self._twice[place + self._length] = value
+        first = cycle if self._cycle is None else self._cycle + 1
+        self._fill(max(first, cycle - self._length + 1), cycle, value)
         self._cycle = cycle
+
+    def fill(self, cycle: int, value: float) -> None:
+        """Store one value for all cycles after the one written last, up to `cycle`; none where there are none."""
+        if self._cycle is not None and cycle > self._cycle:
+            self._fill(max(self._cycle + 1, cycle - self._length + 1), cycle, value)
+            self._cycle = cycle
+
+    def _fill(self, first: int, last: int, value: float) -> None:
+        """At most `length` cycles, in constant time however many they are."""
+        twice, length = self._twice, self._length
+        start, count = first % length, last - first + 1
+        if count <= 0:
+            return
+        twice[start : start + count] = value  # in either copy, or across both
+        over = start + count - length
+        if over > 0:
+            twice[:over] = value
+            twice[start + length :] = value
+        else:
+            twice[start + length : start + length + count] = value
 
     def at(self, cycle: float) -> float:
         """The value at a fractional cycle, linear in between; the nearest held one outside of what is held."""

@@ -9,7 +9,7 @@ from math import isfinite
 
 from common.effects import effect_of
 from common.model import Model
-from controller.drive_model import DriveModel
+from controller.drive_model import STEPWISE_CYCLES, DriveModel
 from controller.gear_play import GearPlay
 from controller.history import CycleHistory
 from controller.modal_response import ModalResponse
@@ -20,10 +20,10 @@ HISTORY_S = 2.5
 class JointMotion:
     """Joint position and the first mode's answer to it, over the last seconds, on the controller's clock."""
 
-    def __init__(self, model: Model, length_m: float) -> None:
-        """Everything at rest at the first position that is reported, or at zero."""
+    def __init__(self, model: Model, length_m: float, position_rad: float = 0.0) -> None:
+        """Everything at rest at the first position that is reported, or at `position_rad`."""
         self._cycle_s = model.timing.cycle_s
-        drive, play = DriveModel(model.drive, self._cycle_s), effect_of(model, "gear_backlash")
+        drive, play = DriveModel(model.drive, self._cycle_s, position_rad), effect_of(model, "gear_backlash")
         self.play = GearPlay(drive, play["gap_rad"], play["behind_encoder"], self._cycle_s) if play else None
         """Between motor and joint, where the model has one."""
         self._drive = self.play or drive
@@ -70,9 +70,13 @@ class JointMotion:
         if not self._started:
             self._started = True
             self._cycle = cycle - 1
-        for _ in range(min(cycle - self._cycle, 100_000)):
+        elapsed = cycle - self._cycle
+        for _ in range(min(elapsed, STEPWISE_CYCLES)):
             self._drive.advance(self._command)
             self._response.advance(self._drive.mean_acceleration_rad_s2)
+        if elapsed > STEPWISE_CYCLES:
+            self._drive.advance_many(elapsed - STEPWISE_CYCLES, self._command)
+            self._response.advance_many(elapsed - STEPWISE_CYCLES, self._drive.mean_acceleration_rad_s2)
         self._cycle = cycle
         if isfinite(reported_position_rad):
             self._drive.report(reported_position_rad)

@@ -10,9 +10,9 @@ from common.model import Model
 from common.scenario import Scenario, load_scenario
 from common.stop_signal import SignalFlag
 from common.udp import UdpSocket, new_session
+from controller.cycle_input import CycleInput
 from controller.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
 from controller.operator_input import OperatorInput
-from controller.step import CycleInput
 from drivers.accelerometer_factory import held_samples_statement, open_accelerometer
 from drivers.drive_factory import open_drive
 from drivers.udp_gateway_drive import UdpGatewayDrive

@@ -10,12 +10,13 @@ from typing import Protocol
 
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, LinkSample, LogLine, LoopSample
+from controller.cycle_input import CycleInput
 from controller.loop_block import LoopBlock
 from controller.overrun import ThreadCounters
 from controller.recorded import estimate_sample, fast_sample, frame_sample
 from controller.schedule import CycleClock
 from controller.states.table import GROUND_OF, Event, Operator, State
-from controller.step import Controller, CycleInput, CycleOutput
+from controller.step import Controller, CycleOutput
 
 _LINK_EVERY_S = 1.0
 _LONGEST_STOP_S = 0.5  # the command has faded out long before
@@ -63,7 +64,7 @@ class Loop:
         self._cycle_s = cycle_s
         self._counters = ThreadCounters()
         self._link_every = max(1, round(_LINK_EVERY_S / cycle_s))
-        self._next_link = 0
+        self._next_link = self._next_told = 0
         self._state: State | None = None
         self._reason: Event | None = None
 
@@ -87,6 +88,10 @@ class Loop:
             stepped_at = now()
             devices.write(answered.command_rad_s)
             answered_at = now()
+            if cycle >= self._next_told:
+                self._next_told = cycle + self._link_every
+                block.note_accelerometer_faults(devices.accelerometer_faults)
+                block.note_refused(self._controller.refused)
             if self._recorder is not None:
                 self._record(self._recorder, read, answered)
             late_s = woke - origin_s - cycle * cycle_s
@@ -119,7 +124,6 @@ class Loop:
         if cycle >= self._next_link:
             self._next_link = cycle + self._link_every
             self._counters.moved()  # so that an overrun's counters are of the last second at most
-            self._block.note_accelerometer_faults(self._devices.accelerometer_faults)
             recorder.put(
                 _LINK,
                 LinkSample(
@@ -127,6 +131,7 @@ class Loop:
                     cycle=cycle,
                     deadline_misses=self._clock.misses,
                     accelerometer_faults=self._devices.accelerometer_faults,
+                    values_refused=sum(self._controller.refused),
                     recorder_lost=recorder.lost,
                     recorder_alive=recorder.alive(),
                     **self._devices.link_counts,

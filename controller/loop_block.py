@@ -9,6 +9,7 @@ from typing import NamedTuple
 from common.shared_memory import SharedBlock
 from controller.histogram import WORDS, MicrosecondHistogram
 from controller.overrun import OverrunCounters
+from controller.plausible_input import Field
 from controller.states.table import Event, State
 
 _RING = 64
@@ -18,7 +19,8 @@ _OVERRUN_AT = 16
 _CHANGE_AT = _OVERRUN_AT + _RING * _OVERRUN_WORDS
 _LATENESS_AT = _CHANGE_AT + _RING * _CHANGE_WORDS
 _COMPUTE_AT = _LATENESS_AT + WORDS
-_SIZE = 8 * (_COMPUTE_AT + WORDS)
+_REFUSED_AT = _COMPUTE_AT + WORDS
+_SIZE = 8 * (_REFUSED_AT + len(Field))
 _STATES, _EVENTS = tuple(State), tuple(Event)
 _STATE_NUMBER = {state: number for number, state in enumerate(_STATES)}
 _EVENT_NUMBER: dict[Event | None, int] = {event: 1 + number for number, event in enumerate(_EVENTS)} | {
@@ -99,6 +101,11 @@ class LoopBlock:
         """Keep the count of reads that gave no sample."""
         self.words[_FAULTS] = faults
 
+    def note_refused(self, counts: list[int]) -> None:
+        """Keep how many values of the input were refused since the start, by Field."""
+        for place, count in enumerate(counts, _REFUSED_AT):
+            self.words[place] = count
+
     def begin(self, origin_s: float) -> None:
         """The loop's cycle 0 is due at `origin_s` of the monotonic clock."""
         self.words[_ORIGIN] = int(origin_s * _NS)
@@ -136,6 +143,12 @@ class LoopBlock:
     def accelerometer_faults(self) -> int:
         """Reads of the accelerometer that gave no sample."""
         return int(self.words[_FAULTS])
+
+    @property
+    def refused(self) -> list[int]:
+        """Values of the input that were refused since the start, by Field."""
+        counts: list[int] = self.words[_REFUSED_AT : _REFUSED_AT + len(Field)].tolist()
+        return counts
 
     @property
     def ended(self) -> bool:

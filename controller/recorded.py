@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from common.recording.topics import EstimateSample, FastSample, FrameSample
 from common.visual_sample import VisualSample
-from controller.step import CycleInput, CycleOutput
+from controller.cycle_input import CycleInput
+from controller.step import CycleOutput
 
 
 def fast_sample(read: CycleInput, answered: CycleOutput, cycle_s: float) -> FastSample:

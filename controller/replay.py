@@ -18,6 +18,7 @@ from controller.estimate import DelayEstimate, Estimate, Observation
 from controller.frame_delays import FrameDelays
 from controller.joint_motion import JointMotion
 from controller.methods import make_method
+from controller.plausible_input import PlausibleInput
 from controller.recorded import RecordedCycle, estimate_sample, fast_sample, recorded_cycles
 from controller.restarted_vision import MethodAcrossRestarts
 from controller.states.table import Event
@@ -92,11 +93,18 @@ def replay_method(
     """Run a method over recorded measurements and commands. Raises UserError for an unknown method or no length."""
     name = f"{run.name} (model)"
     model = declared(run.model)
-    estimator = MethodAcrossRestarts(lambda: make_method(method, model, run.configuration.controller, name))
-    joint = JointMotion(model, length_of(model, name))
+    length = length_of(model, name)
+
+    def begun() -> MethodAcrossRestarts:
+        return MethodAcrossRestarts(lambda: make_method(method, model, run.configuration.controller, name))
+
+    estimator, joint, plausible = begun(), JointMotion(model, length), PlausibleInput(model, length)
     result, delays = MethodRun(method), FrameDelays()
     for count, cycle in enumerate(run.cycles()):
-        read, time_s = cycle.read, cycle.read.cycle * run.cycle_s
+        read, _, begin_anew = plausible.admit(cycle.read)
+        time_s = read.cycle * run.cycle_s
+        if begin_anew:
+            estimator, joint = begun(), JointMotion(model, length, joint.position_rad)
         joint.begin_cycle(read.cycle, read.joint_position_rad)
         estimate = estimator.update(
             Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
@@ -106,7 +114,7 @@ def replay_method(
             result.times_s.append(cycle.row.time_s)
             result.estimates.append(estimate)
         result.frames.extend((frame.frame, frame.received_s, estimate.delay) for frame in cycle.frames)
-        for place, delay in delays.told(read.samples, estimate):
+        for place, delay in delays.told(cycle.read.samples, estimate):
             result.frames[place] = (*result.frames[place][:2], delay)
         if count % _REPORT_EVERY == 0:
             progress(count / max(1, len(run.fast)))

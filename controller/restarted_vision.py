@@ -1,22 +1,31 @@
-"""A method across restarts of the supervisor, whose displacements have another zero each time.
+"""A method across restarts: of the supervisor, whose displacements then have another zero, and of the method itself.
 
 Images of two zeros in one fit look like a large vibration, and would be damped as one.
 """
 
 from collections.abc import Callable
+from math import isfinite, nan
 
 import msgspec
 
-from controller.estimate import Estimate, Method, Observation
+from controller.estimate import DelayEstimate, Estimate, Method, Observation, Status
+
+_FAILED = "numbers out of range: started again"
+_KNOWN = (Status.ESTIMATED, Status.HELD)
 
 
 class MethodAcrossRestarts:
-    """Begins anew with the first sample of a supervisor that was started anew. 5 to 200 us, once, for the making."""
+    """Begins anew with the first sample of a supervisor that was started anew. 5 to 200 us, once, for the making.
+
+    A method whose numbers have left the range of floats would never come back by itself: it begins anew as well.
+    failures: how often that has happened.
+    """
 
     def __init__(self, make: Callable[[], Method]) -> None:
         """`make` gives a fresh method each time."""
         self._make = make
         self._method = make()
+        self.failures = 0
 
     def update(self, observation: Observation) -> Estimate:
         """As the method's."""
@@ -27,4 +36,17 @@ class MethodAcrossRestarts:
                 if place:  # of the supervisor before
                     observation = msgspec.structs.replace(observation, samples=samples[place:])
                 break
-        return self._method.update(observation)
+        try:
+            estimate = self._method.update(observation)
+        except (ArithmeticError, ValueError):  # LinAlgError is a ValueError
+            return self._failed()
+        if estimate.status in _KNOWN and not isfinite(
+            estimate.deflection_m + estimate.deflection_rate_m_s + estimate.delay.delay_s
+        ):
+            return self._failed()
+        return estimate
+
+    def _failed(self) -> Estimate:
+        self.failures += 1
+        self._method = self._make()
+        return Estimate(DelayEstimate(nan, nan, Status.INVALID), status=Status.INVALID, reason=_FAILED)

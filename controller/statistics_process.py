@@ -19,11 +19,16 @@ from common.user_error import UserError
 from controller.histogram import percentiles_us
 from controller.loop_block import LoopBlock, Overrun
 from controller.overrun import REMEDY, OverrunCounters, overrun_cause
+from controller.plausible_input import Field
 from controller.processor_watch import Stolen, Throttling
 
 RECORDER_ENDED = (
     "damping goes on; nothing more is recorded or sent as telemetry until the controller starts again; "
     "mend the recording with `stillarm recover`"
+)
+REFUSED_REMEDY = (
+    "they counted as missing; look for the device or the link that sends them, and compare the model's [accelerometer] "
+    "range_m_s2, [drive] limits and [camera] scales, which say what is plausible, with the rig"
 )
 _PERIOD_S = 1.0
 _POLL_S = 0.1
@@ -62,6 +67,7 @@ class Statistics:
         self._overruns, _ = block.overruns(block.cycles + 1)
         self._missed_before = block.misses
         self._changes, _ = block.changes(block.cycles + 1)
+        self._refused = block.refused
 
     def line(self) -> dict[str, object]:
         """The fields of one line: counts since the last one, and percentiles of the cycles since then."""
@@ -116,6 +122,17 @@ class Statistics:
             "counters": seen(worst)._asdict(),
         }
 
+    def refused(self) -> dict[str, object] | None:
+        """The fields of a warning about the values refused since the last call; None where there were none."""
+        counts, before = self._block.refused, self._refused
+        self._refused = counts
+        new = {
+            field.name.lower(): now - was
+            for field, now, was in zip(Field, counts, before, strict=True)
+            if now > was
+        }
+        return {"values": new, "remedy": REFUSED_REMEDY} if new else None
+
 
 def _percentiles(counts: list[int]) -> dict[str, float]:
     p50, p99, greatest = percentiles_us(counts, (0.5, 0.99, 1.0))
@@ -165,6 +182,8 @@ def main(block_name: str, loop_process: int, recorder: int) -> int:
         recording = recording and _still_records(recorder, block, loop_process)
         if (warning := statistics.overruns(throttling.seen(), stolen.passed_s())) is not None:
             log(_PROCESS, "warning", "cycles missed", **warning)
+        if (refusals := statistics.refused()) is not None:
+            log(_PROCESS, "warning", "values refused", **refusals)
     if os.getppid() != loop_process and not block.ended:
         log(_PROCESS, "error", "the loop is gone", **statistics.line())
         block.remove()

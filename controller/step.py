@@ -3,13 +3,13 @@
 It runs live, in virtual time and in replay; it knows no clock, no socket, no device, no file.
 """
 
-from dataclasses import dataclass, field
-from math import isfinite, nan
+from dataclasses import dataclass
+from math import isfinite
 
 from common.configuration import Controller as ControllerSettings
 from common.effects import declared
 from common.model import Model, length_of
-from common.visual_sample import VisualSample
+from controller.cycle_input import CycleInput
 from controller.damping import DampingStatus, JointDamping
 from controller.dither import STILL, check_dither, dither_on
 from controller.estimate import Estimate, Method, Observation
@@ -17,33 +17,10 @@ from controller.joint_motion import JointMotion
 from controller.limits import CommandLimits
 from controller.methods import make_method
 from controller.motion import Motion
+from controller.plausible_input import PlausibleInput
 from controller.restarted_vision import MethodAcrossRestarts
 from controller.states.supervision import Supervision
 from controller.states.table import Event, State
-
-
-@dataclass(slots=True)
-class CycleInput:
-    """What a cycle has read. Missing numbers are NaN.
-
-    joint_age_s: age of the drive's report; NaN for a drive that reports nothing
-    reference_rad_s: the external joint velocity reference, as given
-    damping_allowed: the operator's or schedule's permission
-    samples: the visual samples read in this cycle, in order of arrival
-    deflection_m: measured directly, as by a strain gauge
-    operator: what the operator asked for, bits of controller.states.table.Operator
-    """
-
-    cycle: int
-    acceleration_m_s2: float = nan
-    joint_position_rad: float = nan
-    joint_velocity_rad_s: float = nan
-    joint_age_s: float = nan
-    reference_rad_s: float = 0.0
-    damping_allowed: bool = False
-    samples: list[VisualSample] = field(default_factory=list)
-    deflection_m: float = nan
-    operator: int = 0
 
 
 @dataclass(slots=True)
@@ -79,25 +56,42 @@ class Controller:
         Raises UserError for an unknown method or a model without length.
         """
         model = declared(model)
+        self._model, self._settings, self._model_name = model, settings, model_name
         self._cycle_s = model.timing.cycle_s
-        length = length_of(model, model_name)
-        self.joint = JointMotion(model, length)
+        self._length = length = length_of(model, model_name)
+        self._input = PlausibleInput(model, length)
+        self._supervision = Supervision(model, settings, length, identified_only=identified_only)
+        check_dither(settings.dither, model)
+        self._dither_settings = settings.dither
+        self._limits = CommandLimits(model.drive, self._cycle_s)
+        self._begin(0.0)
+
+    def _begin(self, joint_position_rad: float) -> None:
+        """Nothing measured yet, at rest. joint_position_rad: where the joint is until it is reported."""
+        model, settings, model_name = self._model, self._settings, self._model_name
+        self.joint = JointMotion(model, self._length, joint_position_rad)
         self.method: Method = MethodAcrossRestarts(
             lambda: make_method(settings.method, model, settings, model_name)
         )
-        self._supervision = Supervision(model, settings, length, identified_only=identified_only)
         self._damping = JointDamping(model, settings.damping, model_name)
         self._motion = Motion(model, settings.reference_shaping)
-        self._limits = CommandLimits(model.drive, self._cycle_s)
-        check_dither(settings.dither, model)
-        self._dither_settings, self._dither = settings.dither, STILL
-        self._cycle: int | None = None
+        self._dither = STILL
+
+    @property
+    def refused(self) -> list[int]:
+        """How many values of the input were refused since the start, by controller.plausible_input.Field."""
+        return self._input.refused
 
     def step(self, read: CycleInput) -> CycleOutput:
-        """One cycle. Cycle numbers increase; those that the loop skipped never come."""
-        elapsed = 1 if self._cycle is None else read.cycle - self._cycle
-        self._cycle = read.cycle
+        """One cycle. Cycle numbers increase; those that the loop skipped never come.
+
+        Values that are not plausible count as missing. After a long pause all but state and permission begins anew.
+        """
+        read, elapsed, begin_anew = self._input.admit(read)
         time_s = read.cycle * self._cycle_s
+        if begin_anew:
+            self._begin(self.joint.position_rad)
+            self._supervision.begin_anew(time_s)
         joint, damping, supervision = self.joint, self._damping, self._supervision
         joint.begin_cycle(read.cycle, read.joint_position_rad)
         estimate = self.method.update(
@@ -118,9 +112,8 @@ class Controller:
             estimate,
             read.operator,
         )
-        reference = read.reference_rad_s if isfinite(read.reference_rad_s) else 0.0
         reference = self._motion.reference(
-            read.cycle, elapsed, reference, allowed, self._limits, damping, joint
+            read.cycle, elapsed, read.reference_rad_s, allowed, self._limits, damping, joint
         )
         damping.see_cycle(read.cycle, estimate, read.samples, joint)
         velocity, status = damping.velocity_rad_s(

@@ -9,7 +9,8 @@ from math import cos, pi
 from common.configuration import Controller as ControllerSettings
 from common.model import Model
 from common.visual_sample import VisualSample
-from controller.step import Controller, CycleInput
+from controller.cycle_input import CycleInput
+from controller.step import Controller
 
 _CYCLES = 400
 _CYCLES_A_FRAME = 15

@@ -22,9 +22,10 @@ from common.effects import check_effects, declared
 from common.model import Model
 from common.scenario import Scenario
 from common.visual_sample import TrackingStatus, VisualSample
+from controller.cycle_input import CycleInput
 from controller.exchange import ControllerExchange
 from controller.recorded import estimate_sample, fast_sample, frame_sample
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 from drivers.shared_memory_camera import ASK_AGAIN_S
 from simulation.accelerometer_effects import accelerometer_effects
 from simulation.accelerometer_reading import accelerometer_reading

@@ -13,9 +13,10 @@ from benchmarks.estimators.regimes import CYCLE_S, Arm, Regime
 from benchmarks.estimators.trial import LENGTH_M, assumed_model, scale_error, visual_sample
 from common.configuration import Controller as Settings
 from common.model import Model
+from controller.cycle_input import CycleInput
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
 from controller.frame_delays import FrameDelays
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 
 Values = NDArray[np.float64]
 ORACLE = "oracle"  # knows deflection and rate of the moment, exactly

@@ -22,8 +22,9 @@ from common.configuration import Controller as Settings
 from common.model import Accelerometer, Camera, Commissioned, Mode, Model
 from common.model import Arm as ArmModel
 from common.visual_sample import TrackingStatus, VisualSample
+from controller.cycle_input import CycleInput
 from controller.frame_delays import FrameDelays
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 
 Values = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -19,8 +19,9 @@ from common.datagram import DEMO_KEY, Kind, encode
 from common.model import Model
 from common.peer import Peer
 from common.visual_sample import TrackingStatus, VisualSample
+from controller.cycle_input import CycleInput
 from controller.exchange import ControllerExchange, oldest_sample_s
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 from drivers.accelerometer_tables import TABLES
 from drivers.camera import Frame
 from drivers.drive_gateway import DriveGateway

@@ -1,1 +1,1 @@
-"""Coverage-guided fuzzing of the decoders that read what others send."""
+"""Fuzzing: coverage-guided of the decoders that read what others send; of the step with odd values and pauses."""

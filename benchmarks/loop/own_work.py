@@ -11,8 +11,9 @@ from common.peer import Peer
 from common.udp import UdpSocket, new_session
 from common.visual_datagram import read_visual_body, visual_body
 from common.visual_sample import TrackingStatus, VisualSample
+from controller.cycle_input import CycleInput
 from controller.recorded import estimate_sample, fast_sample
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 
 _CYCLES_A_FRAME = 15
 _DELAY_CYCLES = 74

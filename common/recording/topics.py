@@ -94,6 +94,7 @@ class LinkSample(msgspec.Struct, frozen=True, gc=False):
     unproven, overdue: common.peer.LinkCounts. shed: datagrams that the kernel turned away in a flood, or had no
     room for.
     reference_*, drive_*: the same of the operator's and the drive's sockets; refused: all that was not taken.
+    values_refused: of the controller's input, as not plausible; the log names the fields.
     supervisor_clock_*: the supervisor's monotonic clock minus this process's; round_trip_s: both ways, waits left out.
     """
 
@@ -122,6 +123,7 @@ class LinkSample(msgspec.Struct, frozen=True, gc=False):
     drive_refused: int = 0
     drive_ignored: int = 0
     recorder_alive: bool = True
+    values_refused: int = 0
     supervisor_clock_offset_s: float = nan
     supervisor_clock_offset_std_s: float = nan
     supervisor_clock_skew: float = nan

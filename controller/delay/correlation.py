@@ -98,9 +98,8 @@ class CorrelationDelay:
 
         A cycle that never came (an overrun; a recording at a lower rate) is one without a sample.
         """
-        skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, self._remembered)
-        for missed in range(cycle - skipped, cycle):
-            self._smooth.write(missed, self._average.add(nan))
+        if self._cycle is not None and cycle - self._cycle > 1:
+            self._miss(self._cycle + 1, cycle - 1)
         self._cycle = cycle
         mean = self._average.add(self._blows.without(vibration))
         self._blows.see_average(mean)
@@ -108,6 +107,13 @@ class CorrelationDelay:
         while self._waiting and self._waiting[0][0] <= cycle - self._wait:
             arrival, deflection = self._waiting.popleft()
             self._correlate(arrival, deflection, cycle - arrival)
+
+    def _miss(self, first: int, last: int) -> None:
+        """Cycles without a sample. Once none is left in the average, it stays as it is."""
+        needed = 2 * self._half_width + 1
+        for missed in range(first, min(last, first + needed) + 1):
+            self._smooth.write(missed, self._average.add(nan))
+        self._smooth.fill(last, self._average.mean)
 
     def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
         """Take in the deflection that an image shows, read in `cycle`."""

@@ -85,7 +85,8 @@ class JointInput:
         asked[:k], asked[k] = times_s, edge_s
         newest = 0 if self._cycle is None else self._cycle
         oldest = max(newest - _HELD + 2.0, 0.0)
-        places = np.minimum(np.maximum(asked / self._cycle_s, oldest), newest - 1e-9)
+        # fmin and fmax turn NaN into the oldest: cast to an integer it would keep take(mode="wrap") busy for ever
+        places = np.fmin(np.fmax(asked / self._cycle_s, oldest), newest - 1e-9)
         low = places.astype(np.int64)
         before = self._held.take(low, axis=0, mode="wrap")
         after = self._held.take(low + 1, axis=0, mode="wrap")

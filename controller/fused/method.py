@@ -26,6 +26,7 @@ _SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
 _ALARM_S = 0.6
 _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
 _MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates count: no cycle may be long
+_MOST_DATED = 4  # in a cycle, 0.1 to 0.25 ms each; those before them count as lost
 _AHEAD_FRAMES = 0.9  # of an image are blocks taken in
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
 _SCALE_DRIFTS = "images and accelerometer drift apart: the scene's depth, or the accelerometer's gain"
@@ -257,6 +258,7 @@ class FusedMethod:
 
     def _see_samples(self, samples: list[VisualSample], time_s: float) -> None:
         """Leave the last one to the cycles that follow; those before it have to be done with at once."""
+        samples = samples[-_MOST_DATED:]
         first_looked_at = len(samples) - _MOST_IMAGES
         for place, sample in enumerate(samples):
             while self._work in _OF_FRAME:

@@ -103,8 +103,7 @@ class FastSensor:
         """Take in a cycle; those that never came are without a sample."""
         cycle = observation.cycle
         if self._cycle is not None:
-            for missed in range(max(self._cycle + 1, cycle - self._length), cycle):
-                self._history.write(missed, nan)
+            self._history.fill(cycle - 1, nan)
         self._cycle = cycle
         value = self._reading.value(observation, forced)
         self._history.write(cycle, value / self._reading.noise_std)

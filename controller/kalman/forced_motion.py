@@ -2,6 +2,7 @@
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
+from controller.drive_model import STEPWISE_CYCLES
 from controller.estimate import Observation
 from controller.history import CycleHistory
 from controller.joint_motion import HISTORY_S, JointMotion
@@ -28,12 +29,14 @@ class ForcedMotion:
         """Move the further modes on. Cycles that were skipped take the joint's acceleration of this one."""
         if not self._further:
             return
-        elapsed = 1 if self._cycle is None else min(observation.cycle - self._cycle, 100_000)
+        elapsed = 1 if self._cycle is None else observation.cycle - self._cycle
         self._cycle = observation.cycle
         acceleration = observation.joint.mean_acceleration_rad_s2
         for _, response, _ in self._further:
-            for _ in range(elapsed):
+            for _ in range(min(elapsed, STEPWISE_CYCLES)):
                 response.advance(acceleration)
+            if elapsed > STEPWISE_CYCLES:
+                response.advance_many(elapsed - STEPWISE_CYCLES, acceleration)
         seen = sum(share * response.deflection_m for _, response, share in self._further)
         self._seen.write(observation.cycle, seen)
 

@@ -21,11 +21,14 @@ _MISSED_OVER_S = 1.0
 class Health:
     """Watches the sensors, the drive, the loop and the estimate."""
 
-    def __init__(self, cycle_s: float, stale_after_s: float) -> None:
-        """stale_after_s: how old the last measured image may be."""
+    def __init__(self, cycle_s: float, stale_after_s: float, sampled_s: float = float("-inf")) -> None:
+        """stale_after_s: how old the last measured image may be. sampled_s: when the accelerometer gave its last
+        sample, if it ever did.
+        """
         self._cycle_s = cycle_s
         self._stale_after_s = stale_after_s
-        self._image_s = self._sample_s = float("-inf")
+        self._image_s = float("-inf")
+        self._sample_s = sampled_s
         self._finite_s: float | None = None
         self._calm_from_s = float("-inf")
         self._missed = 0.0

@@ -1,5 +1,6 @@
 """What the step asks in each cycle whether it may move and damp: health, the tests of the damping, and the states."""
 
+from functools import partial
 from math import sqrt
 
 from common.configuration import Controller as ControllerSettings
@@ -26,8 +27,10 @@ class Supervision:
         cycle_s, safety = model.timing.cycle_s, settings.safety
         self._drive = model.drive
         self._w = model.arm.modes[0].angular_frequency
-        self._health = Health(cycle_s, settings.damping.stale_after_s)
-        self._energy = EnergyTest(model, length_m)
+        self._make_health = partial(Health, cycle_s, settings.damping.stale_after_s)
+        self._health = self._make_health()
+        self._make_energy = partial(EnergyTest, model, length_m)
+        self._energy = self._make_energy()
         self._saturation = SaturationTest(cycle_s)
         self._machine = StateMachine(cycle_s, arm_at_start=settings.arm_at_start)
         self._needed = (BIT_OF[Event.VISION_STALE] if "vision" in safety.checks_before_arming else 0) | (
@@ -38,6 +41,14 @@ class Supervision:
         self._quiet_cycles = 0
         self._found = 0
         self._refused = 0 if model.identified or not identified_only else _UNCOMMISSIONED
+        self._damped = False
+
+    def begin_anew(self, time_s: float) -> None:
+        """The cycles before say nothing of now. State and permission stay: a fault is cleared by the operator alone."""
+        self._health = self._make_health(time_s if self._health.sampled else float("-inf"))
+        self._energy = self._make_energy()
+        self._saturation.restart()
+        self._quiet_cycles = self._found = 0
         self._damped = False
 
     def see_image(self, time_s: float) -> None:

@@ -11,7 +11,8 @@ from common.model import Arm, Drive, Mode, Model
 from common.user_error import UserError
 from common.visual_sample import VisualSample
 from controller.composite import CompositeControl
-from controller.step import Controller, CycleInput
+from controller.cycle_input import CycleInput
+from controller.step import Controller
 from tests.reference.arm_world import Trace, constant, run_world
 
 A = 0.00625

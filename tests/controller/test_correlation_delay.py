@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from common.configuration import Controller as Settings
 from common.configuration import Damping
 from common.model import Accelerometer, Arm, Camera, Mode, Model, Timing
+from controller.cycle_input import CycleInput
 from controller.estimate import Status
-from controller.step import Controller, CycleInput, CycleOutput
+from controller.step import Controller, CycleOutput
 from tests.reference.arm_world import constant, run_world
 
 AMPLITUDE = 0.00625

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from common.configuration import Controller as Settings
 from common.configuration import Damping
 from common.model import Arm, Drive, Mode, Model
+from controller.cycle_input import CycleInput
 from controller.damping import DampingStatus, JointDamping, most_damping_lag_s
 from controller.estimate import DelayEstimate, Estimate, Status
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 from tests.reference.arm_world import constant, run_world
 
 A = 0.00625

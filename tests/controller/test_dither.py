@@ -14,9 +14,10 @@ from benchmarks.estimators.trial import LENGTH_M, assumed_model, visual_sample
 from common.configuration import Controller as Settings
 from common.configuration import Dither
 from common.user_error import UserError
+from controller.cycle_input import CycleInput
 from controller.dither import STILL, check_dither, dither_on, highest_velocity_rad_s
 from controller.frame_delays import FrameDelays
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 
 CYCLE_S = 0.001
 

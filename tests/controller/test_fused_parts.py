@@ -143,3 +143,13 @@ def test_stamps_that_jump_are_doubted() -> None:
     dating.accept(frame(3, 90.0), 1.0 + 3 * FRAME_S)
     assert dating.stamp_doubt_s > 0.0
     assert dating.nominal[Law.STAMPS] - before == pytest.approx(FRAME_S)
+
+
+def test_instants_that_are_no_numbers_return_what_is_held() -> None:
+    """NaN cast to an integer once kept numpy's take(mode="wrap") busy for ever."""
+    joint = JointInput([16.0], [1.0], 0.001)
+    for cycle in range(20):
+        joint.advance(cycle, [1.0 + 0j], 0.0, 0.25)
+    theta, rate, grown = joint.seen_from(float("nan"), np.array((float("nan"), float("inf"), -1e300)))
+    assert theta.tolist() == [0.25] * 3 and rate.tolist() == [0.0] * 3
+    assert np.all(np.isfinite(grown))

@@ -33,3 +33,17 @@ def test_instants_outside_are_the_nearest_held() -> None:
     assert history.at(99.0) == 9.0
     assert history.at(-99.0) == 6.0
     assert np.isfinite(CycleHistory(3).at(1.5))
+
+
+@given(gaps=st.lists(st.integers(1, 10**6), min_size=1, max_size=8), length=st.integers(3, 20))
+def test_a_fill_is_as_writing_each_cycle(gaps: list[int], length: int) -> None:
+    """Of any length; and one into the past changes nothing."""
+    history, cycle = CycleHistory(length), 5
+    history.write(cycle, 1.0)
+    wanted = [0.0] * (length - 1) + [1.0]
+    for k, gap in enumerate(gaps):
+        cycle += gap
+        history.fill(cycle, float(-k))
+        history.fill(cycle - 3, 99.0)
+        wanted = (wanted + [float(-k)] * min(gap, length))[-length:]
+        assert history.lags(0, length - 1).tolist() == wanted

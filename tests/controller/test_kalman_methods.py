@@ -12,11 +12,12 @@ from common.configuration import Controller as Settings
 from common.configuration import Kalman
 from common.model import Accelerometer, Arm, Mode, Model
 from common.visual_sample import VisualSample
+from controller.cycle_input import CycleInput
 from controller.estimate import Observation, Status
 from controller.joint_motion import JointMotion
 from controller.methods import make_method
 from controller.recorded import fast_sample, recorded_cycles
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 from tests.reference.arm_world import Trace, constant, run_world, wandering, white
 
 A = 0.00625

@@ -21,11 +21,12 @@ from common.recording.topics import TOPICS
 from common.shared_memory import SharedRing
 from common.visual_datagram import visual_body
 from common.visual_sample import VisualSample
+from controller.cycle_input import CycleInput
 from controller.exchange import ControllerExchange
 from controller.loop import Loop, said_of
 from controller.loop_block import LoopBlock
 from controller.states.table import Event, State
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 
 MODEL = Model(arm=Arm(length_m=2.0))
 W = 2.0 * pi * 2.6

@@ -7,6 +7,7 @@ import pytest
 
 from controller.loop_block import LoopBlock
 from controller.overrun import Cause
+from controller.plausible_input import Field
 from controller.states.table import Event, State
 from controller.statistics_process import Statistics
 
@@ -85,3 +86,19 @@ def test_changes_of_state_are_kept_in_order(sides: tuple[LoopBlock, LoopBlock]) 
     assert not reader.ended
     writer.end()
     assert reader.ended
+
+
+def test_refused_values_are_told_once_by_field(sides: tuple[LoopBlock, LoopBlock]) -> None:
+    """Counts since the last call; nothing where there are none."""
+    writer, reader = sides
+    statistics = Statistics(reader)
+    assert statistics.refused() is None
+    counts = [0] * len(Field)
+    counts[Field.ACCELERATION], counts[Field.CAPTURED] = 3, 1
+    writer.note_refused(counts)
+    told = statistics.refused()
+    assert told is not None and told["values"] == {"acceleration": 3, "captured": 1}
+    counts[Field.CAPTURED] = 5
+    writer.note_refused(counts)
+    assert (statistics.refused() or {})["values"] == {"captured": 4}
+    assert statistics.refused() is None

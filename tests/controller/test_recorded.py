@@ -3,10 +3,11 @@
 from math import isnan, nan
 
 from common.recording.topics import FastSample, FrameSample
+from controller.cycle_input import CycleInput
 from controller.damping import DampingStatus
 from controller.estimate import DelayEstimate, Estimate, Status
 from controller.recorded import fast_sample, frame_sample, recorded_cycles, visual_sample
-from controller.step import CycleInput, CycleOutput
+from controller.step import CycleOutput
 
 
 def frame(cycle: int, number: int, received_s: float | None = None) -> FrameSample:

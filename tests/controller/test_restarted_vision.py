@@ -2,6 +2,9 @@
 
 from math import nan
 
+import numpy as np
+import pytest
+
 from benchmarks.faults.virtual_faults import run_virtual_fault
 from common.configuration import load_assumed_model, load_configuration
 from common.datagram import DEMO_KEY
@@ -82,3 +85,28 @@ def test_a_restarted_supervisor_kicks_nobody() -> None:
     verdicts = run_virtual_fault("supervisor killed", configuration, model, 4, 3)
     assert all(verdict.violations == [] for verdict in verdicts)
     assert max(verdict.command_max for verdict in verdicts) < 0.03
+
+
+class Failing:
+    """Gives good numbers until its third cycle."""
+
+    def __init__(self, harm: float | Exception) -> None:
+        self.harm, self.cycles = harm, 0
+
+    def update(self, observation: Observation) -> Estimate:
+        self.cycles += 1
+        if self.cycles == 3 and isinstance(self.harm, Exception):
+            raise self.harm
+        value = self.harm if self.cycles == 3 and isinstance(self.harm, float) else 0.001
+        return Estimate(
+            DelayEstimate(0.07, 0.001, Status.ESTIMATED), value, 0.0, 1e-4, status=Status.ESTIMATED
+        )
+
+
+@pytest.mark.parametrize("harm", [nan, OverflowError("too large"), np.linalg.LinAlgError("singular")])
+def test_a_method_whose_numbers_fail_begins_anew_and_says_so(harm: float | Exception) -> None:
+    method, joint = MethodAcrossRestarts(lambda: Failing(harm)), JointMotion(Model(), 1.0)
+    said = [method.update(Observation(k, 0.001 * k, 0.0, [], joint)) for k in range(5)]
+    assert [one.status for one in said] == [Status.ESTIMATED] * 2 + [Status.INVALID] + [Status.ESTIMATED] * 2
+    assert said[2].reason == "numbers out of range: started again"
+    assert method.failures == 1

@@ -2,7 +2,8 @@
 
 from common.configuration import Controller as Settings
 from common.model import Arm, Model
-from controller.step import Controller, CycleInput
+from controller.cycle_input import CycleInput
+from controller.step import Controller
 from controller.warm_up import warm_up
 
 

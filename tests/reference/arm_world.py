@@ -12,9 +12,10 @@ import numpy as np
 
 from common.model import Model
 from common.visual_sample import VisualSample
+from controller.cycle_input import CycleInput
 from controller.estimate import DelayEstimate
 from controller.frame_delays import FrameDelays
-from controller.step import Controller, CycleInput, CycleOutput
+from controller.step import Controller, CycleOutput
 
 SUBSTEPS = 10
 State = tuple[float, float, float, float]  # theta, theta', q, q'

@@ -13,9 +13,10 @@ import pytest
 from common.configuration import Controller as Settings
 from common.configuration import Damping, Safety
 from common.model import Arm, Commissioned, Mode, Model
+from controller.cycle_input import CycleInput
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
 from controller.states.table import GROUND_OF, Event, Operator, State
-from controller.step import Controller, CycleInput
+from controller.step import Controller
 from tests.reference.arm_world import Trace, constant, run_world
 
 A = 0.00625

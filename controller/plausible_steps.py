@@ -1,0 +1,40 @@
+"""Tells a lone wrong value from a signal that truly moved: values of one quantity, each checked against the last."""
+
+
+class PlausibleSteps:
+    """Accepts a value near the one accepted last, or one that the values before it confirm."""
+
+    def __init__(self, slack: float, per_s: float, confirmed_by: int) -> None:
+        """A step may be as large as slack + per_s * (time since the value before), in the signal's unit.
+
+        confirmed_by: so many values in a row that agree with each other show that the signal has moved.
+        """
+        self._slack, self._per_s, self._confirmed_by = slack, per_s, confirmed_by
+        self.moved = False
+        """Whether the value accepted last is another level that the values before it have confirmed."""
+        self.restart()
+
+    def restart(self) -> None:
+        """The next value is accepted whatever it is."""
+        self._last: tuple[float, float] | None = None  # value, time in s
+        self._refused = (0.0, 0.0)
+        self._agreeing = 0
+
+    def accepts(self, value: float, time_s: float) -> bool:
+        """Whether to use a finite value of a time that is not before that of the last call."""
+        last, self.moved = self._last, False
+        agrees = self._agreeing > 0 and self._near(self._refused, value, time_s)
+        if last is None or self._near(last, value, time_s):
+            nearer = agrees and last is not None and abs(value - self._refused[0]) < abs(value - last[0])
+            if not nearer:  # with time, the last level comes within reach of the other one
+                self._last, self._agreeing = (value, time_s), 0
+                return True
+        self._agreeing = self._agreeing + 1 if agrees else 1
+        self._refused = value, time_s
+        if self._agreeing < self._confirmed_by:
+            return False
+        self._last, self._agreeing, self.moved = self._refused, 0, True
+        return True
+
+    def _near(self, before: tuple[float, float], value: float, time_s: float) -> bool:
+        return abs(value - before[0]) <= self._slack + self._per_s * (time_s - before[1])
