@@ -35,6 +35,9 @@ def company(controller: int, cycle_s: float, load: int, floor: Floor) -> Iterato
                 module,
                 *arguments,
                 stdin=subprocess.DEVNULL,
+                # Of a session of its own, as another program's: Ctrl-C does not reach it, and the kernel's scheduler
+                # gives it a share beside the demo's, not within it.
+                start_new_session=True,
                 preexec_fn=ended_with_parent(),  # no thread runs yet, and it calls the kernel only
             )
             stack.callback(stop_process, process, _STOP_WITHIN_S)

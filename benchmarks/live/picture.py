@@ -75,6 +75,7 @@ def _misses(axes: Axes, rows: list[dict[str, Any]]) -> None:
         (0.27, "frames_lost", "frames lost", "#c44e52"),
     ):
         axes.bar(runs + shift, [row[key] for row in shared], width=0.25, color=colour, label=label)
+    axes.set_ylim(0.0, max(1.0, axes.get_ylim()[1]))
     axes.set_xlabel("run")
     axes.set_xticks(runs)
     axes.legend(fontsize=8)

@@ -175,16 +175,17 @@ def _delays(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:
         stds = np.array([1e3 * delay.std_s for _, _, delay in replay.frames])
         colour = _COLOURS[replay.method]
         axes.plot(times, delays, color=colour, linewidth=0.9, label=replay.method)
-        if replay.method == "correlation":
-            axes.fill_between(times, delays - stds, delays + stds, color=colour, alpha=0.2, linewidth=0)
+        axes.fill_between(times, delays - stds, delays + stds, color=colour, alpha=0.2, linewidth=0)
     for strike in truth.strikes_s:
         axes.axvline(strike, color="#dd8452", linewidth=1.0, linestyle="--")
-    axes.set_ylim(40.0, 110.0)
+    low, high = np.percentile([1e3 * d for _, d in true], [0.5, 99.5]) if true else (40.0, 110.0)
+    axes.set_ylim(min(40.0, low - 5.0), max(110.0, high + 5.0))
     axes.set_xlabel("time, s")
     axes.set_ylabel("capture delay, ms")
     axes.legend(loc="upper right", ncols=3, fontsize=8)
     axes.set_title(
-        "Capture delay: what each method says (band: one standard deviation), and what it was", fontsize=10
+        "Capture delay: what each method says (band: its stated standard deviation), and what it was",
+        fontsize=10,
     )
     return figure
 
