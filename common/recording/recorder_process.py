@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 import msgspec
 
+from common.priority import raise_session_priority
 from common.recording.recorder_client import LOADED, READY, RecorderClient, RecorderOrder
 from common.recording.topics import TOPICS, LogLine
 from common.recording.warm_up import warm_up
@@ -27,6 +28,9 @@ from common.user_error import UserError
 
 __all__ = ["Drain", "RecorderClient", "main"]
 
+_NICENESS = (
+    -10
+)  # what waits in the ring is lost when the ring is full; the daemon itself goes before all the same
 _PERIOD_S = 0.01
 _WATCH_S = 0.1
 _FLUSH_S = 0.5  # what a killed recorder may lose
@@ -140,6 +144,7 @@ def _feed_watchdog(ring: SharedRing) -> None:
 def main(ring_name: str, daemon: int) -> int:
     """Run until the daemon asks or is gone. Returns 0 when the whole recording is on disk."""
     stop = StopSignal()
+    raise_session_priority(_NICENESS)
     warm_up()
     gc.freeze()  # what the imports made lives for ever: no collection need look at it again
     try:
