@@ -5,8 +5,9 @@ import secrets
 import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from benchmarks.live.misses import Gap
 from common.child_process import start_module, stop_process
 from controller.loop_block import LoopBlock
 from simulation.demo.parent_death import ended_with_parent
@@ -16,10 +17,11 @@ _STOP_WITHIN_S = 5.0
 
 @dataclass
 class Floor:
-    """What the bare timer counted: cycles that it woke for, and those that it missed."""
+    """What the bare timer counted: cycles that it woke for, those that it missed, and where (the last 64 times)."""
 
     cycles: int = 0
     deadline_misses: int = 0
+    gaps: list[Gap] = field(default_factory=list)
 
 
 @contextmanager
@@ -45,3 +47,4 @@ def company(controller: int, cycle_s: float, load: int, floor: Floor) -> Iterato
             yield
         finally:
             floor.cycles, floor.deadline_misses = block.cycles, block.misses
+            floor.gaps = [Gap(overrun.cycle, overrun.missed) for overrun in block.overruns(0)[1]]

@@ -11,6 +11,7 @@ import numpy as np
 
 from benchmarks.live.beside import Floor, company
 from benchmarks.live.commands import judge_commands
+from benchmarks.live.misses import gaps, own_misses
 from benchmarks.live.replay_tables import read_estimates
 from benchmarks.live.scoring import score
 from benchmarks.live.truth import TrueRun, read_truth
@@ -99,6 +100,7 @@ def _one_run(
         "frames_lost": frames_lost([frame.frame for frame in recorded.frames if frame.frame >= 0]),
         "cycles": int(loop["cycles"][-1]),
         "deadline_misses": int(loop["deadline_misses"][-1]),
+        "own_deadline_misses": own_misses(gaps([row.cycle for row in recorded.fast]), floor.gaps),
         "floor_cycles": floor.cycles,
         "floor_deadline_misses": floor.deadline_misses,
         **_commands(recorded),

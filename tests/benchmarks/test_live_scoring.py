@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.live.commands import judge_commands
+from benchmarks.live.misses import Gap, gaps, own_misses
 from benchmarks.live.replay_tables import read_estimates
 from benchmarks.live.run import damped_settling_s, frames_lost
 from benchmarks.live.scoring import Estimates, period_s, score
@@ -128,6 +129,16 @@ def test_commands_without_grounds_are_counted_once_the_time_to_fade_is_over() ->
     assert judged([0.01, 0.01], ["idle", "idle"])["commands_without_grounds"] == 2
 
 
+def test_a_miss_is_the_loops_own_where_the_bare_timer_missed_none() -> None:
+    """A stall that hits both does not hit them at the same instant."""
+    loop = gaps([0, 1, 5, 6, 50, 51, 53])
+    assert loop == [Gap(1, 3), Gap(6, 43), Gap(51, 1)]
+    assert own_misses(loop, []) == 47
+    assert own_misses(loop, [Gap(2, 3), Gap(30, 2)]) == 1
+    assert own_misses(loop, [Gap(0, 60)]) == 0
+    assert own_misses([], [Gap(0, 60)]) == 0
+
+
 def test_tables_are_read_back_with_empty_fields_as_nothing(tmp_path: Path) -> None:
     (tmp_path / "estimates.csv").write_text(
         "time_s,method,status,deflection_m,deflection_std_m\n0.0,a,x,,\n0.001,a,x,0.5,0.1\n0.0,b,x,1.0,2.0\n"
@@ -145,8 +156,8 @@ def test_the_tables_take_every_row_and_judge_the_method_that_damps() -> None:
     """Rows as of a run, with a score missing."""
     shared = {
         "seed": 3, "settling_time_damped_s": 1.5, "frames": 10, "frames_lost": 0, "cycles": 9, "deadline_misses": 2,
-        "floor_cycles": 9, "floor_deadline_misses": 1, "command_max_rad_s": 0.1, "commands_beyond_limits": 0,
-        "commands_without_grounds": 0,
+        "own_deadline_misses": 1, "floor_cycles": 9, "floor_deadline_misses": 1,
+        "command_max_rad_s": 0.1, "commands_beyond_limits": 0, "commands_without_grounds": 0,
     }  # fmt: skip
     scores = score(perfect(true_run()), true_run())
     rows = [
