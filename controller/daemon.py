@@ -29,6 +29,10 @@ from controller.warm_up import warm_up
 _LEAD_S = 0.2  # from when all is warm until cycle 0: the recording's file is opened meanwhile
 _EMPTIED_BEFORE_S = 0.005  # before cycle 0: what came until then is nobody's in this run
 
+_NOT_ARMED = (
+    "the joint stands still until `stillarm operate arm --config FILE`, as controller.arm_at_start is false"
+)
+
 
 def run(
     configuration_path: Path, record: Path | None, duration_s: float | None, *, allow_non_realtime: bool
@@ -60,6 +64,8 @@ def run(
         log_start("controller", configuration, configuration_path)
         for note in filter(None, (not_used_by_controller(model), *devices.notes)):
             log("controller", "warning", note)
+        if not configuration.controller.arm_at_start:
+            log("controller", "info", _NOT_ARMED)
         if missing := realtime.enter():
             log("controller", "warning", "not real-time", missing=[str(each) for each in missing])
         clock = CycleClock(cycle_s, time.monotonic() + _LEAD_S)
