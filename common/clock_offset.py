@@ -9,9 +9,13 @@ t2; the answer leaves there at t3 and is read here at t4. With the other clock a
 Queues, and readers that look only now and then, make either longer, never shorter: the least of each second comes near
 the bare way. A straight line through these, for both directions with one k, gives skew, round trip A + B and offset
 (A - B) / 2. That halving takes both ways as equally long; the offset can be wrong by half the round trip, not more.
+
+The fit is made once a second, and in stages: each exchange after the second's end does one of them. All at once would
+take 0.15 ms out of one 1 ms cycle. A stage takes a tenth of that; 65 frames a second are through within 0.15 s.
 """
 
 from collections import deque
+from collections.abc import Iterator
 from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
 
@@ -60,14 +64,17 @@ class ClockOffset:
         self._second = -1
         self._least = _EMPTY
         self._closed: deque[_Least] = deque(maxlen=_SECONDS)
+        self._fit: Iterator[ClockEstimate | None] | None = None
+        self._to_fit = False  # a second has closed since the fit under way began
 
     def add(self, times: LinkTimes, received_s: float) -> None:
         """Take one exchange; received_s: when its answer was read, on this clock. Times that are not finite are passed
-        over.
+        over. Each call does at most one stage of the fit.
         """
         forward, backward = times.received_s - times.sent_s, received_s - times.answered_s
         if not isfinite(forward + backward):
             return
+        self._advance_fit()
         second = int(received_s)
         if second != self._second:
             if self._least is not _EMPTY:
@@ -84,6 +91,7 @@ class ClockOffset:
         """Forget everything: it is another process that answers now."""
         self._closed.clear()
         self._least, self._second = _EMPTY, -1
+        self._fit, self._to_fit = None, False
         self.estimate = ClockEstimate()
 
     def _close(self) -> None:
@@ -95,15 +103,29 @@ class ClockOffset:
             if expected > least.forward_s + _STEP_S or expected < -least.backward_s - _STEP_S:
                 self._closed.clear()
                 self.steps += 1
+                self._fit = None  # of a clock that goes no longer
         self._closed.append(least)
-        self.estimate = _fit(list(self._closed))
+        self._to_fit = True
+
+    def _advance_fit(self) -> None:
+        if self._fit is None:
+            if not self._to_fit:
+                return
+            self._fit, self._to_fit = _fit_in_stages(list(self._closed)), False
+        estimate = next(self._fit)
+        if estimate is not None:
+            self._fit, self.estimate = None, estimate
 
 
-def _fit(seconds: list[_Least]) -> ClockEstimate:
-    """A line with one slope through both directions; seconds that queued throughout are left out."""
+def _fit_in_stages(seconds: list[_Least]) -> Iterator[ClockEstimate | None]:
+    """A line with one slope through both directions; seconds that queued throughout are left out.
+
+    Yields None between two stages, each one pass over the seconds, and the estimate at the end.
+    """
     used = seconds
     for _ in range(3):
         line = _line(used)
+        yield None
         residuals = [_residuals(line, second) for second in used]
         spread = sorted(max(abs(f), abs(b)) for f, b in residuals)
         bound = max(_OUTLIER * spread[len(spread) // 2], _FLOOR_S)
@@ -111,7 +133,10 @@ def _fit(seconds: list[_Least]) -> ClockEstimate:
         if len(kept) == len(used) or len(kept) < 3:
             break
         used = kept
-    return _estimate(used)
+        yield None
+    line = _line(used)
+    yield None
+    yield _estimate(line, used)
 
 
 class _Line(NamedTuple):
@@ -144,8 +169,8 @@ def _residuals(line: _Line, second: _Least) -> tuple[float, float]:
     )
 
 
-def _estimate(seconds: list[_Least]) -> ClockEstimate:
-    line, n = _line(seconds), len(seconds)
+def _estimate(line: _Line, seconds: list[_Least]) -> ClockEstimate:
+    n = len(seconds)
     squares = sum(f * f + b * b for f, b in (_residuals(line, s) for s in seconds))
     variance = max(squares / max(1, 2 * n - 3), _FLOOR_S * _FLOOR_S)
     known = n >= 3

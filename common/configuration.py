@@ -130,11 +130,12 @@ class Safety(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The 1 ms cycle. reference_shaping: how the external reference is shaped so as not to excite the first mode.
 
-    arm_at_start: whether the joint may move without an operator's `stillarm operate arm`.
+    arm_at_start: whether the joint may move without an operator's `stillarm operate arm`. The default is no: nothing
+    moves before a person or the file has said so.
     """
 
     method: str = "fused"
-    arm_at_start: bool = True
+    arm_at_start: bool = False
     schedule: str = ""
     reference_shaping: Literal["none", "zv", "zvd"] = "none"
     correlation: Correlation = Correlation()

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+from pathlib import Path
 
 
 def raise_priority(niceness: int) -> None:
@@ -10,6 +11,17 @@ def raise_priority(niceness: int) -> None:
     """
     with contextlib.suppress(OSError, AttributeError):
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
+
+
+def raise_session_priority(niceness: int) -> None:
+    """Have this process's session run at a niceness beside other sessions; silently not, where that is not allowed.
+
+    Where the kernel groups processes by session (sched(7), "The autogroup feature"), a niceness ranks a process within
+    its session only, and sessions share the processor alike.
+    """
+    raise_priority(niceness)
+    with contextlib.suppress(OSError):
+        Path("/proc/self/autogroup").write_text(str(niceness))
 
 
 def run_fifo(priority: int) -> bool:

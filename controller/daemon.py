@@ -22,11 +22,16 @@ from controller.loop import Loop
 from controller.loop_block import LoopBlock
 from controller.realtime import RealTime, missing_privileges
 from controller.schedule import CycleClock
-from controller.statistics_process import start_statistics, stop_statistics
+from controller.statistics_process import start_statistics, stop_statistics, wait_until_loaded
 from controller.step import Controller
 from controller.warm_up import warm_up
 
-_START_UP_S = 1.0  # until cycle 0: the recorder starts and memory is locked meanwhile
+_LEAD_S = 0.2  # from when all is warm until cycle 0: the recording's file is opened meanwhile
+_EMPTIED_BEFORE_S = 0.005  # before cycle 0: what came until then is nobody's in this run
+
+_NOT_ARMED = (
+    "the joint stands still until `stillarm operate arm --config FILE`, as controller.arm_at_start is false"
+)
 
 
 def run(
@@ -50,22 +55,27 @@ def run(
     realtime = RealTime()
     try:
         devices.start()
-        clock = CycleClock(cycle_s, time.monotonic() + _START_UP_S)
-        header = live_header(configuration_path, configuration, devices.session, clock.origin_s)
         with beside_the_loop():
-            recorder = RecorderClient.start(
-                record, header, telemetry=configuration.telemetry, process_name="controller"
-            )
+            recorder = RecorderClient.launch()
             statistics = start_statistics(block.name, recorder.process_id)
         warm_up(model, configuration.controller, model_name)
+        wait_until_loaded(statistics)
+        recorder.wait_until_loaded()
         log_start("controller", configuration, configuration_path)
         for note in filter(None, (not_used_by_controller(model), *devices.notes)):
             log("controller", "warning", note)
+        if not configuration.controller.arm_at_start:
+            log("controller", "info", _NOT_ARMED)
         if missing := realtime.enter():
             log("controller", "warning", "not real-time", missing=[str(each) for each in missing])
+        clock = CycleClock(cycle_s, time.monotonic() + _LEAD_S)
+        header = live_header(configuration_path, configuration, devices.session, clock.origin_s)
+        recorder.begin(record, header, telemetry=configuration.telemetry, process_name="controller")
         loop = Loop(controller, devices, recorder, block, clock, cycle_s)
         last = None if duration_s is None else int(duration_s / cycle_s)
         notify("READY=1")
+        time.sleep(max(0.0, clock.origin_s - _EMPTIED_BEFORE_S - time.monotonic()))
+        devices.empty_queues()
         loop.run(lambda cycle: bool(stop) or (last is not None and cycle >= last))
         notify("STOPPING=1")
         print(loop.summary(), flush=True)

@@ -18,6 +18,7 @@ from drivers.drive_factory import open_drive
 from drivers.udp_gateway_drive import UdpGatewayDrive
 
 _EXPECTED_PER_CYCLE = 2  # datagrams of a peer that means well
+_MOST_QUEUED = 10_000  # datagrams, more than a buffer holds: a flood must not keep the start from ending
 _OLDEST_S = 1e6  # a drive that never reported: an infinite age would not survive a recording
 
 
@@ -66,6 +67,16 @@ class LiveDevices:
                 self.notes.append(statement)
         if self._drive is not None:
             self._drive.start()
+
+    def empty_queues(self) -> None:
+        """Drop the visual samples that came before cycle 0. What an operator has sent stays.
+
+        They answer no timestamp of this run, and refusing them one by one would fill the first cycles.
+        """
+        data_socket = self._sockets[0]
+        for _ in range(_MOST_QUEUED):
+            if not data_socket.drain(1):
+                break
 
     def read(self, cycle: int) -> CycleInput:
         """Open a cycle: send its timestamp, then read the accelerometer, the drive and what came by UDP."""

@@ -9,8 +9,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 from common.recording.recorder_client import RecorderClient
-from common.recording.topics import TOPIC_INDEX, LinkSample, LogLine, LoopSample
+from common.recording.topics import TOPIC_INDEX, LogLine, LoopSample
 from controller.cycle_input import CycleInput
+from controller.link_report import LinkReport
 from controller.loop_block import LoopBlock
 from controller.overrun import ThreadCounters
 from controller.recorded import estimate_sample, fast_sample, frame_sample
@@ -18,7 +19,7 @@ from controller.schedule import CycleClock
 from controller.states.table import GROUND_OF, Event, Operator, State
 from controller.step import Controller, CycleOutput
 
-_LINK_EVERY_S = 1.0
+_TOLD_EVERY_S = 1.0  # counts for the process that logs
 _LONGEST_STOP_S = 0.5  # the command has faded out long before
 
 
@@ -63,8 +64,10 @@ class Loop:
         self._clock = clock
         self._cycle_s = cycle_s
         self._counters = ThreadCounters()
-        self._link_every = max(1, round(_LINK_EVERY_S / cycle_s))
-        self._next_link = self._next_told = 0
+        self._next_told, self._told_every = 0, max(1, round(_TOLD_EVERY_S / cycle_s))
+        self._link = LinkReport(
+            devices, block, clock, self._counters, cycle_s, lambda: sum(controller.refused)
+        )
         self._state: State | None = None
         self._reason: Event | None = None
 
@@ -89,7 +92,7 @@ class Loop:
             devices.write(answered.command_rad_s)
             answered_at = now()
             if cycle >= self._next_told:
-                self._next_told = cycle + self._link_every
+                self._next_told = cycle + self._told_every
                 block.note_accelerometer_faults(devices.accelerometer_faults)
                 block.note_refused(self._controller.refused)
             if self._recorder is not None:
@@ -109,8 +112,8 @@ class Loop:
                 block.note_overrun(cycle, due - cycle - 1, spent_s, self._counters.moved())
             cycle = due
         block.end()
-        self._counters.close()
         self._record_end(cycle * cycle_s)
+        self._counters.close()
 
     def _record(self, recorder: RecorderClient, read: CycleInput, answered: CycleOutput) -> None:
         cycle_s, cycle = self._cycle_s, read.cycle
@@ -121,26 +124,11 @@ class Loop:
         if answered.state is not self._state or answered.reason is not self._reason:
             self._state, self._reason = answered.state, answered.reason
             recorder.put(_LOG, LogLine(cycle * cycle_s, *said_of(answered.state, answered.reason)))
-        if cycle >= self._next_link:
-            self._next_link = cycle + self._link_every
-            self._counters.moved()  # so that an overrun's counters are of the last second at most
-            recorder.put(
-                _LINK,
-                LinkSample(
-                    time_s=cycle * cycle_s,
-                    cycle=cycle,
-                    deadline_misses=self._clock.misses,
-                    accelerometer_faults=self._devices.accelerometer_faults,
-                    values_refused=sum(self._controller.refused),
-                    recorder_lost=recorder.lost,
-                    recorder_alive=recorder.alive(),
-                    **self._devices.link_counts,
-                    **self._devices.link_status(),  # type: ignore[arg-type]
-                ),
-            )
+        self._link.advance(cycle, recorder)
 
     def _record_end(self, time_s: float) -> None:
         if self._recorder is not None:
+            self._link.finish(self._recorder)
             block = self._block
             lateness, compute = block.lateness.summary(), block.compute.summary()
             self._recorder.put(
@@ -172,5 +160,5 @@ def _text(state: State, reason: Event | None) -> tuple[str, str]:
 _SAID = {(state, reason): _text(state, reason) for state in State for reason in (None, *Event)}
 _DISARM = int(Operator.DISARM)
 _FAST, _FRAMES = TOPIC_INDEX["/fast"], TOPIC_INDEX["/frames"]
-_ESTIMATE, _LINK, _LOOP = TOPIC_INDEX["/estimate"], TOPIC_INDEX["/link"], TOPIC_INDEX["/loop"]
+_ESTIMATE, _LOOP = TOPIC_INDEX["/estimate"], TOPIC_INDEX["/loop"]
 _LOG = TOPIC_INDEX["/log"]

@@ -1,7 +1,8 @@
 """Recorded data through the same step functions that ran live."""
 
+import tomllib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isnan
 from typing import Any
 
@@ -21,7 +22,7 @@ from controller.methods import make_method
 from controller.plausible_input import PlausibleInput
 from controller.recorded import RecordedCycle, estimate_sample, fast_sample, recorded_cycles
 from controller.restarted_vision import MethodAcrossRestarts
-from controller.states.table import Event
+from controller.states.table import Event, Operator, State
 from controller.step import Controller
 
 _REPORT_EVERY = 1000  # cycles
@@ -84,7 +85,28 @@ def read_run(recording: Recording) -> RecordedRun:
     def topic(topic_name: str) -> list[Any]:
         return list(recording.messages(topic_name)) if recording.counts.get(topic_name) else []
 
-    return RecordedRun(name, configuration, model, topic("/fast"), topic("/frames"), topic("/estimate"))
+    run = RecordedRun(name, configuration, model, topic("/fast"), topic("/frames"), topic("/estimate"))
+    return run if _says_arm_at_start(text) else _with_permission_as_recorded(run)
+
+
+def _says_arm_at_start(configuration_text: str) -> bool:
+    return "arm_at_start" in tomllib.loads(configuration_text).get("controller", {})
+
+
+def _with_permission_as_recorded(run: RecordedRun) -> RecordedRun:
+    """The run with controller.arm_at_start as it was live. The key's default was true once, and is false now.
+
+    It was true where the joint might move before an operator armed it. Recordings older than the states have none:
+    then, the joint might always move.
+    """
+    asked = next((row.cycle for row in run.fast if row.operator & Operator.ARM), None)
+    moved = next((estimate.cycle for estimate in run.estimates if estimate.state in _PERMITTED), None)
+    by_itself = moved is not None and (asked is None or moved < asked)
+    settings = msgspec.structs.replace(run.configuration.controller, arm_at_start=by_itself)
+    return replace(run, configuration=msgspec.structs.replace(run.configuration, controller=settings))
+
+
+_PERMITTED = ("", State.ARMED, State.DAMPING, State.DEGRADED)
 
 
 def replay_method(

@@ -4,6 +4,7 @@ Start it with start_statistics(). It ends with the loop, however that came to it
 """
 
 import contextlib
+import gc
 import os
 import signal
 import subprocess
@@ -11,10 +12,10 @@ import sys
 import time
 from pathlib import Path
 
-from common.child_process import start_module, stop_process
+from common.child_process import next_line, start_module, stop_process
 from common.service_notify import Watchdog
 from common.stop_signal import StopSignal
-from common.structured_log import log
+from common.structured_log import log, log_line
 from common.user_error import UserError
 from controller.histogram import percentiles_us
 from controller.loop_block import LoopBlock, Overrun
@@ -33,6 +34,8 @@ REFUSED_REMEDY = (
 _PERIOD_S = 1.0
 _POLL_S = 0.1
 _PROCESS = "controller"
+_LOADED = "loaded"
+_LOADED_WITHIN_S = 20.0
 
 
 def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
@@ -46,9 +49,19 @@ def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
         str(os.getpid()),
         str(recorder),
         stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
         start_new_session=True,
     )
+
+
+def wait_until_loaded(process: subprocess.Popen[bytes]) -> None:
+    """Wait until it has warmed up, so that its start takes no processor from the first cycles.
+
+    One that ends instead has said why; the loop goes on without it.
+    """
+    next_line(process, _LOADED_WITHIN_S)
+    assert process.stdout is not None
+    process.stdout.close()
 
 
 def stop_statistics(process: subprocess.Popen[bytes], timeout_s: float = 3.0) -> None:
@@ -155,6 +168,16 @@ def _still_records(recorder: int, block: LoopBlock, loop_process: int) -> bool:
     return False
 
 
+def _warm_up(block: LoopBlock, throttling: Throttling, stolen: Stolen) -> None:
+    """Make one line and one warning of what the block holds now, and drop them; then say that all is loaded."""
+    statistics = Statistics(block)
+    log_line(_PROCESS, "info", "loop", time.time(), **statistics.line())
+    statistics.overruns(throttling.seen(), stolen.passed_s())
+    gc.freeze()
+    with contextlib.suppress(OSError):  # nobody need wait for it
+        print(_LOADED, flush=True)
+
+
 def main(block_name: str, loop_process: int, recorder: int) -> int:
     """Run until the loop has ended or is gone."""
     stop = StopSignal()
@@ -167,6 +190,7 @@ def main(block_name: str, loop_process: int, recorder: int) -> int:
         return 1
     statistics, throttling, stolen = Statistics(block), Throttling(), Stolen(loop_process)
     watchdog = Watchdog()  # besides the recorder's: that one may be lost without harm to the damping
+    _warm_up(block, throttling, stolen)
     due = time.monotonic() + _PERIOD_S
     recording = True
     while not (stop or block.ended):

@@ -32,6 +32,7 @@ from common.recording.header import live_header
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, TrueFrame
 from common.scenario import Scenario, load_scenario
+from common.steady_memory import settle_memory
 from common.stop_signal import StopSignal
 from common.udp import UdpSocket
 from common.user_error import UserError
@@ -53,7 +54,9 @@ from simulation.rig_drive import RigDrive, rig_drive
 from simulation.truth import strike_line, true_state
 
 _STATE, _FRAMES, _LOG = TOPIC_INDEX["/truth/state"], TOPIC_INDEX["/truth/frames"], TOPIC_INDEX["/log"]
-_NICENESS, _PRIORITY = -10, 40  # hardware is never late; the program under test must not be on its account
+# Hardware is never late; the program under test must not be on its account. SCHED_FIFO: the camera gives way to the
+# plant only, and the supervisor to both.
+_NICENESS, _PRIORITY, _CAMERA_PRIORITY = -10, 40, 39
 _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on from where it was
 _LOOKS = 10  # a cycle, for the first command
 # cycles from the first command to the plant's step; it comes later in its cycle than those that follow
@@ -102,6 +105,7 @@ def run(
     try:
         plant = _PlantProcess(configuration, model, load_scenario(rig.scenario), rig)
         camera, frames = _start_camera(configuration, model, rig.seed, plant.started_s)
+        settle_memory()
         run_fifo(_PRIORITY)
         try:
             plant.run(stop, recorder, frames, camera.is_alive)
@@ -262,6 +266,8 @@ def _camera_main(
     )  # Ctrl-C reaches the whole group; the plant's process tells this one
 
     plant = os.getppid()
+    settle_memory()
+    run_fifo(_CAMERA_PRIORITY)
 
     def report(frame: TrueFrame) -> None:
         with contextlib.suppress(BrokenPipeError):  # the plant's process is gone; finished() sees it

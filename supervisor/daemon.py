@@ -9,12 +9,13 @@ from common.configuration import Configuration, load_configuration
 from common.datagram import Kind
 from common.link_key import is_loopback, load_key
 from common.loop_processor import leave_it_to_the_loop
-from common.priority import raise_priority
+from common.priority import raise_priority, run_fifo
 from common.recording.header import live_header
 from common.recording.recorder_client import RECORDING_CUT, RecorderClient
 from common.recording.topics import TOPIC_INDEX
 from common.service_notify import Watchdog, notify
 from common.single_instance import hold_instance
+from common.steady_memory import settle_memory
 from common.stop_signal import StopSignal
 from common.structured_log import log, log_start
 from common.udp import UdpSocket, new_session
@@ -23,10 +24,12 @@ from drivers.camera import Camera, EndOfStream, Frame
 from drivers.camera_factory import open_camera
 from supervisor.exchange import SupervisorExchange
 from supervisor.recorded_images import image_sample
+from supervisor.start_up import discard_queued, warm_up_recording
 from supervisor.step import Supervisor
 from supervisor.tracking.tracker import warm_up
 
 _NICENESS = -5  # before whatever else this computer does
+_PRIORITY = 30  # SCHED_FIFO: below the controller's loop, above all that has no deadline
 _FRAME_TIMEOUT_S = 0.1  # then the controller is told that there is no image
 _TIMESTAMPS_AT_ONCE = 256
 _TIMESTAMPS_EXPECTED = 60  # between two frames
@@ -50,6 +53,7 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     recorder = None
     if record_images is not None:
         header = live_header(configuration_path, configuration, 0, 0.0)
+        warm_up_recording(width, height)
         recorder = RecorderClient.start(
             record_images, header, ring_bytes=_RING_BYTES, process_name="supervisor"
         )
@@ -60,7 +64,14 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
             log_start("supervisor", configuration, configuration_path)
             for note in camera.notes:
                 log("supervisor", "warning", note)
-            loop.run(StopSignal())
+            stop = StopSignal()
+            settle_memory()
+            if (
+                configuration.camera.driver != "file"
+            ):  # a file is read as fast as it can be: it has no deadline
+                run_fifo(_PRIORITY)
+                loop.begin_fresh()
+            loop.run(stop)
         finally:
             notify("STOPPING=1")
             loop.close()
@@ -90,6 +101,10 @@ class _Loop:
     def start(self) -> None:
         """Open the camera. Raises UserError with a remedy: what cannot start says no more than that."""
         self._camera.start()
+
+    def begin_fresh(self) -> None:
+        """Take out of the camera's queue what gathered while it was opened; call it last before run()."""
+        discard_queued(self._camera)
 
     def run(self, stop: StopSignal) -> None:
         """Cycle until asked to stop, or until the stream ends."""

@@ -119,8 +119,8 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
 
 def _controller(name: str, model: Model, plant: Plant) -> Controller:
     if name not in {ORACLE, NO_DAMPING}:
-        return Controller(model, Settings(method=name), "the benchmark's model")
-    controller = Controller(model, Settings(method="timestamps"), "the benchmark's model")
+        return Controller(model, Settings(method=name, arm_at_start=True), "the benchmark's model")
+    controller = Controller(model, Settings(method="timestamps", arm_at_start=True), "the benchmark's model")
     controller.method = _Oracle(plant, model.timing.capture_delay_s)
     return controller
 

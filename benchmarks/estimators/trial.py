@@ -144,7 +144,7 @@ def samples_by_cycle(data: Data, scale_factor: float = 1.0) -> dict[int, list[Vi
 
 def run_method(name: str, data: Data, model: Model, scale_factor: float = 1.0) -> Answers:
     """Run a method over a trial with the joint at rest. Raises what the method raises."""
-    controller = Controller(model, Settings(method=name), "the benchmark's model")
+    controller = Controller(model, Settings(method=name, arm_at_start=True), "the benchmark's model")
     samples = samples_by_cycle(data, scale_factor)
     acceleration: list[float] = data.acceleration_m_s2.tolist()
     count = len(acceleration)

@@ -10,7 +10,8 @@ import numpy as np
 
 from benchmarks.faults.flood_sender import RATE_HZ, sent_by, start_flood
 from benchmarks.faults.live_rig import LiveRig
-from benchmarks.loop.run import Window, block_name
+from benchmarks.loop.counters import block_name
+from benchmarks.loop.run import Window
 from common.recording.reader import Recording, open_recording
 from common.user_error import UserError
 from controller.loop_block import LoopBlock

@@ -7,6 +7,7 @@ as the loop's own does.
 import os
 import sys
 import time
+from collections.abc import Callable
 
 from common.stop_signal import StopSignal
 from controller.loop_block import LoopBlock
@@ -21,11 +22,19 @@ def main(block_name: str, origin_s: float, cycle_s: float) -> int:
     """Run until asked to stop, or until whoever started it is gone."""
     stop, block, parent = StopSignal(), LoopBlock(block_name, create=False), os.getppid()
     RealTime().enter()
+    keep_time(
+        block, origin_s, cycle_s, lambda cycle: bool(stop) or not (cycle % 1000 or os.getppid() == parent)
+    )
+    return 0
+
+
+def keep_time(block: LoopBlock, origin_s: float, cycle_s: float, finished: Callable[[int], bool]) -> None:
+    """Wake at every cycle and do nothing, until `finished` holds; misses count as the controller's loop counts them."""
     clock = CycleClock(cycle_s, origin_s)
     now = time.monotonic
     cycle = clock.start()
     block.begin(origin_s)
-    while not stop and (cycle % 1000 or os.getppid() == parent):
+    while not finished(cycle):
         late_s = now() - origin_s - cycle * cycle_s
         block.end_cycle(cycle, late_s, 0.0, 0, State.IDLE, None)
         due = clock.wait(cycle)
@@ -33,7 +42,6 @@ def main(block_name: str, origin_s: float, cycle_s: float) -> int:
             block.note_overrun(cycle, due - cycle - 1, *_MISSED)
         cycle = due
     block.end()
-    return 0
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ class OwnWork:
     def __init__(self, model: Model, settings: ControllerSettings) -> None:
         """Opens a socket on loopback, which sends to itself."""
         self._model, self._cycle_s = model, model.timing.cycle_s
-        self._controller = Controller(model, settings)
+        self._controller = Controller(model, msgspec.structs.replace(settings, arm_at_start=True))
         self._session = new_session()
         self._peer = Peer(DEMO_KEY, (Kind.VISUAL,))
         self._socket = UdpSocket(("127.0.0.1", 0), "latency")

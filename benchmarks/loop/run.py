@@ -10,6 +10,7 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
+from benchmarks.loop.counters import block_name
 from benchmarks.loop.slices import by_name
 from common.child_process import start_module
 from common.shared_memory import block_path
@@ -75,13 +76,6 @@ def run(
             return _measure(duration_s, processes, progress)
         finally:
             processes.stop_all()
-
-
-def block_name(controller: int) -> str | None:
-    """The name of the counters of the controller with that process number; None before it has made them."""
-    pattern = block_path(f"loop-{controller}-x").name[:-1] + "*"
-    found = next(iter(block_path("x").parent.glob(pattern)), None)
-    return None if found is None else found.name.removeprefix("stillarm-")
 
 
 def _measure(

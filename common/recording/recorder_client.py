@@ -7,13 +7,12 @@ A write of a recording takes milliseconds now and then; a put() takes microsecon
 import contextlib
 import os
 import secrets
-import selectors
 import subprocess
 from pathlib import Path
 
 import msgspec
 
-from common.child_process import start_module
+from common.child_process import next_line, start_module
 from common.configuration import Telemetry
 from common.recording.header import RecordingHeader
 from common.recording.topics import TOPICS
@@ -26,6 +25,8 @@ RECORDING_CUT = (
     "the recording is not complete: its process ended early, or the disk was full; "
     "mend it with `stillarm recover`"
 )
+LOADED = "loaded"  # the recorder's first line: imported and warmed up, waiting for its order
+READY = "ready"  # its second one: the file is open
 _PREFIX = [bytes([index]) for index in range(len(TOPICS))]
 
 
@@ -42,11 +43,35 @@ class RecorderClient:
     """A recorder process and the way to it. Of one process and one thread: the ring has one writer."""
 
     def __init__(self, process: subprocess.Popen[bytes], ring: SharedRing) -> None:
-        """Use start()."""
+        """Use launch() or start()."""
         self._process = process
         self._ring = ring
+        self._answer: str | None = None  # the first line that the process said
+        self._begun = False
         self._encode = msgspec.msgpack.Encoder().encode
         self._put = ring.put
+
+    @classmethod
+    def launch(cls, *, ring_bytes: int = _RING_BYTES) -> "RecorderClient":
+        """Start the recorder's process, and do not wait: it loads and warms up meanwhile. begin() gives it its file.
+
+        Raises UserError when there is no shared memory for the ring.
+        """
+        name = f"recorder-{os.getpid()}-{secrets.token_hex(4)}"
+        ring = SharedRing(name, ring_bytes, create=True)
+        try:
+            process = start_module(
+                "common.recording.recorder_process",
+                name,
+                str(os.getpid()),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                start_new_session=True,  # where neither Ctrl-C nor a hang-up of the terminal reaches it
+            )
+        except BaseException:
+            ring.close()
+            raise
+        return cls(process, ring)
 
     @classmethod
     def start(
@@ -63,17 +88,55 @@ class RecorderClient:
         path: None records nothing; the telemetry is sent, and /log printed, all the same. process_name: in log lines.
         Raises UserError when the file cannot be written or there is no shared memory for the ring.
         """
-        name = f"recorder-{os.getpid()}-{secrets.token_hex(4)}"
-        ring = SharedRing(name, ring_bytes, create=True)
+        client = cls.launch(ring_bytes=ring_bytes)
         try:
-            order = RecorderOrder(
-                header, None if path is None else str(Path(path).absolute()), telemetry, process_name
-            )
-            process = _spawn(order, name)
+            client.begin(path, header, telemetry=telemetry, process_name=process_name)
         except BaseException:
-            ring.close()
+            client.close()
             raise
-        return cls(process, ring)
+        return client
+
+    def wait_until_loaded(self) -> None:
+        """Wait until the process has warmed up: from then on its start takes no processor from anyone.
+
+        A process that ends before, or takes too long, is told of by begin().
+        """
+        if self._answer is None:
+            self._answer = next_line(self._process, _START_S)
+
+    def begin(
+        self,
+        path: str | Path | None,
+        header: RecordingHeader,
+        *,
+        telemetry: Telemetry | None = None,
+        process_name: str = "recorder",
+    ) -> None:
+        """Give the launched recorder its file, and wait until that is open; as start(). Raises UserError."""
+        place = None if path is None else str(Path(path).absolute())
+        process = self._process
+        assert process.stdin is not None and process.stdout is not None
+        self.wait_until_loaded()
+        answer = self._answer
+        if answer == LOADED:
+            with contextlib.suppress(BrokenPipeError), process.stdin as stdin:
+                stdin.write(msgspec.msgpack.encode(RecorderOrder(header, place, telemetry, process_name)))
+            answer = next_line(process, _START_S)
+        process.stdout.close()
+        if answer == READY:
+            self._begun = True
+            return
+        process.kill()
+        process.wait()
+        where = place or "telemetry"
+        if answer == "":
+            raise UserError(
+                f"{where}: the recorder ended before it began; what it said on standard error tells why"
+            )
+        raise UserError(
+            answer
+            or f"{where}: the recorder did not start within {_START_S:.0f} s; is the machine overloaded?"
+        )
 
     def put(self, topic_index: int, message: msgspec.Struct) -> None:
         """Hand over a message; `topic_index` from common.recording.topics.TOPIC_INDEX.
@@ -99,8 +162,12 @@ class RecorderClient:
     def close(self, timeout_s: float = 10.0) -> bool:
         """Have the recorder write what it was given and complete the file, waiting up to `timeout_s`.
 
-        Returns whether it did, in time and without an error of its own; may be called twice.
+        Returns whether it did, in time and without an error of its own; may be called twice. One that never began
+        has nothing to complete.
         """
+        if not self._begun:
+            self._abandon()
+            return True
         self._process.terminate()  # to the recorder this means: finish
         try:
             complete = self._process.wait(timeout_s) == 0
@@ -109,35 +176,12 @@ class RecorderClient:
         self._ring.close()
         return complete
 
-
-def _spawn(order: RecorderOrder, ring_name: str) -> subprocess.Popen[bytes]:
-    """Start the recorder in a session of its own, where neither Ctrl-C nor a hang-up of the terminal reaches
-    it.
-    """
-    process = start_module(
-        "common.recording.recorder_process",
-        ring_name,
-        str(os.getpid()),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        start_new_session=True,
-    )
-    assert process.stdin is not None and process.stdout is not None
-    with contextlib.suppress(BrokenPipeError), process.stdin as stdin:
-        stdin.write(msgspec.msgpack.encode(order))
-    with process.stdout as stdout, selectors.DefaultSelector() as selector:
-        selector.register(stdout, selectors.EVENT_READ)
-        answered = bool(selector.select(_START_S))
-        answer = stdout.readline().decode().strip() if answered else ""
-    if answer == "ready":
-        return process
-    process.kill()
-    process.wait()
-    place = order.path or "telemetry"
-    if answered and not answer:
-        raise UserError(
-            f"{place}: the recorder ended before it began; what it said on standard error tells why"
-        )
-    raise UserError(
-        answer or f"{place}: the recorder did not start within {_START_S:.0f} s; is the machine overloaded?"
-    )
+    def _abandon(self) -> None:
+        """End a process that was given no file."""
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(BrokenPipeError):
+                    pipe.close()
+        self._process.kill()
+        self._process.wait()
+        self._ring.close()

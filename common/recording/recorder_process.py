@@ -5,6 +5,7 @@ first writes what the ring still holds and completes the file. Start it with Rec
 """
 
 import contextlib
+import gc
 import os
 import sys
 import threading
@@ -13,8 +14,10 @@ from collections.abc import Callable
 
 import msgspec
 
-from common.recording.recorder_client import RecorderClient, RecorderOrder
+from common.priority import raise_session_priority
+from common.recording.recorder_client import LOADED, READY, RecorderClient, RecorderOrder
 from common.recording.topics import TOPICS, LogLine
+from common.recording.warm_up import warm_up
 from common.recording.writer import RecordingWriter
 from common.service_notify import Watchdog, watchdog_period_s
 from common.shared_memory import SharedRing
@@ -25,6 +28,9 @@ from common.user_error import UserError
 
 __all__ = ["Drain", "RecorderClient", "main"]
 
+_NICENESS = (
+    -10
+)  # what waits in the ring is lost when the ring is full; the daemon itself goes before all the same
 _PERIOD_S = 0.01
 _WATCH_S = 0.1
 _FLUSH_S = 0.5  # what a killed recorder may lose
@@ -138,18 +144,22 @@ def _feed_watchdog(ring: SharedRing) -> None:
 def main(ring_name: str, daemon: int) -> int:
     """Run until the daemon asks or is gone. Returns 0 when the whole recording is on disk."""
     stop = StopSignal()
+    raise_session_priority(_NICENESS)
+    warm_up()
+    gc.freeze()  # what the imports made lives for ever: no collection need look at it again
     try:
+        print(LOADED, flush=True)
         order = msgspec.msgpack.decode(sys.stdin.buffer.read(), type=RecorderOrder)
         ring = SharedRing(ring_name, create=False)
         writer = None if order.path is None else RecordingWriter(order.path, order.header)
-    except (UserError, msgspec.DecodeError) as error:
+    except (UserError, msgspec.DecodeError, BrokenPipeError) as error:
         print(error, flush=True)
         return 1
     telemetry = order.telemetry if order.telemetry is not None and order.telemetry.enabled else None
     batches = TelemetryBatches(telemetry) if telemetry is not None else None
     send = telemetry_sender(telemetry) if telemetry is not None else None
     drain = Drain(ring, writer, _say, _shown(order, batches))
-    print("ready", flush=True)
+    print(READY, flush=True)
     _feed_watchdog(ring)
     sys.stdout.close()
     flushed = time.monotonic()

@@ -3,11 +3,12 @@
 import json
 import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
 from common.configuration import Configuration
+from common.loop_processor import beside_the_loop
 from common.recording.reader import Recording, open_recording
 from common.scenario import Scenario
 from common.shared_memory import block_path
@@ -28,6 +29,12 @@ _RIG_READY_WITHIN_S = 20.0
 _OVER_TIME_S = 30.0
 
 Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
+Beside = Callable[[int], AbstractContextManager[None]]
+"""What goes on beside a run, given the number of the controller's process: entered when that has started."""
+
+
+def _nothing_beside(controller: int) -> AbstractContextManager[None]:
+    return nullcontext()
 
 
 def run_demo(
@@ -67,7 +74,7 @@ def _run_and_score(
     drive: str | None,
     hide: int | None,
 ) -> dict[str, Any]:
-    scenario = _run_processes(directory, duration_s, seed, progress, accelerometer, drive, hide)
+    scenario = run_processes(directory, duration_s, seed, progress, accelerometer, drive, hide)
     recording = open_recording(directory / "recording.mcap")
     run = read_run(recording)
     truth = read_truth(directory / "truth.mcap", recording.header.origin_monotonic_s)
@@ -93,15 +100,20 @@ def _run_and_score(
     return summary
 
 
-def _run_processes(
+def run_processes(
     directory: Path,
     duration_s: float,
     seed: int,
     progress: Progress,
-    accelerometer: str | None,
-    drive: str | None,
-    hide: int | None,
+    accelerometer: str | None = None,
+    drive: str | None = None,
+    hide: int | None = None,
+    beside: Beside = _nothing_beside,
 ) -> Scenario:
+    """Rig, supervisor and controller in real time; leaves recording.mcap and truth.mcap in `directory`.
+
+    Raises UserError when one of them fails; none runs on afterwards.
+    """
     path, configuration, scenario = write_demo_configuration(
         directory, duration_s, seed, accelerometer, drive=drive, hide=hide
     )
@@ -115,7 +127,9 @@ def _run_processes(
             *("--config", str(path), "--record", str(directory / "recording.mcap")),
             *("--duration-s", str(duration_s), "--allow-non-realtime"),
         )
-        with progress("arm, camera, controller") as done:
+        controller = processes.process_id("controller")
+        # This process, too, keeps off the loop's processor; what goes on beside the run is not its own and may use it.
+        with beside(controller), beside_the_loop(), progress("arm, camera, controller") as done:
             processes.wait_for(
                 "controller", duration_s + _OVER_TIME_S, lambda passed: done(passed / duration_s)
             )

@@ -153,8 +153,9 @@ def _correlation(run: RecordedRun, truth: Truth) -> Figure:
 
 
 def _delays(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:
-    """After Fig. 6: the estimated capture delay over time, with the truth."""
-    figure, (axes,) = _figure(1, 4.0)
+    """After Fig. 6: the estimated capture delay over time, with the truth; below, the error beside what was stated."""
+    figure, (axes, below) = _figure(2, 5.6)
+    _delay_errors(below, truth, replays[-1])
     true = [
         (f.received_s, f.received_s - truth.mid_exposure_s[f.frame])
         for f in run.frames
@@ -175,18 +176,41 @@ def _delays(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:
         stds = np.array([1e3 * delay.std_s for _, _, delay in replay.frames])
         colour = _COLOURS[replay.method]
         axes.plot(times, delays, color=colour, linewidth=0.9, label=replay.method)
-        if replay.method == "correlation":
-            axes.fill_between(times, delays - stds, delays + stds, color=colour, alpha=0.2, linewidth=0)
+        axes.fill_between(times, delays - stds, delays + stds, color=colour, alpha=0.2, linewidth=0)
     for strike in truth.strikes_s:
         axes.axvline(strike, color="#dd8452", linewidth=1.0, linestyle="--")
-    axes.set_ylim(40.0, 110.0)
-    axes.set_xlabel("time, s")
+    low, high = np.percentile([1e3 * d for _, d in true], [0.5, 99.5]) if true else (40.0, 110.0)
+    axes.set_ylim(min(40.0, low - 5.0), max(110.0, high + 5.0))
+    below.set_xlabel("time, s")
     axes.set_ylabel("capture delay, ms")
     axes.legend(loc="upper right", ncols=3, fontsize=8)
     axes.set_title(
-        "Capture delay: what each method says (band: one standard deviation), and what it was", fontsize=10
+        "Capture delay: what each method says (band: its stated standard deviation), and what it was",
+        fontsize=10,
     )
     return figure
+
+
+def _delay_errors(axes: Axes, truth: Truth, replay: MethodRun) -> None:
+    """Each frame's error of one method, over a band of twice its stated standard deviation."""
+    known = [
+        (received, delay.delay_s - (received - truth.mid_exposure_s[frame]), delay.std_s)
+        for frame, received, delay in replay.frames
+        if frame in truth.mid_exposure_s
+    ]
+    seconds, error_s, std_s = np.array(known, dtype=np.float64).reshape(-1, 3).T
+    errors, band, colour = 1e3 * error_s, 2e3 * std_s, _COLOURS[replay.method]
+    axes.fill_between(
+        seconds, -band, band, color=colour, alpha=0.3, linewidth=0, label="± 2 stated deviations"
+    )
+    axes.plot(seconds, errors, ".", color=_TRUTH, markersize=2.0, label=f"error of {replay.method}")
+    shown = np.abs(np.concatenate((band, errors)))
+    shown = shown[np.isfinite(shown)]
+    if len(shown):
+        limit = 1.3 * float(np.percentile(shown, 98.0))
+        axes.set_ylim(-limit, limit)
+    axes.set_ylabel("stated - true, ms")
+    axes.legend(loc="upper right", ncols=2, fontsize=8)
 
 
 def _methods(run: RecordedRun, truth: Truth, replays: list[MethodRun]) -> Figure:

@@ -8,6 +8,7 @@ from typing import Any
 
 from common.user_error import UserError
 from stillarm.arguments import seconds, seed
+from stillarm.printed_rows import brief_estimator_row, print_rows
 from stillarm.progress import progress_bar
 
 DEFAULT_TRIALS = {
@@ -21,10 +22,22 @@ DEFAULT_TRIALS = {
     "commission": 20,
     "identification": 1,
     "loop": 60,
+    "live": 5,
 }
 BENCHMARKS = tuple(DEFAULT_TRIALS)
-DEFAULT_DURATION_S = {"loop": 60.0, "flood": 10.0, "soak": 1800.0}
-_ESTIMATOR_ONLY = ("out", "methods", "regimes", "noises", "tables", "rows", "quick")
+DEFAULT_DURATION_S = {"loop": 60.0, "flood": 10.0, "soak": 1800.0, "live": 30.0}
+_ONLY_FOR = {
+    "out": ("estimators", "live"),
+    "methods": ("estimators", "live"),
+    "regimes": ("estimators",),
+    "noises": ("estimators",),
+    "tables": ("estimators",),
+    "rows": ("estimators",),
+    "quick": ("estimators",),
+    "resume": ("diagnosis",),
+    "load": ("live",),
+    "keep": ("live",),
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,10 +51,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rigs", type=int, dest="trials", metavar="N", help="commission: the same as --trials"
     )
+    parser.add_argument("--runs", type=int, dest="trials", metavar="N", help="live: the same as --trials")
+    parser.add_argument("--load", type=int, metavar="P", help="live: busy processes beside each run (0)")
+    parser.add_argument(
+        "--keep", type=Path, metavar="DIR", help="live: keep each run's recording, truth and tables here"
+    )
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="seed of the first trial (0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result to this file")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="estimators: draw the pictures into this folder"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="estimators, live: draw the pictures into this folder (live: live)",
     )
     parser.add_argument(
         "--resume",
@@ -53,12 +74,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--duration-s",
         type=seconds,
         metavar="S",
-        help=f"measure for so long, instead of trials ({durations})",
+        help=f"measure for so long, instead of trials; live: length of each run ({durations})",
     )
     parser.add_argument(
         "--data", type=Path, metavar="DIR", help="identification: folder that holds silverbox/SNLS80mV.csv"
     )
-    parser.add_argument("--methods", metavar="A,B", help="estimators: only these methods (all)")
+    parser.add_argument("--methods", metavar="A,B", help="estimators, live: only these methods (all)")
     parser.add_argument("--regimes", metavar="A,B", help="estimators: only these regimes, such as live (all)")
     parser.add_argument(
         "--noises", metavar="A,B", help="estimators: only these noises of the accelerometer (all)"
@@ -79,14 +100,11 @@ def run(arguments: argparse.Namespace) -> int:
     trials = DEFAULT_TRIALS[arguments.name] if arguments.trials is None else arguments.trials
     if trials < 1:
         raise UserError(f"--trials {trials}: at least 1")
-    if arguments.name != "estimators":
-        for option in _ESTIMATOR_ONLY:
-            if getattr(arguments, option):
-                raise UserError(f"--{option}: only for `benchmark estimators`; leave it out")
+    for option, names in _ONLY_FOR.items():
+        if getattr(arguments, option) not in (None, False) and arguments.name not in names:
+            raise UserError(f"--{option}: only for `benchmark {'`, `benchmark '.join(names)}`; leave it out")
     if arguments.duration_s is not None and arguments.name not in DEFAULT_DURATION_S:
         raise UserError(f"--duration-s: only for {', '.join(DEFAULT_DURATION_S)}; leave it out")
-    if arguments.resume is not None and arguments.name != "diagnosis":
-        raise UserError("--resume: only for `benchmark diagnosis`; leave it out")
     result = _RUN[arguments.name](arguments, trials)
     of_time = arguments.name in DEFAULT_DURATION_S
     print(f"seed {arguments.seed}" if of_time else f"seed {arguments.seed}, {trials} trials")
@@ -135,7 +153,7 @@ def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
         result = run_estimators(what, progress)
     for table in ("rows", "damping", "conditions"):
         if result[table]:
-            print_rows([_brief(row) for row in result[table]])
+            print_rows([brief_estimator_row(row) for row in result[table]])
             print()
     worse = [row for row in result["comparisons"] if row["worse"]]
     if worse:
@@ -275,49 +293,35 @@ def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     return result
 
 
-def _brief(row: dict[str, Any]) -> dict[str, Any]:
-    """The columns that fit a terminal, under short names; the file of --json holds them all."""
-    row = row | {f"{name}_error": error for name, error in row.get("standard_errors", {}).items()}
-    brief = {short: row[name] for name, short in _SHORT.items() if name in row}
-    return brief if row["failure"] is None else brief | {"trials": f"{brief['trials']}: {row['failure']}"}
+def _live(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.live.picture import draw
+    from benchmarks.live.run import run as run_live
+    from benchmarks.live.tables import by_method, by_run, verdict
 
+    methods = arguments.methods.split(",") if arguments.methods else None
+    result = run_live(
+        trials,
+        arguments.load or 0,
+        arguments.seed,
+        _duration_s(arguments),
+        methods,
+        arguments.keep,
+        progress_bar,
+        lambda line: print(line, flush=True),
+    )
+    print()
+    for table in (by_method(result["rows"]), by_run(result["rows"]), verdict(result["rows"])):
+        print_rows(table)
+        print()
+    print(draw(result, arguments.out or Path("live")))
+    return result
 
-_SHORT = {
-    "condition": "condition",
-    "regime": "regime",
-    "noise": "noise",
-    "method": "method",
-    "error_mean": "err_mean",
-    "error_max": "err_max",
-    "bound_deflection": "err_bound",
-    "error_last": "err_last",
-    "error_max_all": "max_all",
-    "error_mean_during": "err_during",
-    "error_max_during": "max_during",
-    "pmcc": "pmcc",
-    "delay_bias_s": "bias_s",
-    "delay_rms_s": "rms_s",
-    "bound_s": "bound_s",
-    "ratio": "ratio",
-    "ratio_error": "+-",
-    "delay_normalised_error_squared": "nes_delay",
-    "deflection_normalised_error_squared": "nes_defl",
-    "delay_normalised_error_squared_during": "nes_delay_during",
-    "deflection_normalised_error_squared_during": "nes_defl_during",
-    "unanswered_during": "mute_during",
-    "us_per_cycle": "us",
-    "us_per_cycle_median": "us_median",
-    "settling_time_s": "settling_s",
-    "settling_over_oracle": "/ oracle",
-    "residual": "residual",
-    "residual_over_oracle": "/ oracle's",
-    "trials": "trials",
-}
 
 _RUN: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
     "estimators": _estimators,
     "vision": _vision,
     "loop": _loop,
+    "live": _live,
     "faults": _faults,
     "flood": _flood,
     "soak": _soak,
@@ -326,19 +330,3 @@ _RUN: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
     "identification": _identification,
     "hardware": _hardware,
 }
-
-
-def print_rows(rows: list[dict[str, Any]]) -> None:
-    """A table with a column for each key of the first row."""
-    keys = list(rows[0])
-    texts = [[_text(row.get(key)) for key in keys] for row in rows]
-    widths = [max(len(key), *(len(text[i]) for text in texts)) for i, key in enumerate(keys)]
-    print("  ".join(key.ljust(width) for key, width in zip(keys, widths, strict=True)))
-    for text in texts:
-        print("  ".join(cell.ljust(width) for cell, width in zip(text, widths, strict=True)))
-
-
-def _text(value: object) -> str:
-    if value is None:
-        return "-"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -88,6 +88,8 @@ def print_table(summary: dict[str, Any]) -> None:
     ):
         values = (_number(m[key], digits, factor) for m in summary["methods"].values())
         print(f"{label:<26}" + "".join(f"{value:>14}" for value in values))
+    if comparison := comparison_line(summary["methods"]):
+        print(comparison)
     print(
         f"{summary['cycles']} cycles, {summary['deadline_misses']} deadlines missed, "
         f"{summary['frames']} frames, {summary['frames_lost']} lost; "
@@ -97,6 +99,20 @@ def print_table(summary: dict[str, Any]) -> None:
         print(
             "This computer was too busy for the camera's images: the figures say little; close what else runs"
         )
+
+
+def comparison_line(methods: dict[str, dict[str, Any]], ours: str = "fused") -> str:
+    """What our method reached against the others, in one sentence; empty where there is nothing to compare."""
+    error = {name: scores.get("prediction_error_mean") for name, scores in methods.items()}
+    own = error.get(ours)
+    others = [(name, value) for name, value in error.items() if name != ours and value is not None]
+    if own is None or not others:
+        return ""
+    against = ", ".join(f"{name} {100.0 * value:.1f} %" for name, value in others)
+    best_name, best = min(others, key=lambda each: each[1])
+    if best < own:
+        return f"{ours} predicts to {100.0 * own:.1f} % on average, worse than {best_name} here (against {against})"
+    return f"{ours} predicts to {100.0 * own:.1f} % on average, against {against}"
 
 
 def _number(value: float | None, digits: int, factor: float = 1.0) -> str:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from common import clock_offset
 from common.clock_offset import ClockOffset
 from common.visual_datagram import LinkTimes
 
@@ -110,3 +111,40 @@ def test_any_times_are_survived(times: list[tuple[float, float, float, float]]) 
     for sent, received, answered, back in times:
         clock.add(LinkTimes(sent, received, answered), back)
     clock.add(LinkTimes(), nan)
+
+
+def test_no_exchange_pays_for_more_than_one_pass_over_the_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fit lies inside a 1 ms cycle; counted are passes, as a time would judge the machine."""
+    passes = 0
+    for name in ("_line", "_residuals"):
+        real = getattr(clock_offset, name)
+
+        def counted(*arguments: object, real: object = real, name: str = name) -> object:
+            nonlocal passes
+            passes += (
+                30 if name == "_line" else 1
+            )  # a line passes over all seconds, a residual is one of them
+            return real(*arguments)  # type: ignore[operator]
+
+        monkeypatch.setattr(clock_offset, name, counted)
+    clock, worst = ClockOffset(), 0
+    draw = random.Random(1)
+    for k in range(65 * 60):
+        at, before = k / 65.0, passes
+        clock.add(
+            LinkTimes(at, at + 1.0 + draw.expovariate(1e4), at + 1.003), at + 0.003 + draw.expovariate(1e4)
+        )
+        worst = max(worst, passes - before)
+    assert isfinite(clock.estimate.skew)
+    assert 0 < worst <= 60  # a pass over 30 seconds, and the choice of those that are kept
+
+
+def test_a_slow_camera_gets_its_clock_all_the_same() -> None:
+    """Two frames a second: the stages of a fit then take longer than the second after which they begin."""
+    clock = ClockOffset()
+    exchange(clock, from_s=0.0, to_s=60.0, offset_s=3.0, skew=50e-6, rate_hz=2.0)
+    found = clock.estimate
+    assert (
+        abs(found.offset_s - (3.0 + 50e-6 * found.time_s)) < 1.1e-3
+    )  # two looks a second seldom meet the shortest way
+    assert isfinite(found.skew) and found.time_s > 45.0

@@ -29,7 +29,7 @@ def run(
     **world: object,
 ) -> Trace:
     damping = Damping(law=law, added_damping_ratio=ratio)  # type: ignore[arg-type]
-    controller = Controller(model, Settings(method=method, damping=damping))
+    controller = Controller(model, Settings(arm_at_start=True, method=method, damping=damping))
     world = {"strikes": {1.0: A}, "delay": constant(0.074), "damping": lambda t: True, **world}
     return run_world(model, controller, duration_s, **world)  # type: ignore[arg-type]
 

@@ -18,7 +18,7 @@ HELD_S = 0.0005  # a sample waits half a cycle on average until a cycle reads it
 
 
 def controller_for(model: Model, **changes: object) -> Controller:
-    return Controller(model, Settings(method="correlation", **changes))  # type: ignore[arg-type]
+    return Controller(model, Settings(arm_at_start=True, method="correlation", **changes))  # type: ignore[arg-type]
 
 
 def delays(model: Model, duration_s: float, from_s: float, **world: object) -> tuple[np.ndarray, np.ndarray]:
@@ -81,7 +81,7 @@ def test_with_the_papers_noise_the_error_is_as_large_as_it_is_said_to_be() -> No
 def test_damping_does_not_bias_the_delay() -> None:
     """Taking length theta'' instead of (1 - sum of participations) length theta'' off gave 8.6 ms (paper-notes.md)."""
     model = Model(arm=arm())
-    settings = Settings(method="correlation", damping=Damping(added_damping_ratio=0.06))
+    settings = Settings(arm_at_start=True, method="correlation", damping=Damping(added_damping_ratio=0.06))
     trace = run_world(
         model, Controller(model, settings), 4.0, strikes={0.5 * k + 0.2: AMPLITUDE for k in range(8)},
         delay=constant(0.074), damping=lambda t: True, accelerometer_noise=0.01,
@@ -142,7 +142,7 @@ def test_missing_accelerometer_samples_are_skipped() -> None:
 def test_a_recording_at_half_the_rate_gives_the_same_delay() -> None:
     """Rows every second cycle only: the average is one over time, not over rows."""
     model = Model(arm=arm())
-    kept = Controller(model, Settings(method="correlation"))
+    kept = Controller(model, Settings(arm_at_start=True, method="correlation"))
 
     class EverySecond:
         def step(self, read: CycleInput) -> CycleOutput:

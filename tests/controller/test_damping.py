@@ -18,6 +18,7 @@ from controller.step import Controller
 from tests.reference.arm_world import constant, run_world
 
 A = 0.00625
+SETTINGS = Settings(arm_at_start=True, method="correlation")
 
 
 def model(participation: float = 1.14) -> Model:
@@ -35,7 +36,7 @@ def decay_ratio(t: np.ndarray, q: np.ndarray, from_s: float, to_s: float) -> flo
 def test_the_added_damping_is_what_was_asked_for(participation: float) -> None:
     """k = 2 zeta_a w / (p L) adds zeta_a = 0.06 to 0.01, for either sign of the participation."""
     arm = model(participation)
-    settings = Settings(method="correlation", damping=Damping(added_damping_ratio=0.06))
+    settings = Settings(arm_at_start=True, method="correlation", damping=Damping(added_damping_ratio=0.06))
     trace = run_world(
         arm, Controller(arm, settings), 4.0, strikes={1.0: A}, delay=constant(0.074), damping=lambda t: True
     ).arrays()
@@ -75,7 +76,7 @@ def test_a_joint_that_trails_by_the_most_damping_lag_damps_most(
 def test_a_dead_time_known_damps_more_than_one_mistaken_either_way() -> None:
     def damped(assumed_s: float) -> float:
         rig, known = (Model(arm=model().arm, drive=Drive(dead_time_s=late)) for late in (0.02, assumed_s))
-        controller = Controller(known, Settings(method="correlation", damping=Damping()))
+        controller = Controller(known, Settings(arm_at_start=True, method="correlation", damping=Damping()))
         trace = run_world(
             rig, controller, 3.0, strikes={1.0: A}, delay=constant(0.074), damping=lambda t: True
         ).arrays()
@@ -90,7 +91,7 @@ def test_an_image_offset_never_makes_the_joint_creep() -> None:
     """200 px of constant offset, and a joint that starts away from its commanded position's zero."""
     arm = model()
     trace = run_world(
-        arm, Controller(arm, Settings(method="correlation")), 20.0, strikes={1.0: A, 4.0: -A}, delay=constant(0.074),
+        arm, Controller(arm, SETTINGS), 20.0, strikes={1.0: A, 4.0: -A}, delay=constant(0.074),
         damping=lambda t: True, image_offset_px=200.0, image_noise_px=0.05, accelerometer_noise=0.5,
     ).arrays()  # fmt: skip
     late = trace["time"] > 15.0
@@ -106,7 +107,7 @@ def test_damping_while_the_joint_moves_returns_to_the_commanded_position() -> No
         return 0.3 if 1.0 <= t < 2.0 else 0.0
 
     trace = run_world(
-        arm, Controller(arm, Settings(method="correlation")), 16.0, strikes={}, delay=constant(0.074),
+        arm, Controller(arm, SETTINGS), 16.0, strikes={}, delay=constant(0.074),
         damping=lambda t: True, reference=reference, image_noise_px=0.05, accelerometer_noise=0.5,
     ).arrays()  # fmt: skip
     assert trace["joint"][-1] == pytest.approx(0.3, abs=0.003)
@@ -122,7 +123,7 @@ def test_the_command_is_zero_within_a_fifth_of_a_second_of_the_last_image() -> N
             read.samples.clear()
 
     trace = run_world(
-        arm, Controller(arm, Settings(method="correlation")), 4.0, strikes={1.8: A, 2.55: A}, delay=constant(0.074),
+        arm, Controller(arm, SETTINGS), 4.0, strikes={1.8: A, 2.55: A}, delay=constant(0.074),
         damping=lambda t: True, change_input=cut,
     ).arrays()  # fmt: skip
     command, t = trace["command"], trace["time"]

@@ -78,7 +78,9 @@ def run(
     model, random = assumed_model(regime, 0.3), np.random.default_rng(2718)
     mode, drive = model.arm.modes[0], model.drive
     plant = Plant(arm, LENGTH_M, mode.participation, drive.bandwidth_hz, round(drive.dead_time_s / CYCLE_S))
-    controller = Controller(model, Settings(method="fused", dither=dither), "the test's model")
+    controller = Controller(
+        model, Settings(arm_at_start=True, method="fused", dither=dither), "the test's model"
+    )
     frames = expose(regime, duration_s, random)
     tips = np.zeros(round(duration_s / CYCLE_S) + 1)
     noise = 0.3 * arm.angular_frequency**2 * arm.amplitude_m

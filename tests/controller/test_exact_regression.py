@@ -123,7 +123,7 @@ def test_both_delays_work_with_the_exact_form(method: str) -> None:
     model = Model(arm=Arm(length_m=2.0))
     errors = {}
     for form in ("simplified", "exact"):
-        settings = Settings(method=method, regression=Regression(form=form))  # type: ignore[arg-type]
+        settings = Settings(arm_at_start=True, method=method, regression=Regression(form=form))  # type: ignore[arg-type]
         trace = run_world(
             model, Controller(model, settings), 4.0, strikes={0.2: 0.00625}, delay=constant(0.074),
             image_noise_px=0.05, frequency_factor=1.03,

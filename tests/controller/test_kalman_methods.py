@@ -27,7 +27,7 @@ NOISE = {"accelerometer_noise": 0.5, "image_noise_px": 0.05}
 
 
 def run(method: str, duration_s: float, kalman: Kalman = Kalman(), **world: object) -> Trace:  # noqa: B008
-    controller = Controller(MODEL, Settings(method=method, kalman=kalman))
+    controller = Controller(MODEL, Settings(arm_at_start=True, method=method, kalman=kalman))
     world = {"strikes": {0.2: A}, "delay": constant(0.074), **NOISE, **world}
     return run_world(MODEL, controller, duration_s, **world)  # type: ignore[arg-type]
 
@@ -150,7 +150,7 @@ def test_a_strain_gauge_is_fused_in_the_accelerometers_place() -> None:
 def test_a_measured_deflection_survives_recording() -> None:
     """From the cycle to /fast and back, to the bit."""
     read = CycleInput(5, deflection_m=0.1 + 0.2, joint_position_rad=0.0)
-    row = fast_sample(read, Controller(MODEL, Settings()).step(read), 0.001)
+    row = fast_sample(read, Controller(MODEL, Settings(arm_at_start=True)).step(read), 0.001)
     (again,) = recorded_cycles([row], [])
     assert again.read.deflection_m == 0.1 + 0.2
 
@@ -262,7 +262,7 @@ def test_a_clipped_accelerometer_is_not_believed() -> None:
     def clip(read: CycleInput) -> None:
         read.acceleration_m_s2 = min(max(read.acceleration_m_s2, -1.0), 1.0)
 
-    controller = Controller(model, Settings(method="kalman_fusion"))
+    controller = Controller(model, Settings(arm_at_start=True, method="kalman_fusion"))
     trace = run_world(
         model, controller, 4.0, strikes={0.2: A}, delay=constant(0.074), accelerometer_noise=0.1,
         image_noise_px=0.05, change_input=clip,

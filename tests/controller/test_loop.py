@@ -114,7 +114,7 @@ def loop_of(
     settings: Settings | None = None,
 ) -> Loop:
     devices, recorder, block = parts
-    controller = Controller(MODEL, settings or Settings())
+    controller = Controller(MODEL, settings or Settings(arm_at_start=True))
     return Loop(controller, devices, recorder, block, clock or Clock(), 0.001)  # type: ignore[arg-type]
 
 
@@ -160,7 +160,7 @@ def test_no_allocation_survives_a_cycle(
     settled: when the method's own memory, of a fixed length, is full; a regression's window is made one of that.
     """
     devices, recorder, _ = parts
-    settings = Settings(method=method, regression=Regression(variable_window=False))
+    settings = Settings(arm_at_start=True, method=method, regression=Regression(variable_window=False))
     devices.done = None
     blocks = array("q", [0, 0, 0])
     looks = (settled, settled + 1005, settled + 7005)  # all right after an image
@@ -202,7 +202,7 @@ def test_no_traced_byte_survives_a_thousand_cycles(parts: tuple[Devices, RingRec
 
     gc.disable()
     try:
-        loop_of(parts, settings=Settings(method="correlation")).run(watch)
+        loop_of(parts, settings=Settings(arm_at_start=True, method="correlation")).run(watch)
     finally:
         tracemalloc.stop()
         gc.enable()

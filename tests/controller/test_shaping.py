@@ -91,7 +91,9 @@ def test_none_hands_through_and_skipped_cycles_do_no_harm() -> None:
 def left_after_a_move(shaping: str, frequency_factor: float) -> tuple[float, float]:
     """Residual vibration, m, and final joint position, rad, of an arm that was moved by 0.1 rad."""
     model = Model(arm=Arm(length_m=2.0, modes=[Mode(damping_ratio=0.01)]))
-    controller = Controller(model, Settings(method="timestamps", reference_shaping=shaping))  # type: ignore[arg-type]
+    controller = Controller(
+        model, Settings(arm_at_start=True, method="timestamps", reference_shaping=shaping)
+    )  # type: ignore[arg-type]
     trace = run_world(
         model, controller, 1.6, strikes={}, delay=constant(0.074), frequency_factor=frequency_factor,
         reference=lambda t: 0.2 if 0.1 <= t < 0.6 else 0.0,

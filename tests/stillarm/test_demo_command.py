@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from stillarm.commands.demo_command import print_table
+from stillarm.commands.demo_command import comparison_line, print_table
 
 
 def summary(frames: int, lost: int) -> dict[str, Any]:
@@ -21,3 +21,25 @@ def test_a_computer_that_could_not_keep_up_is_told_of(
     """A run that lost most of its images must not pass for what the method can do."""
     print_table(summary(frames, lost))
     assert ("too busy" in capsys.readouterr().out) == told
+
+
+@pytest.mark.parametrize(
+    ("errors", "says"),
+    [
+        (
+            {"timestamps": 0.118, "correlation": 0.029, "fused": 0.009},
+            "to 0.9 % on average, against timestamps 11.8 %, ",
+        ),
+        ({"timestamps": 0.118, "correlation": 0.009, "fused": 0.02}, "worse than correlation here"),
+        ({"timestamps": None, "fused": 0.02}, ""),
+        ({"timestamps": 0.1, "fused": None}, ""),
+        ({}, ""),
+    ],
+)
+def test_the_summary_says_what_fused_reached_against_the_others(
+    errors: dict[str, float | None], says: str
+) -> None:
+    """Also where it is worse, and nothing where a score is missing."""
+    line = comparison_line({name: {"prediction_error_mean": error} for name, error in errors.items()})
+    assert says in line and "\n" not in line
+    assert bool(line) == bool(says)

@@ -21,7 +21,7 @@ from tests.reference.arm_world import Trace, constant, run_world
 
 A = 0.00625
 MODEL = Model(arm=Arm(length_m=2.0, modes=[Mode(participation=1.14, damping_ratio=0.01)]))
-SETTINGS = Settings(method="correlation")
+SETTINGS = Settings(arm_at_start=True, method="correlation")
 Change = Callable[[CycleInput], None]
 
 
@@ -117,7 +117,7 @@ def test_the_emergency_stop_zeroes_at_once_and_stays() -> None:
 @pytest.mark.parametrize("shaping", ["none", "zv", "zvd"])
 def test_disarming_fades_within_a_tenth_of_a_second_the_shaped_tail_included(shaping: str) -> None:
     """Steadily: no step larger than a fade of 0.1 s makes; and a later arming starts from where the joint is."""
-    settings = Settings(method="correlation", reference_shaping=shaping)  # type: ignore[arg-type]
+    settings = Settings(arm_at_start=True, method="correlation", reference_shaping=shaping)  # type: ignore[arg-type]
 
     def disarm(read: CycleInput) -> None:
         read.operator = {2000: Operator.DISARM, 2500: Operator.ARM}.get(read.cycle, 0)
@@ -230,7 +230,12 @@ def test_damping_with_the_wrong_phase_is_found_out(
 ) -> None:
     """Before the vibration is `largest` times the blow; then nothing moves any more."""
     trace = run(
-        lambda read: None, 6.0, Settings(method=method), wrong(MODEL), {0.5: A}, reference=lambda t: 0.0
+        lambda read: None,
+        6.0,
+        Settings(arm_at_start=True, method=method),
+        wrong(MODEL),
+        {0.5: A},
+        reference=lambda t: 0.0,
     )
     arrays = trace.arrays()
     faults = [k for k, output in enumerate(trace.outputs) if output.state is State.FAULT]
@@ -249,14 +254,20 @@ def test_blows_are_no_growth(seed: int, method: str) -> None:
         float(t): float(a)
         for t, a in zip(random.uniform(0.5, 8.0, 20), random.normal(0.0, A, 20), strict=True)
     }
-    trace = run(lambda read: None, 8.5, Settings(method=method), strikes=blows, reference=lambda t: 0.0)
+    trace = run(
+        lambda read: None,
+        8.5,
+        Settings(arm_at_start=True, method=method),
+        strikes=blows,
+        reference=lambda t: 0.0,
+    )
     assert states(trace, 0.5, 8.5) == {(State.DAMPING, None)}
 
 
 def test_saturation_without_success_is_a_fault_and_with_success_none() -> None:
     """A limit of 4 mm/s: a large blow is worked off at it for seconds; a drive of the wrong sense never gets there."""
     damping = Damping(max_velocity_rad_s=0.004)
-    settings = Settings(method="correlation", damping=damping)
+    settings = Settings(arm_at_start=True, method="correlation", damping=damping)
     sound = run(lambda read: None, 6.0, settings, strikes={0.5: 0.03}, reference=lambda t: 0.0)
     assert states(sound, 0.5, 6.0) == {(State.DAMPING, None)}
     wrong = run(
@@ -297,7 +308,11 @@ def test_checks_before_arming() -> None:
     controller = Controller(MODEL, SETTINGS)
     assert controller.step(CycleInput(0, 0.0, 1.5, 0.0, 0.0)).state is State.PREFLIGHT
     assert controller.step(CycleInput(1, 0.0, 0.5, 0.0, 0.0)).state is State.ARMED
-    needs = Settings(method="correlation", safety=Safety(checks_before_arming=("vision", "accelerometer")))
+    needs = Settings(
+        arm_at_start=True,
+        method="correlation",
+        safety=Safety(checks_before_arming=("vision", "accelerometer")),
+    )
     trace = run(from_2_s(lambda read: None), 1.0, needs)
     assert trace.outputs[50].state is State.PREFLIGHT and trace.outputs[200].state is not State.PREFLIGHT
     blind = Controller(MODEL, needs)

@@ -1,0 +1,93 @@
+"""The live benchmark's tables for people: every method over all runs, then every run."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+Row = dict[str, Any]
+_LONGEST_BEYOND_S, _SETTLING_S = 0.5, 2.5  # what is asked of the method that damps
+
+
+def by_method(rows: list[Row]) -> list[Row]:
+    """One row a method: medians over the runs, and the worst run."""
+    table = []
+    for method in dict.fromkeys(row["method"] for row in rows):
+        of_method = [row for row in rows if row["method"] == method]
+        table.append(
+            {
+                "method": method,
+                "error, %": _text(np.median, of_method, "error_mean", 2, 100.0),
+                "worst run": _text(np.max, of_method, "error_mean", 2, 100.0),
+                "max, %": _text(np.max, of_method, "error_max", 1, 100.0),
+                "delay rms, ms": _text(np.median, of_method, "delay_rms_s", 2, 1e3),
+                "nes delay": _text(np.max, of_method, "delay_normalised_error_squared_max", 1),
+                "nes deflection": _text(np.max, of_method, "deflection_normalised_error_squared_max", 1),
+                "> 2 std, s": _text(np.max, of_method, "longest_beyond_2_std_s", 2),
+                "settled, s": _text(np.max, of_method, "settled_s", 2),
+            }
+        )
+    return table
+
+
+def by_run(rows: list[Row]) -> list[Row]:
+    """One row a run: what all its methods share."""
+    first = {row["run"]: row for row in reversed(rows)}
+    return [
+        {
+            "run": run,
+            "seed": row["seed"],
+            "settling, s": _number(row["settling_time_damped_s"], 2),
+            "frames": row["frames"],
+            "lost": row["frames_lost"],
+            "cycles": row["cycles"],
+            "missed": row["deadline_misses"],
+            "bare timer missed": row["floor_deadline_misses"],
+            "own": row["own_deadline_misses"],
+            "command max, rad/s": _number(row["command_max_rad_s"], 3),
+            "beyond limits": row["commands_beyond_limits"],
+            "without grounds": row["commands_without_grounds"],
+        }
+        for run, row in sorted(first.items())
+    ]
+
+
+def verdict(rows: list[Row], method: str = "fused") -> list[Row]:
+    """What is asked of the method that damps, and of the commands; in how many runs it was kept."""
+    asked: list[tuple[str, Callable[[Row], bool]]] = [
+        (
+            f"no error beyond twice what {method} states for over {_LONGEST_BEYOND_S} s",
+            lambda row: (row["longest_beyond_2_std_s"] or 0.0) <= _LONGEST_BEYOND_S,
+        ),
+        (
+            f"settled {_SETTLING_S} s after the strike",
+            lambda row: (
+                row["settling_time_damped_s"] is not None and row["settling_time_damped_s"] <= _SETTLING_S
+            ),
+        ),
+        (
+            "no command beyond its limits or without grounds",
+            lambda row: not row["commands_beyond_limits"] + row["commands_without_grounds"],
+        ),
+        ("no frame lost", lambda row: row["frames_lost"] == 0),
+        (
+            "no deadline missed that the bare timer kept",
+            lambda row: row["own_deadline_misses"] == 0,
+        ),
+    ]
+    judged = [row for row in rows if row["method"] == method]
+    return [
+        {"asked": text, "kept in": f"{sum(map(keeps, judged))} of {len(judged)} runs"}
+        for text, keeps in asked
+    ]
+
+
+def _text(
+    how: Callable[[list[float]], float], rows: list[Row], key: str, digits: int, unit: float = 1.0
+) -> str:
+    values = [row[key] for row in rows if row[key] is not None]
+    return _number(unit * float(how(values)) if values else None, digits)
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

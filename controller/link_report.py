@@ -1,0 +1,101 @@
+"""The once-a-second message about the link, gathered over several cycles.
+
+Out of cold caches its parts take 130 us together: counters of the kernel, of each socket, of the estimate of the clock,
+and their encoding. One part a cycle keeps every cycle alike.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Protocol
+
+from common.recording.recorder_client import RecorderClient
+from common.recording.topics import TOPIC_INDEX, LinkSample
+from controller.loop_block import LoopBlock
+from controller.overrun import ThreadCounters
+from controller.schedule import CycleClock
+
+_EVERY_S = 1.0
+_LINK = TOPIC_INDEX["/link"]
+
+
+class LinkCounters(Protocol):
+    """The devices, as far as they are asked here."""
+
+    @property
+    def link_counts(self) -> dict[str, int]:
+        """Counts of the visual datagrams, by name."""
+
+    def link_status(self) -> dict[str, float]:
+        """What else /link tells, by the names of its fields."""
+
+    @property
+    def accelerometer_faults(self) -> int:
+        """Reads of the accelerometer that gave no sample."""
+
+
+class LinkReport:
+    """Does one part in each cycle of those after a second has begun."""
+
+    def __init__(
+        self,
+        devices: LinkCounters,
+        block: LoopBlock,
+        clock: CycleClock,
+        counters: ThreadCounters,
+        cycle_s: float,
+        values_refused: Callable[[], int],
+    ) -> None:
+        """Begins with the first cycle. values_refused: how many values the controller has refused so far."""
+        self._values_refused = values_refused
+        self._devices, self._block, self._clock, self._counters = devices, block, clock, counters
+        self._cycle_s = cycle_s
+        self._every = max(1, round(_EVERY_S / cycle_s))
+        self._next = self._cycle = 0
+        self._parts: Iterator[None] | None = None
+
+    def advance(self, cycle: int, recorder: RecorderClient) -> None:
+        """Do the next part, if one is due. The message bears the cycle in which it is complete."""
+        self._cycle = cycle
+        if self._parts is None:
+            if cycle < self._next:
+                return
+            self._next = cycle + self._every
+            self._parts = self._gather(recorder)
+        if next(self._parts, _DONE) is _DONE:
+            self._parts = None
+
+    def finish(self, recorder: RecorderClient) -> None:
+        """Complete the report that is under way, as the loop ends."""
+        if self._parts is not None:
+            for _ in self._parts:
+                pass
+            self._parts = None
+
+    def _gather(self, recorder: RecorderClient) -> Iterator[None]:
+        devices = self._devices
+        self._counters.moved()  # so that an overrun's counters are of the last second at most
+        yield
+        faults = devices.accelerometer_faults
+        self._block.note_accelerometer_faults(faults)
+        counts = devices.link_counts
+        yield
+        status = devices.link_status()
+        yield
+        alive = recorder.alive()
+        yield
+        recorder.put(
+            _LINK,
+            LinkSample(
+                time_s=self._cycle * self._cycle_s,
+                cycle=self._cycle,
+                deadline_misses=self._clock.misses,
+                accelerometer_faults=faults,
+                values_refused=self._values_refused(),
+                recorder_lost=recorder.lost,
+                recorder_alive=alive,
+                **counts,
+                **status,  # type: ignore[arg-type]
+            ),
+        )
+
+
+_DONE = object()

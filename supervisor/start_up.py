@@ -1,0 +1,36 @@
+"""Before the first frame is announced: nothing waits in the camera's queue, and nothing is done for the first time."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from common.visual_sample import VisualSample
+from drivers.camera import Camera, Frame
+from supervisor.recorded_images import image_sample
+
+_QUEUED_WITHIN_S = 0.002  # a frame that read() gives sooner had been waiting: a camera's period is longer
+_MOST_QUEUED = 64  # more than any driver holds; a camera that is faster than that is not waited for
+_FRAME_TIMEOUT_S = 0.1
+
+
+def discard_queued(camera: Camera, clock: Callable[[], float] = time.monotonic) -> int:
+    """Take frames until one had to be waited for, so that the next one is fresh; returns how many were taken.
+
+    While a driver starts and the tracker warms up, frames gather in the driver's queue. Announced, each of them
+    would be older than any frame after it, and the estimate of the capture delay would begin with them. Not for
+    files, which hold no frame twice. Raises EndOfStream.
+    """
+    for taken in range(_MOST_QUEUED):
+        asked = clock()
+        if camera.read(_FRAME_TIMEOUT_S) is None:
+            return taken
+        if clock() - asked > _QUEUED_WITHIN_S:
+            return taken + 1
+    return _MOST_QUEUED
+
+
+def warm_up_recording(width_px: int, height_px: int) -> None:
+    """Encode one blank image as the recorder's messages hold it: PNG's first call takes some milliseconds."""
+    image = np.zeros((height_px, width_px), np.uint8)
+    image_sample(0.0, Frame(image, None, None, None), VisualSample(0, -1, 0))
