@@ -45,6 +45,7 @@ def test_the_hidden_cause_is_named(cause: str, tmp_path: Path) -> None:
     assert row["right"], (row["hidden"], row["verdict"], row["answers"])
 
 
+@pytest.mark.slow
 def test_nothing_is_found_where_nothing_is_hidden(tmp_path: Path) -> None:
     truth = prepare("none", 0, SEED, tmp_path / "data", SECONDS) | {"number": 0}
     row = diagnosed(truth, tmp_path)

@@ -277,6 +277,7 @@ LIVE = RecordingHeader(
 )
 
 
+@pytest.mark.slow
 @REUSED
 @given(st.lists(fast_rows, min_size=1, max_size=6), st.lists(frame_rows, min_size=1, max_size=6))
 def test_importing_an_export_gives_the_same_samples(

@@ -59,6 +59,7 @@ def test_it_adds_the_damping_and_leaves_the_frequency(bandwidth_hz: float) -> No
     assert frequency_hz(trace, 1.4, 2.6) == pytest.approx(2.6, rel=0.015)
 
 
+@pytest.mark.slow
 def test_an_image_offset_never_makes_the_joint_creep() -> None:
     """200 px of constant offset under noise."""
     a = run(
@@ -75,6 +76,7 @@ def test_an_image_offset_never_makes_the_joint_creep() -> None:
     assert np.max(np.abs(a["truth"][late])) < 0.05 * A
 
 
+@pytest.mark.slow
 def test_after_a_move_the_joint_is_where_the_reference_led_it() -> None:
     """0.2 rad with damping on, as the camera sees it."""
     a = run(
@@ -84,6 +86,7 @@ def test_after_a_move_the_joint_is_where_the_reference_led_it() -> None:
     assert np.max(np.abs(a["truth"][-1000:])) < 0.1 * A
 
 
+@pytest.mark.slow
 def test_the_image_brings_back_a_joint_whose_encoder_drifts() -> None:
     """The encoder creeps by 5 mrad: the velocity law follows it with the joint, the image keeps the joint in place."""
 
@@ -95,6 +98,7 @@ def test_the_image_brings_back_a_joint_whose_encoder_drifts() -> None:
     assert abs(ends["composite"]) < 0.001
 
 
+@pytest.mark.slow
 def test_an_image_with_another_zero_is_no_motion_of_the_joint() -> None:
     """A supervisor that starts again, and a jump that nothing announces: the joint stays."""
 

@@ -94,6 +94,7 @@ print(gc.isenabled(), missing)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(bool(missing_privileges()), reason="needs the real-time privileges")
 def test_with_them_all_of_it_holds_and_children_are_ordinary() -> None:
     """In a process of its own: FIFO, one processor, frozen collector, locked memory, latency held."""

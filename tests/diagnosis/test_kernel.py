@@ -131,6 +131,7 @@ def test_a_limited_motion_changes_smoothly_with_the_bandwidth() -> None:
     assert np.max(np.abs(turns)) < 0.02 * np.max(np.abs(np.diff(ends, axis=0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "obeys"),
     [
@@ -148,6 +149,7 @@ def test_what_the_drive_makes_of_its_command(
     assert off(found[4], q) < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "force", "most"),
     [
@@ -177,6 +179,7 @@ def test_dry_friction_brings_the_arm_to_rest_and_holds_it() -> None:
     assert np.all(qdd[150:195, 0] == 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "scale"),
     [

@@ -64,6 +64,7 @@ def test_few_spikes_are_seen_in_a_quick_motion() -> None:
     assert len(found_in(replace(data, acceleration=quiet))) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "beside", "seen"), [(40.0, 0.0, True), (40.0, 25.0, True), (12.0, 0.0, False)]
 )
@@ -101,6 +102,7 @@ def test_lost_frames_are_counted() -> None:
     assert abs(fraction - (1.0 - keep.mean())) < 3.0 * std
 
 
+@pytest.mark.slow
 def test_bursts_are_counted_and_timed() -> None:
     data = measured(SECONDS, 6)
     received = data.frames.received_s
@@ -113,6 +115,7 @@ def test_bursts_are_counted_and_timed() -> None:
     assert abs(found["duration_s"][0] - 0.4) < 0.08
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stated_s", "lasts_s", "burst"), [(0.0005, 0.03, True), (0.0064, 0.03, False), (0.0064, 0.2, True)]
 )
@@ -130,6 +133,7 @@ def test_a_few_late_frames_within_the_delays_stated_spread_are_no_burst(
     assert ("delay_bursts" in names) is burst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_what_most_frames_do_is_no_burst(seed: int) -> None:
     """Frames that scatter but for stretches in which they hardly do were not late before."""

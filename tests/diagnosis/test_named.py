@@ -35,6 +35,7 @@ def test_the_cause_is_named_and_measured(cause: str, tmp_path: Path) -> None:
     assert set(SIZES[cause]) <= set(written)
 
 
+@pytest.mark.slow
 def test_nothing_is_named_where_nothing_is_wrong(tmp_path: Path) -> None:
     result = diagnose(record(tmp_path, seed=SEED))
     assert result.table["verdict"] == "none"

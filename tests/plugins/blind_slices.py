@@ -53,7 +53,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Deselect the blind cases whose turn it is not."""
+    """Deselect the blind cases whose turn it is not. Begin with the others: they are long, and one that ran last would
+    leave the other worker with nothing to do."""
     turn = None if is_named(config) else turn_from(os.environ[VARIABLE])
     left_out: set[pytest.Item] = set()
     for cases in _blind(items):
@@ -64,9 +65,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if turn is not None:
             mine = slice_of(len(cases), mark.kwargs["each_run"], turn)
             left_out |= {case for place, case in enumerate(cases) if place not in mine}
-    if left_out:
-        config.hook.pytest_deselected(items=[item for item in items if item in left_out])
-        items[:] = [item for item in items if item not in left_out]
+    config.hook.pytest_deselected(items=[item for item in items if item in left_out])
+    ours = [item for item in items if item not in left_out]
+    items[:] = sorted(ours, key=lambda item: item.get_closest_marker("blind") is None)
 
 
 def _blind(items: Sequence[pytest.Item]) -> list[list[pytest.Item]]:

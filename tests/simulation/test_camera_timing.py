@@ -21,6 +21,7 @@ def _delays(exposures: list[Exposure]) -> np.ndarray:
     return np.array([e.handover_s - e.mid_s for e in exposures]) + AFTER
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fraction", "mean_s", "std_s"),
     [

@@ -113,6 +113,7 @@ def test_the_emergency_stop_zeroes_at_once_and_stays() -> None:
     assert np.max(np.abs(command[2800:])) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shaping", ["none", "zv", "zvd"])
 def test_disarming_fades_within_a_tenth_of_a_second_the_shaped_tail_included(shaping: str) -> None:
     """Steadily: no step larger than a fade of 0.1 s makes; and a later arming starts from where the joint is."""
@@ -185,6 +186,7 @@ class Broken:
         return Estimate(delay, self.value if bad else 0.004, 0.0, 1e-4, Status.ESTIMATED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [nan, inf, -inf])
 def test_numbers_that_are_not_finite_damp_nothing_and_soon_are_a_fault(value: float) -> None:
     """The damping is zero in the same cycle, the whole command after 0.05 s; a moment of them passes."""
@@ -216,6 +218,7 @@ def late(model: Model) -> Model:
     return msgspec.structs.replace(model, timing=msgspec.structs.replace(model.timing, capture_delay_s=0.25))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "method", "largest"),
     [
@@ -239,6 +242,7 @@ def test_damping_with_the_wrong_phase_is_found_out(
     assert np.all(arrays["command"][stopped:] == 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("method", ["timestamps", "correlation"])
 def test_blows_are_no_growth(seed: int, method: str) -> None:
@@ -252,6 +256,7 @@ def test_blows_are_no_growth(seed: int, method: str) -> None:
     assert states(trace, 0.5, 8.5) == {(State.DAMPING, None)}
 
 
+@pytest.mark.slow
 def test_saturation_without_success_is_a_fault_and_with_success_none() -> None:
     """A limit of 4 mm/s: a large blow is worked off at it for seconds; a drive of the wrong sense never gets there."""
     damping = Damping(max_velocity_rad_s=0.004)
@@ -303,6 +308,7 @@ def test_checks_before_arming() -> None:
     assert {blind.step(CycleInput(k, 0.0, 0.0, 0.0, 0.0)).state for k in range(300)} == {State.PREFLIGHT}
 
 
+@pytest.mark.slow
 def test_a_model_that_no_rig_has_given_moves_and_is_not_damped() -> None:
     """On hardware; with the mark it is, and in a simulation the mark does not matter."""
     marked = msgspec.structs.replace(MODEL, commissioned=Commissioned("2026-01-31", "recording.mcap"))
