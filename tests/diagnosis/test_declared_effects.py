@@ -42,10 +42,10 @@ def test_an_extended_model_s_recording_holds_nothing_unknown(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("cause", "amount"),
     [
-        ("quadratic_damping", "coefficient_per_m"),
         ("cubic_stiffness", "coefficient_per_m2"),
         ("gravity_leakage", "gain_m_s2_per_rad"),
         ("tracking_drift", "rate_px_per_s"),
+        ("quadratic_damping", "coefficient_per_m"),
     ],
 )
 def test_another_amount_of_a_known_effect_is_found_and_replaces_it(

@@ -61,7 +61,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         mark = cases[0].get_closest_marker("blind")
         assert mark is not None
         for case in cases:
-            case.user_properties.append((_SEED, mark.kwargs["seed"]))
+            case.user_properties.append((_SEED, str(mark.kwargs["seed"])))
         if turn is not None:
             mine = slice_of(len(cases), mark.kwargs["each_run"], turn)
             left_out |= {case for place, case in enumerate(cases) if place not in mine}
@@ -85,7 +85,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     called = [one for one in finished if isinstance(one, pytest.TestReport) and one.when == "call"]
     seeds = [value for one in called for name, value in one.user_properties if name == _SEED]
     if seeds:
-        turn, named = os.environ[VARIABLE], ", ".join(str(seed) for seed in sorted(set(seeds)))
+        turn, named = os.environ[VARIABLE], "; ".join(sorted(set(seeds)))
         terminalreporter.write_line(
             f"blind cases: {len(seeds)}, slice {turn}, seed {named}; again: {VARIABLE}={turn} make test; "
             "all: make campaign"

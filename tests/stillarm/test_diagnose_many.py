@@ -8,17 +8,22 @@ from pathlib import Path
 
 import pytest
 
+from common.scenario import Move, Scenario, Strike
 from common.user_error import UserError
 from stillarm.commands import diagnose_many
 from stillarm.commands.diagnose_many import Job, diagnose_all, diagnose_one, executor_for
 from stillarm.main import main
 from tests.diagnosis.simulated import record
 
+SHORT = Scenario(
+    duration_s=8.0, strikes=[Strike(0.6, 0.02)], moves=[Move(3.5, 4.3, 0.25), Move(4.6, 5.6, -0.2)]
+)
+
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Nothing wrong with it."""
-    return record(tmp_path_factory.mktemp("many"))
+    """Nothing wrong with it; short, for it is not the diagnosis that is judged here."""
+    return record(tmp_path_factory.mktemp("many"), scenario=SHORT)
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The procedure from the first nudge to the verdict: three rigs in virtual time, and rigs that show too little."""
+"""The procedure from the first nudge to the verdict: rigs that take turns, and rigs that show too little."""
 
 from dataclasses import replace
 from math import nan
@@ -23,7 +23,7 @@ LIMITS = Limits()
 RIGS = (1, 7, 8)
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=1, seed=RIGS)
 @pytest.mark.parametrize("seed", RIGS)
 def test_a_rig_of_random_parameters_is_identified_from_a_model_that_knows_none(
     seed: int, tmp_path: Path
