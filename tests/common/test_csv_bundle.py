@@ -234,6 +234,7 @@ FAST_COLUMNS = ["acceleration_m_s2", "joint_velocity_command_rad_s", "joint_torq
 FRAME_COLUMNS = ["displacement_px", "captured_s", "exposure_s", "displacement_y_px"]
 
 
+@pytest.mark.slow
 @REUSED
 @given(tables("time_s", FAST_COLUMNS, texts | st.none()), tables("received_s", FRAME_COLUMNS, numbers))
 def test_exporting_an_import_gives_the_same_values(

@@ -50,6 +50,7 @@ def frequency_hz(trace: Trace, from_s: float, to_s: float) -> float:
     return float((len(crossings) - 1) / 2 / (crossings[-1] - crossings[0]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bandwidth_hz", [6.0, 20.0])
 def test_it_adds_the_damping_and_leaves_the_frequency(bandwidth_hz: float) -> None:
     """(s + b)(s^2 + 2 (zeta + zeta_a) w s + w^2): also with a drive whose lag is a quarter of the period's phase."""

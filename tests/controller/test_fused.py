@@ -64,6 +64,7 @@ def test_irregular_exposures_with_a_delay_of_their_own_are_dated_one_by_one() ->
     assert 0.3 < np.mean((trial.delay_error[late] / trial.delay_std[late]) ** 2) < 2.5
 
 
+@pytest.mark.slow
 def test_a_camera_set_up_as_free_running_that_is_triggered_is_found_out() -> None:
     """The images refute the clock, whatever the model file says."""
     model = model_for(AMPLITUDE, 0.3, mode="freerun")
@@ -74,6 +75,7 @@ def test_a_camera_set_up_as_free_running_that_is_triggered_is_found_out() -> Non
     assert part(said, 3.0, 6.0)[0] < 0.02
 
 
+@pytest.mark.slow
 def test_stamps_on_a_clock_of_their_own_are_used() -> None:
     """Irregular exposures with stamps, offset and rate unknown: as good as a clock."""
     trial, method = run(8.0, 4, mode="triggered", delay="white", stamped=True)
@@ -210,6 +212,7 @@ def test_frames_lost_from_a_count_of_arrivals_are_noticed() -> None:
     assert np.max(np.abs(said.delay_error[late])) < 0.004
 
 
+@pytest.mark.slow
 def test_duplicates_a_reset_counter_and_missing_numbers_do_no_harm() -> None:
     """Every tenth frame twice, a counter that starts again at zero, a NaN that claims to be measured."""
     model = model_for(AMPLITUDE, 0.3)
@@ -233,6 +236,7 @@ def test_at_rest_the_delay_is_unestimated_and_nothing_is_claimed() -> None:
     assert part(trial, 1.0, 3.0)[2] < 4.0
 
 
+@pytest.mark.slow
 def test_two_modes_are_told_apart() -> None:
     """The sum of both, as the tip moves, is predicted while both ring."""
     modes = [Mode(participation=1.1), Mode(frequency_hz=14.0, damping_ratio=0.003, participation=-0.3)]

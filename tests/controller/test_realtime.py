@@ -108,6 +108,7 @@ def test_with_them_all_of_it_holds_and_children_are_ordinary() -> None:
     assert after == "True []"
 
 
+@pytest.mark.slow
 def test_what_cannot_be_done_is_returned_and_the_rest_is_done(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -21,6 +21,7 @@ def late(seed: int, step_s: float) -> np.ndarray:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_a_step_is_found_where_it_is(seed: int) -> None:
     arrived = late(seed, 0.02)

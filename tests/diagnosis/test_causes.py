@@ -90,6 +90,7 @@ def test_a_change_of_frequency_is_found_whatever_share_of_it_the_second_mode_tak
     assert found.final.std[HIGHER] < 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cause", sorted(CAUSES))
 def test_its_trials_move_some_channel_and_its_parameters_are_the_catalogues(cause: str, plain: Fit) -> None:
     one = CAUSES[cause]

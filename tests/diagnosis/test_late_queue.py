@@ -86,6 +86,7 @@ def stamped(later_s: float, set_by_s: float = 0.0) -> Measured:
     return replace(data, frames=frames)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("later_s", "set_by_s", "found"), [(PERIOD_S, 0.0, True), (0.0, PERIOD_S, False)])
 def test_requests_tell_a_stamped_cameras_queue_from_a_clock_that_was_set(
     later_s: float, set_by_s: float, found: bool

@@ -40,6 +40,7 @@ def frames_of(data: Measured, keep: np.ndarray, late_s: np.ndarray | float = 0.0
     )
 
 
+@pytest.mark.slow
 def test_where_there_is_nothing_nothing_is_found() -> None:
     assert found_in(measured(SECONDS, 3)) == {}
 
@@ -82,6 +83,7 @@ def test_a_single_spike_counts_where_no_noise_goes_so_far(size: float, beside: f
         assert one.values["rate_hz"] == pytest.approx((1.0 / SECONDS, 1.0 / SECONDS), rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "plain"), [(30.0, True), (12.0, False)])
 def test_of_two_spikes_close_together_one_may_be_plain_by_itself(size: float, plain: bool) -> None:
     """No other block shows any."""
@@ -146,6 +148,7 @@ def test_what_most_frames_do_is_no_burst(seed: int) -> None:
     assert "delay_bursts" not in [one.cause for one in laws(make_data(last.world, SPLIT), last)]
 
 
+@pytest.mark.slow
 def test_what_the_start_and_a_blow_leave_for_an_instant_are_no_spikes() -> None:
     struck = (3300, 9000)
     for begun, count in ((0, 0), (60, 1)):

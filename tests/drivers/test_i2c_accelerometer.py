@@ -110,6 +110,7 @@ def test_every_range_clips_where_it_ends(rig: Callable[..., Rig], part: str, ful
     assert made.driver.range_m_s2 >= 0.95 * full_scale_g * STANDARD_GRAVITY_M_S2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("part", "bandwidth_hz"), [(p, f.bandwidth_hz) for p in PARTS for f in TABLES[p].filters]
 )
@@ -387,6 +388,7 @@ def test_factory() -> None:
         assert 0.0 < driver.delay_s < 0.005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", PARTS)
 @settings(max_examples=100, deadline=None)
 @given(answers=st.lists(st.binary(min_size=13, max_size=13), min_size=1, max_size=4))

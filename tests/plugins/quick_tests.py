@@ -1,4 +1,4 @@
-"""`make check` runs the quick tests: no process, no whole diagnosis, less than half a second.
+"""`make check` runs the quick tests: no process, no whole diagnosis, a third of a second at most.
 
 A test is quick unless it lies in one of FOLDERS or carries one of MARKS. So that this stays true, a test that is called
 quick fails where it starts a process, by itself or by a fixture of any scope, be it in `make test` or in `make check`;

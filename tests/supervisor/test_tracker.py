@@ -103,6 +103,7 @@ def test_fast_move_with_motion_blur():
     assert np.abs(error[-5:, :2]).max() < 0.1  # sharp again: the error of smeared key frames has been mended
 
 
+@pytest.mark.slow
 def test_handover_makes_no_step():
     error, _, tracker = tracked(move(300.0, 0.8, 68), SinusoidScene(6))
     assert tracker.key_frames >= 2

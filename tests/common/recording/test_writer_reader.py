@@ -288,6 +288,7 @@ class FullDisk(io.BytesIO):
         return super().write(part)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", range(1500, 160_000, 9973))
 def test_a_full_disk_leaves_a_file_that_opens(tmp_path: Path, room: int) -> None:
     disk = FullDisk(room)

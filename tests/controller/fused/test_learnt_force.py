@@ -51,6 +51,7 @@ def learnt(intensity: float, seed: int, seconds: float) -> list[float]:
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("times_image", [10.0, 100.0, 1000.0])
 def test_a_force_of_any_size_is_learnt(times_image: float) -> None:
     intensity = times_image * IMAGE_M**2

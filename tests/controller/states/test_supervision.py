@@ -68,6 +68,7 @@ def test_armed_by_itself_and_damping_without_any_fault() -> None:
     assert trace.outputs[1].state is State.DEGRADED
 
 
+@pytest.mark.slow
 def test_a_silent_drive_stops_everything_and_it_goes_on_by_itself() -> None:
     """Zero 0.1 s after the last report, motion 0.2 s after the first new one."""
     command = run(from_2_s(silent, 2.4)).arrays()["command"]

@@ -85,6 +85,7 @@ def test_what_comes_out_does_not_depend_on_the_chunks(
     assert same(whole, pieces)
 
 
+@pytest.mark.slow
 @EVERY
 @settings(max_examples=150, deadline=None)
 @given(garbage=st.binary(max_size=600))
