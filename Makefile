@@ -1,20 +1,41 @@
 # Two commands: `make demo` and `make test`. Each makes its own virtual environment with pinned packages.
+# While you work: `make check`, the quick part of `make test`. Now and then: `make campaign`, every blind case.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+PYTEST := $(BIN)/python -m pytest
+WORKERS := -n 2 --dist worksteal
+LINT_LOG := build/lint.log
 
-.PHONY: demo test check clean
+# Run pytest with the given words while ruff and mypy run beside it; fail where either does.
+define pytest_beside_lint
+	@mkdir -p $(dir $(LINT_LOG)); $(MAKE) --no-print-directory lint >$(LINT_LOG) 2>&1 & lint=$$!; \
+	trap 'kill $$lint 2>/dev/null' INT TERM; \
+	$(PYTEST) $(1); tests=$$?; \
+	if wait $$lint; then echo "ruff and mypy found nothing"; else cat $(LINT_LOG); tests=1; fi; \
+	exit $$tests
+endef
+
+.PHONY: demo test check campaign lint clean
 
 demo: $(READY)
 	$(BIN)/stillarm demo --out demo
 
 test: $(READY)
+	$(call pytest_beside_lint,$(WORKERS) -m "not realtime")
+	$(PYTEST) -m realtime $$(grep -rl --include='test_*.py' 'pytest\.mark\.realtime' tests)
+
+check: $(READY)
+	$(call pytest_beside_lint,$(WORKERS) --quick)
+
+campaign: $(READY)
+	STILLARM_SLICE=all $(PYTEST) $(WORKERS) -m blind
+
+lint: $(READY)
 	$(BIN)/python -m ruff check .
 	$(BIN)/python -m ruff format --check .
 	$(BIN)/python -m mypy
-	$(BIN)/python -m pytest -n 2 -m "not realtime"
-	$(BIN)/python -m pytest -m realtime
 
 $(READY): pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -8,3 +8,5 @@ from hypothesis import settings  # noqa: E402 - nothing may load NumPy before
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
+
+pytest_plugins = ("pytester", "tests.plugins.blind_slices", "tests.plugins.quick_tests")

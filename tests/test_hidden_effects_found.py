@@ -1,6 +1,7 @@
 """Blind: an effect is hidden by a world that the diagnosis does not know, and has to be found from the bundle alone.
 
-Fixed seeds, one case for each cause of the contract, 20 s each. `stillarm benchmark diagnosis` draws new ones.
+Fixed seeds, one case for each cause of the contract, 20 s each. The cases take turns, a few in each run
+(tests/plugins/blind_slices.py). `stillarm benchmark diagnosis` draws new ones.
 """
 
 import json
@@ -36,6 +37,7 @@ def _marked(cause: str) -> object:
     return pytest.param(cause, marks=marks)
 
 
+@pytest.mark.blind(each_run=4, seed=SEED)
 @pytest.mark.parametrize("cause", [_marked(cause) for cause in sorted(CAUSES)])
 def test_the_hidden_cause_is_named(cause: str, tmp_path: Path) -> None:
     truth = prepare("one", 0, SEED, tmp_path / "data", SECONDS, cause) | {"number": 0}
@@ -43,6 +45,7 @@ def test_the_hidden_cause_is_named(cause: str, tmp_path: Path) -> None:
     assert row["right"], (row["hidden"], row["verdict"], row["answers"])
 
 
+@pytest.mark.slow
 def test_nothing_is_found_where_nothing_is_hidden(tmp_path: Path) -> None:
     truth = prepare("none", 0, SEED, tmp_path / "data", SECONDS) | {"number": 0}
     row = diagnosed(truth, tmp_path)

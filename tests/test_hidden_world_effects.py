@@ -15,6 +15,8 @@ from tests.hidden_world.rig import TICK_S
 from tests.hidden_world.whitened import by_channel
 from tests.hidden_world.world import Case, Open, make, run
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 SECONDS = 9.0
 TOUCHED = {

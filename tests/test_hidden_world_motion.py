@@ -10,6 +10,8 @@ from scipy.integrate import solve_ivp
 from tests.hidden_world.motion import WIDTH, Works, move
 from tests.hidden_world.rig import FINE, STEP_S, TICK_S, tip_slope
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 W = 2.0 * pi * 2.6
 PLAIN = Works(

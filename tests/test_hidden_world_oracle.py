@@ -16,6 +16,8 @@ from tests.hidden_world.oracle import Oracle, best_plain, expected_nats, fitted_
 from tests.hidden_world.whitened import whitened
 from tests.hidden_world.world import Case, run
 
+pytestmark = pytest.mark.slow
+
 SECONDS = 8.0
 
 

@@ -1,6 +1,7 @@
 """Imports run one way: stillarm -> diagnosis -> simulation -> controller, supervisor -> drivers -> common."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,8 @@ EVERYWHERE = set(ALLOWED) | {"stillarm", "benchmarks", "tests"}
 HEAVY = {"scipy", "matplotlib", "numba"}
 
 
-def imported(path: Path) -> set[str]:
+@cache
+def imported(path: Path) -> frozenset[str]:
     """Top-level packages that a file imports, anywhere in it."""
     names = set()
     for node in ast.walk(ast.parse(path.read_text())):
@@ -26,7 +28,7 @@ def imported(path: Path) -> set[str]:
             names |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
             names.add(node.module.split(".")[0])
-    return names
+    return frozenset(names)
 
 
 @pytest.mark.parametrize("package", sorted(ALLOWED))

@@ -19,6 +19,7 @@ def test_what_the_environment_says_stays(monkeypatch: pytest.MonkeyPatch) -> Non
     assert [os.environ[name] for name in BLAS_THREADS] == ["4", "1", "1"]
 
 
+@pytest.mark.slow
 def test_it_comes_before_numpy() -> None:
     """Importing it, and the commands that call it, loads no numpy: the variables would come too late."""
     commands = [

@@ -8,6 +8,8 @@ import pytest
 
 from common.child_process import start_module, stop_process
 
+pytestmark = pytest.mark.slow
+
 
 def test_what_lies_where_the_user_stands_takes_no_package_s_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

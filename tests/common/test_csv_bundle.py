@@ -234,6 +234,7 @@ FAST_COLUMNS = ["acceleration_m_s2", "joint_velocity_command_rad_s", "joint_torq
 FRAME_COLUMNS = ["displacement_px", "captured_s", "exposure_s", "displacement_y_px"]
 
 
+@pytest.mark.slow
 @REUSED
 @given(tables("time_s", FAST_COLUMNS, texts | st.none()), tables("received_s", FRAME_COLUMNS, numbers))
 def test_exporting_an_import_gives_the_same_values(
@@ -277,6 +278,7 @@ LIVE = RecordingHeader(
 )
 
 
+@pytest.mark.slow
 @REUSED
 @given(st.lists(fast_rows, min_size=1, max_size=6), st.lists(frame_rows, min_size=1, max_size=6))
 def test_importing_an_export_gives_the_same_samples(

@@ -61,6 +61,7 @@ def test_any_signed_bytes_never_raise(payload: bytes) -> None:
     assert isinstance(decoded, Rejected) or msgpack.unpackb(payload)[0] == 2
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(st.lists(_values, max_size=6))
 def test_any_signed_array_is_well_formed_or_rejected(fields: list[object]) -> None:

@@ -7,12 +7,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from common.left_behind import mapped_blocks, remove_left_blocks
 from common.shared_memory import SharedBlock, block_path
 
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.slow
 def test_a_killed_process_leaves_a_block_and_the_next_start_removes_it() -> None:
     name = f"left-{os.getpid()}-{secrets.token_hex(4)}"
     code = (

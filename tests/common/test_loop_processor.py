@@ -18,6 +18,7 @@ def place() -> Iterator[set[int]]:
     os.sched_setaffinity(0, before)
 
 
+@pytest.mark.slow
 def test_others_leave_the_loop_its_processor(place: set[int]) -> None:
     """All but that one are left, and a child keeps to them."""
     loop = loop_processor()

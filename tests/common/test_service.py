@@ -74,6 +74,7 @@ def test_a_second_daemon_is_refused_and_names_the_first(
     os.close(hold_instance("controller", 47001))
 
 
+@pytest.mark.slow
 def test_the_lock_of_a_killed_daemon_is_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its file stays, with a number that may be anybody's by now."""
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
@@ -93,6 +94,7 @@ def test_the_lock_of_a_killed_daemon_is_no_obstacle(tmp_path: Path, monkeypatch:
     assert (tmp_path / "stillarm-supervisor-5.lock").read_text() == f"{os.getpid()}\n"
 
 
+@pytest.mark.slow
 def test_a_daemon_that_ends_removes_its_lock_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """But never one that is another's by now."""
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
@@ -171,6 +173,7 @@ def test_the_units_user_is_made_and_may_hold_the_processors_latency() -> None:
     assert "DeviceAllow" not in unit  # it would close all other devices, and opens none
 
 
+@pytest.mark.slow
 def test_the_recorders_process_feeds_the_watchdog_while_the_loop_puts_messages(
     listener: socket.socket, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -55,6 +55,7 @@ def test_a_ring_is_a_queue_that_may_refuse(name: str, size: int, steps: list[tup
     writer.close()
 
 
+@pytest.mark.slow
 def test_a_ring_outlives_a_killed_writer(name: str) -> None:
     ring = SharedRing(name, 1 << 16, create=True)
     code = (

@@ -4,6 +4,8 @@ import multiprocessing
 import struct
 import time
 
+import pytest
+
 from common.shared_memory import SharedRing
 
 _PAIR = struct.Struct("<QQ")
@@ -26,6 +28,7 @@ def _message(number: int) -> bytes:
     return number.to_bytes(8, "little") * (1 + number % 9)
 
 
+@pytest.mark.slow
 def test_a_ring_hands_over_every_message_once_and_in_order() -> None:
     """Through many wraps of a ring that is never full, no put may fail for want of room."""
     name, messages, size = "test-torn-ring", 60_000, 1 << 16

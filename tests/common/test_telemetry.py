@@ -69,6 +69,7 @@ def test_each_nth_cycle_and_never_a_datagram_too_large() -> None:
     assert sum(len(msgpack.unpackb(d)) for d in datagrams) == 3000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("record", [True, False])
 def test_the_recorders_process_sends_it_with_and_without_a_recording(
     record: bool, tmp_path: Path, capfd: pytest.CaptureFixture[str]

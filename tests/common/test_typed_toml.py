@@ -107,6 +107,7 @@ _trees = st.recursive(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(st.dictionaries(_keys, _trees, max_size=4))
 def test_any_tree_is_read_or_refused_in_one_line(tree: dict[str, Any]) -> None:

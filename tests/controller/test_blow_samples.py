@@ -3,6 +3,7 @@
 from math import isnan
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,6 +13,7 @@ from controller.delay.moving_average import MovingAverage
 PER_CYCLE = 2.0 * np.pi * 2.6 * 0.001
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 6.0), st.sampled_from([-1.0, 1.0]))
 def test_a_blow_is_left_out_and_almost_nothing_else(seed: int, phase: float, sign: float) -> None:
     """Six samples of three amplitudes at noise 0.3, in five seconds of vibration."""

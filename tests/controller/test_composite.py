@@ -51,6 +51,7 @@ def frequency_hz(trace: Trace, from_s: float, to_s: float) -> float:
     return float((len(crossings) - 1) / 2 / (crossings[-1] - crossings[0]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bandwidth_hz", [6.0, 20.0])
 def test_it_adds_the_damping_and_leaves_the_frequency(bandwidth_hz: float) -> None:
     """(s + b)(s^2 + 2 (zeta + zeta_a) w s + w^2): also with a drive whose lag is a quarter of the period's phase."""
@@ -60,6 +61,7 @@ def test_it_adds_the_damping_and_leaves_the_frequency(bandwidth_hz: float) -> No
     assert frequency_hz(trace, 1.4, 2.6) == pytest.approx(2.6, rel=0.015)
 
 
+@pytest.mark.slow
 def test_an_image_offset_never_makes_the_joint_creep() -> None:
     """200 px of constant offset under noise."""
     a = run(
@@ -76,6 +78,7 @@ def test_an_image_offset_never_makes_the_joint_creep() -> None:
     assert np.max(np.abs(a["truth"][late])) < 0.05 * A
 
 
+@pytest.mark.slow
 def test_after_a_move_the_joint_is_where_the_reference_led_it() -> None:
     """0.2 rad with damping on, as the camera sees it."""
     a = run(
@@ -85,6 +88,7 @@ def test_after_a_move_the_joint_is_where_the_reference_led_it() -> None:
     assert np.max(np.abs(a["truth"][-1000:])) < 0.1 * A
 
 
+@pytest.mark.slow
 def test_the_image_brings_back_a_joint_whose_encoder_drifts() -> None:
     """The encoder creeps by 5 mrad: the velocity law follows it with the joint, the image keeps the joint in place."""
 
@@ -96,6 +100,7 @@ def test_the_image_brings_back_a_joint_whose_encoder_drifts() -> None:
     assert abs(ends["composite"]) < 0.001
 
 
+@pytest.mark.slow
 def test_an_image_with_another_zero_is_no_motion_of_the_joint() -> None:
     """A supervisor that starts again, and a jump that nothing announces: the joint stays."""
 

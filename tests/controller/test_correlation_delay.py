@@ -31,6 +31,7 @@ def arm(**mode: float) -> Arm:
     return Arm(length_m=2.0, modes=[Mode(**mode)])
 
 
+@pytest.mark.slow
 @given(
     delay_s=st.floats(0.02, 0.15),
     frequency_hz=st.floats(1.5, 4.0),
@@ -62,6 +63,7 @@ def test_without_noise_the_delay_is_found_to_a_fraction_of_a_cycle(
     assert np.max(np.abs(errors)) < 0.0016  # half a cycle of dating, and what the growing window leaves
 
 
+@pytest.mark.slow
 def test_with_the_papers_noise_the_error_is_as_large_as_it_is_said_to_be() -> None:
     """Accelerometer noise 0.3 of the amplitude: the stated deviation covers the error, and is not idle."""
     model = Model(arm=arm())
@@ -91,6 +93,7 @@ def test_damping_does_not_bias_the_delay() -> None:
     assert abs(np.mean(trace["delay_error"][late])) < 0.0015
 
 
+@pytest.mark.slow
 def test_a_moving_joint_does_not_bias_the_delay() -> None:
     """A slow wave of the joint larger than the vibration."""
     model = Model(arm=arm())
@@ -101,6 +104,7 @@ def test_a_moving_joint_does_not_bias_the_delay() -> None:
     assert abs(np.mean(errors)) < 0.0015
 
 
+@pytest.mark.slow
 def test_a_delay_of_the_filter_is_taken_out() -> None:
     """model.accelerometer.delay_s: what the sensor's filter adds must not look like a shorter capture delay."""
     plain = Model(arm=arm())
@@ -111,6 +115,7 @@ def test_a_delay_of_the_filter_is_taken_out() -> None:
     assert np.mean(corrected) - np.mean(found) == pytest.approx(0.004, abs=2e-4)
 
 
+@pytest.mark.slow
 def test_a_vanishing_vibration_holds_the_delay_and_widens_its_uncertainty() -> None:
     """Small vibration: held, the same number, growing deviation; before any vibration: unestimated."""
     model = Model(arm=arm(damping_ratio=0.05))

@@ -32,6 +32,7 @@ def decay_ratio(t: np.ndarray, q: np.ndarray, from_s: float, to_s: float) -> flo
     return float(np.log(np.std(first) / np.std(last)) / (0.5 * (to_s - from_s)) / (2 * pi * 2.6))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("participation", [1.14, -0.8])
 def test_the_added_damping_is_what_was_asked_for(participation: float) -> None:
     """k = 2 zeta_a w / (p L) adds zeta_a = 0.06 to 0.01, for either sign of the participation."""
@@ -73,6 +74,7 @@ def test_a_joint_that_trails_by_the_most_damping_lag_damps_most(
     assert decay_per_s(ratio, added, w, (1.0 - away) * lag) < most
 
 
+@pytest.mark.slow
 def test_a_dead_time_known_damps_more_than_one_mistaken_either_way() -> None:
     def damped(assumed_s: float) -> float:
         rig, known = (Model(arm=model().arm, drive=Drive(dead_time_s=late)) for late in (0.02, assumed_s))
@@ -87,6 +89,7 @@ def test_a_dead_time_known_damps_more_than_one_mistaken_either_way() -> None:
     assert max(damped(0.003), damped(0.037)) < 0.98 * right
 
 
+@pytest.mark.slow
 def test_an_image_offset_never_makes_the_joint_creep() -> None:
     """200 px of constant offset, and a joint that starts away from its commanded position's zero."""
     arm = model()
@@ -99,6 +102,7 @@ def test_an_image_offset_never_makes_the_joint_creep() -> None:
     assert np.max(np.abs(trace["truth"][late])) < 0.05 * A
 
 
+@pytest.mark.slow
 def test_damping_while_the_joint_moves_returns_to_the_commanded_position() -> None:
     """A move of 0.3 rad with damping on: the joint ends where the reference led it, the arm at rest."""
     arm = model()

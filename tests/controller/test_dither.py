@@ -117,6 +117,7 @@ def run(
     return errors, stds, times, commands
 
 
+@pytest.mark.slow
 def test_a_moving_joint_dates_a_triggered_camera_that_never_had_an_accelerometer() -> None:
     """The image correlated with the known motion: the delay within 1.5 ms rms, and said truly."""
     errors, stds, times, _ = run(Dither(), 0.0, damped=False, duration_s=14.0, moves_rad_s=0.1)
@@ -125,6 +126,7 @@ def test_a_moving_joint_dates_a_triggered_camera_that_never_had_an_accelerometer
     assert 0.2 < np.mean((errors[late] / stds[late]) ** 2) < 3.0
 
 
+@pytest.mark.slow
 def test_the_dither_restores_the_delay_after_the_accelerometers_death() -> None:
     """While damping is on; without it the delay drifts away unseen."""
     without = run(Dither(), 5.0, damped=True)
@@ -137,6 +139,7 @@ def test_the_dither_restores_the_delay_after_the_accelerometers_death() -> None:
     assert np.mean((with_it[0][late] / with_it[1][late]) ** 2) < 3.0
 
 
+@pytest.mark.slow
 def test_it_waits_for_the_accelerometers_death_and_for_damping() -> None:
     """Alive, or not damping: not a single command differs."""
     assert (

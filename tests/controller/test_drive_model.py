@@ -32,6 +32,7 @@ def reference(drive: Drive, commands: list[float]) -> tuple[np.ndarray, np.ndarr
     return np.array(positions), np.array(velocities)
 
 
+@pytest.mark.slow
 @given(dead_time_s=st.floats(0.0, 0.006), bandwidth_hz=st.floats(3.0, 40.0), seed=st.integers(0, 100))
 @settings(max_examples=8, deadline=None, derandomize=True)
 def test_follows_the_finer_integration(dead_time_s: float, bandwidth_hz: float, seed: int) -> None:

@@ -69,6 +69,7 @@ def test_it_predicts_better_than_the_simplified_form_when_the_model_is_off() -> 
     assert np.std(errors[False]) > 0.03 * A
 
 
+@pytest.mark.slow
 def test_the_stated_deviation_is_that_of_the_error() -> None:
     """A frequency drawn from the prior, white noise: normalised error squared near 1, for long and short windows."""
     random = np.random.default_rng(6)
@@ -117,6 +118,7 @@ def test_noise_alone_leaves_the_models_frequency() -> None:
     assert max(hypot(fit.a, fit.b) for fit in fits) < 3 * 6e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["timestamps", "correlation"])
 def test_both_delays_work_with_the_exact_form(method: str) -> None:
     """The arm 3 % faster than the model: the exact form's error is smaller than the simplified one's."""

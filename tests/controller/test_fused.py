@@ -36,6 +36,7 @@ def part(trial: Trial, from_s: float, to_s: float) -> tuple[float, float, float]
     return float(error.mean()), float(error.max()), float(np.mean(trial.ratio[here] ** 2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", ["drift", "white"])
 def test_a_free_running_camera_is_dated_by_its_clock(delay: str) -> None:
     """Whatever the operating system adds to the arrival, and with a rate up to 100 ppm off."""
@@ -49,6 +50,7 @@ def test_a_free_running_camera_is_dated_by_its_clock(delay: str) -> None:
     assert np.sqrt(np.mean(trial.delay_error[late] ** 2)) < 0.0011
 
 
+@pytest.mark.slow
 def test_irregular_exposures_with_a_delay_of_their_own_are_dated_one_by_one() -> None:
     """No clock, white jitter of 6.4 ms: each frame's own instant, better than the jitter, and as well as it is said."""
     trial, method = run(9.0, 2, mode="triggered", delay="white")
@@ -62,6 +64,7 @@ def test_irregular_exposures_with_a_delay_of_their_own_are_dated_one_by_one() ->
     assert 0.3 < np.mean((trial.delay_error[late] / trial.delay_std[late]) ** 2) < 2.5
 
 
+@pytest.mark.slow
 def test_a_camera_set_up_as_free_running_that_is_triggered_is_found_out() -> None:
     """The images refute the clock, whatever the model file says."""
     model = model_for(AMPLITUDE, 0.3, mode="freerun")
@@ -72,6 +75,7 @@ def test_a_camera_set_up_as_free_running_that_is_triggered_is_found_out() -> Non
     assert part(said, 3.0, 6.0)[0] < 0.02
 
 
+@pytest.mark.slow
 def test_stamps_on_a_clock_of_their_own_are_used() -> None:
     """Irregular exposures with stamps, offset and rate unknown: as good as a clock."""
     trial, method = run(8.0, 4, mode="triggered", delay="white", stamped=True)
@@ -79,6 +83,7 @@ def test_stamps_on_a_clock_of_their_own_are_used() -> None:
     assert part(trial, 3.0, 8.0)[0] < 0.012
 
 
+@pytest.mark.slow
 def test_after_a_blow_the_deflection_is_soon_right_again() -> None:
     """A blow of half the amplitude: within 4 percent 0.2 s after it, as told by images that are 74 ms late."""
     trial, _ = run(9.0, 5, delay="white", excitation="strikes")
@@ -91,6 +96,7 @@ def test_after_a_blow_the_deflection_is_soon_right_again() -> None:
         assert np.max(np.abs(trial.error[blow + 200 : blow + 450])) < 0.04
 
 
+@pytest.mark.slow
 def test_n_i_keeps_time_when_the_accelerometer_is_dead() -> None:
     """Arrivals that wander tell no clock's rate: n_i does, and the delay stays within what is stated."""
     stds = []
@@ -106,6 +112,7 @@ def test_n_i_keeps_time_when_the_accelerometer_is_dead() -> None:
     assert stds[1] < 0.7 * stds[0]
 
 
+@pytest.mark.slow
 def test_an_n_i_that_jumps_is_not_followed() -> None:
     """By two frames at 8 s, and back again at 12 s."""
     trial, _ = run(16.0, 9, delay="drift", started_ahead=lambda t: 0.01 if not 8.0 < t < 12.0 else 0.041)
@@ -114,6 +121,7 @@ def test_an_n_i_that_jumps_is_not_followed() -> None:
     assert part(trial, 5.0, 16.0)[0] < 0.012
 
 
+@pytest.mark.slow
 def test_after_the_accelerometers_death_the_clock_goes_on() -> None:
     """Missing samples from 6 s on."""
     trial, method = run(14.0, 6, delay="white", change=lambda k, a: a if k < 6000 else nan)
@@ -121,6 +129,7 @@ def test_after_the_accelerometers_death_the_clock_goes_on() -> None:
     assert method.reason == "accelerometer silent"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "dead", [lambda k, noise: 0.3, lambda k, noise: float(0.5 * noise[k])], ids=["stuck", "noise"]
 )
@@ -134,6 +143,7 @@ def test_a_sensor_that_no_longer_shows_the_vibration_is_muted(
     assert method.reason.startswith("accelerometer")
 
 
+@pytest.mark.slow
 def test_an_accelerometer_whose_gain_falls_is_told_of() -> None:
     """By a quarter within 10 s: to these two sensors no other thing than a scene that comes nearer."""
     _, method = run(6.0, 10, delay="white")
@@ -142,6 +152,7 @@ def test_an_accelerometer_whose_gain_falls_is_told_of() -> None:
     assert method.reason.startswith("images and accelerometer drift apart")
 
 
+@pytest.mark.slow
 def test_spikes_and_sudden_noise_do_little() -> None:
     """Two percent of the samples off by 20 m/s^2; then noise ten times as large."""
     noise = np.random.default_rng(1).standard_normal((10_000, 2))
@@ -156,6 +167,7 @@ def test_spikes_and_sudden_noise_do_little() -> None:
     assert part(trial, 6.0, 9.0)[0] < 0.015
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "world",
     [
@@ -174,12 +186,14 @@ def test_what_the_model_does_not_say_is_found(world: dict[str, object]) -> None:
     assert ratio < 3.0
 
 
+@pytest.mark.slow
 def test_a_payload_taken_up_in_mid_run_is_followed() -> None:
     """Frequency 9 percent lower from 4 s on: a fifth more mass."""
     trial, _ = run(11.0, 10, delay="white", frequency=lambda t: 1.0 if t < 4.0 else 0.913)
     assert part(trial, 8.0, 11.0)[0] < 0.015
 
 
+@pytest.mark.slow
 def test_frames_lost_from_a_count_of_arrivals_are_noticed() -> None:
     """The counter goes on by one although two frames never came."""
     model = model_for(AMPLITUDE, 0.3)
@@ -198,6 +212,7 @@ def test_frames_lost_from_a_count_of_arrivals_are_noticed() -> None:
     assert np.max(np.abs(said.delay_error[late])) < 0.004
 
 
+@pytest.mark.slow
 def test_duplicates_a_reset_counter_and_missing_numbers_do_no_harm() -> None:
     """Every tenth frame twice, a counter that starts again at zero, a NaN that claims to be measured."""
     model = model_for(AMPLITUDE, 0.3)
@@ -221,6 +236,7 @@ def test_at_rest_the_delay_is_unestimated_and_nothing_is_claimed() -> None:
     assert part(trial, 1.0, 3.0)[2] < 4.0
 
 
+@pytest.mark.slow
 def test_two_modes_are_told_apart() -> None:
     """The sum of both, as the tip moves, is predicted while both ring."""
     modes = [Mode(participation=1.1), Mode(frequency_hz=14.0, damping_ratio=0.003, participation=-0.3)]

@@ -68,6 +68,7 @@ def test_lost_frames_from_a_count_of_arrivals_are_no_clock() -> None:
     assert watch(FRAME_S * (np.arange(4000) // 5)) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", ["constant", "white"])
 def test_a_camera_faster_than_its_nominal_rate_is_dated_by_its_own_clock(delay: str) -> None:
     """66.6 frames a second instead of 65: the clock is refuted as it was supposed, and learnt as it is."""

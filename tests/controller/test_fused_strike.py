@@ -75,6 +75,7 @@ def test_a_force_that_stays_is_no_strike() -> None:
     assert found == [None] * 99
 
 
+@pytest.mark.slow
 def test_the_deflection_is_known_while_the_images_still_show_the_time_before_the_blow() -> None:
     """From 15 ms behind a blow on, images being 74 ms late: within 12 percent, where the blow has moved it by half."""
     regime = REGIMES["freerun drift"]

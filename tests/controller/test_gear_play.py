@@ -32,6 +32,7 @@ def finely(gap_rad: float, commands: list[float]) -> list[float]:
     return positions
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(gap_rad=st.floats(0.001, 0.02), size=st.floats(0.05, 0.5), frequency_hz=st.floats(0.3, 4.0))
 def test_the_joint_moves_as_a_play_operator_has_it(gap_rad: float, size: float, frequency_hz: float) -> None:

@@ -39,6 +39,7 @@ def mean_error(trace: Trace, from_s: float, to_s: float = 1e9) -> float:
     return float(np.mean(np.abs(a["estimate"] - a["truth"])[span])) / A
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_a_known_delay_leaves_little_error(method: str) -> None:
     """Constant delay, exact time stamps, the paper's noise."""
@@ -47,6 +48,7 @@ def test_a_known_delay_leaves_little_error(method: str) -> None:
     assert trace.outputs[-1].estimate.status is Status.ESTIMATED
 
 
+@pytest.mark.slow
 def test_time_stamps_follow_a_delay_that_a_constant_does_not() -> None:
     """A slow wander of 12 ms with exact stamps."""
     delay = wandering(0.074, 0.012, 2.0)
@@ -60,6 +62,7 @@ def test_white_jitter_is_averaged_out() -> None:
     assert mean_error(run("kalman_constant_delay", 5.0, delay=white(0.074, 0.0064)), 1.5) < 0.03
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_the_joints_own_motion_is_a_known_input(method: str) -> None:
     """A wave of the joint larger than the vibration, whose answer of the arm is not free vibration."""
@@ -67,6 +70,7 @@ def test_the_joints_own_motion_is_a_known_input(method: str) -> None:
     assert mean_error(trace, 1.5) < 0.04
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_a_blow_is_followed_within_a_fifth_of_a_second(method: str) -> None:
     """Struck again, against the vibration; with an image offset that must not move."""
@@ -76,6 +80,7 @@ def test_a_blow_is_followed_within_a_fifth_of_a_second(method: str) -> None:
     assert mean_error(trace, 2.03 + 0.2) < 0.06
 
 
+@pytest.mark.slow
 def test_the_stated_deviation_covers_the_error() -> None:
     """Slow wander, the delay taken as constant: what is added for the delay is what the error is made of."""
     ratios = []
@@ -94,6 +99,7 @@ def cut_images(first: int, last: int) -> Callable[[CycleInput], None]:
     return change
 
 
+@pytest.mark.slow
 def test_without_images_the_image_alone_is_held_and_the_fusion_goes_on() -> None:
     """Two seconds of gap: a growing deviation and `held`; with the accelerometer a small error and `estimated`."""
     held = run("kalman_constant_delay", 5.5, change_input=cut_images(2000, 4000))
@@ -108,6 +114,7 @@ def test_without_images_the_image_alone_is_held_and_the_fusion_goes_on() -> None
     assert mean_error(fused, 2.5) < 0.05
 
 
+@pytest.mark.slow
 def test_without_an_accelerometer_the_fusion_is_the_image_alone() -> None:
     """Dead from the first sample, or dying: no more error than that of the image alone, no number missing."""
 
@@ -133,6 +140,7 @@ def test_without_a_camera_nothing_is_claimed() -> None:
     assert not np.any(trace.arrays()["command"])
 
 
+@pytest.mark.slow
 def test_a_strain_gauge_is_fused_in_the_accelerometers_place() -> None:
     """An offset and noise of 5 % of the amplitude; the camera's constant delay is 10 ms off, which the gauge mends."""
 
@@ -155,6 +163,7 @@ def test_a_measured_deflection_survives_recording() -> None:
     assert again.read.deflection_m == 0.1 + 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_a_supervisor_that_starts_again_has_another_zero(method: str) -> None:
     """Frame numbers from 0, image shifted by 300 px; and a shift that nothing announces."""
@@ -223,6 +232,7 @@ def two_modes(
     return errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_all_modes_of_the_model_are_followed(method: str) -> None:
     """The second mode at 40 % of the first: to a twentieth of it; a regression of the first alone leaves it."""

@@ -137,6 +137,7 @@ def walking(seed: int, share_per_root_s: float) -> FusedMethod:
     return method
 
 
+@pytest.mark.slow
 def test_the_method_learns_how_far_the_frequency_walks() -> None:
     """Less than it allows for where it is constant, more where it walks five times as far."""
     assumed = (SETTINGS.frequency_walk * 2.0 * np.pi * 2.6) ** 2
@@ -187,6 +188,7 @@ def test_a_blow_that_images_alone_show_leaves_what_delay_and_frequency_have_in_c
         assert np.linalg.eigvalsh(bank.p[law]).min() > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wander_s", [1.0, 8.0])
 def test_the_method_learns_how_fast_the_delay_wanders(wander_s: float) -> None:
     """The rate at which it comes back to its mean, where no clock dates the frames; the spread is the model's."""

@@ -147,6 +147,7 @@ def test_missed_cycles_are_counted_with_their_counters(
     assert "4 deadlines missed" in loop.summary()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "settled"),
     [("correlation", 6000), ("timestamps", 6000), ("kalman_fusion", 6000), ("fused", 42_000)],
@@ -183,6 +184,7 @@ def test_no_allocation_survives_a_cycle(
     assert max(blocks[1:]) - blocks[0] <= 2
 
 
+@pytest.mark.slow
 def test_no_traced_byte_survives_a_thousand_cycles(parts: tuple[Devices, RingRecorder, LoopBlock]) -> None:
     """The same by tracemalloc, which sees the arrays as well: less than a float for each cycle, by far. With a method
     whose memory is full soon.

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from controller.delay.moving_average import MovingAverage
 
 
+@pytest.mark.slow
 @given(
     values=st.lists(st.one_of(st.floats(-1e3, 1e3), st.just(nan)), min_size=1, max_size=80),
     length=st.integers(1, 9),

@@ -94,6 +94,7 @@ print(gc.isenabled(), missing)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(bool(missing_privileges()), reason="needs the real-time privileges")
 def test_with_them_all_of_it_holds_and_children_are_ordinary() -> None:
     """In a process of its own: FIFO, one processor, frozen collector, locked memory, latency held."""
@@ -107,6 +108,7 @@ def test_with_them_all_of_it_holds_and_children_are_ordinary() -> None:
     assert after == "True []"
 
 
+@pytest.mark.slow
 def test_what_cannot_be_done_is_returned_and_the_rest_is_done(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -74,6 +74,7 @@ def test_a_method_begins_anew_with_what_the_new_supervisor_sent() -> None:
     assert estimate.deflection_m == 3.0
 
 
+@pytest.mark.slow
 def test_a_restarted_supervisor_kicks_nobody() -> None:
     """Its zero is where the tip happened to be, of a vibration of some 10 mm: commands stay those of damping it.
 

@@ -165,6 +165,7 @@ FAULTS: dict[str, tuple[Callable[[int, float, np.random.Generator], float], str]
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_each_fault_is_named_and_does_little(name: str) -> None:
     """A second after its onset: named in most cycles, and a mean error of 1.5 % under a free-running camera."""
@@ -180,6 +181,7 @@ def test_each_fault_is_named_and_does_little(name: str) -> None:
     assert Status.INVALID not in said.statuses
 
 
+@pytest.mark.slow
 def test_a_delay_that_can_no_longer_be_seen_is_held_and_says_why() -> None:
     """Triggered, drifting, without an accelerometer: uncertain in time, held, never unestimated again."""
     said = faulty(FAULTS["silent"][0], mode="triggered")

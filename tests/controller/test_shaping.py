@@ -102,6 +102,7 @@ def left_after_a_move(shaping: str, frequency_factor: float) -> tuple[float, flo
     return float(np.max(np.abs(trace["truth"][late]))), float(trace["joint"][-1])
 
 
+@pytest.mark.slow
 def test_a_move_leaves_the_arm_at_rest() -> None:
     """A twentieth and less of the unshaped vibration, and the same way gone; ZVD also with a frequency 10 % off."""
     plain, way = left_after_a_move("none", 1.0)

@@ -110,6 +110,7 @@ def early_error(seed: int, scale_factor: float) -> float:
     return float(np.sqrt(np.mean(np.square(trial.error[1000:]))))
 
 
+@pytest.mark.slow
 def test_the_first_seconds_gain_where_the_model_is_right_and_lose_little_where_it_is_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

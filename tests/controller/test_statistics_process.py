@@ -14,6 +14,8 @@ from controller.loop_block import LoopBlock
 from controller.states.table import State
 from controller.statistics_process import start_statistics, stop_statistics
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 LOOP = """
 import os, time

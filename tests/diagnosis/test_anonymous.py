@@ -38,6 +38,7 @@ def loose(tip_acceleration: NDArray[np.float64], hertz: float, hold: float) -> N
     return np.asarray(rattle / np.max(np.abs(rattle)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("is_loose", "hertz", "hold"), [(True, 9.3, 1.4), (True, 6.1, 0.7), (False, 0.0, 0.0)]
 )

@@ -21,6 +21,7 @@ def late(seed: int, step_s: float) -> np.ndarray:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_a_step_is_found_where_it_is(seed: int) -> None:
     arrived = late(seed, 0.02)
@@ -30,6 +31,7 @@ def test_a_step_is_found_where_it_is(seed: int) -> None:
     assert abs(step.index - AT) <= 1 and step.step_s == pytest.approx(0.02, abs=6e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_a_wander_alone_is_no_step(seed: int) -> None:
     assert arrival_step(late(seed, 0.0), 450.0) is None

@@ -15,6 +15,8 @@ from diagnosis.calibrate import Calibration, calibrate
 from diagnosis.measured import read_measured
 from tests.diagnosis.simulated import MODEL, record
 
+pytestmark = pytest.mark.slow
+
 replace = msgspec.structs.replace
 TRUE = replace(MODEL, drive=Drive(bandwidth_hz=14.0, dead_time_s=0.006))
 WRONG = replace(

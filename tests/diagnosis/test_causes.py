@@ -58,6 +58,7 @@ def test_the_catalogue_is_searched_whole() -> None:
     assert set(CAUSES) | LAWS == set(CATALOGUE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cause", sorted(QUANTITIES))
 def test_a_fit_finds_the_parameter_within_its_deviation(cause: str) -> None:
     data = measured(6.0, 2, QUANTITIES[cause])
@@ -68,6 +69,7 @@ def test_a_fit_finds_the_parameter_within_its_deviation(cause: str) -> None:
         assert found.std[name] < 0.05 * abs(true)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 1.0])
 @pytest.mark.parametrize(
     ("cause", "values"),
@@ -88,6 +90,7 @@ def test_a_change_of_frequency_is_found_whatever_share_of_it_the_second_mode_tak
     assert found.final.std[HIGHER] < 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cause", sorted(CAUSES))
 def test_its_trials_move_some_channel_and_its_parameters_are_the_catalogues(cause: str, plain: Fit) -> None:
     one = CAUSES[cause]
@@ -139,6 +142,7 @@ class _Nobody:
 _NOBODY, _LAW = _Nobody(), object()
 
 
+@pytest.mark.slow
 def test_extended_models_load_and_run(tmp_path: Path) -> None:
     """Each cause as an effect in a file that a user would have, in the simulation that he would run."""
     from common.configuration import load_configuration

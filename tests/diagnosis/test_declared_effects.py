@@ -28,6 +28,7 @@ def test_what_is_found_again_takes_the_place_of_what_was_declared() -> None:
     assert both == [other, new]
 
 
+@pytest.mark.slow
 def test_an_extended_model_s_recording_holds_nothing_unknown(tmp_path: Path) -> None:
     effects = [effect("cubic_stiffness"), effect("gravity_leakage"), effect("drive_lag"), effect("mains_hum")]
     recording = record(tmp_path, *effects)
@@ -37,12 +38,23 @@ def test_an_extended_model_s_recording_holds_nothing_unknown(tmp_path: Path) -> 
     assert not result.table["findings"]
 
 
-def test_another_amount_of_a_known_effect_is_found_and_replaces_it(tmp_path: Path) -> None:
-    recording = record(tmp_path, effect("quadratic_damping"))
-    less = {**effect("quadratic_damping"), "coefficient_per_m": 6.0}
+@pytest.mark.blind(each_run=1, seed=3)
+@pytest.mark.parametrize(
+    ("cause", "amount"),
+    [
+        ("cubic_stiffness", "coefficient_per_m2"),
+        ("gravity_leakage", "gain_m_s2_per_rad"),
+        ("tracking_drift", "rate_px_per_s"),
+        ("quadratic_damping", "coefficient_per_m"),
+    ],
+)
+def test_another_amount_of_a_known_effect_is_found_and_replaces_it(
+    cause: str, amount: str, tmp_path: Path
+) -> None:
+    recording = record(tmp_path, effect(cause))
+    true = SIZES[cause][amount]
+    less = effect(cause, **{amount: 0.6 * true})
     result = diagnose(recording, msgspec.structs.replace(MODEL, effects=[less]))
-    assert [one["cause"] for one in result.table["findings"]] == ["quadratic_damping"]
+    assert [one["cause"] for one in result.table["findings"]] == [cause]
     (found,) = result.extended.effects
-    assert found["coefficient_per_m"] == pytest.approx(
-        SIZES["quadratic_damping"]["coefficient_per_m"], rel=0.1
-    )
+    assert found[amount] == pytest.approx(true, rel=0.1)

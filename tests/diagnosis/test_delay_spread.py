@@ -23,6 +23,7 @@ def delays(seed: int, time_s: float, duration_s: float, share: float) -> NDArray
     return late
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("time_s", "share"), [(2.0, 0.9), (10.0, 0.9), (1.0, 0.0)])
 def test_mean_and_spread_lie_within_what_is_stated(time_s: float, share: float) -> None:
     """Over many recordings: within three deviations in at least 95 of 100, and the deviations are no mere excuse."""

@@ -17,6 +17,7 @@ from tests.diagnosis.synthetic import MODEL, measured
 LIMIT_M_S2 = 8.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hz", [2.6, 3.1])
 def test_a_frequency_far_off_is_fitted(hz: float) -> None:
     world = World(measured(20.0, 5, {"modes.0.frequency_hz": hz}), MODEL)
@@ -25,6 +26,7 @@ def test_a_frequency_far_off_is_fitted(hz: float) -> None:
     assert found.value("modes.0.damping_ratio") == pytest.approx(MODEL.arm.modes[0].damping_ratio, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stated_m_s2", [LIMIT_M_S2, 20.0], ids=["stated", "unknown"])
 def test_a_blow_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: float) -> None:
     """A second passes until the sensor shows all of the vibration again."""

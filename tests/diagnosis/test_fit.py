@@ -19,6 +19,7 @@ TRUE = {
 EXTRA = ("drive.bandwidth_hz",)
 
 
+@pytest.mark.slow
 def test_errors_are_as_large_as_their_standard_deviations_say() -> None:
     scores = []
     for seed in range(10):

@@ -17,6 +17,7 @@ def test_one_frequency_has_no_course() -> None:
     assert courses({"modes.0.frequency_hz": 2.75, "jump.1.0.v": 0.3}, (9000,)) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.85, 0.93, 1.1])
 def test_a_change_is_seen_across_a_blow(ratio: float) -> None:
     found = courses({"arm.onset_s": 9.0, "arm.frequency_ratio": ratio, "jump.1.0.v": 0.3}, (12000,))
@@ -35,6 +36,7 @@ def test_a_stiffness_is_seen_as_such() -> None:
     assert found[best].start["arm.cubic_per_m2"] == pytest.approx(150.0, rel=0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hz", [2.2, 3.1])
 def test_the_one_frequency_is_seen_from_far_off(hz: float) -> None:
     world = World(measured(20.0, 5, {"modes.0.frequency_hz": hz, "jump.1.0.v": 0.3}, (9000,)), MODEL)

@@ -65,12 +65,14 @@ def triggered(step_s: float, noted_s: float = 0.0, held: int = 0) -> Measured:
     return replace(data, frames=Frames(number, read + set_on, begun + set_on, seen, none))
 
 
+@pytest.mark.slow
 def test_requests_date_the_images_although_their_clock_was_set() -> None:
     for step_s in (0.0, STEP_S):
         last = dated(fit_with_impacts(World(triggered(step_s), TRIGGERED), SPLIT), SPLIT)
         assert last.world.measured.frames.asked, f"a step of {step_s} s"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [1, 3])
 def test_requests_date_the_images_although_a_buffer_hands_over_old_ones(held: int) -> None:
     """They arrive as they always did: dated by that, the delay's wander would take up what they show."""
@@ -78,6 +80,7 @@ def test_requests_date_the_images_although_a_buffer_hands_over_old_ones(held: in
     assert last.world.measured.frames.asked
 
 
+@pytest.mark.slow
 def test_old_images_are_no_clock_that_was_set_where_the_requests_go_on_evenly() -> None:
     rivals = ["clock_step", "stale_frame_buffer"]
     old = dated(fit_with_impacts(World(triggered(0.0, 0.001, 1), DIM), SPLIT), SPLIT)
@@ -86,6 +89,7 @@ def test_old_images_are_no_clock_that_was_set_where_the_requests_go_on_evenly() 
     assert [one.cause for one in search(step, SPLIT, only=rivals).findings] == ["clock_step"]
 
 
+@pytest.mark.slow
 def test_doubt_of_instants_excuses_no_more_than_the_delay_scatters() -> None:
     for step_s, excused in ((0.0, True), (STEP_S, False)):
         last = fit_with_impacts(World(triggered(step_s), TRIGGERED), SPLIT)  # dated by arrivals

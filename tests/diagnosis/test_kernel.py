@@ -99,6 +99,7 @@ def off(found: Array, wanted: Array) -> float:
     return float(np.max(np.abs(found - wanted)) / np.max(np.abs(wanted)))
 
 
+@pytest.mark.slow
 def test_the_linear_rig_with_two_modes_and_a_dead_time_of_no_whole_cycles() -> None:
     theta, omega, q = Rig().integrate()
     found = simulated()
@@ -114,6 +115,7 @@ def test_accelerations_are_those_of_the_motion() -> None:
     assert off(twice[smooth], qdd[1:-1][smooth]) < 2e-3
 
 
+@pytest.mark.slow
 def test_acceleration_of_the_joint_is_limited() -> None:
     """The limit ends within a cycle: were it to end with one, the velocity would be off by up to a cycle of it."""
     theta, omega, q = Rig(most_rad_s2=2.0).integrate()
@@ -131,6 +133,7 @@ def test_a_limited_motion_changes_smoothly_with_the_bandwidth() -> None:
     assert np.max(np.abs(turns)) < 0.02 * np.max(np.abs(np.diff(ends, axis=0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "obeys"),
     [
@@ -148,6 +151,7 @@ def test_what_the_drive_makes_of_its_command(
     assert off(found[4], q) < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "force", "most"),
     [
@@ -177,6 +181,7 @@ def test_dry_friction_brings_the_arm_to_rest_and_holds_it() -> None:
     assert np.all(qdd[150:195, 0] == 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("values", "scale"),
     [
@@ -193,6 +198,7 @@ def test_frequencies_that_change(
     assert off(simulated(values | {"HIGHER": share})[4][:, 1], q[:, 1]) < 5e-3
 
 
+@pytest.mark.slow
 def test_a_blow_adds_to_the_state_at_its_cycle() -> None:
     blows = {1500: (0.001, -0.4)}
     _, _, q = Rig(blows=blows).integrate()

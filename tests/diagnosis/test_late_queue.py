@@ -39,6 +39,7 @@ def queued(later_s: float, wander_s: float = 0.002, older: int = 0) -> Measured:
     return dated_by_requests(replace(data, frames=replace(frames, displacement_px=seen)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("longer", [1, 2])
 def test_a_queue_that_holds_whole_frames_more_is_found(longer: int) -> None:
     before = fit_with_impacts(World(queued(longer * PERIOD_S), TRIGGERED), SPLIT)
@@ -54,6 +55,7 @@ def test_a_queue_that_holds_whole_frames_more_is_found(longer: int) -> None:
     assert abs(step) < 0.25 * PERIOD_S
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("later_s", "wander_s", "older"),
     [
@@ -84,6 +86,7 @@ def stamped(later_s: float, set_by_s: float = 0.0) -> Measured:
     return replace(data, frames=frames)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("later_s", "set_by_s", "found"), [(PERIOD_S, 0.0, True), (0.0, PERIOD_S, False)])
 def test_requests_tell_a_stamped_cameras_queue_from_a_clock_that_was_set(
     later_s: float, set_by_s: float, found: bool

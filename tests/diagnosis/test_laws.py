@@ -40,6 +40,7 @@ def frames_of(data: Measured, keep: np.ndarray, late_s: np.ndarray | float = 0.0
     )
 
 
+@pytest.mark.slow
 def test_where_there_is_nothing_nothing_is_found() -> None:
     assert found_in(measured(SECONDS, 3)) == {}
 
@@ -64,6 +65,7 @@ def test_few_spikes_are_seen_in_a_quick_motion() -> None:
     assert len(found_in(replace(data, acceleration=quiet))) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "beside", "seen"), [(40.0, 0.0, True), (40.0, 25.0, True), (12.0, 0.0, False)]
 )
@@ -81,6 +83,7 @@ def test_a_single_spike_counts_where_no_noise_goes_so_far(size: float, beside: f
         assert one.values["rate_hz"] == pytest.approx((1.0 / SECONDS, 1.0 / SECONDS), rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "plain"), [(30.0, True), (12.0, False)])
 def test_of_two_spikes_close_together_one_may_be_plain_by_itself(size: float, plain: bool) -> None:
     """No other block shows any."""
@@ -101,6 +104,7 @@ def test_lost_frames_are_counted() -> None:
     assert abs(fraction - (1.0 - keep.mean())) < 3.0 * std
 
 
+@pytest.mark.slow
 def test_bursts_are_counted_and_timed() -> None:
     data = measured(SECONDS, 6)
     received = data.frames.received_s
@@ -113,6 +117,7 @@ def test_bursts_are_counted_and_timed() -> None:
     assert abs(found["duration_s"][0] - 0.4) < 0.08
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stated_s", "lasts_s", "burst"), [(0.0005, 0.03, True), (0.0064, 0.03, False), (0.0064, 0.2, True)]
 )
@@ -130,6 +135,7 @@ def test_a_few_late_frames_within_the_delays_stated_spread_are_no_burst(
     assert ("delay_bursts" in names) is burst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_what_most_frames_do_is_no_burst(seed: int) -> None:
     """Frames that scatter but for stretches in which they hardly do were not late before."""
@@ -142,6 +148,7 @@ def test_what_most_frames_do_is_no_burst(seed: int) -> None:
     assert "delay_bursts" not in [one.cause for one in laws(make_data(last.world, SPLIT), last)]
 
 
+@pytest.mark.slow
 def test_what_the_start_and_a_blow_leave_for_an_instant_are_no_spikes() -> None:
     struck = (3300, 9000)
     for begun, count in ((0, 0), (60, 1)):

@@ -43,6 +43,7 @@ def wrong(received: Array, lost: NDArray[np.bool_]) -> float:
     return float(np.mean(off != np.rint(np.median(off))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1])
 @pytest.mark.parametrize("run", [1.0, 1.5])
 @pytest.mark.parametrize("fraction", [0.01, 0.14, 0.4])

@@ -84,6 +84,7 @@ def test_a_cycle_that_is_not_the_recordings_is_refused(tmp_path: Path) -> None:
         read(tmp_path, time)
 
 
+@pytest.mark.slow
 def test_a_command_goes_on_evenly_over_rows_that_are_missing(tmp_path: Path) -> None:
     """The drive was sent what was not written down: held, each missing row would leave the joint behind for good."""
     time = np.arange(4000) * 0.001

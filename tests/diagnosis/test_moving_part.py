@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from diagnosis.fit import fit, make_data
 from diagnosis.moving_part import begun_on_what_moves, moving_part
@@ -17,6 +18,7 @@ SPLIT = interleaved(20.0)
 BLOW, STRUCK = {"jump.1.0.v": 0.3}, 12_500
 
 
+@pytest.mark.slow
 def test_a_fit_begun_on_what_moves_finds_the_friction_from_far_off() -> None:
     data = measured(20.0, 3, {SIZE: FORCE_M_S2, **BLOW}, impacts=(STRUCK,))
     world = World(data, MODEL, impacts=(STRUCK,))

@@ -35,6 +35,7 @@ def slope_deviation(colour: Colour, late: Array) -> tuple[float, float]:
     return float(solved[1]), float(np.sqrt(covariance[1, 1]))
 
 
+@pytest.mark.slow
 def test_a_drift_is_about_as_sure_as_the_wander_lets_it_be() -> None:
     """The colour is learnt from two correlation times, so that its deviations stay too small by a half and more; with
     the trend merely taken off they would be too small three times."""

@@ -51,6 +51,7 @@ def test_a_frame_that_was_lost_stays_lost() -> None:
     assert recounted(last, split).world is last.world
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", [120, 300, 480])
 @pytest.mark.parametrize("many", [2, 5])
 def test_images_tell_how_many_were_lost_where_arrivals_look_as_if_a_clock_was_set(

@@ -37,6 +37,7 @@ def stamped(older: int, clock_step_s: float = 0.0) -> Measured:
     return replace(data, frames=Frames(number, read + late, begun + late, seen, taken + 283.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("older", [1, 3])
 def test_an_exposure_that_comes_twice_tells_of_the_buffer(older: int) -> None:
     data = stamped(older)

@@ -64,6 +64,7 @@ def test_every_cause_has_a_name_and_a_picture() -> None:
     assert set(CAUSES) <= set(NAMES)
 
 
+@pytest.mark.slow
 def test_the_page_is_whole_and_loads_nothing(page: str) -> None:
     tags = _Tags()
     tags.feed(page)
@@ -75,6 +76,7 @@ def test_the_page_is_whole_and_loads_nothing(page: str) -> None:
     assert {link[1:] for link in tags.links} <= set(ids)
 
 
+@pytest.mark.slow
 def test_it_says_the_verdict_the_cause_and_what_else_was_considered(found: Diagnosis, page: str) -> None:
     assert found.table["findings"][0]["cause"] == "joint_friction"
     assert NAMES["joint_friction"] in page
@@ -85,6 +87,7 @@ def test_it_says_the_verdict_the_cause_and_what_else_was_considered(found: Diagn
     assert "<b>rig" not in page
 
 
+@pytest.mark.slow
 def test_a_loss_is_shown_as_one(found: Diagnosis) -> None:
     channels = {name: dict(one) for name, one in found.table["channels"].items()}
     channels["acceleration"] |= {"nrmse_before": 0.10, "nrmse_after": 0.13}
@@ -93,6 +96,7 @@ def test_a_loss_is_shown_as_one(found: Diagnosis) -> None:
     )
 
 
+@pytest.mark.slow
 def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Diagnosis) -> None:
     keys = tuple(MEASURES)
     use: dict[str, Any] = {
@@ -132,6 +136,7 @@ def test_numbers_have_the_digits_that_mean_something(value: float, std: float, t
     assert number(value, std) == text
 
 
+@pytest.mark.slow
 def test_a_finding_that_what_is_left_dwarfs_is_not_put_forward(found: Diagnosis) -> None:
     """Its name comes after what has none, and the page does not send anybody to look for nothing wrong."""
     table = found.table

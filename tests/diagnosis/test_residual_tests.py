@@ -19,6 +19,7 @@ def coloured(random: np.random.Generator, n: int, stay: float) -> Array:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("residual", "driver"), [(0.0, 0.0), (0.9, 0.0), (0.9, 0.95), (0.98, 0.9)])
 def test_independent_series_rarely_alarm(residual: float, driver: float) -> None:
     random = np.random.default_rng(5)

@@ -26,6 +26,7 @@ def test_a_loud_sensor_in_which_no_cause_scores_has_nothing_wrong() -> None:
     assert not search(baseline, interleaved(6.0), only=["joint_friction"]).findings
 
 
+@pytest.mark.slow
 def test_what_strays_is_not_cleared_by_what_is_fitted_beside_it() -> None:
     """Taken for noise on one side only, it would be all that is left without the candidate, and nothing with it."""
     data, split = measured(12.0, 8), interleaved(12.0)
@@ -45,6 +46,7 @@ def test_what_strays_is_not_cleared_by_what_is_fitted_beside_it() -> None:
     assert _rest_of(strays, frozenset(), split)(one) == ALL
 
 
+@pytest.mark.slow
 def test_a_step_by_the_edge_of_what_is_held_out_is_not_dropped() -> None:
     """A frame before it, taken for one behind it, is held out: what all others say of the step still counts."""
     seconds, step_s = 12.0, 0.02

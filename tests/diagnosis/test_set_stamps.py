@@ -21,6 +21,7 @@ def set_by(step_s: float, *, requested: bool = True) -> Measured:
     return replace(data, frames=replace(data.frames, captured_s=stamps, started_s=started))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("step_s", "requested"), [(0.01, True), (-0.004, True), (0.01, False)])
 def test_stamps_that_step_against_requests_and_images_are_of_a_clock_that_was_set(
     step_s: float, requested: bool
@@ -35,6 +36,7 @@ def test_stamps_that_step_against_requests_and_images_are_of_a_clock_that_was_se
     assert after.train_nats > before.train_nats
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "data",
     [

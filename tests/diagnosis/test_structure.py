@@ -4,11 +4,14 @@ from dataclasses import replace
 
 import msgspec
 import numpy as np
+import pytest
 
 from diagnosis.fit import make_data
 from diagnosis.split import interleaved
 from diagnosis.structure import examine
 from tests.diagnosis.synthetic import MODEL, fitted, measured
+
+pytestmark = pytest.mark.slow
 
 SPLIT = interleaved(20.0)
 

@@ -15,6 +15,7 @@ from tests.diagnosis.simulated import MODEL, effect
 CONFIGURATION = load_configuration(default_simulation_configuration())
 
 
+@pytest.mark.slow
 def test_a_late_drive_that_is_known_of_disturbs_no_prediction() -> None:
     late = msgspec.structs.replace(MODEL, effects=[effect("drive_dead_time")])
     found = worth_in_use(MODEL, late, CONFIGURATION)
@@ -26,6 +27,7 @@ def test_a_late_drive_that_is_known_of_disturbs_no_prediction() -> None:
     assert found["note"] is None
 
 
+@pytest.mark.slow
 def test_a_play_that_is_known_of_is_crossed_in_time() -> None:
     """Unknown, it swallows all that the damping does: what is left is what an undamped arm would have."""
     loose = msgspec.structs.replace(MODEL, effects=[effect("gear_backlash")])
@@ -41,6 +43,7 @@ def test_a_play_that_is_known_of_is_crossed_in_time() -> None:
     assert runs[0]["note"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cause", ["drive_lag", "accelerometer_lag", "second_bending_mode", "stale_frame_buffer"]
 )
@@ -61,6 +64,7 @@ def test_without_a_length_there_is_no_deflection_to_predict() -> None:
         worth_in_use(bare, bare, CONFIGURATION)
 
 
+@pytest.mark.slow
 def test_pairs_of_runs_tell_a_true_gain_from_the_noise_of_a_run() -> None:
     """A late drive is foretold better in every pair; the model as it was, taken for an extension, gains nothing."""
     late = msgspec.structs.replace(MODEL, effects=[effect("drive_dead_time")])

@@ -72,6 +72,7 @@ def test_a_term_without_a_name_that_does_as_well_is_a_rival() -> None:
     assert sure(tilt, stage, nearly) == pytest.approx(0.3, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("channel", "verdict"), [("acceleration", "unexplained"), ("joint_position", "none")]
 )

@@ -25,6 +25,7 @@ def test_an_accelerometer_may_show_any_share_of_a_jump_as_it_is_read(share: floa
     assert found.std[OF_ARRIVALS] < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late_s", [-5e-5, 1e-4])
 def test_commands_that_come_a_tenth_of_a_cycle_off_are_nothing_wrong(late_s: float) -> None:
     """So does a simulation of another kind, with a step of a tenth of a cycle, differ from this one."""
@@ -41,6 +42,7 @@ def test_a_dead_time_is_told_to_what_is_unknown_within_a_cycle() -> None:
     assert 4e-5 < found.std["drive.dead_time_s"] < 2e-4
 
 
+@pytest.mark.slow
 def test_half_a_cycle_more_of_dead_time_is_found() -> None:
     """More than what is left open: as a direction, without its bounds, that would explain it all."""
     data = measured(12.0, 8, {"drive.dead_time_s": 0.0025})
@@ -75,6 +77,7 @@ def test_a_late_accelerometer_reads_before_a_command_or_after_it(late_s: float) 
     assert abs(share) < 1.0
 
 
+@pytest.mark.slow
 def test_a_late_accelerometer_is_told_from_a_drive_with_dead_time() -> None:
     """Whatever it reads of the last jump."""
     data = measured(12.0, 9, {"accelerometer.delay_s": 0.0004, OF_LAST_JUMP: -0.5})

@@ -110,6 +110,7 @@ def test_every_range_clips_where_it_ends(rig: Callable[..., Rig], part: str, ful
     assert made.driver.range_m_s2 >= 0.95 * full_scale_g * STANDARD_GRAVITY_M_S2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("part", "bandwidth_hz"), [(p, f.bandwidth_hz) for p in PARTS for f in TABLES[p].filters]
 )
@@ -195,6 +196,7 @@ def test_a_read_never_makes_more_than_one_transfer(
             assert len(transfers) - before <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", PARTS)
 @settings(max_examples=15, deadline=None)
 @given(
@@ -226,6 +228,7 @@ def test_garbage_never_leaves_the_range(rig: Callable[..., Rig], part: str) -> N
     assert made.cycles(1.5, 200)[-1] == pytest.approx(1.5, abs=COUNT_M_S2[part])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["lis3lv02dq", "adxl355"])
 def test_a_bus_that_is_late_takes_a_twentieth_of_the_time(rig: Callable[..., Rig], part: str) -> None:
     made = rig(part)
@@ -385,6 +388,7 @@ def test_factory() -> None:
         assert 0.0 < driver.delay_s < 0.005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", PARTS)
 @settings(max_examples=100, deadline=None)
 @given(answers=st.lists(st.binary(min_size=13, max_size=13), min_size=1, max_size=4))
@@ -418,6 +422,7 @@ def _publish(name: str, ready: Any, stop: Any) -> None:
     registers.close()
 
 
+@pytest.mark.slow
 def test_samples_from_another_process_are_never_torn() -> None:
     name = f"{NAME}-other"
     context = multiprocessing.get_context("spawn")

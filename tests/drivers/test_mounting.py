@@ -20,6 +20,7 @@ def dot(one: Any, other: Any) -> float:
     return float(sum(a * b for a, b in zip(one, other, strict=True)))
 
 
+@pytest.mark.slow
 @given(MOUNTS, st.floats(-50.0, 50.0))
 def test_what_is_felt_is_what_is_read(mount: AccelerometerDevice, acceleration: float) -> None:
     """Gravity stands across, whatever the mounting."""

@@ -140,6 +140,7 @@ def test_icm20948(part: str, address: int, chip: Chip) -> None:
     assert chip.get(0x1A) == b"\x00"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", PARTS)
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.tuples(st.binary(max_size=20), st.integers(0, 200)), max_size=12))

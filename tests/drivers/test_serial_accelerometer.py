@@ -95,6 +95,7 @@ def test_start_sets_the_rate_that_the_table_says(rig: Callable[..., Rig], name: 
     assert "frames came, 0 beginnings" in made.driver.identify() or name == "vectornav"
 
 
+@pytest.mark.slow
 @EVERY
 @pytest.mark.parametrize("failure", [Failure.STUCK, Failure.GARBAGE, Failure.UNPLUGGED])
 def test_a_device_that_went_away_comes_back_by_itself(
@@ -113,6 +114,7 @@ def test_a_device_that_went_away_comes_back_by_itself(
     assert all(not isnan(value) for value in back[-200:])
 
 
+@pytest.mark.slow
 @EVERY
 @settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(

@@ -459,6 +459,7 @@ def test_what_libcamera_does_not_have(monkeypatch, config, words):
         open_camera(config).start()
 
 
+@pytest.mark.slow
 def test_no_vendor_s_package_is_imported_before_it_is_named():
     code = (
         "import sys; import drivers.camera_factory, drivers.drive_factory, supervisor.daemon, controller.daemon\n"

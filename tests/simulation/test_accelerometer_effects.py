@@ -56,6 +56,7 @@ def test_a_lag_shifts_the_signal() -> None:
     assert found[30:] == pytest.approx(wanted[30:], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_impulses_are_single_poisson_and_of_either_sign() -> None:
     """Count, spacing and signs over 400 runs of four seconds, as a Poisson process has them."""
     effect = {"cause": "impulse_noise", "rate_hz": 2.0, "amplitude_m_s2": 8.0}

@@ -37,6 +37,7 @@ def compare(device: AccelerometerDevice, accelerations: list[float], tolerance_m
         emulated.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("part", "axis", "full_scale_g"), SETTINGS)
 @given(accelerations=st.lists(st.floats(-100.0, 100.0), min_size=1, max_size=20))
 @settings(max_examples=15, deadline=None)

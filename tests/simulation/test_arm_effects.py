@@ -54,6 +54,7 @@ FORCES: list[tuple[dict[str, Any], Force]] = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("effect", "force"), FORCES)
 def test_forces_are_those_of_the_catalogue(effect: dict[str, Any], force: Force) -> None:
     """Within 1e-4 of the amplitude over four seconds; without the effect it would be off by a fifth or more."""

@@ -67,6 +67,7 @@ class _Bench:
             self.steps += 1
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(
     seed=st.integers(0, 10_000),

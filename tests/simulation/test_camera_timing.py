@@ -21,6 +21,7 @@ def _delays(exposures: list[Exposure]) -> np.ndarray:
     return np.array([e.handover_s - e.mid_s for e in exposures]) + AFTER
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fraction", "mean_s", "std_s"),
     [
@@ -50,6 +51,7 @@ def test_without_the_correction_order_would_bias_the_delay() -> None:
     assert ordered.mean() - free.mean() > 0.02 * 0.074
 
 
+@pytest.mark.slow
 def test_wander_is_slow_and_has_its_share_of_the_variance() -> None:
     rig = Rig(delay_wander_fraction=0.8, delay_wander_time_s=0.5)
     delays = _delays(_run(CameraTiming(Camera(), Timing(), rig, 5), 60_000))
@@ -59,6 +61,7 @@ def test_wander_is_slow_and_has_its_share_of_the_variance() -> None:
     assert correlation == pytest.approx(0.8 * np.exp(-lag / 65.0 / 0.5), abs=0.05)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     seed=st.integers(0, 2**32),

@@ -88,6 +88,7 @@ def played(motor: np.ndarray, gap: float) -> np.ndarray:
     return out
 
 
+@pytest.mark.slow
 def test_backlash_moves_joint_and_arm_as_the_play_operator_and_scipy_say() -> None:
     """Motor: exact first-order lag; joint: play operator at 50 kHz; arm: an equation that needs no theta''."""
     fine, cycles = 50, 1500

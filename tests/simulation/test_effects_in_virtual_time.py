@@ -14,6 +14,8 @@ from controller.replay import RecordedRun, compare_with_live
 from simulation.simulated_recording import default_simulation_configuration
 from simulation.virtual_time import VirtualRun, simulate
 
+pytestmark = pytest.mark.slow
+
 CONFIGURATION = load_configuration(default_simulation_configuration())
 MODEL = load_model(default_simulation_configuration().with_name("model.toml"))
 SCENARIO = Scenario(

@@ -58,6 +58,7 @@ def test_drift_adds_to_the_delay_evenly_from_the_start() -> None:
     assert later[1:][free] == pytest.approx(wanted[1:][free], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_bursts_come_at_their_rate_last_their_time_and_keep_the_order() -> None:
     effect = {"cause": "delay_bursts", "rate_hz": 0.2, "duration_s": 0.5, "delay_s": 0.06}
     frames = 130_000  # 2000 s

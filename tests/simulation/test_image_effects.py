@@ -57,6 +57,7 @@ def test_each_is_what_the_catalogue_says() -> None:
     assert seen(LENS, DRIFT)[1] == pytest.approx(d * (1.0 + 4e-5 * d * d) + 3.0 * mids, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", [(LENS,), (DRIFT,), (TILT,)])
 def test_rendered_and_tracked_images_show_the_same(effects: tuple[dict[str, Any], ...]) -> None:
     """Within a twentieth of a pixel, as without effects."""

@@ -55,6 +55,7 @@ def test_two_and_a_half_cycles_of_dead_time_are_exactly_that() -> None:
     assert velocities[4] == pytest.approx(0.1 * (1.0 - np.exp(-lag * 0.0015)), rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bandwidth_hz", [5.0, 20.0, 300.0])
 def test_moves_with_velocity_and_acceleration_limits(bandwidth_hz: float) -> None:
     drive = Drive(

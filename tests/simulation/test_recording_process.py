@@ -10,6 +10,8 @@ from common.recording.writer import RecordingWriter
 from common.user_error import UserError
 from simulation.recording_process import RecordingProcess
 
+pytestmark = pytest.mark.slow
+
 HEADER = RecordingHeader(
     program_version="1", configuration="", configuration_name="x", model="", method="", kind="simulated"
 )

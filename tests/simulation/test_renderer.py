@@ -43,6 +43,7 @@ def _error_px(image: np.ndarray, exact: np.ndarray) -> float:
     return float(np.sum((image.astype(float) - exact)[:, 2:-2] * slope) / np.sum(slope * slope))
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(displacement=st.floats(-4000.0, 4000.0))
 def test_a_scene_at_rest_lies_where_it_should_to_a_hundredth_of_a_pixel(displacement: float) -> None:

@@ -11,6 +11,8 @@ from simulation.demo.scoring import damping_scores, method_scores
 from simulation.demo.truth_file import read_truth
 from simulation.simulated_recording import write_simulated_recording
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent.parent
 MODEL = ROOT / "configs" / "model.toml"
 SCENARIO = """
@@ -43,6 +45,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return simulated(tmp_path_factory.mktemp("simulated"))
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_and_another_gives_others(run: Path, tmp_path: Path) -> None:
     """Recording and truth, in another folder."""
     again, other = simulated(tmp_path / "again"), simulated(tmp_path / "other", seed=2)
@@ -51,6 +54,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_gives_others(run: Path, 
         assert (run / name).read_bytes() != (other / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_replay_gives_the_same_numbers(run: Path) -> None:
     """Every delay, prediction and command of the controller; and a changed measurement would be noticed."""
     recorded = read_run(open_recording(run / "rec.mcap"))
@@ -94,6 +98,7 @@ def test_the_capture_delay_is_the_models(run: Path) -> None:
     assert all(f.received_s >= f.started_s for f in recorded.frames)
 
 
+@pytest.mark.slow
 def test_with_images_the_tracker_takes_the_error_models_place(tmp_path: Path) -> None:
     """Rendered and tracked, the displacement is that of the truth to a twentieth of a pixel."""
     folder = simulated(
@@ -114,6 +119,7 @@ def test_with_images_the_tracker_takes_the_error_models_place(tmp_path: Path) ->
     assert np.std(error) < 0.05
 
 
+@pytest.mark.slow
 def test_a_triggered_camera_is_asked_for_each_frame(tmp_path: Path) -> None:
     """Four requests under way: the timestamp of a frame is that of its request, before its exposure."""
     (tmp_path / "triggered.toml").write_text("[arm]\nlength_m = 2.0\n[camera]\nmode = 'triggered'\n")

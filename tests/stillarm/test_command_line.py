@@ -37,6 +37,7 @@ def one_line(capsys: pytest.CaptureFixture[str]) -> str:
     return error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -102,6 +103,7 @@ def test_a_duration_that_is_none_is_one_line(duration: str, capsys: pytest.Captu
     assert f"{duration}: a number of seconds above 0" in one_line(capsys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "content", "says"),
     [
@@ -219,6 +221,7 @@ def test_a_wrong_key_in_the_configuration_is_one_line(
         assert part in said
 
 
+@pytest.mark.slow
 def test_the_daemons_load_no_heavy_package() -> None:
     """Starting the controller or the supervisor must not import matplotlib, scipy or numba."""
     code = (

@@ -8,17 +8,22 @@ from pathlib import Path
 
 import pytest
 
+from common.scenario import Move, Scenario, Strike
 from common.user_error import UserError
 from stillarm.commands import diagnose_many
 from stillarm.commands.diagnose_many import Job, diagnose_all, diagnose_one, executor_for
 from stillarm.main import main
 from tests.diagnosis.simulated import record
 
+SHORT = Scenario(
+    duration_s=8.0, strikes=[Strike(0.6, 0.02)], moves=[Move(3.5, 4.3, 0.25), Move(4.6, 5.6, -0.2)]
+)
+
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Nothing wrong with it."""
-    return record(tmp_path_factory.mktemp("many"))
+    """Nothing wrong with it; short, for it is not the diagnosis that is judged here."""
+    return record(tmp_path_factory.mktemp("many"), scenario=SHORT)
 
 
 @contextmanager
@@ -27,6 +32,7 @@ def threads(scheduler: str | None, jobs: int) -> Iterator[ThreadPoolExecutor]:
         yield pool
 
 
+@pytest.mark.slow
 def test_each_has_its_folder_and_a_bad_one_stops_no_other(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -52,6 +58,7 @@ def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch: pytest.Monkey
         pass
 
 
+@pytest.mark.slow
 def test_dask_s_workers_diagnose_as_this_process_does(recording: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     job = Job(recording, tmp_path / "out", None, (), use_pairs=0)
@@ -64,6 +71,7 @@ def test_dask_s_workers_diagnose_as_this_process_does(recording: Path, tmp_path:
     assert (tmp_path / "out" / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_a_bad_one_by_itself_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad.mcap"
     bad.write_bytes(b"no recording")
@@ -74,6 +82,7 @@ def test_a_bad_one_by_itself_is_one_line(tmp_path: Path, capsys: pytest.CaptureF
     assert not said.out and not out.exists()
 
 
+@pytest.mark.slow
 def test_progress_never_falls_and_leaves_a_share_for_the_use(recording: Path, tmp_path: Path) -> None:
     shares: list[float] = []
     done = diagnose_one(Job(recording, tmp_path / "out", None, (), use_pairs=0), shares.append)

@@ -66,6 +66,7 @@ def fast_and_smeared():
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("images", [another_scene, cut_elsewhere, fast_and_smeared])
 def test_no_image_costs_more_than_a_frame_s_period(images, work):
     tracker, spent = FeatureTracker(Tracker()), []

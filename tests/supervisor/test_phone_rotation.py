@@ -74,6 +74,7 @@ def best_lag(image, angles, t):
     return best
 
 
+@pytest.mark.slow
 def test_the_image_turns_as_the_sensor_says_after_one_constant_lag():
     rates, (t, angles) = image_rates(), sensor_angles()
     assert np.isfinite(rates[:, 2]).mean() > 0.55

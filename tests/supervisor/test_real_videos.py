@@ -42,6 +42,7 @@ def test_synthetic_beam_video_against_its_truth():
         assert abs(np.polyfit(truth[:, axis], rows[:, 1 + axis], 1)[0] - 1.0) < 0.03
 
 
+@pytest.mark.slow
 def test_speckled_beam():
     right_third = np.s_[:, 660:]  # the beam bends; of the thirds, the one that gives the published figure
     rows = played(DATA / "beam_video" / "Speckle_beam_500.cih", crop=right_third)
@@ -50,6 +51,7 @@ def test_speckled_beam():
     assert abs(np.ptp(rows[:, 2]) - 0.76) < 0.04
 
 
+@pytest.mark.slow
 def test_tuning_fork_rings_at_its_drive():
     one_tine = np.s_[60:420, 290:342]
     rows = played(DATA / "tuning_fork_video" / "tuning_hz32_fps250_50-1_640x420.mp4", 300, one_tine)

@@ -14,6 +14,7 @@ from common.visual_sample import TrackingStatus
 from supervisor.tracking.tracker import FeatureTracker
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shortest", [4.0, 10.0])
 def test_a_tenth_of_a_radian_there_and_back(shortest):
     scene, random, tracker = SinusoidScene(5, shortest), np.random.default_rng(5), FeatureTracker(Tracker())

@@ -15,6 +15,7 @@ from supervisor.tracking.interpolation_bias import bias_variance, interpolation_
 from supervisor.tracking.tracker import FeatureTracker
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shortest", [4.0, 6.0, 10.0])
 def test_normalised_error_squared_averages_to_about_one(shortest):
     ratios = []

@@ -55,6 +55,7 @@ def rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shortest", [4.0, 10.0])
 def test_subpixel_vibration(shortest):
     error, results, tracker = tracked(vibration(), SinusoidScene(1, shortest))
@@ -80,6 +81,7 @@ def test_rotation():
     assert rms(error[:, :2]) < 0.03
 
 
+@pytest.mark.slow
 def test_fast_move_and_back_gives_the_same_number():
     there = move(520.0, 0.6, 54)
     truth = np.concatenate([there, there[::-1]])
@@ -90,6 +92,7 @@ def test_fast_move_and_back_gives_the_same_number():
     assert np.abs(error[-5:, :2]).max() < 0.01  # on the first key frame again
 
 
+@pytest.mark.slow
 def test_fast_move_with_motion_blur():
     there = move(500.0, 0.5, 65)
     smear = 0.9 * np.gradient(there[:, :2], axis=0)
@@ -100,6 +103,7 @@ def test_fast_move_with_motion_blur():
     assert np.abs(error[-5:, :2]).max() < 0.1  # sharp again: the error of smeared key frames has been mended
 
 
+@pytest.mark.slow
 def test_handover_makes_no_step():
     error, _, tracker = tracked(move(300.0, 0.8, 68), SinusoidScene(6))
     assert tracker.key_frames >= 2
@@ -127,6 +131,7 @@ def bad_images(scene):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("status", list(bad_images(SinusoidScene(1))))
 def test_bad_image_is_flagged_and_tracking_resumes(status):
     scene = SinusoidScene(11)

@@ -3,6 +3,7 @@
 from io import BytesIO
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
@@ -29,6 +30,7 @@ INDICES = st.builds(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(INDICES, max_size=5))
 def test_what_went_in_comes_out_in_order(indices: list[ChunkIndex]) -> None:
     packed = PackedChunkIndices()

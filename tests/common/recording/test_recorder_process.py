@@ -25,6 +25,8 @@ from common.recording.writer import RecordingWriter
 from common.shared_memory import SharedRing, block_path
 from common.user_error import UserError
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 FAST, LOG = TOPIC_INDEX["/fast"], TOPIC_INDEX["/log"]
 HEADER = RecordingHeader(

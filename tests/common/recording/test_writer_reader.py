@@ -59,6 +59,7 @@ def finite(message: msgspec.Struct) -> dict[str, object]:
     return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in plain.items()}
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(fast_samples, min_size=1, max_size=20), st.lists(log_lines, max_size=5))
 def test_messages_come_back_exactly(tmp_path: Path, fast: list[FastSample], log: list[LogLine]) -> None:
@@ -134,6 +135,7 @@ def test_a_field_without_default_may_be_null(tmp_path: Path) -> None:
     assert math.isnan(next(open_recording(path).messages("/estimate")).delay_s)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_a_cut_file_gives_a_prefix(tmp_path: Path, data: st.DataObject) -> None:
@@ -286,6 +288,7 @@ class FullDisk(io.BytesIO):
         return super().write(part)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", range(1500, 160_000, 9973))
 def test_a_full_disk_leaves_a_file_that_opens(tmp_path: Path, room: int) -> None:
     disk = FullDisk(room)

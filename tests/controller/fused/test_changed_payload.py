@@ -5,6 +5,7 @@ import pytest
 from benchmarks.estimators.conditions_table import ConditionJob, withstand
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "trial"), [(5, 9), (0, 3)])
 def test_a_payload_that_looks_like_blows_is_found_out(seed: int, trial: int) -> None:
     """Frequency 10 % lower from 20 s on; the accelerometer takes it for a blow, or contradicts the images.

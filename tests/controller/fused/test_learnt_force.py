@@ -51,6 +51,7 @@ def learnt(intensity: float, seed: int, seconds: float) -> list[float]:
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("times_image", [10.0, 100.0, 1000.0])
 def test_a_force_of_any_size_is_learnt(times_image: float) -> None:
     intensity = times_image * IMAGE_M**2
@@ -58,6 +59,7 @@ def test_a_force_of_any_size_is_learnt(times_image: float) -> None:
     assert 0.4 * intensity < float(np.exp(np.mean(np.log(late)))) < 2.0 * intensity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_no_force_is_learnt_where_there_is_none(seed: int) -> None:
     assert not any(learnt(0.0, seed, 60.0))
@@ -128,6 +130,7 @@ def test_a_quiet_sensor_shows_no_force() -> None:
     assert both.shown(quiet) is None
 
 
+@pytest.mark.slow
 def test_under_a_random_force_the_estimate_stays_what_it_says() -> None:
     arm = Arm()
     unit = arm.amplitude_m

@@ -31,6 +31,7 @@ def seen_after(watch: ScaleWatch, error: float, seconds: float, seed: int) -> fl
     return seconds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_an_hour_of_noise_is_no_drift(seed: int) -> None:
     watch = ScaleWatch()
@@ -98,6 +99,7 @@ def test_a_vibration_too_small_to_tell_is_no_drift() -> None:
     assert watch.walk == 0.0
 
 
+@pytest.mark.slow
 def test_a_steady_random_force_is_no_drift() -> None:
     """It moves what images and accelerometer show; taken for a drift it left 0.121 of the amplitude."""
     arm = Arm()
@@ -122,6 +124,7 @@ def score_of_drift() -> Score:
     return score(data, answers)
 
 
+@pytest.mark.slow
 def test_a_scene_that_comes_nearer_is_followed(score_of_drift: Score) -> None:
     """Without the watch the mean error is 3 % and the normalised error squared 12."""
     assert score_of_drift.error_mean < 0.015

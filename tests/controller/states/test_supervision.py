@@ -69,6 +69,7 @@ def test_armed_by_itself_and_damping_without_any_fault() -> None:
     assert trace.outputs[1].state is State.DEGRADED
 
 
+@pytest.mark.slow
 def test_a_silent_drive_stops_everything_and_it_goes_on_by_itself() -> None:
     """Zero 0.1 s after the last report, motion 0.2 s after the first new one."""
     command = run(from_2_s(silent, 2.4)).arrays()["command"]
@@ -114,6 +115,7 @@ def test_the_emergency_stop_zeroes_at_once_and_stays() -> None:
     assert np.max(np.abs(command[2800:])) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shaping", ["none", "zv", "zvd"])
 def test_disarming_fades_within_a_tenth_of_a_second_the_shaped_tail_included(shaping: str) -> None:
     """Steadily: no step larger than a fade of 0.1 s makes; and a later arming starts from where the joint is."""
@@ -186,6 +188,7 @@ class Broken:
         return Estimate(delay, self.value if bad else 0.004, 0.0, 1e-4, Status.ESTIMATED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [nan, inf, -inf])
 def test_numbers_that_are_not_finite_damp_nothing_and_soon_are_a_fault(value: float) -> None:
     """The damping is zero in the same cycle, the whole command after 0.05 s; a moment of them passes."""
@@ -217,6 +220,7 @@ def late(model: Model) -> Model:
     return msgspec.structs.replace(model, timing=msgspec.structs.replace(model.timing, capture_delay_s=0.25))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "method", "largest"),
     [
@@ -245,6 +249,7 @@ def test_damping_with_the_wrong_phase_is_found_out(
     assert np.all(arrays["command"][stopped:] == 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("method", ["timestamps", "correlation"])
 def test_blows_are_no_growth(seed: int, method: str) -> None:
@@ -264,6 +269,7 @@ def test_blows_are_no_growth(seed: int, method: str) -> None:
     assert states(trace, 0.5, 8.5) == {(State.DAMPING, None)}
 
 
+@pytest.mark.slow
 def test_saturation_without_success_is_a_fault_and_with_success_none() -> None:
     """A limit of 4 mm/s: a large blow is worked off at it for seconds; a drive of the wrong sense never gets there."""
     damping = Damping(max_velocity_rad_s=0.004)
@@ -319,6 +325,7 @@ def test_checks_before_arming() -> None:
     assert {blind.step(CycleInput(k, 0.0, 0.0, 0.0, 0.0)).state for k in range(300)} == {State.PREFLIGHT}
 
 
+@pytest.mark.slow
 def test_a_model_that_no_rig_has_given_moves_and_is_not_damped() -> None:
     """On hardware; with the mark it is, and in a simulation the mark does not matter."""
     marked = msgspec.structs.replace(MODEL, commissioned=Commissioned("2026-01-31", "recording.mcap"))

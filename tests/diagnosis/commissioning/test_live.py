@@ -87,6 +87,7 @@ def test_a_fault_in_the_recording_is_told() -> None:
         live._refuse_fault({"state": ["armed", "fault"], "reason": ["", "emergency stop"]})
 
 
+@pytest.mark.slow
 def test_the_controller_is_told_to_stop_on_every_way_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

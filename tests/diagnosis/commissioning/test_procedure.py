@@ -1,4 +1,4 @@
-"""The procedure from the first nudge to the verdict: three rigs in virtual time, and rigs that show too little."""
+"""The procedure from the first nudge to the verdict: rigs that take turns, and rigs that show too little."""
 
 from dataclasses import replace
 from math import nan
@@ -23,6 +23,7 @@ LIMITS = Limits()
 RIGS = (1, 7, 8)
 
 
+@pytest.mark.blind(each_run=1, seed=RIGS)
 @pytest.mark.parametrize("seed", RIGS)
 def test_a_rig_of_random_parameters_is_identified_from_a_model_that_knows_none(
     seed: int, tmp_path: Path
@@ -64,6 +65,7 @@ def still(name: str, scenario: Scenario, bounds: Bounds, images: bool = True) ->
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_joint_that_does_not_move_is_told() -> None:
     with pytest.raises(UserError, match="left no vibration") as refused:
         commission(still, assumed_model(), LIMITS)
@@ -104,6 +106,7 @@ def test_the_beginning_of_a_recording() -> None:
     assert len(part.frames) == 100 and part.frames.received_s[-1] < 1.5
 
 
+@pytest.mark.slow
 def test_moves_that_are_cut_short_name_what_was_exceeded(tmp_path: Path) -> None:
     """A rig that is well through the probe and shakes in the moves: no model."""
     true = draw_rig(100)

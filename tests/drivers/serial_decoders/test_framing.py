@@ -85,6 +85,7 @@ def test_what_comes_out_does_not_depend_on_the_chunks(
     assert same(whole, pieces)
 
 
+@pytest.mark.slow
 @EVERY
 @settings(max_examples=150, deadline=None)
 @given(garbage=st.binary(max_size=600))
@@ -98,6 +99,7 @@ def test_after_any_garbage_it_is_back_within_the_longest_frame(name: str, garbag
     assert seen[-20:] == list(range(held_up, held_up + 20))
 
 
+@pytest.mark.slow
 @EVERY
 @settings(max_examples=100, deadline=None)
 @given(place=st.integers(0, 10_000), flipped=st.integers(1, 255))
@@ -115,6 +117,7 @@ def test_a_broken_frame_is_never_taken(name: str, place: int, flipped: int) -> N
     assert set(seen[1:]) == {9}
 
 
+@pytest.mark.slow
 @EVERY
 @settings(max_examples=100, deadline=None)
 @given(data=st.binary(max_size=2000))

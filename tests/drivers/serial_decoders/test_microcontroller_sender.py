@@ -29,6 +29,7 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_what_it_sends_is_what_is_read(tmp_path: Path) -> None:
     source, program = tmp_path / "main.c", tmp_path / "sender"

@@ -5,7 +5,11 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 from simulation.demo.parent_death import ended_with_parent
+
+pytestmark = pytest.mark.slow
 
 _ROOT = Path(__file__).parents[3]
 _PARENT = """

@@ -341,6 +341,7 @@ def looked_at(part, tmp_path: Path) -> list[Verdict]:
     return part.verdicts()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_is_named_in_one_line_with_what_to_do(mistake: str, tmp_path: Path) -> None:
     part, where, words = MISTAKES[mistake]
