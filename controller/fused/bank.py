@@ -38,6 +38,7 @@ _VAGUE = 0.002  # of the squared rate
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 LAW_OF = np.arange(FILTERS) % LAWS
+ALL, QUIET, DISTURBED = slice(None), slice(0, LAWS), slice(LAWS, None)
 
 
 class Vibration(NamedTuple):
@@ -84,6 +85,7 @@ class FilterBank:
         """variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s, (filters,)."""
         self._at = layout
         self._diagonal = np.arange(layout.size)
+        self._forced = [0, 1, layout.force]  # the first mode's phasor, and the force that it vibrates about
         self._move = np.eye(layout.size)[None, : 2 * layout.modes].repeat(FILTERS, axis=0)
         self.moved = [0] * FILTERS
         self._first, self._first_jitter = variance, jitter_s**2
@@ -263,7 +265,7 @@ class FilterBank:
         at, p, w2 = self._at, self.p, self._at.w_first**2
         blur = np.exp(-0.5 * w2 * self.jitter)
         scale = 1.0 + self.x[:, at.scale]
-        deflection = vibration.deflection * blur
+        deflection = vibration.deflection * blur + self.x[:, at.force]
         tip = joint_m + deflection
         rate = scale * (joint_rate + vibration.rate)
         slope = np.zeros(self.x.shape)
@@ -272,6 +274,7 @@ class FilterBank:
         slope[:, at.cosine], slope[:, at.sine] = turn.real * shown, turn.imag * shown
         slope[:, at.frequency], slope[:, at.decay] = own.imag * drawn, own.real * drawn
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
+        slope[:, at.force] = scale
         residual = value_m - scale * tip - self.x[:, at.offset]
         # second order: products of two uncertain quantities, and a large shift bends the sinusoid
         unknown = self.jitter + p[:, at.shift, at.shift]
@@ -325,8 +328,9 @@ class FilterBank:
         result: NDArray[np.bool_] = seen.phasor > (_VAGUE / w2) * known
         return result
 
-    def inflate(self, jump: Jump) -> None:
-        """A blow has moved the phasors by an unknown amount."""
+    def inflate(self, jump: Jump, filters: slice = ALL) -> None:
+        """An impact has moved the phasors, or a force has changed, by an unknown amount. filters: that are told of the
+        force."""
         for i, (along_m, across_m) in enumerate(zip(jump.along_m, jump.across_m, strict=True)):
             along = along_rate(self._w[i], jump.time_s)
             cosine, sine = along.real, -along.imag
@@ -336,6 +340,27 @@ class FilterBank:
             self.p[:, d, d] += power * sine * sine + rest
             self.p[:, c, d] += power * cosine * sine
             self.p[:, d, c] += power * cosine * sine
+        if jump.force_m:
+            self._change_force(jump, filters)
+
+    def _change_force(self, jump: Jump, filters: slice) -> None:
+        """The force changed at the jump's instant, by an unknown amount: neither deflection nor rate jumps with it."""
+        turn = exp(1j * self._w[0] * jump.time_s)
+        moved = jump.force_m * np.array((-turn.real, -turn.imag, 1.0))
+        i = np.array(self._forced)
+        self.p[filters, i[:, None], i] += moved[:, None] * moved
+
+    def end_force(self) -> None:
+        """No force is left: f = 0, taken in as a measurement, for it is correlated with all else."""
+        i = self._at.force
+        ph = self.p[:, :, i].copy()
+        variance = ph[:, i]
+        known = variance > 0.0
+        gain = np.where(known[:, None], ph / np.where(known, variance, 1.0)[:, None], 0.0)
+        self.x -= gain * self.x[:, i, None]
+        self.p -= gain[:, :, None] * ph[:, None, :]
+        self.x[:, i] = 0.0
+        self.p[:, i, :] = self.p[:, :, i] = 0.0
 
     def add(self, increment: list[complex]) -> None:
         """A blow that is known has moved the phasors by `increment`, (m,)."""
@@ -360,14 +385,14 @@ class FilterBank:
             self.p[:, i, :] = self.p[:, :, i] = 0.0
         self.p[:, self._diagonal[at.phasor], self._diagonal[at.phasor]] = spread_m**2
 
-    def loosen(self) -> None:
+    def loosen(self, filters: slice = ALL) -> None:
         """Frequencies, decay and image scale may have changed, as with a payload or another scene."""
         at = self._at
         i = np.arange(2 * at.modes, 3 * at.modes)
-        self.p[:, i, i] += (0.04 * at.w) ** 2
+        self.p[filters, i, i] += (0.04 * at.w) ** 2
         i = np.arange(3 * at.modes, 4 * at.modes)
-        self.p[:, i, i] += (0.01 * at.w) ** 2
-        self.p[:, at.scale, at.scale] += 0.1**2
+        self.p[filters, i, i] += (0.01 * at.w) ** 2
+        self.p[filters, at.scale, at.scale] += 0.1**2
         self._all_moved()
 
     def loosen_bias(self, variance: float) -> None:

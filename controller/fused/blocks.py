@@ -18,17 +18,20 @@ def along_rate(w: float, time_s: float) -> complex:
 class Jump(NamedTuple):
     """How far a blow at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
 
-    along_m: in the direction of a change of rate at time_s; across_m: at right angles to it.
+    along_m: in the direction of a change of rate at time_s; across_m: at right angles to it. force_m: of the first
+    mode's static deflection by a force that changed at time_s (held_force.py).
     """
 
     time_s: float
     along_m: tuple[float, ...]
     across_m: tuple[float, ...]
+    force_m: float = 0.0
 
     @classmethod
-    def guessed(cls, time_s: float, sizes_m: tuple[float, ...]) -> "Jump":
-        """A blow of about those sizes at about that time."""
-        return cls(time_s, tuple(1.5 * one for one in sizes_m), tuple(0.3 * one for one in sizes_m))
+    def guessed(cls, time_s: float, sizes_m: tuple[float, ...], force_m: float = 0.0) -> "Jump":
+        """An impact of about those sizes, and a change of force of about that size, at about that time."""
+        along, across = tuple(1.5 * one for one in sizes_m), tuple(0.3 * one for one in sizes_m)
+        return cls(time_s, along, across, 1.5 * force_m)
 
 
 @dataclass(slots=True)

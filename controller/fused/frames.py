@@ -11,11 +11,23 @@ from common.configuration import Fused
 from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
-from controller.fused.bank import FILTERS, LAW_OF, LAWS, AimedAtBlock, FilterBank, Law, Seen, Vibration
+from controller.fused.bank import (
+    DISTURBED,
+    FILTERS,
+    LAW_OF,
+    LAWS,
+    QUIET,
+    AimedAtBlock,
+    FilterBank,
+    Law,
+    Seen,
+    Vibration,
+)
 from controller.fused.blocks import Block, Jump
 from controller.fused.blow import BlowReport
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
+from controller.fused.held_force import HeldForce
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_force import LearntForce
@@ -45,12 +57,14 @@ _LEARNING = np.where((LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER), 0.01, 0.0) 
 
 
 class Merged(NamedTuple):
-    """The filters' common state: phasors, slow rates, 1/s, accelerometer bias, m, and the phasors' covariance."""
+    """The filters' common state: phasors, slow rates, 1/s, accelerometer bias, m, static deflection by a force, m, and
+    the covariance of the phasors, with the force behind them where there may be one."""
 
     phasors: list[complex]
     slow: list[complex]
     bias: float
     bias_variance: float
+    force: float
     covariance: list[list[float]]
 
 
@@ -140,10 +154,11 @@ class FrameFusion:
         self.dates = FrameDates(model, at, self.bank, self.evidence, self._walks.lead)
         self._scale_watch = ScaleWatch()
         self._phasor_share = start.phasor_share(settings)
-        self._carried = np.eye(at.size)[: 2 * at.modes]
+        self._carried = np.eye(at.size)[[*range(2 * at.modes), at.force]]
         self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
         self.force = LearntForce(at.w.tolist(), self._noise_m2, health.variance)
+        self.held_force = HeldForce(at.modes, self._noise_m2)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
         self._arrival_mean, self._arrival_variance = self.delay_s, self.delay_std_s**2
@@ -170,7 +185,10 @@ class FrameFusion:
         self.finish_block()
         bank = self.bank
         for jump in block.jumps:
-            bank.inflate(jump)
+            bank.inflate(jump, QUIET)
+        held = self.held_force.during(block.start_s, block.end_s)
+        if held is not None:
+            bank.inflate(held, QUIET)
         push = self.force.during(block.start_s, block.end_s)
         if push is not None:
             bank.inflate(push)
@@ -222,6 +240,13 @@ class FrameFusion:
     def _phasor_noise(self) -> Array:
         noise: Array = self._phasor_share * self.amplitude_m**2 + _UNSEEN * self._noise_m2
         return noise
+
+    def held_during(self, start_s: float, end_s: float) -> Jump | None:
+        """What a force that lasts may have done to the present between two times."""
+        held = self.held_force
+        if not held.active:
+            return None
+        return held.during(start_s, end_s, float(self.evidence.weights[QUIET].sum()))
 
     def phasor_noise(self) -> float:
         """Growth of the variance of each phasor component, m^2/s."""
@@ -329,11 +354,16 @@ class FrameFusion:
         bank = self.bank
         bank.symmetrise()
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
+        held, best, f = self.held_force, self.evidence.best, self._at.force
+        if held.active and held.see(bank.edge_s, float(bank.x[best, f]), float(bank.p[best, f, f])):
+            bank.end_force()
+            held.end()
         if self._blind:
             self._before.append((received_s, bank.x.copy(), bank.p.copy()))
         else:
             # by the best filter: what another frequency or decay explains, as with a payload, is no force
-            self.force.see(float(settled.seen.surprise[self.evidence.best]))
+            if not self.held_force.active:
+                self.force.see(float(settled.seen.surprise[self.evidence.best]))
             self.evidence.remember()
             law = self.evidence.best % LAWS
             self.dates.learn_wander(law)
@@ -364,7 +394,10 @@ class FrameFusion:
     def _explain(self, image: Look, times: Array, received_s: float, seen: Seen, report: BlowReport) -> bool:
         """An image that breaks with everything: wrong by itself, a miscounted frame, or a blow. Whether to use it."""
         self._outliers += 1
-        if report.suspicion < _SUSPICIOUS:
+        if self.held_force.active:
+            if self._outliers < 2:
+                return False
+        elif report.suspicion < _SUSPICIOUS:
             extra = self._other_count(image, times, received_s)
             if extra != self._voted:
                 self._votes, self._late = 0, 0.0
@@ -381,12 +414,15 @@ class FrameFusion:
         self.blow = True
         best = self.evidence.best
         self._breaks += 1.0
+        size = 1.5 * abs(float(seen.residual[best]))
+        unseen = report.sees and report.suspicion < _SUSPICIOUS
         # An arm that has changed breaks again and again, and makes the accelerometer contradict, too.
-        if (report.in_use and self._breaks > _BLOWS) or (report.sees and report.suspicion < _SUSPICIOUS):
-            self.bank.loosen()  # no blow explains it: the arm or the scene has changed
+        if (report.in_use and self._breaks > _BLOWS) or unseen:
+            # No impact explains it: a force has begun, or the arm or the scene has changed. The quiet filters take it
+            # for the former, the disturbed ones for the latter, and the images decide.
+            self.bank.loosen(DISTURBED)
             self._scale_watch.restart()
             self._as_calibrated = False
-        size = 1.5 * abs(float(seen.residual[best]))
         if self._blind and self._before:
             then_s, x, p = self._before[0]
             grown = self._state_noise * (received_s - then_s)
@@ -395,7 +431,8 @@ class FrameFusion:
             self._before.clear()
             return True
         sizes = (size,) + (0.3 * size,) * (self._at.modes - 1)
-        self.bank.inflate(Jump.guessed(float(times[best]), sizes))
+        self.held_force.begin(float(times[best]), size)
+        self.bank.inflate(Jump.guessed(float(times[best]), sizes, size), QUIET)
         return True
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
@@ -472,10 +509,13 @@ class FrameFusion:
             c, s, kw, kd = 2 * i, 2 * i + 1, 2 * m + i, 3 * m + i
             f[c, kw], f[s, kd] = -by_rate.imag, by_rate.imag
             f[s, kw] = f[c, kd] = -by_rate.real
+        rows = 2 * m + int(self.held_force.active)
+        f = f[:rows]
         covariance: list[list[float]] = (f @ p @ f.T).tolist()
         noise = self.phasor_noise() * lag
-        for i, line in enumerate(covariance):
-            line[i] += noise
+        for i in range(2 * m):
+            covariance[i][i] += noise
         self.amplitude_m = sum([abs(one) for one in phasors])
         slow: list[complex] = (-at.sigma - x[at.decay] + 1j * x[at.frequency]).tolist()
-        return Merged(phasors, slow, float(x[at.bias]), float(p[at.bias, at.bias]), covariance)
+        bias = float(x[at.bias]), float(p[at.bias, at.bias])
+        return Merged(phasors, slow, *bias, float(x[at.force]), covariance)

@@ -252,7 +252,9 @@ class FusedMethod:
         self._alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - blow.blocks_ago)
         block = self._blocks[place]
-        block.jumps += (Jump.guessed(block.start_s, blow.sizes_m),)
+        size_m = blow.sizes_m[0]
+        self.frames.held_force.begin(block.start_s, size_m)
+        block.jumps += (Jump.guessed(block.start_s, blow.sizes_m, size_m),)
         self._restart_present(self._blocks[-1].end_s)
 
     def _see_samples(self, samples: list[VisualSample], time_s: float) -> None:
@@ -388,7 +390,7 @@ class FusedMethod:
         merged, present = self._snapshot, self._present
         present.restart(
             list(merged.phasors), [row.copy() for row in merged.covariance], merged.slow,
-            merged.bias, merged.bias_variance, self._cycle_s,
+            merged.bias, merged.bias_variance, merged.force, self._cycle_s,
         )  # fmt: skip
         for block in (*self._taken, *self._blocks):
             for jump in block.jumps:
@@ -411,6 +413,9 @@ class FusedMethod:
         push = self.frames.force.during(start_s, end_s)
         if push is not None:
             self._present.inflate(push)
+        held = self.frames.held_during(start_s, end_s)
+        if held is not None:
+            self._present.inflate(held)
 
     def _estimate(self, turn: list[complex], time_s: float) -> Estimate:
         deflection, rate, std = self._present.deflection(turn)

@@ -1,0 +1,71 @@
+"""A force at the tip that lasts: a hand that pulls, a payload that is picked up, contact with a wall.
+
+Such a force deflects the tip statically by f = F / (m w^2), and the mode vibrates about f: q = Re(Z exp(j w t)) + f.
+The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Neither the deflection
+nor its rate jumps with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step:
+f returns to zero, and the arm rings with the amplitude that it had been pulled aside by.
+
+Images show f and the accelerometer does not. The state is therefore not used (zero, with zero variance) until images
+leave their gate and the accelerometer has seen no impact.
+"""
+
+from collections import deque
+from math import sqrt
+
+from controller.fused.blocks import Jump
+
+_SPAN_S = 0.1  # over which the force's rate is taken: about a capture delay, which is how far it is extrapolated
+_ONSET_S = 0.05  # the first innovation outside its gate grew over about so long: a few frames
+_REST_SHARE = 1.0  # of an image's variance, per second: the walk of a force that rests
+_GATE = 3.0  # standard deviations: a force within this is taken for none
+_NONE_FOR_S = 1.0  # for so long
+
+
+class HeldForce:
+    """Whether a force is held, and how fast it changes.
+
+    active: whether the state is in use. walk: growth of the variance of f, m^2/s.
+    """
+
+    def __init__(self, modes: int, noise_m2: float) -> None:
+        """modes: of the arm; noise_m2: variance of an image, m^2."""
+        self._none = (0.0,) * modes
+        self._rest = _REST_SHARE * noise_m2
+        self._past: deque[tuple[float, float]] = deque()
+        self.active = False
+        self.walk = 0.0
+        self._none_since_s = float("inf")
+
+    def begin(self, time_s: float, size_m: float) -> None:
+        """Images left their gate by about size_m: a force may have begun, changed, or ended."""
+        self.active = True
+        self.walk = max(self.walk, size_m * size_m / _ONSET_S)
+        self._past.clear()
+        self._none_since_s = time_s
+
+    def during(self, start_s: float, end_s: float, share: float = 1.0) -> Jump | None:
+        """What the force may have done between two times. share: probability that there is one."""
+        if not self.active or share <= 0.0:
+            return None
+        size = sqrt(share * self.walk * (end_s - start_s))
+        return Jump(0.5 * (start_s + end_s), self._none, self._none, size)
+
+    def see(self, time_s: float, value_m: float, variance: float) -> bool:
+        """After an image: the force's static deflection and its variance, m^2. Returns whether there is none left."""
+        past = self._past
+        past.append((time_s, value_m))
+        while time_s - past[0][0] > _SPAN_S and len(past) > 2:
+            past.popleft()
+        span = time_s - past[0][0]
+        if span > 0.5 * _SPAN_S:
+            step = value_m - past[0][1]
+            self.walk = max(step * step / span, self._rest)
+        if value_m * value_m > _GATE * _GATE * variance:
+            self._none_since_s = time_s
+        return time_s - self._none_since_s > _NONE_FOR_S
+
+    def end(self) -> None:
+        """No force is left."""
+        self.active = False
+        self.walk = 0.0
+        self._past.clear()
