@@ -35,6 +35,7 @@ class Law(IntEnum):
 LAWS = len(Law)
 LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
 _VAGUE = 0.002  # of the squared rate
+_INSIGNIFICANT = 0.1  # likewise: three standard deviations. Of less, an image's rate is noise, and tells no instant
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 LAW_OF = np.arange(FILTERS) % LAWS
@@ -275,6 +276,9 @@ class FilterBank:
         slope[:, at.frequency], slope[:, at.decay] = own.imag * drawn, own.real * drawn
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
         slope[:, at.force] = scale
+        unseen = w2 * 0.5 * (p[:, 0, 0] + p[:, 1, 1]) > _INSIGNIFICANT * self._known_rate2(rate)
+        if unseen.any():
+            slope[unseen, at.shift] = 0.0
         residual = value_m - scale * tip - self.x[:, at.offset]
         # second order: products of two uncertain quantities, and a large shift bends the sinusoid
         unknown = self.jitter + p[:, at.shift, at.shift]
@@ -282,7 +286,8 @@ class FilterBank:
         rate2 = rate * rate
         products = p[:, at.scale, at.scale] * (phasor + rate2 * unknown) + (_FLOOR * deflection) ** 2
         bend = 0.5 * (w2 * deflection * unknown) ** 2
-        extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
+        extra = noise + rate2 * (self.jitter + unseen * p[:, at.shift, at.shift])
+        extra += w2 * phasor * unknown + bend + products
         ph = np.matvec(p, slope)
         variance = np.vecdot(ph, slope) + extra
         return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)
@@ -323,9 +328,13 @@ class FilterBank:
         seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
         stays.
         """
-        w2, a, b, rate = self._at.w_first**2, self.x[:, 0], self.x[:, 1], seen.rate
-        known = (0.5 * w2) * (a * a + b * b) + rate * rate
-        result: NDArray[np.bool_] = seen.phasor > (_VAGUE / w2) * known
+        result: NDArray[np.bool_] = seen.phasor > (_VAGUE / self._at.w_first**2) * self._known_rate2(seen.rate)
+        return result
+
+    def _known_rate2(self, rate: Array) -> Array:
+        """Square of the image's rate as each filter has it, at this instant and on average, m^2/s^2, (filters,)."""
+        a, b = self.x[:, 0], self.x[:, 1]
+        result: Array = (0.5 * self._at.w_first**2) * (a * a + b * b) + rate * rate
         return result
 
     def inflate(self, jump: Jump, filters: slice = ALL) -> None:
@@ -340,6 +349,9 @@ class FilterBank:
             self.p[:, d, d] += power * sine * sine + rest
             self.p[:, c, d] += power * cosine * sine
             self.p[:, d, c] += power * cosine * sine
+        if jump.force_step_m:
+            turn = jump.force_step_m * exp(-1j * self._w[0] * jump.time_s)
+            self.x[:, self._forced] += (-turn.real, turn.imag, jump.force_step_m)
         if jump.force_m:
             self._change_force(jump, filters)
 

@@ -186,6 +186,8 @@ class FrameFusion:
         bank = self.bank
         for jump in block.jumps:
             bank.inflate(jump, QUIET)
+            if jump.force_step_m:
+                self.held_force.step()
         held = self.held_force.during(block.start_s, block.end_s)
         if held is not None:
             bank.inflate(held, QUIET)

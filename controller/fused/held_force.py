@@ -43,6 +43,12 @@ class HeldForce:
         self._past.clear()
         self._none_since_s = time_s
 
+    def step(self) -> None:
+        """The accelerometer has seen the force change at once: the change itself is known."""
+        self.active = True
+        self.walk = max(self.walk, self._rest)
+        self._past.clear()
+
     def during(self, start_s: float, end_s: float, share: float = 1.0) -> Jump | None:
         """What the force may have done between two times. share: probability that there is one."""
         if not self.active or share <= 0.0:

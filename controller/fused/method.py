@@ -16,7 +16,7 @@ from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.present import Present
 from controller.fused.sensor_health import AccelerometerHealth
-from controller.fused.strike import Strike, StrikeMeter
+from controller.fused.strike import Step, Strike, StrikeMeter
 
 _FIRST_PERIODS, _HIGHEST_PERIODS = (
     1.0 / 24.0,
@@ -106,6 +106,7 @@ class FusedMethod:
         self._strikes = StrikeMeter(self._w[0], self._cycle_s)
         self._sums = BlockSums(at.modes)
         self._blocks: deque[Block] = deque()
+        self._held_back: list[tuple[Block, int]] = []  # with how many samples: a strike may be under way
         self._open_jumps: tuple[Jump, ...] = ()  # in the block under way
         self._block_start: int | None = None
         self._start_sum = [0j] * at.modes
@@ -155,10 +156,10 @@ class FusedMethod:
         if not self.health.usable(raw, expected_raw):
             return
         value = ((raw - sensor.bias_m_s2) / sensor.scale - rigid) * self._per_acceleration
-        if self._measure_strike(observation.cycle, value - expected):
-            return
-        scatter = self.health.scatter(value - expected)
-        value = expected + self.health.bounded(value - expected, self._allowance * abs(self._present.z[0]))
+        scatter = value - expected
+        if not self._measure_strike(observation.cycle, scatter):
+            value = expected + self.health.bounded(scatter, self._allowance * abs(self._present.z[0]))
+            scatter = self.health.scatter(scatter)
         forced = 0.0
         for i, one in enumerate(turn):
             forced += ((self._joint_input.sum[i] - self._start_sum[i]) * one * self._nominal_gain[i]).real
@@ -173,16 +174,52 @@ class FusedMethod:
             return False
         strike = strikes.see(cycle, excess_m, std)
         if strikes.open and not was_open:
-            self._leave_out(strikes.since)
-        if strike is not None and self.health.alarm(cycle * self._cycle_s, inf):
-            self._take_strike(strike, cycle * self._cycle_s)
-        return strikes.open or strike is not None
+            for block in self._blocks:
+                if block.end_s > strikes.since * self._cycle_s:
+                    self._hold_back(block)
+        if was_open and not strikes.open:
+            time_s = cycle * self._cycle_s
+            if strike is None or not self.health.alarm(time_s, inf):
+                self._give_back()
+            else:
+                self._sums.clear()
+                self._held_back.clear()
+                if isinstance(strike, Step):
+                    self._take_step(strike, time_s)
+                else:
+                    self._take_strike(strike, time_s)
+        return strikes.open
 
-    def _leave_out(self, since: int) -> None:
-        self._sums.clear()
-        for block in self._blocks:
-            if block.end_s > since * self._cycle_s:
-                block.count = 0
+    def _hold_back(self, block: Block) -> None:
+        """Leave a block out until it is known whether its samples show a strike, which is no vibration."""
+        if block.count:
+            self._held_back.append((block, block.count))
+            block.count = 0
+
+    def _give_back(self) -> None:
+        """The samples held back have shown no strike: what they do show counts."""
+        for block, count in self._held_back:
+            block.count = count
+            if block in self._blocks:
+                self._compare(block)
+        self._held_back.clear()
+
+    def _take_step(self, step: Step, now_s: float) -> None:
+        """A force that has begun, changed or ended, for all that is computed from its block on."""
+        assert self._block_start is not None
+        time_s = step.cycle * self._cycle_s
+        self._blows.forget()
+        self.frames.held_force.step()
+        jump = Jump.stepped(time_s, step.size_m)
+        if time_s >= self._block_start * self._cycle_s:
+            self._open_jumps += (jump,)
+        else:
+            block = next((one for one in reversed(self._blocks) if one.start_s <= time_s), None)
+            if block is None:
+                return  # images exposed since then have seen it
+            block.jumps += (jump,)
+        self._snapshot = None
+        self._restart_present(now_s)
 
     def _take_strike(self, strike: Strike, now_s: float) -> None:
         """The strike's step of the phasors, at its own instant, for all that is computed from now on."""
@@ -223,6 +260,8 @@ class FusedMethod:
         self._sums.clear()
         block.jumps, self._open_jumps = self._open_jumps, ()
         self._blocks.append(block)
+        if self._strikes.open:
+            self._hold_back(block)
         if block.count:
             self._compare(block)
         if len(self._blocks) > self._most_blocks:
@@ -254,6 +293,7 @@ class FusedMethod:
         block = self._blocks[place]
         size_m = blow.sizes_m[0]
         self.frames.held_force.begin(block.start_s, size_m)
+        self._snapshot = None
         block.jumps += (Jump.guessed(block.start_s, blow.sizes_m, size_m),)
         self._restart_present(self._blocks[-1].end_s)
 

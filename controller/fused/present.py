@@ -127,6 +127,9 @@ class Present:
                 line[2 * i] += power * direction[k] * direction[0]
                 line[2 * i + 1] += power * direction[k] * direction[1]
                 line[2 * i + k] += rest
+        if jump.force_step_m:
+            self.z[0] -= jump.force_step_m * exp(-1j * self._w[0] * jump.time_s)
+            self.force += jump.force_step_m
         if jump.force_m and len(self.p) > 2 * len(self.z):
             turn = exp(1j * self._w[0] * jump.time_s)
             moved = {0: -turn.real * jump.force_m, 1: -turn.imag * jump.force_m, len(self.p) - 1: jump.force_m}
