@@ -73,7 +73,7 @@ class Seen:
     rate: Array
     ph: Array  # covariance times the slope of the image's value by the state, (filters, n)
     surprise: Array  # normalised innovation squared
-    phasor: Array  # variance of the first mode's phasor, m^2, the mean of its parts'
+    phasor: Array  # variance of the image's rate over w squared, m^2: of the first mode's phasor, and of the joint's rate
 
 
 class FilterBank:
@@ -257,11 +257,17 @@ class FilterBank:
         return Vibration(lag, turn, own, summed(total.real, 1), summed((fast * total).real, 1))
 
     def look(
-        self, value_m: float, vibration: Vibration, joint_m: Array, joint_rate: Array, noise: float
+        self,
+        value_m: float,
+        vibration: Vibration,
+        joint_m: Array,
+        joint_rate: Array,
+        joint_rate_variance: float,
+        noise: float,
     ) -> Seen:
         """An image that shows value_m of that vibration, when the joint alone moved the tip by joint_m (filters,).
 
-        joint_rate: rate of joint_m, m/s, (filters,). noise: variance, m^2.
+        joint_rate: rate of joint_m, m/s, (filters,), with its variance. noise: of the image, variance, m^2.
         """
         at, p, w2 = self._at, self.p, self._at.w_first**2
         blur = np.exp(-0.5 * w2 * self.jitter)
@@ -276,13 +282,13 @@ class FilterBank:
         slope[:, at.frequency], slope[:, at.decay] = own.imag * drawn, own.real * drawn
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
         slope[:, at.force] = scale
-        unseen = w2 * 0.5 * (p[:, 0, 0] + p[:, 1, 1]) > _INSIGNIFICANT * self._known_rate2(rate)
+        phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1]) + joint_rate_variance / w2
+        unseen = w2 * phasor > _INSIGNIFICANT * self._known_rate2(rate)
         if unseen.any():
             slope[unseen, at.shift] = 0.0
         residual = value_m - scale * tip - self.x[:, at.offset]
         # second order: products of two uncertain quantities, and a large shift bends the sinusoid
         unknown = self.jitter + p[:, at.shift, at.shift]
-        phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
         rate2 = rate * rate
         products = p[:, at.scale, at.scale] * (phasor + rate2 * unknown) + (_FLOOR * deflection) ** 2
         bend = 0.5 * (w2 * deflection * unknown) ** 2

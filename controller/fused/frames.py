@@ -86,10 +86,12 @@ class Look(NamedTuple):
 
 class Joint(NamedTuple):
     """What the joint did by an image's instants: how far it alone moved the tip, m, at what rate, m/s, both (filters,);
-    and the modes' phasor increments since the bank's instant, (filters, m)."""
+    and the modes' phasor increments since the bank's instant, (filters, m). rate_variance: of rate, by the encoder's
+    noise, m^2/s^2."""
 
     tip: Array
     rate: Array
+    rate_variance: float
     step: ComplexArray
 
 
@@ -305,7 +307,7 @@ class FrameFusion:
         at, bank, weights = self._at, self.bank, self.evidence.weights
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
-        seen = bank.look(image.value_m, vibration, joint.tip, joint.rate, image.noise)
+        seen = self._seen(image, vibration, joint)
         surprise = seen.surprise
         self.blow = False
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
@@ -457,14 +459,18 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
-        bank, joint = self.bank, self._joint(image, times)
-        vibration = bank.vibration_at(times, joint.step)
-        return bank.look(image.value_m, vibration, joint.tip, joint.rate, image.noise)
+        joint = self._joint(image, times)
+        return self._seen(image, self.bank.vibration_at(times, joint.step), joint)
+
+    def _seen(self, image: Look, vibration: Vibration, joint: Joint) -> Seen:
+        return self.bank.look(
+            image.value_m, vibration, joint.tip, joint.rate, joint.rate_variance, image.noise
+        )
 
     def _joint(self, image: Look, times: Array) -> Joint:
         lever = self._at.lever
         theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times)
-        return Joint(theta * lever, rate * lever, step)
+        return Joint(theta * lever, rate * lever, lever * lever * image.joint_input.rate_variance, step)
 
     def _joint_still(self, image: Look, times: Array) -> bool:
         best = self.evidence.best
