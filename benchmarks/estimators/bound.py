@@ -122,10 +122,16 @@ def _frame_step(regime: Regime) -> tuple[Values, Values]:
 
 
 def _time_measurements(regime: Regime, exposed_s: float) -> list[tuple[Values, float]]:
-    """Rows and variances of the arrival, of n_i and of the camera's stamp."""
+    """Rows and variances of the arrival, of n_i and of the camera's stamp.
+
+    Of a busy computer's queue the bound is told how long each image waited: more than anybody can know, and what is
+    left of the delay is Gaussian. n_i is the time of an earlier image's end, and adds nothing.
+    """
     rounding = CYCLE_S**2 / 12.0
     arrival, started, stamp = np.zeros((3, _STATES))
     arrival[[_EXPOSED, _MEAN, _WALK_OF_DELAY]] = 1.0
+    if regime.busy is not None:
+        return [(arrival, rounding)]
     started[[_EXPOSED, _AHEAD]] = 1.0, -1.0
     stamp[[_EXPOSED, _STAMP_ZERO, _STAMP_RATE]] = 1.0, 1.0, exposed_s
     rows = [(arrival, regime.jitter_s**2 + rounding), (started, regime.started_white_s**2 + rounding)]

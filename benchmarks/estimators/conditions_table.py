@@ -1,41 +1,42 @@
 """The third table: what the methods were not told, what they lose, and what moves."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
-from math import cos, pi
+from dataclasses import asdict, dataclass, replace
+from math import cos, isfinite, pi
 from typing import Any
 
 import numpy as np
 
 from benchmarks.estimators.closed_loop import Course, run_closed
-from benchmarks.estimators.generator import Change, Data, generate
+from benchmarks.estimators.condition import Condition
+from benchmarks.estimators.generator import Change, Data, cycle_times, generate
 from benchmarks.estimators.regimes import AFTER_BLOW_S, CYCLE_S, DURATION_S, REGIMES, SETTLING_S, Arm, Regime
+from benchmarks.estimators.starts import (
+    CLOSED_STARTS,
+    FIGURES,
+    OPEN_STARTS,
+    REGIMES_STARTED,
+    During,
+    during_of,
+    within,
+)
 from benchmarks.estimators.tables import failure_of, mean_score
-from benchmarks.estimators.trial import Said, Score, assumed_model, run_method, scale_error, score, score_of
+from benchmarks.estimators.trial import (
+    Said,
+    Score,
+    assumed_model,
+    run_method,
+    said_of,
+    scale_error,
+    score,
+    score_of,
+)
 
 REGIMES_CHANGED = ("freerun drift", "triggered drift")
 NOISE = 0.3
 ONSET_S = 20.0
 _STRIKE_EVERY_S = 2.7
 _MOVE_EVERY_S, _MOVE_S, _MOVE_RAD_S = 4.0, 1.5, 0.1
-
-
-_AS_TOLD = Arm()
-
-
-@dataclass(frozen=True)
-class Condition:
-    """A departure from what the methods are told. from_s: scored from then on; duration_s: of the trial.
-
-    change_data: what befalls the measurements, given the trial and a source of chance.
-    """
-
-    arm: Arm = _AS_TOLD
-    change: Change | None = None
-    scale_factor: float = 1.0
-    duration_s: float = DURATION_S
-    from_s: float = SETTLING_S
-    change_data: Callable[[Data, np.random.Generator], Data] = lambda data, random: data
 
 
 def _lose_frames(data: Data, random: np.random.Generator) -> Data:
@@ -95,7 +96,13 @@ CLOSED_LOOP: dict[str, Course] = {
     "joint moving": _course(reference=_moves),
     "damping on": _course(damping=lambda time_s: time_s >= SETTLING_S),
 }
-CONDITIONS = (*OPEN_LOOP, *CLOSED_LOOP)
+# New ones come last: a condition's place is part of its trials' seeds.
+CONDITIONS = (*OPEN_LOOP, *CLOSED_LOOP, *OPEN_STARTS, *CLOSED_STARTS)
+
+
+def regimes_of(condition: str) -> tuple[str, ...]:
+    """In which regimes a condition is tried."""
+    return REGIMES_STARTED if condition in OPEN_STARTS or condition in CLOSED_STARTS else REGIMES_CHANGED
 
 
 @dataclass(frozen=True)
@@ -111,55 +118,78 @@ class ConditionJob:
 
 @dataclass(frozen=True)
 class Withstood:
-    """What came of it, by method."""
+    """What came of it, by method; during: of conditions that ask for it."""
 
     job: ConditionJob
     scores: dict[str, Score]
     failures: dict[str, str]
+    during: dict[str, During]
 
 
 def withstand(job: ConditionJob) -> Withstood:
     """Run every method under the condition."""
     regime = REGIMES[job.regime]
     seed = (job.seed, job.trial, 3, CONDITIONS.index(job.condition))
-    judge = (
-        _closed(job.condition, regime, seed)
-        if job.condition in CLOSED_LOOP
-        else _open(job.condition, regime, seed)
-    )
-    scores, failures = {}, {}
+    closed = job.condition in CLOSED_LOOP or job.condition in CLOSED_STARTS
+    judge = (_closed if closed else _open)(job.condition, regime, seed)
+    scores, during, failures = {}, {}, {}
     for name in job.methods:
         try:
-            scores[name] = judge(name)
+            scores[name], begun = judge(name)
+            if begun is not None:
+                during[name] = begun
         except Exception as failure:  # whatever it raises is this method's result and no other's
             failures[name] = f"{type(failure).__name__}: {failure}"
-    return Withstood(job, scores, failures)
+    return Withstood(job, scores, failures, during)
 
 
-def _open(name: str, regime: Regime, seed: tuple[int, ...]) -> Callable[[str], Score]:
-    condition = OPEN_LOOP[name]
-    data = generate(regime, NOISE, seed, condition.duration_s, condition.arm, condition.change)
+Judge = Callable[[str], tuple[Score, During | None]]
+
+
+def _open(name: str, regime: Regime, seed: tuple[int, ...]) -> Judge:
+    condition = OPEN_LOOP[name] if name in OPEN_LOOP else OPEN_STARTS[name]
+    data = generate(
+        regime, NOISE, seed, condition.duration_s, condition.arm, condition.change, condition.excite
+    )
     data = condition.change_data(data, np.random.default_rng((*seed, 1)))
     model = assumed_model(regime, NOISE)
     scale = condition.scale_factor * (1.0 + scale_error(seed))
-    return lambda method: score(data, run_method(method, data, model, scale), condition.from_s)
+
+    def judge(method: str) -> tuple[Score, During | None]:
+        answers = run_method(method, data, model, scale)
+        scored = score(data, answers, condition.from_s)
+        if condition.during is None:
+            return scored, None
+        cycles = within(condition.during(data), cycle_times(len(data.deflection_m)))
+        begun = during_of(
+            said_of(data, answers), cycles, cycles[data.frames.read_cycle], data.arm.amplitude_m
+        )
+        return scored, begun
+
+    return judge
 
 
-def _closed(name: str, regime: Regime, seed: tuple[int, ...]) -> Callable[[str], Score]:
-    course = CLOSED_LOOP[name]
+def _closed(name: str, regime: Regime, seed: tuple[int, ...]) -> Judge:
+    course, spans = (CLOSED_LOOP[name], None) if name in CLOSED_LOOP else CLOSED_STARTS[name]
+    from_s = SETTLING_S if spans is None else spans()[0][0]
 
-    def judge(method: str) -> Score:
+    def judge(method: str) -> tuple[Score, During | None]:
         run = run_closed(method, regime, NOISE, seed, course)
-        time_s = np.arange(len(run.deflection_m)) * CYCLE_S
-        late = time_s >= SETTLING_S
+        time_s = cycle_times(len(run.deflection_m))
+        late = time_s >= from_s
         scored = late.copy()
         for strike in course.strikes:
             scored &= (time_s < strike) | (time_s > strike + AFTER_BLOW_S)
+        nominal_m = Arm().amplitude_m
         said = Said(
             run.deflection_m, run.predicted_m, run.predicted_std_m,
-            np.full(len(time_s), Arm().amplitude_m), run.delay_error_s, run.delay_std_s,
+            np.full(len(time_s), nominal_m), run.delay_error_s, run.delay_std_s,
         )  # fmt: skip
-        return score_of(said, scored, late, scored[run.frame_cycle])
+        judged = score_of(said, scored, late, scored[run.frame_cycle])
+        if spans is None:
+            return judged, None
+        cycles = within(spans(), time_s)
+        return judged, during_of(said, cycles, cycles[run.frame_cycle], nominal_m)
 
     return judge
 
@@ -183,8 +213,19 @@ def condition_rows(withstood: Iterable[Withstood]) -> list[dict[str, Any]]:
                     "regime": regime,
                     "noise": NOISE,
                     **figures,
+                    **_during(one.during[name] for one in cell if name in one.during),
                     "trials": len(scores),
                     "failure": failure_of(one.failures.get(name) for one in cell),
                 }
             )
     return rows
+
+
+def _during(begun: Iterable[During]) -> dict[str, float | None]:
+    """Means over the trials; None where a condition has no such figures."""
+    rows = [asdict(one) for one in begun]
+    row: dict[str, float | None] = {}
+    for figure in FIGURES:
+        values = [one[figure] for one in rows if isfinite(one[figure])]
+        row[figure] = float(np.mean(values)) if values else None
+    return row

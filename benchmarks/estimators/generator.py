@@ -2,16 +2,18 @@
 
 Written apart from controller/ and simulation/, so that an error in the estimators' model of the world does not
 cancel itself out. With l = -zeta w + i w sqrt(1 - zeta^2) and z = q' - conj(l) q, the mode's equation
-q'' + 2 zeta w q' + w^2 q = f is z' = l z + f: under a constant force z + f / l turns and decays as exp(l t), exactly.
+q'' + 2 zeta w q' + w^2 q = f is z' = l z + f: under a force f = f0 + f1 t, z + f / l + f1 / l^2 turns and decays as
+exp(l t), exactly.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import ceil, exp, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.estimators.busy_computer import passed_on
 from benchmarks.estimators.regimes import CYCLE_S, DRIFT_TIME_S, FRAME_S, Arm, Regime
 
 Values = NDArray[np.float64]
@@ -25,8 +27,9 @@ _FIRST_EXPOSURE_S = 0.010
 class Motion:
     """Deflection of one mode, piece by piece: each row starts at start_s from (deflection_m, rate_m_s).
 
-    pole: l of the piece, 1/s; force_m_s2: constant over the piece. blows_s: middle of each blow. Shapes (pieces,),
-    (blows,).
+    pole: l of the piece, 1/s; force_m_s2, force_rate_m_s3: the force at the piece's start, and its slope. blows_s:
+    middle of each blow, or end of another force. Shapes (pieces,), (blows,). forced_s: from when to when each force
+    lasts that is no blow, shape (forces, 2).
     """
 
     start_s: Values
@@ -36,6 +39,8 @@ class Motion:
     force_m_s2: Values
     blows_s: Values
     blow_velocity_m_s: Values
+    force_rate_m_s3: Values
+    forced_s: Values
 
     def piece_at(self, time_s: Values) -> Counts:
         """Which piece each of those times lies in."""
@@ -44,10 +49,12 @@ class Motion:
     def at(self, time_s: Values) -> tuple[Values, Values, Values]:
         """Deflection, rate and acceleration at those times, each of their shape."""
         row = self.piece_at(time_s)
-        pole, force = self.pole[row], self.force_m_s2[row]
-        rest = force / pole
+        since = time_s - self.start_s[row]
+        pole, slope = self.pole[row], self.force_rate_m_s3[row]
+        force = self.force_m_s2[row] + slope * since
+        bend = slope / pole**2
         first = self.rate_m_s[row] - pole.conj() * self.deflection_m[row]
-        z = (first + rest) * np.exp(pole * (time_s - self.start_s[row])) - rest
+        z = (first + self.force_m_s2[row] / pole + bend) * np.exp(pole * since) - force / pole - bend
         deflection = z.imag / pole.imag
         rate = z.real + pole.real * deflection
         return deflection, rate, force + 2.0 * pole.real * rate - np.abs(pole) ** 2 * deflection
@@ -113,6 +120,9 @@ def cycle_times(cycles: int) -> Values:
     return CYCLE_S * np.arange(cycles, dtype=np.float64)
 
 
+Excitation = Callable[[Arm, float, np.random.Generator], Motion]
+
+
 @dataclass(frozen=True)
 class Change:
     """The mode from onset_s on, as factors of what it was."""
@@ -128,10 +138,16 @@ def generate(
     duration_s: float,
     arm: Arm,
     change: Change | None = None,
+    excite: Excitation | None = None,
 ) -> Data:
-    """Draw one trial. noise: of the accelerometer, as a fraction of the amplitude's acceleration, at each cycle."""
+    """Draw one trial. noise: of the accelerometer, as a fraction of the amplitude's acceleration, at each cycle.
+
+    excite: what keeps the arm moving; None: blows, and `change`.
+    """
     random = np.random.default_rng(seed)
-    motion = strike_again(arm, duration_s, random, change)
+    motion = (
+        strike_again(arm, duration_s, random, change) if excite is None else excite(arm, duration_s, random)
+    )
     frames = expose(regime, duration_s, random)
     time_s = cycle_times(round(duration_s / CYCLE_S))
     deflection, rate, acceleration = motion.at(time_s)
@@ -160,46 +176,65 @@ def strike_again(
     w, unit = arm.angular_frequency, arm.amplitude_m
     phase = random.uniform(0.0, 2.0 * np.pi)
     amplitude = unit * random.uniform(*arm.blow_to)
-    pieces = [(0.0, amplitude * np.cos(phase), amplitude * w * np.sin(phase), _pole(arm), 0.0)]
+    pieces: list[Piece] = [(0.0, amplitude * np.cos(phase), amplitude * w * np.sin(phase), pole_of(arm), 0.0)]
     blows, velocities = [], []
     blow = random.uniform(*arm.blow_every_s)
     while blow < duration_s or change is not None:
         if change is not None and change.onset_s <= blow:
             arm = replace(arm, frequency_hz=arm.frequency_hz * change.frequency)
             w = arm.angular_frequency
-            pieces.append((change.onset_s, *_reach(pieces, change.onset_s), _pole(arm), 0.0))
+            pieces.append((change.onset_s, *reach(pieces, change.onset_s), pole_of(arm), 0.0))
             change = None
             continue
         middle = blow + 0.5 * arm.blow_s
-        deflection, rate = _reach(pieces, middle)
+        deflection, rate = reach(pieces, middle)
         target = unit * random.uniform(*arm.blow_to)
         turn = w * sqrt(max(0.0, target**2 - deflection**2))
         velocity = min(turn - rate, -turn - rate, key=abs)
-        pieces.append((blow, *_reach(pieces, blow), _pole(arm), velocity / arm.blow_s))
+        pieces.append((blow, *reach(pieces, blow), pole_of(arm), velocity / arm.blow_s))
         end = blow + arm.blow_s
-        pieces.append((end, *_reach(pieces, end), _pole(arm), 0.0))
+        pieces.append((end, *reach(pieces, end), pole_of(arm), 0.0))
         blows.append(middle)
         velocities.append(velocity)
         blow = max(end, blow + random.uniform(*arm.blow_every_s))
-    return _motion(pieces, blows, velocities)
+    return motion_of(pieces, blows, velocities)
 
 
-_Piece = tuple[float, float, float, complex, float]
+Piece = tuple[float, float, float, complex, float] | tuple[float, float, float, complex, float, float]
+"""Of a Motion: start, deflection, rate, pole, force, and where the force is not constant its slope."""
 
 
-def _motion(pieces: Iterable[_Piece], blows: list[float], velocities: list[float]) -> Motion:
-    start, deflection, rate, pole, force = (np.array(column) for column in zip(*pieces, strict=True))
+def motion_of(
+    pieces: Iterable[Piece],
+    blows: list[float],
+    velocities: list[float],
+    forced: Iterable[tuple[float, float]] = (),
+) -> Motion:
+    """A Motion from its rows."""
+    rows = [row if len(row) == 6 else (*row, 0.0) for row in pieces]
+    start, deflection, rate, pole, force, slope = (np.array(column) for column in zip(*rows, strict=True))
+    spans = np.array(list(forced), dtype=np.float64).reshape(-1, 2)
     return Motion(
-        start, deflection, rate, pole.astype(np.complex128), force, np.array(blows), np.array(velocities)
+        start,
+        deflection,
+        rate,
+        pole.astype(np.complex128),
+        force,
+        np.array(blows),
+        np.array(velocities),
+        slope,
+        spans,
     )
 
 
-def _reach(pieces: list[_Piece], time_s: float) -> tuple[float, float]:
-    deflection, rate, _ = _motion(pieces[-1:], [], []).at(np.array([time_s]))
+def reach(pieces: list[Piece], time_s: float) -> tuple[float, float]:
+    """Deflection and rate at a time of the last piece."""
+    deflection, rate, _ = motion_of(pieces[-1:], [], []).at(np.array([time_s]))
     return float(deflection[0]), float(rate[0])
 
 
-def _pole(arm: Arm) -> complex:
+def pole_of(arm: Arm) -> complex:
+    """l of the module's docstring, 1/s."""
     w, zeta = arm.angular_frequency, arm.damping_ratio
     return complex(-zeta * w, w * sqrt(1.0 - zeta * zeta))
 
@@ -214,6 +249,15 @@ def expose(regime: Regime, duration_s: float, random: np.random.Generator) -> Fr
         exposed = exposed + np.cumsum(regime.trigger_walk_s * random.standard_normal(count))
         exposed = exposed + _variation(regime, count, random)
         exposed = np.maximum.accumulate(exposed - k * _LEAST_TRIGGER_GAP_S) + k * _LEAST_TRIGGER_GAP_S
+    if regime.busy is not None:
+        slow = replace(regime, jitter_s=0.0)
+        kept, done, begun = passed_on(
+            regime.busy, exposed, regime.delay_s, _variation(slow, count, random), random
+        )
+        read = np.ceil(done / CYCLE_S).astype(np.int64)
+        started = np.maximum(np.floor(begun / CYCLE_S), 0.0).astype(np.int64)
+        frames = Frames(k[kept].astype(np.int64), exposed[kept], read, started, np.full(len(read), np.nan))
+        return frames.without(read >= round(duration_s / CYCLE_S))
     # Half a cycle less: waiting for the next cycle adds it, so that the delay at reading has the mean delay_s.
     arrival = exposed + regime.delay_s - 0.5 * CYCLE_S + _variation(regime, count, random)
     read = np.ceil(np.maximum.accumulate(arrival) / CYCLE_S).astype(np.int64)

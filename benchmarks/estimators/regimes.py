@@ -49,6 +49,32 @@ class Arm:
 
 
 @dataclass(frozen=True)
+class Busy:
+    """How a busy computer passes images on: busy_computer.py tells the law, docs/benchmark-estimators.md its origin.
+
+    Figures are those of 15 runs of `stillarm demo` in real time on a machine of two cores, half of them beside a second
+    demo. Times in seconds.
+    """
+
+    earliest_s: float = (
+        0.050  # no image is handed over sooner after mid-exposure: exposure, read-out, transfer
+    )
+    mean_std_s: float = 0.005  # of a trial's mean delay about delay_s
+    scheduling_s: float = 0.004  # mean of what scheduling adds to each image, gamma of shape 2
+    service_s: float = 0.004  # tracking and network: least time from one image to the next
+    service_tail_s: float = 0.001  # mean of what comes on top, exponential
+    stalls_per_s: float = (
+        0.2  # the process does not run at all: 0.11 a second in the quiet runs, 1.1 in the others
+    )
+    stall_s: tuple[float, float] = (0.02, 0.09)
+    started_behind_s: tuple[float, float] = (0.025, 0.1)  # by how much the first image waits
+    warm_frames: tuple[int, int] = (8, 25)  # the first images, served at the rate at which they come
+    warm_up_frames: float = 8.0  # then service becomes faster, with this constant
+    buffers: int = 6  # images that wait; more are lost
+    in_flight: int = 4  # n_i is the time at which the image this many earlier was done
+
+
+@dataclass(frozen=True)
 class Regime:
     """How frames are exposed and how late they come. All times in seconds; laws are Gaussian unless said otherwise.
 
@@ -57,6 +83,7 @@ class Regime:
     (first-order Gauss-Markov, drift_s, DRIFT_TIME_S) + white part (jitter_s), frames kept in order, read in the next
     cycle. started = e_k - half a frame - offset - white part (offset_s uniform over half a frame, once a trial), kept
     within the frame before mid-exposure. stamped: the camera's own clock, unknown offset and rate, noise stamp_s.
+    busy: replaces the laws of delay and n_i by those of a busy computer, but for the slow part of the delay.
     """
 
     name: str
@@ -73,6 +100,7 @@ class Regime:
         FRAME_S / 4.0
     )  # largest, uniform: with the white part, the spread of one whole frame
     stamp_s: float = 5e-5
+    busy: Busy | None = None
 
 
 def _regime(camera: str, law: str) -> Regime:
@@ -94,6 +122,9 @@ REGIMES: dict[str, Regime] = {
         for law in ("constant", "drift", "jitter")
     )
 }
+REGIMES["live"] = Regime(
+    "live", drift_s=0.005, busy=Busy()
+)  # last: a regime's place is part of its trials' seeds
 
 
 def regimes_named(names: list[str] | None) -> list[Regime]:

@@ -10,10 +10,10 @@ from typing import Any
 
 from benchmarks.estimators.conditions_table import (
     CONDITIONS,
-    REGIMES_CHANGED,
     ConditionJob,
     Withstood,
     condition_rows,
+    regimes_of,
     withstand,
 )
 from benchmarks.estimators.damping_table import REGIMES_DAMPED, Damped, DampingJob, damp, damping_rows
@@ -60,32 +60,58 @@ class Campaign:
             jobs += [
                 DampingJob(regime, trial, self.seed, self.methods)
                 for regime in REGIMES_DAMPED
+                if regime in self.regimes
                 for trial in later
             ]
         if "conditions" in self.tables:
             jobs += [
                 ConditionJob(condition, regime, trial, self.seed, self.methods)
                 for condition in self.conditions
-                for regime in REGIMES_CHANGED
+                for regime in regimes_of(condition)
+                if regime in self.regimes
                 for trial in later
             ]
         return jobs
 
 
-def campaign(trials: int, seed: int, methods: Sequence[str] | None = None, quick: bool = False) -> Campaign:
-    """The whole campaign, or with `quick` a look: the first table's middle noise in three regimes, 12 s a trial.
+@dataclass(frozen=True)
+class Part:
+    """A part of the whole to be run; None: all of it. rows: conditions of the third table."""
 
-    Raises UserError for an unknown method or for no trials.
+    methods: Sequence[str] | None = None
+    regimes: Sequence[str] | None = None
+    noises: Sequence[float] | None = None
+    tables: Sequence[str] | None = None
+    rows: Sequence[str] | None = None
+
+
+def campaign(trials: int, seed: int, part: Part = Part(), quick: bool = False) -> Campaign:
+    """The whole campaign or a part of it; `quick`: the first table's middle noise in three regimes, 12 s a trial.
+
+    Rows ask for the third table, regimes or noises without tables for the first. Raises UserError for an unknown name
+    or for no trials.
     """
     if trials < 1:
         raise UserError(f"--trials {trials}: at least 1")
-    for name in methods or ():
-        if name not in METHODS:
-            raise UserError(f"--methods {name}: unknown; use some of {','.join(METHODS)}")
-    chosen = tuple(methods or METHODS)
+    regimes = tuple(regime.name for regime in regimes_named(list(part.regimes) if part.regimes else None))
+    for option, asked, known in (
+        ("methods", part.methods, tuple(METHODS)),
+        ("tables", part.tables, TABLES),
+        ("rows", part.rows, CONDITIONS),
+    ):
+        for name in asked or ():
+            if name not in known:
+                raise UserError(f"--{option} {name}: unknown; use some of {','.join(known)}")
+    tables = tuple(part.tables or TABLES)
+    if part.tables is None and (part.rows or part.regimes or part.noises):
+        tables = ("conditions",) if part.rows else ("estimators",)
+    methods, noises = tuple(part.methods or METHODS), tuple(part.noises or NOISES)
     if not quick:
-        return Campaign(trials, seed, chosen)
-    return Campaign(trials, seed, chosen, QUICK_REGIMES, (0.3,), 12.0, ("estimators",))
+        return Campaign(
+            trials, seed, methods, regimes, noises, DURATION_S, tables, tuple(part.rows or CONDITIONS)
+        )
+    chosen = regimes if part.regimes else QUICK_REGIMES
+    return Campaign(trials, seed, methods, chosen, tuple(part.noises or (0.3,)), 12.0, ("estimators",))
 
 
 def run(what: Campaign, progress: Progress = lambda done: None, workers: int | None = None) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import hypot, nan
 from time import perf_counter_ns
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -124,11 +125,19 @@ def visual_sample(frames: Frames, frame: int, seen_m: float, arm: Arm) -> Visual
 
 
 def samples_by_cycle(data: Data, scale_factor: float = 1.0) -> dict[int, list[VisualSample]]:
-    """The trial's frames by the cycle that reads them. scale_factor: of the true image scale over the assumed one."""
+    """The trial's frames by the cycle that reads them. scale_factor: of the true image scale over the assumed one.
+
+    A frame counter that goes back is that of a supervisor which was started anew.
+    """
     samples: dict[int, list[VisualSample]] = {}
+    before = -1
     for frame, cycle in enumerate(data.frames.read_cycle.tolist()):
         seen = scale_factor * float(data.seen_m[frame])
-        samples.setdefault(cycle, []).append(visual_sample(data.frames, frame, seen, data.arm))
+        sample = visual_sample(data.frames, frame, seen, data.arm)
+        if sample.frame < before:
+            sample = msgspec.structs.replace(sample, restarted=True)
+        before = sample.frame
+        samples.setdefault(cycle, []).append(sample)
     return samples
 
 
@@ -152,10 +161,26 @@ def run_method(name: str, data: Data, model: Model, scale_factor: float = 1.0) -
     return Answers(said[0], said[1], of_frame[0], of_frame[1], said[2])
 
 
-def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
-    """The cycles that count: settled, and no blow within the last AFTER_BLOW_S. Shape (cycles,)."""
+def swinging_cycles(data: Data, from_s: float) -> Mask:
+    """The cycles from a time on in which the arm rings freely, not at rest, not in a hand. Shape (cycles,)."""
     time_s = cycle_times(len(data.deflection_m))
-    scored: Mask = time_s >= from_s
+    swinging: Mask = (time_s >= from_s) & (data.amplitude_m > 0.0)
+    return swinging & ~forced_cycles(data)
+
+
+def forced_cycles(data: Data) -> Mask:
+    """The cycles in which a force lasts that is no blow. Shape (cycles,)."""
+    time_s = cycle_times(len(data.deflection_m))
+    forced = np.zeros(len(time_s), np.bool_)
+    for begin, end in data.motion.forced_s:
+        forced |= (time_s >= begin) & (time_s < end)
+    return forced
+
+
+def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
+    """The cycles that count: settled, swinging, and no blow within the last AFTER_BLOW_S. Shape (cycles,)."""
+    time_s = cycle_times(len(data.deflection_m))
+    scored = swinging_cycles(data, from_s)
     for blow in data.motion.blows_s:
         begun = blow - 0.5 * data.arm.blow_s
         scored &= (time_s < begun) | (time_s > begun + AFTER_BLOW_S)
@@ -175,13 +200,18 @@ def scored_frames(data: Data, from_s: float = SETTLING_S) -> Mask:
 
 def score(data: Data, answers: Answers, from_s: float = SETTLING_S) -> Score:
     """Judge one trial from `from_s` on."""
-    said = Said(
+    said = said_of(data, answers)
+    late = swinging_cycles(data, from_s)
+    times = float(answers.step_us.mean()), float(np.median(answers.step_us))
+    return score_of(said, scored_cycles(data, from_s), late, scored_frames(data, from_s), times)
+
+
+def said_of(data: Data, answers: Answers) -> "Said":
+    """Truth and claim of a trial; the unit is the momentary amplitude."""
+    return Said(
         data.deflection_m, answers.deflection_m, answers.deflection_std_m, data.amplitude_m,
         answers.delay_s - data.frames.delay_s, answers.delay_std_s,
     )  # fmt: skip
-    late = np.arange(len(data.deflection_m)) * CYCLE_S >= from_s
-    times = float(answers.step_us.mean()), float(np.median(answers.step_us))
-    return score_of(said, scored_cycles(data, from_s), late, scored_frames(data, from_s), times)
 
 
 @dataclass(frozen=True)
@@ -203,7 +233,8 @@ def score_of(
     known = np.isfinite(said.predicted_m)
     predicted = np.where(known, said.predicted_m, 0.0)
     error = predicted - said.deflection_m
-    relative = np.abs(error) / said.unit_m
+    with np.errstate(divide="ignore", invalid="ignore"):  # an arm at rest, which is not scored
+        relative = np.abs(error) / said.unit_m
     last = cycles.copy()
     last[: -round(LAST_S / CYCLE_S)] = False
     # A delay that is not finite counts as wrong by its whole length.

@@ -24,7 +24,7 @@ DEFAULT_TRIALS = {
 }
 BENCHMARKS = tuple(DEFAULT_TRIALS)
 DEFAULT_DURATION_S = {"loop": 60.0, "flood": 10.0, "soak": 1800.0}
-_ESTIMATOR_ONLY = ("out", "methods", "quick")
+_ESTIMATOR_ONLY = ("out", "methods", "regimes", "noises", "tables", "rows", "quick")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -59,6 +59,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--data", type=Path, metavar="DIR", help="identification: folder that holds silverbox/SNLS80mV.csv"
     )
     parser.add_argument("--methods", metavar="A,B", help="estimators: only these methods (all)")
+    parser.add_argument("--regimes", metavar="A,B", help="estimators: only these regimes, such as live (all)")
+    parser.add_argument(
+        "--noises", metavar="A,B", help="estimators: only these noises of the accelerometer (all)"
+    )
+    parser.add_argument(
+        "--tables", metavar="A,B", help="estimators: only these of estimators,damping,conditions"
+    )
+    parser.add_argument(
+        "--rows", metavar="A,B", help='estimators: only these rows of the third table, such as "release"'
+    )
     parser.add_argument(
         "--quick", action="store_true", help="estimators: a look at one noise in three regimes, 12 s a trial"
     )
@@ -113,11 +123,14 @@ def _hardware(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.estimators.run import campaign, draw
+    from benchmarks.estimators.run import Part, campaign, draw
     from benchmarks.estimators.run import run as run_estimators
 
-    methods = arguments.methods.split(",") if arguments.methods else None
-    what = campaign(trials, arguments.seed, methods, arguments.quick)
+    names = {
+        option: _listed(getattr(arguments, option)) for option in ("methods", "regimes", "tables", "rows")
+    }
+    part = Part(noises=_numbers("noises", arguments.noises), **names)
+    what = campaign(trials, arguments.seed, part, arguments.quick)
     with progress_bar("benchmark estimators") as progress:
         result = run_estimators(what, progress)
     for table in ("rows", "damping", "conditions"):
@@ -137,6 +150,20 @@ def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
         for path in draw(result, what, arguments.out):
             print(path)
     return result
+
+
+def _listed(text: str | None) -> list[str] | None:
+    return text.split(",") if text else None
+
+
+def _numbers(option: str, text: str | None) -> list[float] | None:
+    try:
+        numbers = [float(one) for one in text.split(",")] if text else None
+    except ValueError:
+        raise UserError(f"--{option} {text}: numbers with commas between them, such as 0.1,0.3") from None
+    if numbers and not all(0.0 < one <= 100.0 for one in numbers):
+        raise UserError(f"--{option} {text}: each above 0 and at most 100 (of the amplitude's acceleration)")
+    return numbers
 
 
 def _diagnosis(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
@@ -265,6 +292,8 @@ _SHORT = {
     "bound_deflection": "err_bound",
     "error_last": "err_last",
     "error_max_all": "max_all",
+    "error_mean_during": "err_during",
+    "error_max_during": "max_during",
     "pmcc": "pmcc",
     "delay_bias_s": "bias_s",
     "delay_rms_s": "rms_s",
@@ -273,6 +302,9 @@ _SHORT = {
     "ratio_error": "+-",
     "delay_normalised_error_squared": "nes_delay",
     "deflection_normalised_error_squared": "nes_defl",
+    "delay_normalised_error_squared_during": "nes_delay_during",
+    "deflection_normalised_error_squared_during": "nes_defl_during",
+    "unanswered_during": "mute_during",
     "us_per_cycle": "us",
     "us_per_cycle_median": "us_median",
     "settling_time_s": "settling_s",

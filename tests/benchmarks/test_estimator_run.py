@@ -22,7 +22,7 @@ from benchmarks.estimators.empty_cycle import empty_cycle_us
 from benchmarks.estimators.figures import draw_errors_against_noise
 from benchmarks.estimators.generator import generate
 from benchmarks.estimators.regimes import REGIMES, Arm
-from benchmarks.estimators.run import Campaign, campaign, run
+from benchmarks.estimators.run import Campaign, Part, campaign, run
 from benchmarks.estimators.tables import Job, Judged, comparison_rows, estimator_rows, judge
 from benchmarks.estimators.trial import Score
 from common.user_error import UserError
@@ -130,17 +130,49 @@ def test_standard_errors_are_those_of_means() -> None:
 
 
 def test_the_campaign_holds_what_the_issue_asks_for() -> None:
-    """Every method, nine regimes, three noises, at least twenty trials of 40 s by default; all conditions."""
+    """Every method, ten regimes, three noises, at least twenty trials of 40 s by default; all conditions."""
     jobs = campaign(20, 0).jobs()
     cells = {(job.regime, job.noise) for job in jobs if isinstance(job, Job)}
-    assert len(cells) == 27
+    assert len(cells) == 30
     assert all(job.duration_s == 40.0 for job in jobs if isinstance(job, Job))
-    assert sum(isinstance(job, Job) for job in jobs) == 27 * 20
+    assert sum(isinstance(job, Job) for job in jobs) == 30 * 20
     assert set(jobs[0].methods) == set(METHODS)
     assert {job.condition for job in jobs if hasattr(job, "condition")} == set(CONDITIONS)
-    for trials, methods, said in ((0, None, "--trials 0"), (1, ["sorcery"], "--methods sorcery")):
+    for trials, part, said in (
+        (0, Part(), "--trials 0"),
+        (1, Part(methods=["sorcery"]), "--methods sorcery"),
+        (1, Part(tables=["fourth"]), "--tables fourth: unknown; use some of estimators,damping,conditions"),
+        (1, Part(rows=["earthquake"]), "--rows earthquake: unknown"),
+        (1, Part(regimes=["dead"]), "regime 'dead': unknown"),
+    ):
         with pytest.raises(UserError, match=said):
-            campaign(trials, 0, methods)
+            campaign(trials, 0, part)
+
+
+def test_a_part_of_the_campaign_is_the_same_trials() -> None:
+    """Whatever is left out, a trial keeps its seed; rows ask for their table, regimes and noises for the first."""
+    whole = campaign(2, 5).jobs()
+    for part, table, count in (
+        (Part(["fused"], regimes=["live"]), Job, 3 * 2),
+        (Part(["fused"], regimes=["live"], noises=[0.3]), Job, 2),
+        (Part(["fused"], rows=["release"]), ConditionJob, 3 * 2),
+        (Part(["fused"], rows=["release"], regimes=["live"]), ConditionJob, 2),
+        (Part(["fused"], tables=["conditions"], rows=["as told"]), ConditionJob, 2 * 2),
+    ):
+        jobs = campaign(2, 5, part).jobs()
+        assert len(jobs) == count
+        for job in jobs:
+            assert isinstance(job, table)
+            assert replace(job, methods=tuple(METHODS)) in whole
+
+
+def test_a_trial_of_old_keeps_its_seed() -> None:
+    """New regimes and conditions come last: a place in the table is part of the seed of the trials."""
+    assert list(REGIMES)[:9] == [
+        f"{a} {b}" for a in ("freerun", "triggered", "stamped") for b in ("constant", "drift", "jitter")
+    ]
+    assert CONDITIONS[: len(OPEN_LOOP) + len(CLOSED_LOOP)] == (*OPEN_LOOP, *CLOSED_LOOP)
+    assert (len(OPEN_LOOP), len(CLOSED_LOOP)) == (9, 2)
 
 
 def test_conditions_do_to_the_data_what_they_say() -> None:

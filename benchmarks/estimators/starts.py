@@ -1,0 +1,150 @@
+"""Rows of the third table in which a method begins, or begins again: each with figures of its own for that time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import cos, nan, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.estimators.closed_loop import Course
+from benchmarks.estimators.condition import Condition, Span
+from benchmarks.estimators.excitation import (
+    FIRST_S,
+    pulled_slowly_at,
+    pushed_again,
+    released_again,
+    struck_once,
+)
+from benchmarks.estimators.generator import Data
+from benchmarks.estimators.regimes import AFTER_BLOW_S
+from benchmarks.estimators.trial import Mask, Said
+
+Values = NDArray[np.float64]
+REGIMES_STARTED = ("freerun drift", "triggered drift", "live")
+_AT_S = 15.0  # of what happens on the way
+_BEGINS_S = 2.0  # how long a start lasts
+_AFTER_GAP_S = 10.0
+_RESTART_S = 2.0  # from the old supervisor's last image to the new one's first
+_NOMINAL_DELAY_S = 0.074
+_JOG_EVERY_S, _JOG_S, _JOG_RAD_S = 4.0, 0.3, 0.03  # excite 1.2 of the nominal amplitude
+
+FIGURES = (
+    "error_mean_during", "error_max_during", "delay_normalised_error_squared_during",
+    "deflection_normalised_error_squared_during", "unanswered_during",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class During:
+    """Figures of the time in question; errors are fractions of the nominal amplitude, `unanswered` counts as zero."""
+
+    error_mean_during: float
+    error_max_during: float
+    delay_normalised_error_squared_during: float
+    deflection_normalised_error_squared_during: float
+    unanswered_during: float
+
+
+def during_of(said: Said, cycles: Mask, frames: Mask, nominal_m: float) -> During:
+    """Judge those cycles and frames."""
+    known = np.isfinite(said.predicted_m[cycles])
+    error = np.where(known, said.predicted_m[cycles], 0.0) - said.deflection_m[cycles]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        normalised = error[known] / said.predicted_std_m[cycles][known]
+        delay = said.delay_error_s[frames] / said.delay_std_s[frames]
+    relative = np.abs(error) / nominal_m
+    return During(
+        float(relative.mean()),
+        float(relative.max()),
+        _mean_square(delay),
+        _mean_square(normalised),
+        float(1.0 - known.mean()),
+    )
+
+
+def _mean_square(values: Values) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.mean(finite**2)) if len(finite) else nan
+
+
+def within(spans: list[Span], time_s: Values) -> Mask:
+    """Which of the times lie in one of the spans."""
+    inside: Mask = np.zeros(len(time_s), np.bool_)
+    for begin, end in spans:
+        inside |= (time_s >= begin) & (time_s < end)
+    return inside
+
+
+def _from_the_first(data: Data) -> list[Span]:
+    """From the first motion of an arm at rest."""
+    begun = float(data.motion.start_s[1])
+    return [(begun, begun + _BEGINS_S)]
+
+
+def _forced(data: Data) -> list[Span]:
+    return [(float(begin), float(end)) for begin, end in data.motion.forced_s]
+
+
+def _without_images(lasts_s: float, restarted: bool = False) -> Condition:
+    """No image is exposed for a time. restarted: those that follow are a new supervisor's, with another zero."""
+
+    def lose(data: Data, random: np.random.Generator) -> Data:
+        exposed = data.frames.exposed_s
+        left = data.with_frames_lost((exposed >= _AT_S) & (exposed < _AT_S + lasts_s))
+        if not restarted:
+            return left
+        new = left.frames.exposed_s >= _AT_S
+        first = int(np.argmax(new))
+        number = np.where(new, left.frames.number - left.frames.number[first], left.frames.number)
+        seen = np.where(new, left.seen_m - left.seen_m[first], left.seen_m)
+        return replace(left, frames=replace(left.frames, number=number), seen_m=seen)
+
+    begins = _AT_S + _NOMINAL_DELAY_S
+    ends = begins + lasts_s
+    return Condition(
+        duration_s=ends + _AFTER_GAP_S,
+        from_s=ends + (AFTER_BLOW_S if restarted else 0.0),  # a method begun anew needs images first
+        change_data=lose,
+        during=lambda data: [(begins, ends)],
+    )
+
+
+def _never_alive(data: Data, random: np.random.Generator) -> Data:
+    return replace(data, acceleration_m_s2=np.full(len(data.acceleration_m_s2), nan))
+
+
+def _at_once(data: Data) -> list[Span]:
+    return [(0.0, _BEGINS_S)]
+
+
+OPEN_STARTS: dict[str, Condition] = {
+    "start while swinging": Condition(duration_s=12.0, during=_at_once),
+    "first swing from rest": Condition(duration_s=9.0, excite=struck_once, during=_from_the_first),
+    "accelerometer dead from the start": Condition(change_data=_never_alive, during=_at_once),
+    "release": Condition(excite=released_again, during=_forced),
+    "push by hand": Condition(duration_s=20.0, excite=pushed_again, during=_forced),
+    "slow pull in mid-run": Condition(
+        duration_s=26.0, from_s=_AT_S, excite=pulled_slowly_at(_AT_S), during=_forced
+    ),
+    "images gap 0.3 s": _without_images(0.3),
+    "images gap 1 s": _without_images(1.0),
+    "images gap 3 s": _without_images(3.0),
+    "images gap 10 s": _without_images(10.0),
+    "supervisor restarted": _without_images(_RESTART_S, restarted=True),
+}
+
+
+def _jogs(time_s: float) -> float:
+    """Joint velocity reference: short moves to and fro, each a raised cosine."""
+    move, since = divmod(time_s - FIRST_S, _JOG_EVERY_S)
+    if move < 0.0 or since > _JOG_S:
+        return 0.0
+    return (1.0 if move % 2 == 0 else -1.0) * _JOG_RAD_S * 0.5 * (1.0 - cos(2.0 * pi * since / _JOG_S))
+
+
+CLOSED_STARTS: dict[str, tuple[Course, Callable[[], list[Span]]]] = {
+    "first motion of the joint": (
+        Course(16.0, {}, reference=_jogs), lambda: [(FIRST_S, FIRST_S + _BEGINS_S)]
+    ),
+}  # fmt: skip
