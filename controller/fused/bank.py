@@ -73,7 +73,7 @@ class Seen:
     rate: Array
     ph: Array  # covariance times the slope of the image's value by the state, (filters, n)
     surprise: Array  # normalised innovation squared
-    phasor: Array  # variance of the image's rate over w squared, m^2: of the first mode's phasor, and of the joint's rate
+    phasor: Array  # variance of the first mode's phasor, m^2, the mean of its parts'
 
 
 class FilterBank:
@@ -282,8 +282,9 @@ class FilterBank:
         slope[:, at.frequency], slope[:, at.decay] = own.imag * drawn, own.real * drawn
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
         slope[:, at.force] = scale
-        phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1]) + joint_rate_variance / w2
-        unseen = w2 * phasor > _INSIGNIFICANT * self._known_rate2(rate)
+        phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
+        rate_variance = w2 * phasor + joint_rate_variance
+        unseen = rate_variance > _INSIGNIFICANT * self._known_rate2(rate)
         if unseen.any():
             slope[unseen, at.shift] = 0.0
         residual = value_m - scale * tip - self.x[:, at.offset]
@@ -293,7 +294,7 @@ class FilterBank:
         products = p[:, at.scale, at.scale] * (phasor + rate2 * unknown) + (_FLOOR * deflection) ** 2
         bend = 0.5 * (w2 * deflection * unknown) ** 2
         extra = noise + rate2 * (self.jitter + unseen * p[:, at.shift, at.shift])
-        extra += w2 * phasor * unknown + bend + products
+        extra += rate_variance * unknown + bend + products
         ph = np.matvec(p, slope)
         variance = np.vecdot(ph, slope) + extra
         return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 _GROWN = 2.5
+_MOTION_DOUBT = 0.01  # of what the joint's motion adds to a phasor: participation and drive are known to some per cent
 _STEP_DOUBT = 0.2  # of a step of force: it takes some time to happen, and the phase at its beginning is not quite known
 
 
@@ -61,6 +62,11 @@ class Block:
     variance: float = 0.0
     step: tuple[complex, ...] = ()
     jumps: tuple[Jump, ...] = ()
+
+    @property
+    def motion_variance(self) -> float:
+        """Of each phasor's parts, by how well the joint's effect on the arm is known, m^2."""
+        return 0.5 * sum([(_MOTION_DOUBT * abs(one)) ** 2 for one in self.step])
 
 
 class BlockSums:

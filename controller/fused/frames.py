@@ -49,6 +49,7 @@ _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was n
 _BREAK_MEMORY_FRAMES = 60.0
 _BLOWS = 1.5  # breaks within that memory that may be blows
 _CLEAR = 0.995
+_SAMPLED_CYCLES = 0.15  # standard deviation: within its cycle nobody says when a sensor took its sample
 _UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
@@ -160,6 +161,7 @@ class FrameFusion:
         self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
         self.force = LearntForce(at.w.tolist(), self._noise_m2, health.variance)
+        self._sampled_variance = (_SAMPLED_CYCLES * model.timing.cycle_s) ** 2
         self.held_force = HeldForce(at.modes, self._noise_m2)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
@@ -232,7 +234,7 @@ class FrameFusion:
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
         noise[:, self._at.scale] += self._scale_watch.grown(dt)
-        noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
+        noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None] + block.motion_variance
         bank.move_on(block, noise)
         return True
 
@@ -488,7 +490,7 @@ class FrameFusion:
         w = self.evidence.weights
         mean = float(w @ delays)
         variance = float(w @ (spread + (delays - mean) ** 2))
-        self.delay_s, self.delay_std_s = mean, sqrt(variance)
+        self.delay_s, self.delay_std_s = mean, sqrt(variance + self._sampled_variance)
         if variance < (0.2 * self._frame_s) ** 2:
             late = mean - self._arrival_mean
             self._arrival_mean += 0.03 * late

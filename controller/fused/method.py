@@ -268,7 +268,7 @@ class FusedMethod:
             self._take_oldest_block()
             self._snapshot = None
             self._taken.clear()
-        self._present.widen(self.frames.phasor_noise() * (end_s - start_s))
+        self._present.widen(self.frames.phasor_noise() * (end_s - start_s) + block.motion_variance)
         self._push(start_s, end_s)
 
     def _compare(self, block: Block) -> None:
@@ -440,6 +440,7 @@ class FusedMethod:
                 present.take_block(block, noise, self.frames.force.shown(block), at_end=False)
             self._push(block.start_s, block.end_s)
             present.move_on(block)
+            present.widen(block.motion_variance)
         assert self._block_start is not None
         for jump in self._open_jumps:
             present.inflate(jump)
