@@ -238,6 +238,17 @@ class FilterBank:
         self.x += gain * (difference_s - self.x[:, t] + self.x[:, ahead])[:, None]
         self.p -= gain[:, :, None] * ph[:, None, :]
 
+    def first_variance(self, one: int, index: int) -> float:
+        """Variance of a state of filter `one` at the start."""
+        return float(self._first[one, index])
+
+    def begin_late(self, one: int, late_s: float) -> None:
+        """Filter `one`: the mean delay is unknown again; an arrival was late_s later than its nominal instant says, s."""
+        t, late = self._at.shift, self._at.late
+        self.p[one, late, :] = self.p[one, :, late] = 0.0
+        self.p[one, late, late] = self._first[one, late]
+        self.x[one, late] = late_s - self.x[one, t]
+
     def forget_started(self, variance: float) -> None:
         """n_i has jumped: by how much it is ahead is unknown, variance in s^2."""
         ahead = self._at.ahead

@@ -27,7 +27,7 @@ from controller.fused.blocks import Block, Jump
 from controller.fused.blow import BlowReport
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
-from controller.fused.held_force import HeldForce
+from controller.fused.held_force import HeldForce, SlowPull
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_force import LearntForce
@@ -163,6 +163,7 @@ class FrameFusion:
         self.force = LearntForce(at.w.tolist(), self._noise_m2, health.variance)
         self._sampled_variance = (_SAMPLED_CYCLES * model.timing.cycle_s) ** 2
         self.held_force = HeldForce(at.modes, self._noise_m2)
+        self._slow_pull = SlowPull(0.5 * at.period_s / self._frame_s)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
         self._arrival_mean, self._arrival_variance = self.delay_s, self.delay_std_s**2
@@ -319,9 +320,20 @@ class FrameFusion:
             times = self.dates.instants_s + bank.x[:, at.shift]
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
+        elif not self._blind:
+            self._watch_slow_pull(seen, float(times[self.evidence.best]))
         self._outliers = self._votes = 0
         self._looked = Looked(image, times, received_s, seen, surprise)
         return True
+
+    def _watch_slow_pull(self, seen: Seen, time_s: float) -> None:
+        best = self.evidence.best
+        std = sqrt(float(seen.variance[best]))
+        if self._slow_pull.see(float(seen.residual[best]) / std):
+            self._slow_pull.restart()
+            self.held_force.begin(time_s, 2.0 * std)
+            none = (0.0,) * self._at.modes
+            self.bank.inflate(Jump(time_s, none, none, 2.0 * std), QUIET)
 
     def take(self) -> None:
         """Take in the image looked at, if there is one."""

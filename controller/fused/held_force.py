@@ -19,6 +19,32 @@ _ONSET_S = 0.05  # the first innovation outside its gate grew over about so long
 _REST_SHARE = 1.0  # of an image's variance, per second: the walk of a force that rests
 _GATE = 3.0  # standard deviations: a force within this is taken for none
 _NONE_FOR_S = 1.0  # for so long
+_SIGNIFICANT = 5.5  # standard deviations of the mean innovation: by chance once in a day
+_LARGEST = 4.0  # standard deviations: one wrong image is no pull
+_FEWEST_FRAMES = 6.0
+
+
+class SlowPull:
+    """Tells a force that begins too slowly for any one image to leave its gate: innovations that keep their sign.
+
+    Their mean fades over half a period of the vibration, so that what vibrates averages out.
+    """
+
+    def __init__(self, half_period_frames: float) -> None:
+        """No innovation seen."""
+        self._share = 1.0 / max(half_period_frames, _FEWEST_FRAMES)
+        self._significant = _SIGNIFICANT * sqrt(self._share / (2.0 - self._share))
+        self.restart()
+
+    def restart(self) -> None:
+        """What has been seen has been taken care of."""
+        self._mean = 0.0
+
+    def see(self, innovation: float) -> bool:
+        """Take in an image's innovation in standard deviations; whether there is a pull."""
+        bounded = min(max(innovation, -_LARGEST), _LARGEST)
+        self._mean += self._share * (bounded - self._mean)
+        return abs(self._mean) > self._significant
 
 
 class HeldForce:
