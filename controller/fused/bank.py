@@ -380,6 +380,20 @@ class FilterBank:
         i = np.array(self._forced)
         self.p[filters, i[:, None], i] += moved[:, None] * moved
 
+    def give_force(self, offset_m: float) -> None:
+        """The image's zero has followed a force by about offset_m: that much of it is the force's, give or take as much.
+
+        Their sum, which images show, stays.
+        """
+        c, f = self._at.offset, self._at.force
+        self.x[:, c] -= offset_m
+        self.x[QUIET, f] += offset_m
+        doubt = offset_m * offset_m
+        self.p[QUIET, c, c] += doubt
+        self.p[QUIET, f, f] += doubt
+        self.p[QUIET, c, f] -= doubt
+        self.p[QUIET, f, c] -= doubt
+
     def end_force(self) -> None:
         """No force is left: f = 0, taken in as a measurement, for it is correlated with all else."""
         i = self._at.force

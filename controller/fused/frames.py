@@ -192,7 +192,7 @@ class FrameFusion:
         for jump in block.jumps:
             bank.inflate(jump, QUIET)
             if jump.force_step_m:
-                self.held_force.step()
+                self.held_force.step(jump.force_step_m)
         held = self.held_force.during(block.start_s, block.end_s)
         if held is not None:
             bank.inflate(held, QUIET)
@@ -329,8 +329,11 @@ class FrameFusion:
     def _watch_slow_pull(self, seen: Seen, time_s: float) -> None:
         best = self.evidence.best
         std = sqrt(float(seen.variance[best]))
-        if self._slow_pull.see(float(seen.residual[best]) / std):
+        zero_m = float(self.bank.x[best, self._at.offset])
+        if self._slow_pull.see(float(seen.residual[best]) / std, zero_m):
             self._slow_pull.restart()
+            if not self.held_force.active:
+                self.bank.give_force(self._slow_pull.followed_m())
             self.held_force.begin(time_s, 2.0 * std)
             none = (0.0,) * self._at.modes
             self.bank.inflate(Jump(time_s, none, none, 2.0 * std), QUIET)

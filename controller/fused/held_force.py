@@ -10,7 +10,7 @@ leave their gate and the accelerometer has seen no impact.
 """
 
 from collections import deque
-from math import sqrt
+from math import exp, sqrt
 
 from controller.fused.blocks import Jump
 
@@ -19,9 +19,12 @@ _ONSET_S = 0.05  # the first innovation outside its gate grew over about so long
 _REST_SHARE = 1.0  # of an image's variance, per second: the walk of a force that rests
 _GATE = 3.0  # standard deviations: a force within this is taken for none
 _NONE_FOR_S = 1.0  # for so long
+_AT_REST = 4.0  # times the walk of a force that rests
+_ODDS_OF_NONE = 20.0
 _SIGNIFICANT = 5.5  # standard deviations of the mean innovation: by chance once in a day
 _LARGEST = 4.0  # standard deviations: one wrong image is no pull
 _FEWEST_FRAMES = 6.0
+_ZERO_PERIODS = 4.0  # half periods: about so long a pull has gone on before its innovations are significant
 
 
 class SlowPull:
@@ -34,14 +37,20 @@ class SlowPull:
         """No innovation seen."""
         self._share = 1.0 / max(half_period_frames, _FEWEST_FRAMES)
         self._significant = _SIGNIFICANT * sqrt(self._share / (2.0 - self._share))
+        self._zeros: deque[float] = deque(maxlen=max(2, round(_ZERO_PERIODS * half_period_frames)))
         self.restart()
 
     def restart(self) -> None:
         """What has been seen has been taken care of."""
         self._mean = 0.0
 
-    def see(self, innovation: float) -> bool:
-        """Take in an image's innovation in standard deviations; whether there is a pull."""
+    def followed_m(self) -> float:
+        """By how much the image's zero has moved since about the pull began, m."""
+        return self._zeros[-1] - self._zeros[0]
+
+    def see(self, innovation: float, zero_m: float) -> bool:
+        """Take in an image's innovation in standard deviations, and the image's zero, m; whether there is a pull."""
+        self._zeros.append(zero_m)
         bounded = min(max(innovation, -_LARGEST), _LARGEST)
         self._mean += self._share * (bounded - self._mean)
         return abs(self._mean) > self._significant
@@ -61,17 +70,20 @@ class HeldForce:
         self.active = False
         self.walk = 0.0
         self._none_since_s = float("inf")
+        self._expected = 0.0  # variance of a force as large as what has been seen of it, m^2
 
     def begin(self, time_s: float, size_m: float) -> None:
         """Images left their gate by about size_m: a force may have begun, changed, or ended."""
         self.active = True
         self.walk = max(self.walk, size_m * size_m / _ONSET_S)
+        self._expected = max(self._expected, size_m * size_m)
         self._past.clear()
         self._none_since_s = time_s
 
-    def step(self) -> None:
-        """The accelerometer has seen the force change at once: the change itself is known."""
+    def step(self, size_m: float) -> None:
+        """The accelerometer has seen the force change at once by size_m: the change itself is known."""
         self.active = True
+        self._expected = max(self._expected, size_m * size_m)
         self.walk = max(self.walk, self._rest)
         self._past.clear()
 
@@ -94,10 +106,17 @@ class HeldForce:
             self.walk = max(step * step / span, self._rest)
         if value_m * value_m > _GATE * _GATE * variance:
             self._none_since_s = time_s
-        return time_s - self._none_since_s > _NONE_FOR_S
+        return time_s - self._none_since_s > _NONE_FOR_S or self._unlikely(value_m, variance)
+
+    def _unlikely(self, value_m: float, variance: float) -> bool:
+        """Odds of no force against one of the size expected, by how near to zero it is known to be (Savage and Dickey:
+        J. M. Dickey, Annals of Mathematical Statistics 42, 1971)."""
+        if self.walk > _AT_REST * self._rest or variance <= 0.0:
+            return False
+        return sqrt(self._expected / variance) * exp(-0.5 * value_m * value_m / variance) > _ODDS_OF_NONE
 
     def end(self) -> None:
         """No force is left."""
         self.active = False
-        self.walk = 0.0
+        self.walk = self._expected = 0.0
         self._past.clear()

@@ -209,7 +209,7 @@ class FusedMethod:
         assert self._block_start is not None
         time_s = step.cycle * self._cycle_s
         self._blows.forget()
-        self.frames.held_force.step()
+        self.frames.held_force.step(step.size_m)
         jump = Jump.stepped(time_s, step.size_m)
         if time_s >= self._block_start * self._cycle_s:
             self._open_jumps += (jump,)
