@@ -1,6 +1,6 @@
 """The paper's method, for any estimator of the delay: date the samples by it, fit a sine, evaluate at the present."""
 
-from math import nan, sqrt
+from math import inf, nan, sqrt
 from typing import Protocol
 
 from common.configuration import Regression
@@ -8,12 +8,15 @@ from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
 from controller.joint_motion import JointMotion
+from controller.known_image_motion import forced_rate_m_s, joint_image_rate_m_s
 from controller.prediction.exact_regression import ExactRegression
 from controller.prediction.image_offset import ImageOffset
 from controller.prediction.sine_regression import SineRegression
 from controller.sensor_deflection import SensorDeflection
 
 _LONGEST_GAP_S = 0.25  # between two frames of one window
+_REFILLED = 6  # samples of a window that was cut: a fit to fewer is as bad as any
+_AGAIN_PERIODS = 1.5  # two blows are hardly ever that near each other
 
 
 class DelayEstimator(Protocol):
@@ -37,6 +40,8 @@ class SineMethod:
         mode = model.arm.modes[0]
         self._cycle_s = model.timing.cycle_s
         self._w = mode.angular_frequency
+        self._period_s = 1.0 / mode.frequency_hz
+        self._broken_s = -inf
         self.delay = delay
         self._sensors = SensorDeflection(model, length)
         self._offset = ImageOffset(mode, regression.offset_time_s)
@@ -61,17 +66,27 @@ class SineMethod:
         return self._predict(observation.time_s, joint)
 
     def _take(self, sample: VisualSample, observation: Observation) -> None:
-        joint, time_s = observation.joint, observation.time_s
+        joint, time_s, sensors = observation.joint, observation.time_s, self._sensors
         assumed = time_s - self.delay.estimate.delay_s
-        seen = self._sensors.of_image(sample.displacement_x_px, joint.position_at(assumed))
+        seen = sensors.of_image(sample.displacement_x_px, joint.position_at(assumed))
         self.delay.see_sample(sample, observation.cycle, seen)
         captured = time_s - self.delay.estimate.delay_s
-        free = self._sensors.of_image(
+        free = sensors.of_image(
             sample.displacement_x_px, joint.position_at(captured)
         ) - joint.forced_deflection_at(captured)
-        if self._regression.add(captured, free, self._offset.offset_m, _LONGEST_GAP_S):
-            self._offset.forget_vibration()
+        known_rate = joint_image_rate_m_s(sensors, joint, captured) + forced_rate_m_s(joint, captured)
+        samples, offset = self._regression.samples, self._offset
+        if self._regression.add(captured, free, offset.offset_m, _LONGEST_GAP_S, known_rate, offset.std_m):
+            self._broken(captured, samples)
         self._offset.add(captured, free)
+
+    def _broken(self, captured: float, samples: int) -> None:
+        """A sample has broken with the fit to `samples`: a blow; soon again, the zero has moved as well."""
+        again = captured - self._broken_s < _AGAIN_PERIODS * self._period_s and samples >= _REFILLED
+        self._offset.forget_vibration()
+        if again:
+            self._offset.doubt(self._regression.predict(captured).amplitude_m)
+        self._broken_s = captured
 
     def _predict(self, time_s: float, joint: JointMotion) -> Estimate:
         delay = self.delay.estimate

@@ -10,7 +10,7 @@ succession is a blow. The modes' disturbance since the last good one is then tak
 measurement likely (Jazwinski, Adaptive Filtering, Automatica 5, 1969).
 """
 
-from math import sqrt
+from math import log, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -22,12 +22,17 @@ _BATCH_GATE_STDS = 6.0  # the sum of squares has a longer tail than its normal l
 
 
 class Belief(NamedTuple):
-    """State and covariance at an instant; `surprised`: the last measurement was far outside what was expected."""
+    """State and covariance at an instant.
+
+    surprised: the last measurement was far outside what was expected. log_density: of the last scalar measurement, as
+    foretold, less a constant.
+    """
 
     time_s: float
     state: Vector
     covariance: Matrix
     surprised: bool = False
+    log_density: float = 0.0
 
 
 def first_belief(model: TwoTimeScales, time_s: float, offset_m: float) -> Belief:
@@ -65,28 +70,29 @@ def corrected(
 
     blow_within_s: if the measurement is a surprise, there was a blow within this time (> 0); None: it is left out.
     """
-    time_s, state, covariance, _ = belief
+    time_s, state, covariance = belief[:3]
     seen = covariance @ row
     innovation = value - float(row @ state)
     spread = float(row @ seen) + variance
+    log_density = -0.5 * (innovation * innovation / spread + log(spread))
     surprised = innovation * innovation > _GATE_STDS**2 * spread
     if surprised:
         if blow_within_s is None:
-            return belief._replace(surprised=True)
+            return belief._replace(surprised=True, log_density=log_density)
         unit = model.scatter_of_modes(blow_within_s)
         covariance = covariance + unit * ((innovation * innovation - spread) / float(row @ unit @ row))
         seen = covariance @ row
         spread = float(row @ seen) + variance
     gain = seen / spread
     left = covariance - np.multiply.outer(gain, seen)
-    return Belief(time_s, state + gain * innovation, 0.5 * (left + left.T), surprised)
+    return Belief(time_s, state + gain * innovation, 0.5 * (left + left.T), surprised, log_density)
 
 
 def corrected_by_batch(
     model: TwoTimeScales, belief: Belief, rows: Matrix, values: Vector, blow_within_s: float
 ) -> Belief:
     """The belief after n measurements at once: rows (n, size), values (n,), independent noise of variance 1."""
-    time_s, state, covariance, _ = belief
+    time_s, state, covariance = belief[:3]
     residual = values - rows @ state
     information = rows.T @ rows
     count = len(values)

@@ -13,16 +13,20 @@ from common.configuration import Kalman
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
 from controller.estimate import Estimate, Observation, Status
+from controller.joint_motion import JointMotion
 from controller.kalman.belief import Belief, carried, corrected, first_belief, seen_from
 from controller.kalman.fast_sensor import FastSensor, Reading
 from controller.kalman.forced_motion import ForcedMotion, image_shares
+from controller.kalman.rival import Rival
 from controller.kalman.two_time_scales import Densities, TwoTimeScales
+from controller.known_image_motion import joint_image_rate_m_s
 from controller.sensor_deflection import SensorDeflection
 from controller.sine_method import DelayEstimator
 
 _LOST_S = 10.0  # without data nothing of the vibration's phase is left
 _STALE_S = 0.25  # without data: held
 _LATEST_S = 0.5  # an image older than the filter by more than this is not used
+_BLOW = 2  # surprises in a row
 _SURPRISES_IN_A_ROW = 5  # no arm is struck in four frames running: the image has jumped
 _LARGEST_BLOW_M = 0.1  # a blow that would make the first mode ring wider is none, either
 _FAST_LAG_S = (
@@ -77,6 +81,7 @@ class KalmanMethod:
         self._refreshed_s = self._started_s = self._image_s = self._good_s = float("-inf")
         self._read_s = float("-inf")
         self._next_cycle = 0
+        self._rival: Rival | None = None
         self._frame = -1
         self._surprises = 0
 
@@ -113,29 +118,67 @@ class KalmanMethod:
         self._belief = first_belief(self._model, captured, value)
         self._started_s = self._image_s = self._good_s = captured
         self._surprises = 0
-        if self._fast is not None:
-            self._next_cycle = self._fast.cycle_of(captured) + 1
+        self._rival = None
+        self._next_cycle = self._cycle_after(captured)
+
+    def _cycle_after(self, time_s: float) -> int:
+        return 0 if self._fast is None else self._fast.cycle_of(time_s) + 1
+
+    def _advanced(self, belief: Belief, next_cycle: int, captured: float) -> tuple[Belief, int]:
+        """The belief at an image's instant, with the fast sensor's samples up to it, and the cycle of the next one."""
+        if self._fast is None:
+            return carried(self._model, belief, captured), next_cycle
+        last = self._fast.cycle_of(captured)
+        return self._fast.applied(belief, next_cycle, last, captured), max(next_cycle, last + 1)
 
     def _correct(
         self, belief: Belief, sample: VisualSample, observation: Observation, captured: float, value: float
     ) -> None:
-        model = self._model
-        if self._fast is None:
-            belief = carried(model, belief, captured)
-        else:
-            last = self._fast.cycle_of(captured)
-            belief = self._fast.applied(belief, self._next_cycle, last, captured)
-            self._next_cycle = max(self._next_cycle, last + 1)
-        row = seen_from(model, belief, self._row, captured)
         blow_within = max(captured - self._good_s, self._frame_s) if self._surprises else None
-        variance = self._variance(belief, sample, observation, captured)
-        self._belief = belief = corrected(model, belief, row, value, variance, blow_within)
+        belief, self._next_cycle = self._advanced(belief, self._next_cycle, captured)
+        self._belief = belief = self._measured(belief, sample, observation, captured, value, blow_within)
         self._surprises = self._surprises + 1 if belief.surprised else 0
         self._image_s = max(self._image_s, captured)
+        self._challenge(belief, sample, observation, captured, value)
         if not self._surprises:
             self._good_s = self._image_s
         elif self._surprises >= _SURPRISES_IN_A_ROW or belief.covariance[1, 1] > self._largest_blow:
+            rival = self._rival
             self._begin(captured, value)
+            if rival is not None and not rival.belief.surprised:  # it has begun anew a few images earlier
+                self._belief, self._next_cycle = rival.belief, rival.next_cycle
+                self._started_s = rival.began_s
+
+    def _measured(
+        self,
+        belief: Belief,
+        sample: VisualSample,
+        observation: Observation,
+        captured: float,
+        value: float,
+        blow_within: float | None,
+    ) -> Belief:
+        row = seen_from(self._model, belief, self._row, captured)
+        variance = self._variance(belief, sample, observation, captured)
+        return corrected(self._model, belief, row, value, variance, blow_within)
+
+    def _challenge(
+        self, belief: Belief, sample: VisualSample, observation: Observation, captured: float, value: float
+    ) -> None:
+        """Let a rival see the image, too; begin one at a blow; put the better one in its place."""
+        rival = self._rival
+        if rival is not None:
+            ahead, rival.next_cycle = self._advanced(rival.belief, rival.next_cycle, captured)
+            rival.see(self._measured(ahead, sample, observation, captured, value, None), belief)
+            if rival.decided:
+                self._rival = None
+            if rival.wins:
+                self._belief, self._next_cycle = rival.belief, rival.next_cycle
+                self._surprises = 0
+                return
+        if self._surprises == _BLOW and (rival is None or rival.belief.surprised):
+            first = first_belief(self._model, captured, value)
+            self._rival = Rival(first, self._cycle_after(captured), self._settled_s, 2.0 * self._settled_s)
 
     def _variance(
         self, belief: Belief, sample: VisualSample, observation: Observation, captured: float
@@ -146,16 +189,18 @@ class KalmanMethod:
             sqrt(sample.variance_x_px2) if sample.variance_x_px2 > 0.0 else self._noise_px
         ) * self._noise_m_per_px
         rates = slice(1, self._model.slow, 2)
-        before, after = joint.position_at(captured - _RATE_SPAN_S), joint.position_at(captured + _RATE_SPAN_S)
-        of_joint = (self._sensors.of_image(0.0, after) - self._sensors.of_image(0.0, before)) / (
-            2.0 * _RATE_SPAN_S
-        )
-        rate = float(belief.state[rates].sum()) - of_joint
+        rate = float(belief.state[rates].sum()) + self._known_rate(joint, captured)
         unknown = float(belief.covariance[rates, rates].sum())
         bend = self._w * self._w * float(belief.state[0 : self._model.slow : 2].sum())
         dating = self._delay.estimate.std_s
         of_dating = dating * dating * (rate * rate + unknown) + 0.75 * (bend * dating * dating) ** 2
         return max(own, _LEAST_NOISE_M) ** 2 + of_dating
+
+    def _known_rate(self, joint: JointMotion, captured: float) -> float:
+        """Of what is taken off the image: the joint, and the modes' answer to it, m/s."""
+        forced = self._forced.image_deflection_at
+        of_forced = forced(joint, captured + _RATE_SPAN_S) - forced(joint, captured - _RATE_SPAN_S)
+        return joint_image_rate_m_s(self._sensors, joint, captured) + of_forced / (2.0 * _RATE_SPAN_S)
 
     def _catch_up(self, fast: FastSensor, belief: Belief, observation: Observation) -> None:
         """Put the fast sensor's samples of the time that no image has reached yet to a copy of the belief.
@@ -167,6 +212,7 @@ class KalmanMethod:
             until = time_s - _FAST_LAG_S[1]
             last = fast.cycle_of(until)
             self._belief = belief = fast.applied(belief, self._next_cycle, last, until)
+            self._rival = None
             self._next_cycle = max(self._next_cycle, last + 1)
         since = time_s - self._refreshed_s
         if since >= self._frame_s and (not observation.samples or since >= 2.0 * self._frame_s):

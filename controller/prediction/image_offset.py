@@ -33,10 +33,19 @@ class ImageOffset:
         """The offset as known now, m."""
         return self._offset
 
+    @property
+    def std_m(self) -> float:
+        """How well it is known, m."""
+        return sqrt(max(self._oo, 0.0))
+
     def forget_vibration(self) -> None:
         """The arm was struck: the offset stays as well known as it was, the oscillation is unknown."""
         self._cc = self._ss = self._PRIOR_VARIANCE
         self._oc = self._os = self._cs = 0.0
+
+    def doubt(self, spread_m: float) -> None:
+        """The zero may have moved by that much: a bent arm was let go, or the tracker has another zero."""
+        self._oo = min(self._oo + spread_m * spread_m, self._PRIOR_VARIANCE)
 
     def add(self, time_s: float, value_m: float) -> None:
         """Take in one sample; times should increase, a step back counts as none at all."""

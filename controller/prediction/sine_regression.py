@@ -76,15 +76,29 @@ class SineRegression:
         self._times.clear()
         self._values.clear()
 
-    def add(self, time_s: float, value_m: float, offset_m: float, longest_gap_s: float) -> bool:
+    def add(
+        self,
+        time_s: float,
+        value_m: float,
+        offset_m: float,
+        longest_gap_s: float,
+        known_rate_m_s: float = 0.0,
+        offset_std_m: float = 0.0,
+    ) -> bool:
         """Take in one sample at its capture time; `offset_m` is taken off all of the window's samples.
 
+        known_rate_m_s: of the motion that has been taken off the image, which misdating makes an error of.
+        offset_std_m: how well the offset is known.
         A gap longer than `longest_gap_s` starts the window afresh. Times may go back a little: the delay that dates
         them is only an estimate. Returns whether the sample broke with the fit, as after a blow.
         """
         if self._times and abs(time_s - self._times[-1]) > longest_gap_s:
             self.restart()
-        changed = self._variable_window and self.samples >= 3 and self._changed(time_s, value_m - offset_m)
+        changed = (
+            self._variable_window
+            and self.samples >= 3
+            and self._changed(time_s, value_m - offset_m, known_rate_m_s, offset_std_m)
+        )
         if changed:
             self.restart()
         self._times.append(time_s)
@@ -93,11 +107,11 @@ class SineRegression:
             self._fit(offset_m)
         return changed
 
-    def _changed(self, time_s: float, value_m: float) -> bool:
+    def _changed(self, time_s: float, value_m: float, known_rate_m_s: float, offset_std_m: float) -> bool:
         expected = self.predict(time_s)
-        of_dating = self._dating * expected.rate_m_s
+        of_dating = self._dating * (abs(expected.rate_m_s) + abs(known_rate_m_s))
         of_bend = 0.5 * expected.amplitude_m * (self._w * self._dating) ** 2  # where the rate is zero
-        spread = hypot(expected.std_m, self._noise, of_dating, of_bend)
+        spread = hypot(expected.std_m, self._noise, of_dating, of_bend, offset_std_m)
         return abs(value_m - expected.deflection_m) > _CHANGE_STDS * spread
 
     def _fit(self, offset_m: float) -> None:
