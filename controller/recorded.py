@@ -45,6 +45,7 @@ def estimate_sample(cycle: int, answered: CycleOutput, cycle_s: float) -> Estima
         answered.reason or "",
         estimate.status,
         estimate.reason,
+        estimate.trusted,
     )
 
 

@@ -35,7 +35,13 @@ class Law(IntEnum):
 LAWS = len(Law)
 LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
 _VAGUE = 0.002  # of the squared rate
-_INSIGNIFICANT = 0.1  # likewise: three standard deviations. Of less, an image's rate is noise, and tells no instant
+_DOUBT_OF_LOST, _LEAST_OF_LOST = (
+    0.5,
+    0.01,
+)  # of the amplitude; of the variance at the start: of filters found lost
+_INSIGNIFICANT = (
+    0.1  # likewise: three standard deviations. Of less, an image's rate is noise, and tells no instant
+)
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 LAW_OF = np.arange(FILTERS) % LAWS
@@ -105,6 +111,16 @@ class FilterBank:
         self.p[:, self._diagonal, self._diagonal] = self._first
         self.jitter = self._first_jitter
         self._all_moved()
+
+    def begin_near(self, x: Array) -> None:
+        """As at the start, but for the vibration and the image's zero, which are those of the state x (n,)."""
+        at = self._at
+        phasor, offset = x[at.phasor], float(x[at.offset])
+        self.begin()
+        self.x[:, at.phasor], self.x[:, at.offset] = phasor, offset
+        doubt = _DOUBT_OF_LOST**2 * float(phasor @ phasor)
+        i = self._diagonal[at.phasor]
+        self.p[:, i, i] = np.minimum(self.p[:, i, i], doubt + _LEAST_OF_LOST * self.p[:, i, i])
 
     def _all_moved(self) -> None:
         self.moved = [one + 1 for one in self.moved]
@@ -243,7 +259,7 @@ class FilterBank:
         return float(self._first[one, index])
 
     def begin_late(self, one: int, late_s: float) -> None:
-        """Filter `one`: the mean delay is unknown again; an arrival was late_s later than its nominal instant says, s."""
+        """Filter `one`: the mean delay is unknown again; an arrival was late_s later than its nominal instant says."""
         t, late = self._at.shift, self._at.late
         self.p[one, late, :] = self.p[one, :, late] = 0.0
         self.p[one, late, late] = self._first[one, late]
@@ -346,7 +362,9 @@ class FilterBank:
         seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
         stays.
         """
-        result: NDArray[np.bool_] = seen.phasor > (_VAGUE / self._at.w_first**2) * self._known_rate2(seen.rate)
+        result: NDArray[np.bool_] = seen.phasor > (_VAGUE / self._at.w_first**2) * self._known_rate2(
+            seen.rate
+        )
         return result
 
     def _known_rate2(self, rate: Array) -> Array:
@@ -381,7 +399,7 @@ class FilterBank:
         self.p[filters, i[:, None], i] += moved[:, None] * moved
 
     def give_force(self, offset_m: float) -> None:
-        """The image's zero has followed a force by about offset_m: that much of it is the force's, give or take as much.
+        """The image's zero has followed a force by about offset_m: that much is the force's, give or take as much.
 
         Their sum, which images show, stays.
         """

@@ -8,8 +8,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 _GROWN = 2.5
-_MOTION_DOUBT = 0.01  # of what the joint's motion adds to a phasor: participation and drive are known to some per cent
-_STEP_DOUBT = 0.2  # of a step of force: it takes some time to happen, and the phase at its beginning is not quite known
+_MOTION_DOUBT = (
+    0.01  # of what the joint's motion adds to a phasor: participation and drive are known to some per cent
+)
+_STEP_DOUBT = (
+    0.2  # of a step of force: it takes some time to happen, and the phase at its beginning is not quite known
+)
 
 
 def along_rate(w: float, time_s: float) -> complex:

@@ -126,7 +126,7 @@ class FrameDates:
             if floor.fell:
                 spread.restart()
                 if self._begin_late(law, float(late[law])):
-                    self._begin_anew(received_s)
+                    self.begin_anew(received_s)
                     return True
             spread.add(float(late[law]))
             noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
@@ -189,7 +189,7 @@ class FrameDates:
             return False
         dating.change_period(1.0 + rate.rate)
         if believed:
-            self._begin_anew(received_s)
+            self.begin_anew(received_s)
         else:
             self._evidence.begin_clock(bank, dating)
         for target in range(int(Law.CLOCK), FILTERS, LAWS):
@@ -197,8 +197,8 @@ class FrameDates:
         self._restart_watch(Law.CLOCK)
         return believed
 
-    def _begin_anew(self, received_s: float) -> None:
-        """All that was learnt by wrong dates is forgotten."""
+    def begin_anew(self, received_s: float) -> None:
+        """Forget all that was learnt by wrong dates."""
         self._bank.begin()
         self.dating.nominal[:] = received_s - self._model_delay_s
         self._evidence.begin()

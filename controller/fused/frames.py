@@ -25,6 +25,7 @@ from controller.fused.bank import (
 )
 from controller.fused.blocks import Block, Jump
 from controller.fused.blow import BlowReport
+from controller.fused.consistency import Consistency
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
 from controller.fused.held_force import HeldForce, SlowPull
@@ -163,6 +164,8 @@ class FrameFusion:
         self.force = LearntForce(at.w.tolist(), self._noise_m2, health.variance)
         self._sampled_variance = (_SAMPLED_CYCLES * model.timing.cycle_s) ** 2
         self.held_force = HeldForce(at.modes, self._noise_m2)
+        self.consistency = Consistency()
+        self._surprise = 1.0  # normalised innovation squared of the image looked at last
         self._slow_pull = SlowPull(0.5 * at.period_s / self._frame_s)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
@@ -269,11 +272,17 @@ class FrameFusion:
 
     def take_arrival(self) -> None:
         """What the arrival of the frame accepted last tells, if that has not been taken in."""
-        if self.dates.take_arrival():  # what a wrong clock has taught of the accelerometer is wrong, too
-            self.health.begin_comparison()
-            self._scale_watch.restart()
-            self._images = self._outliers = self._votes = 0
-            self._as_calibrated = True
+        if self.dates.take_arrival():
+            self._forget_wrong_dates()
+
+    def _forget_wrong_dates(self) -> None:
+        """What a wrong clock has taught of the accelerometer is wrong, too."""
+        self.health.begin_comparison()
+        self._scale_watch.restart()
+        self._images = self._outliers = self._votes = 0
+        self._as_calibrated = True
+        self.held_force.end()
+        self._slow_pull.restart()
 
     def _finish_dates(self) -> None:
         self.take_arrival()
@@ -313,6 +322,7 @@ class FrameFusion:
         seen = self._seen(image, vibration, joint)
         surprise = seen.surprise
         self.blow = False
+        self._surprise = float(surprise[self.evidence.best])
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
             if not self._explain(image, times, received_s, seen, report):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
@@ -366,10 +376,11 @@ class FrameFusion:
         self._learn_jitter(own, seen)
         return True
 
-    def learn(self) -> None:
-        """What the image settled last leaves to do before anything else, if there is one."""
+    def learn(self) -> bool:
+        """What the image settled last leaves to do before anything else, if there is one. Returns whether the filters
+        were found lost, and have begun anew."""
         if self._settled is None:
-            return
+            return False
         settled, self._settled = self._settled, None
         received_s = settled.received_s
         bank = self.bank
@@ -389,6 +400,21 @@ class FrameFusion:
             law = self.evidence.best % LAWS
             self.dates.learn_wander(law)
             self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
+        return self._check(received_s)
+
+    def _check(self, received_s: float) -> bool:
+        bank, at, best = self.bank, self._at, self.evidence.best
+        skew = float(bank.x[best, at.skew]) if _CLOCKED[best] else 0.0
+        skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
+        if not self.consistency.see(received_s, self._surprise, skew, skew_std, self.delay_s):
+            return False
+        phasors = bank.x[best].copy()
+        self.dates.begin_anew(received_s)
+        bank.begin_near(phasors)
+        self._forget_wrong_dates()
+        self._images = 1  # the image's zero is known
+        self.consistency.begin(received_s)
+        return True
 
     @property
     def scale_drifts(self) -> bool:

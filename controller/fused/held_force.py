@@ -1,9 +1,9 @@
 """A force at the tip that lasts: a hand that pulls, a payload that is picked up, contact with a wall.
 
 Such a force deflects the tip statically by f = F / (m w^2), and the mode vibrates about f: q = Re(Z exp(j w t)) + f.
-The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Neither the deflection
-nor its rate jumps with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step:
-f returns to zero, and the arm rings with the amplitude that it had been pulled aside by.
+The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Neither deflection
+nor rate jumps with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step: f
+returns to zero, and the arm rings with the amplitude that it had been pulled aside by.
 
 Images show f and the accelerometer does not. The state is therefore not used (zero, with zero variance) until images
 leave their gate and the accelerometer has seen no impact.
@@ -14,7 +14,9 @@ from math import exp, sqrt
 
 from controller.fused.blocks import Jump
 
-_SPAN_S = 0.1  # over which the force's rate is taken: about a capture delay, which is how far it is extrapolated
+_SPAN_S = (
+    0.1  # over which the force's rate is taken: about a capture delay, which is how far it is extrapolated
+)
 _ONSET_S = 0.05  # the first innovation outside its gate grew over about so long: a few frames
 _REST_SHARE = 1.0  # of an image's variance, per second: the walk of a force that rests
 _GATE = 3.0  # standard deviations: a force within this is taken for none

@@ -8,7 +8,7 @@ from math import inf, isfinite, pi, sqrt
 from common.configuration import Fused
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
-from controller.estimate import DelayEstimate, Estimate, FrameDelay, Observation, Status
+from controller.estimate import DelayEstimate, Estimate, FrameDelay, Observation, Status, Trust
 from controller.fused.blocks import Block, BlockSums, Jump, along_rate
 from controller.fused.blow import Blow, BlowDetector, BlowReport
 from controller.fused.frames import FrameFusion, Merged
@@ -28,6 +28,7 @@ _USUAL_BLOW_STDS = 10.0  # of a block's noise, at the least
 _MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates count: no cycle may be long
 _AHEAD_FRAMES = 0.9  # of an image are blocks taken in
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
+_DOUBTFUL = "images lie further from what is predicted than the stated deviation allows"
 _SCALE_DRIFTS = "images and accelerometer drift apart: the scene's depth, or the accelerometer's gain"
 
 
@@ -399,7 +400,9 @@ class FusedMethod:
         self._work = _Work.LEARN
 
     def _learn(self) -> None:
-        self.frames.learn()
+        if self.frames.learn():
+            self._snapshot = None
+            self._restart_present(self._now_s)
         self._go_on_with_blocks()
 
     def _go_on_with_blocks(self) -> None:
@@ -460,16 +463,19 @@ class FusedMethod:
 
     def _estimate(self, turn: list[complex], time_s: float) -> Estimate:
         deflection, rate, std = self._present.deflection(turn)
+        consistency = self.frames.consistency
+        std *= consistency.factor
         if not isfinite(deflection + rate + std):
             self._begin()
             self.reason = "numbers out of range: started again"
             delay = DelayEstimate(self.frames.delay_s, self.frames.delay_std_s, Status.INVALID)
             return Estimate(delay, status=Status.INVALID, reason=self.reason)
         frames = self.frames
+        delay_std_s = frames.delay_std_s * consistency.factor
         amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))
         status = Status.ESTIMATED
         self.reason = self.health.reason or (_SCALE_DRIFTS if frames.scale_drifts else "")
-        known = frames.delay_std_s <= self._settings.known_within_s
+        known = delay_std_s <= self._settings.known_within_s
         self._known = self._known or known
         if not self._known:
             status, self.reason = Status.UNESTIMATED, "too little vibration seen yet"
@@ -479,16 +485,22 @@ class FusedMethod:
             status, self.reason = Status.HELD, "vibration too small to show the delay"
         elif time_s - self._last_frame_s > 0.25:
             status, self.reason = Status.HELD, "no images"
-        delay = DelayEstimate(frames.delay_s, frames.delay_std_s, status)
+        delay = DelayEstimate(frames.delay_s, delay_std_s, status)
         dated: tuple[FrameDelay, ...] = ()
         if self._dated:
             dated = tuple(
-                FrameDelay(frame, DelayEstimate(delay_s, std_s, status))
+                FrameDelay(frame, DelayEstimate(delay_s, std_s * consistency.factor, status))
                 for frame, delay_s, std_s in self._dated
             )
             self._dated.clear()
         of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
-        return Estimate(delay, deflection, rate, std, of_deflection, self.reason, frames.blind, dated)
+        trust = Trust.SETTLED if self._known else Trust.STARTING
+        if consistency.doubtful:
+            trust, self.reason = Trust.DOUBTFUL, self.reason or _DOUBTFUL
+        static_m = self._present.force
+        return Estimate(
+            delay, deflection, rate, std, of_deflection, self.reason, frames.blind, dated, static_m, trust
+        )
 
 
 _PARTS = {

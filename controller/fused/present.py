@@ -132,7 +132,11 @@ class Present:
             self.force += jump.force_step_m
         if jump.force_m and len(self.p) > 2 * len(self.z):
             turn = exp(1j * self._w[0] * jump.time_s)
-            moved = {0: -turn.real * jump.force_m, 1: -turn.imag * jump.force_m, len(self.p) - 1: jump.force_m}
+            moved = {
+                0: -turn.real * jump.force_m,
+                1: -turn.imag * jump.force_m,
+                len(self.p) - 1: jump.force_m,
+            }
             for i, one in moved.items():
                 for j, other in moved.items():
                     self.p[i][j] += one * other
