@@ -43,7 +43,6 @@ def write_tables(runs: list[MethodRun], directory: Path) -> None:
                     )
                 )
 
-
     with (directory / "trust.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(TRUST_COLUMNS)

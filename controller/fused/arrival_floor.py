@@ -1,8 +1,8 @@
 """The earliest that frames arrive by a clock: arrivals are a floor plus something that is never negative.
 
 What processes wait for makes an image late, never early, and a queue that drains at the start makes a run of images
-late by hundreds of milliseconds. So the floor of the arrivals tells a clock's place, not their mean (one-way delays: Moon,
-Skelly and Towsley, INFOCOM 1999). The floor is the least arrival of the last frames.
+late by hundreds of milliseconds. The floor of the arrivals therefore tells a clock's place, not their mean (one-way
+delays: Moon, Skelly and Towsley, INFOCOM 1999). The floor is the least arrival of the last frames.
 """
 
 from collections import deque

@@ -14,6 +14,8 @@ _MISMATCH_SPREADS = 8.5  # of the delay: six standard deviations of the differen
 _STAMP_MISMATCH_FRAMES = 4.0
 _LONGEST_STALL_FRAMES = 20.0  # a camera's or a socket's queue holds no more: beyond that frames were lost
 _STALL_FRAMES = 8  # a queue that has been held up has drained after so many
+_NO_BURST_FRAMES = 3  # if so many have not begun to catch up, there is no queue
+_CATCHES_UP = 0.5  # frames
 
 
 class Dating:
@@ -36,6 +38,7 @@ class Dating:
         self._frame = 0
         self._missing = 0.0  # frames by which the arrivals are behind the counter since a stall
         self._since_stall = -1  # frames; -1 without one
+        self._stalled = 0.0  # frames by which the first one was
         self._received_s = 0.0
         self._captured_s = nan
 
@@ -81,10 +84,11 @@ class Dating:
         if self._since_stall < 0:
             if behind <= slack:
                 return 0
-            self._missing, self._since_stall = 0.0, 0
+            self._missing, self._since_stall, self._stalled = 0.0, 0, behind
         self._missing += behind
         self._since_stall += 1
-        if self._missing > slack and self._since_stall < _STALL_FRAMES:
+        burst = self._missing < self._stalled - _CATCHES_UP
+        if self._missing > slack and self._since_stall < (_STALL_FRAMES if burst else 1 + _NO_BURST_FRAMES):
             return 0
         lost = round(self._missing) if self._missing > slack else 0
         self._since_stall = -1

@@ -163,7 +163,7 @@ class FrameFusion:
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
         self.force = LearntForce(at.w.tolist(), self._noise_m2, health.variance)
         self._sampled_variance = (_SAMPLED_CYCLES * model.timing.cycle_s) ** 2
-        self.held_force = HeldForce(at.modes, self._noise_m2)
+        self.held_force = HeldForce(at.modes, self._noise_m2, at.period_s)
         self.consistency = Consistency()
         self._surprise = 1.0  # normalised innovation squared of the image looked at last
         self._slow_pull = SlowPull(0.5 * at.period_s / self._frame_s)
@@ -250,6 +250,14 @@ class FrameFusion:
     def _phasor_noise(self) -> Array:
         noise: Array = self._phasor_share * self.amplitude_m**2 + _UNSEEN * self._noise_m2
         return noise
+
+    def _begin_force(self, time_s: float, size_m: float) -> None:
+        """A force may have begun at that time, unless the arm is known to be shaken all the time."""
+        held = self.held_force
+        if held.active or not self.force.intensity:
+            if not held.active:
+                self.bank.give_force(self._slow_pull.followed_m())
+            held.begin(time_s, size_m)
 
     def held_during(self, start_s: float, end_s: float) -> Jump | None:
         """What a force that lasts may have done to the present between two times."""
@@ -340,11 +348,9 @@ class FrameFusion:
         best = self.evidence.best
         std = sqrt(float(seen.variance[best]))
         zero_m = float(self.bank.x[best, self._at.offset])
-        if self._slow_pull.see(float(seen.residual[best]) / std, zero_m):
+        if self._slow_pull.see(float(seen.residual[best]) / std, zero_m) and not self.force.intensity:
             self._slow_pull.restart()
-            if not self.held_force.active:
-                self.bank.give_force(self._slow_pull.followed_m())
-            self.held_force.begin(time_s, 2.0 * std)
+            self._begin_force(time_s, 2.0 * std)
             none = (0.0,) * self._at.modes
             self.bank.inflate(Jump(time_s, none, none, 2.0 * std), QUIET)
 
@@ -390,11 +396,15 @@ class FrameFusion:
         if held.active and held.see(bank.edge_s, float(bank.x[best, f]), float(bank.p[best, f, f])):
             bank.end_force()
             held.end()
+        elif held.active and held.oscillates(bank.edge_s):
+            bank.end_force()
+            held.end()
+            bank.loosen()
         if self._blind:
             self._before.append((received_s, bank.x.copy(), bank.p.copy()))
         else:
             # by the best filter: what another frequency or decay explains, as with a payload, is no force
-            if not self.held_force.active:
+            if not self.held_force.moves:
                 self.force.see(float(settled.seen.surprise[self.evidence.best]))
             self.evidence.remember()
             law = self.evidence.best % LAWS
@@ -478,7 +488,7 @@ class FrameFusion:
             self._before.clear()
             return True
         sizes = (size,) + (0.3 * size,) * (self._at.modes - 1)
-        self.held_force.begin(float(times[best]), size)
+        self._begin_force(float(times[best]), size)
         self.bank.inflate(Jump.guessed(float(times[best]), sizes, size), QUIET)
         return True
 

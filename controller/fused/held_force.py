@@ -23,6 +23,8 @@ _GATE = 3.0  # standard deviations: a force within this is taken for none
 _NONE_FOR_S = 1.0  # for so long
 _AT_REST = 4.0  # times the walk of a force that rests
 _ODDS_OF_NONE = 20.0
+_REVERSALS = 3  # of a force, each within about half a period
+_NOT_AGAIN_S = 2.0  # after what has turned out to be none
 _SIGNIFICANT = 5.5  # standard deviations of the mean innovation: by chance once in a day
 _LARGEST = 4.0  # standard deviations: one wrong image is no pull
 _FEWEST_FRAMES = 6.0
@@ -48,7 +50,7 @@ class SlowPull:
 
     def followed_m(self) -> float:
         """By how much the image's zero has moved since about the pull began, m."""
-        return self._zeros[-1] - self._zeros[0]
+        return self._zeros[-1] - self._zeros[0] if self._zeros else 0.0
 
     def see(self, innovation: float, zero_m: float) -> bool:
         """Take in an image's innovation in standard deviations, and the image's zero, m; whether there is a pull."""
@@ -64,8 +66,12 @@ class HeldForce:
     active: whether the state is in use. walk: growth of the variance of f, m^2/s.
     """
 
-    def __init__(self, modes: int, noise_m2: float) -> None:
-        """modes: of the arm; noise_m2: variance of an image, m^2."""
+    def __init__(self, modes: int, noise_m2: float, period_s: float) -> None:
+        """modes: of the arm; noise_m2: variance of an image, m^2; period_s: of the first mode."""
+        self._reversals: deque[float] = deque(maxlen=_REVERSALS)
+        self._reversing_s = 0.5 * (_REVERSALS + 1.0) * period_s
+        self._sign = 0.0
+        self._not_before_s = float("-inf")
         self._none = (0.0,) * modes
         self._rest = _REST_SHARE * noise_m2
         self._past: deque[tuple[float, float]] = deque()
@@ -74,8 +80,15 @@ class HeldForce:
         self._none_since_s = float("inf")
         self._expected = 0.0  # variance of a force as large as what has been seen of it, m^2
 
+    @property
+    def moves(self) -> bool:
+        """Whether there is a force that changes."""
+        return self.active and self.walk > _AT_REST * self._rest
+
     def begin(self, time_s: float, size_m: float) -> None:
         """Images left their gate by about size_m: a force may have begun, changed, or ended."""
+        if time_s < self._not_before_s:
+            return
         self.active = True
         self.walk = max(self.walk, size_m * size_m / _ONSET_S)
         self._expected = max(self._expected, size_m * size_m)
@@ -108,17 +121,30 @@ class HeldForce:
             self.walk = max(step * step / span, self._rest)
         if value_m * value_m > _GATE * _GATE * variance:
             self._none_since_s = time_s
+            if value_m * self._sign < 0.0:
+                self._reversals.append(time_s)
+            self._sign = value_m
         return time_s - self._none_since_s > _NONE_FOR_S or self._unlikely(value_m, variance)
 
     def _unlikely(self, value_m: float, variance: float) -> bool:
         """Odds of no force against one of the size expected, by how near to zero it is known to be (Savage and Dickey:
         J. M. Dickey, Annals of Mathematical Statistics 42, 1971)."""
-        if self.walk > _AT_REST * self._rest or variance <= 0.0:
+        if self.moves or variance <= 0.0:
             return False
         return sqrt(self._expected / variance) * exp(-0.5 * value_m * value_m / variance) > _ODDS_OF_NONE
 
+    def oscillates(self, time_s: float) -> bool:
+        """Whether the force has reversed with every half period: no force lasts that does so, the arm has changed."""
+        reversals = self._reversals
+        if len(reversals) < _REVERSALS or reversals[-1] - reversals[0] > self._reversing_s:
+            return False
+        self._not_before_s = time_s + _NOT_AGAIN_S
+        return True
+
     def end(self) -> None:
         """No force is left."""
+        self._reversals.clear()
+        self._sign = 0.0
         self.active = False
         self.walk = self._expected = 0.0
         self._past.clear()

@@ -292,10 +292,7 @@ class FusedMethod:
         self._alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - blow.blocks_ago)
         block = self._blocks[place]
-        size_m = blow.sizes_m[0]
-        self.frames.held_force.begin(block.start_s, size_m)
-        self._snapshot = None
-        block.jumps += (Jump.guessed(block.start_s, blow.sizes_m, size_m),)
+        block.jumps += (Jump.guessed(block.start_s, blow.sizes_m),)
         self._restart_present(self._blocks[-1].end_s)
 
     def _see_samples(self, samples: list[VisualSample], time_s: float) -> None:

@@ -50,7 +50,7 @@ class StrikeMeter:
     def __init__(self, w: float, cycle_s: float) -> None:
         """w: angular frequency of the mode, rad/s."""
         self._longest = max(4, round(_LONGEST_RAD / (w * cycle_s)))
-        self._recent: deque[tuple[int, float]] = deque(maxlen=self._longest + 5 * _QUIET)
+        self._recent: deque[tuple[int, float]] = deque(maxlen=2 * self._longest + 5 * _QUIET)
         self.reset()
 
     def reset(self) -> None:
@@ -101,13 +101,16 @@ class StrikeMeter:
         accelerometer shows.
         """
         first = self.since
-        before = [m for cycle, m in self._recent if first - _QUIET <= cycle < first - 1]
+        before = [m for cycle, m in self._recent if first - self._longest <= cycle < first - 1]
         inside = [m for cycle, m in self._recent if cycle > first]
         third = max(1, len(inside) // 3)
         mean, early, late = (sum(part) / len(part) for part in (inside, inside[:third], inside[-third:]))
         if not before or abs(mean) < _STEP_STDS * std_m or mean * self._sign < 0.0:
             return None
-        if abs(sum(before)) / len(before) > _QUIET_SHARE * abs(mean):
+        half = max(1, len(before) // 2)  # by halves: a higher mode has another sign in each
+        if max(abs(sum(part)) / len(part) for part in (before[:half], before[-half:])) > _QUIET_SHARE * abs(
+            mean
+        ):
             return None
         if min(early / mean, late / mean) < _STEADY_SHARE:
             return None
