@@ -71,7 +71,7 @@ class CompositeControl:
     ) -> None:
         """Take in a cycle: where the reference alone would have the joint, the estimate, the samples read in it."""
         known = estimate.status in {Status.ESTIMATED, Status.HELD} and isfinite(estimate.deflection_m)
-        self._oscillation.write(cycle, estimate.deflection_m if known else 0.0)
+        self._oscillation.write(cycle, estimate.vibration_m if known else 0.0)
         self._commanded.write(cycle, commanded_position_rad)
         self._undated.extend((sample, cycle * self._cycle_s) for sample in samples)
         for sample, read_s, delay_s in self._dated(estimate):
@@ -116,7 +116,7 @@ class CompositeControl:
 
     def velocity_rad_s(self, estimate: Estimate, joint_error_rad: float) -> float:
         """Fast and slow part together; joint_error_rad, by the encoder, stands in until the image's zero is known."""
-        q, v = estimate.deflection_m, estimate.deflection_rate_m_s
+        q, v = estimate.vibration_m, estimate.deflection_rate_m_s
         bend = -self._stiffness * q - self._decay * v
         ahead = self._dead_time_s
         q, v = q + ahead * v + 0.5 * ahead * ahead * bend, v + ahead * bend

@@ -117,7 +117,7 @@ class JointDamping:
     def predicted_m(self, estimate: Estimate) -> float:
         """The deflection that the joint's answer follows: the present one, moved by `lead_s`."""
         rate = estimate.deflection_rate_m_s
-        bend = -self._w * self._w * estimate.deflection_m - self._decay * rate
+        bend = -self._w * self._w * estimate.vibration_m - self._decay * rate
         lead = self.lead_s
         return estimate.deflection_m + lead * rate + 0.5 * lead * lead * bend
 
@@ -126,7 +126,7 @@ class JointDamping:
         std = estimate.deflection_std_m
         if not std * abs(self._gain) > self._sure_rad_s:
             return True
-        q, of_rate = estimate.deflection_m, estimate.deflection_rate_m_s / self._w
+        q, of_rate = estimate.vibration_m, estimate.deflection_rate_m_s / self._w
         of_delay = self._w * estimate.delay.std_s
         share = _SURE_OF_AMPLITUDE * _SURE_OF_AMPLITUDE + 0.5 * of_delay * of_delay
         return not std * std > share * (q * q + of_rate * of_rate)
@@ -136,13 +136,13 @@ class JointDamping:
         crossing: PlayCrossing,
         play: GearPlay,
         estimate: Estimate,
-        predicted_m: float,
+        vibration_m: float,
         wanted_rad_s: float,
     ) -> float:
         """The motor's velocity across the play, so far as the damping's limit leaves room for it."""
         lead, w = self.lead_s, self._w
-        rate = estimate.deflection_rate_m_s - w * w * lead * estimate.deflection_m
-        across = crossing.velocity_rad_s(self._gain * predicted_m, self._gain * rate, play)
+        rate = estimate.deflection_rate_m_s - w * w * lead * estimate.vibration_m
+        across = crossing.velocity_rad_s(self._gain * vibration_m, self._gain * rate, play)
         most = self._settings.max_velocity_rad_s
         return (
             min(max(across, -most - wanted_rad_s), most - wanted_rad_s) if abs(wanted_rad_s) < most else 0.0
@@ -166,6 +166,9 @@ class JointDamping:
         age = time_s - self._last_measured_s
         fresh = min(1.0, (settings.stale_after_s - age) / settings.fade_s)
         predicted = self.predicted_m(estimate)
+        vibration = (
+            predicted - estimate.static_m
+        )  # a joint that followed what is held would creep, and damp nothing
         grounds = True
         if not isfinite(predicted) or estimate.status in {Status.INVALID, Status.UNESTIMATED}:
             status, grounds = DampingStatus.NO_PREDICTION, False
@@ -190,9 +193,9 @@ class JointDamping:
         if self._composite is not None:
             both = self._composite.velocity_rad_s(estimate, away)
         else:
-            both = self._gain * predicted + away / settings.return_time_s
+            both = self._gain * vibration + away / settings.return_time_s
         if self._crossing is not None and play is not None:
-            both += self._across(self._crossing, play, estimate, predicted, both)
+            both += self._across(self._crossing, play, estimate, vibration, both)
         if not isfinite(both):
             self._weight = 0.0
             return 0.0, DampingStatus.NO_PREDICTION

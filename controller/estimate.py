@@ -23,6 +23,14 @@ class Status(StrEnum):
     INVALID = "invalid"  # not to be used
 
 
+class Trust(StrEnum):
+    """Whether an estimate's stated deviation can be relied on."""
+
+    STARTING = "starting"  # too little seen yet: the configured delay stands in
+    SETTLED = "settled"
+    DOUBTFUL = "doubtful"  # measurements lie further off than was stated; the deviation is raised meanwhile
+
+
 class DelayEstimate(NamedTuple):
     """Capture delay (reading of a visual sample minus mid-exposure) with its standard deviation, s."""
 
@@ -60,7 +68,9 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
     deflection_std_m: its standard deviation. status: that of the deflection. reason: why the delay or the deflection is
     no better than it is, or which sensor is at fault; empty for nothing to be said. accelerometer_lost: the method does
     without it, as it is dead or shows no vibration. dated: the frames whose delay has been found in this cycle, some
-    cycles after they were read; None from a method that says it in the cycle of the frame.
+    cycles after they were read; None from a method that says it in the cycle of the frame. static_m: the part of
+    deflection_m that a lasting force holds, about which the arm vibrates: it cannot be damped. trust: whether the
+    method's own checks bear the deviations out; None from a method that has none.
     """
 
     delay: DelayEstimate
@@ -71,6 +81,20 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
     reason: str = ""
     accelerometer_lost: bool = False
     dated: tuple[FrameDelay, ...] | None = None
+    static_m: float = 0.0
+    trust: Trust | None = None
+
+    @property
+    def vibration_m(self) -> float:
+        """The deflection about the place at which a lasting force holds the tip."""
+        return self.deflection_m - self.static_m
+
+    @property
+    def trusted(self) -> Trust:
+        """The method's trust; of one that does not check itself, by the status of its delay."""
+        if self.trust is not None:
+            return self.trust
+        return Trust.STARTING if self.delay.status is Status.UNESTIMATED else Trust.SETTLED
 
 
 class Method(Protocol):

@@ -46,6 +46,7 @@ def estimate_sample(cycle: int, answered: CycleOutput, cycle_s: float) -> Estima
         answered.reason or "",
         estimate.status,
         estimate.reason,
+        estimate.trusted,
     )
 
 

@@ -176,6 +176,8 @@ def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = No
 def _numbers(was: object, now: msgspec.Struct) -> Iterator[tuple[str, object, object]]:
     # time_s follows from the cycle, unless a simulated clock stepped; before there were states, none was recorded
     passed = {"time_s", "state", "reason"} if getattr(was, "state", None) == "" else {"time_s"}
+    if getattr(was, "trust", None) == "":  # recorded before estimates told it
+        passed.add("trust")
     for key in now.__struct_fields__:
         if key not in passed:
             yield key, getattr(was, key), getattr(now, key)

@@ -12,10 +12,14 @@ from controller.replay import LiveComparison, MethodRun
 
 FRAME_COLUMNS = ("frame", "received_s", "method", "status", "delay_s", "delay_std_s")
 ESTIMATE_COLUMNS = ("time_s", "method", "status", "deflection_m", "deflection_std_m")
+TRUST_COLUMNS = ("time_s", "method", "trust", "reason")
 
 
 def write_tables(runs: list[MethodRun], directory: Path) -> None:
-    """Write frames.csv and estimates.csv. A number that is not there is an empty field."""
+    """Write frames.csv, estimates.csv, and trust.csv, which has a row where a method's trust in itself changes.
+
+    A number that is not there is an empty field.
+    """
     with (directory / "frames.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(FRAME_COLUMNS)
@@ -38,6 +42,16 @@ def write_tables(runs: list[MethodRun], directory: Path) -> None:
                         _field(estimate.deflection_std_m),
                     )
                 )
+
+    with (directory / "trust.csv").open("w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(TRUST_COLUMNS)
+        for run in runs:
+            trust = None
+            for time_s, estimate in zip(run.times_s, run.estimates, strict=True):
+                if estimate.trusted is not trust:
+                    trust = estimate.trusted
+                    table.writerow((time_s, run.method, trust, estimate.reason))
 
 
 def replay_summary(

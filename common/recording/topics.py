@@ -68,7 +68,7 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     deflection_m is that at time_s; predicted_deflection_m that at which the joint will answer (drive's lead).
     delay_status, deflection_status: unestimated, estimated, held or invalid; estimate_reason: why, in words.
     state: controller.states.table.State; reason: the Event behind it, empty where nothing is wrong. Both are empty in
-    recordings that are older than the states.
+    recordings that are older than the states. trust: starting, settled or doubtful; empty in older recordings.
     """
 
     time_s: float
@@ -85,6 +85,7 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     reason: str = ""
     deflection_status: str = ""
     estimate_reason: str = ""
+    trust: str = ""
 
 
 class LinkSample(msgspec.Struct, frozen=True, gc=False):

@@ -35,9 +35,17 @@ class Law(IntEnum):
 LAWS = len(Law)
 LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
 _VAGUE = 0.002  # of the squared rate
+_DOUBT_OF_LOST, _LEAST_OF_LOST = (
+    0.5,
+    0.01,
+)  # of the amplitude; of the variance at the start: of filters found lost
+_INSIGNIFICANT = (
+    0.1  # likewise: three standard deviations. Of less, an image's rate is noise, and tells no instant
+)
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 LAW_OF = np.arange(FILTERS) % LAWS
+ALL, QUIET, DISTURBED = slice(None), slice(0, LAWS), slice(LAWS, None)
 
 
 class Vibration(NamedTuple):
@@ -84,6 +92,7 @@ class FilterBank:
         """variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s, (filters,)."""
         self._at = layout
         self._diagonal = np.arange(layout.size)
+        self._forced = [0, 1, layout.force]  # the first mode's phasor, and the force that it vibrates about
         self._move = np.eye(layout.size)[None, : 2 * layout.modes].repeat(FILTERS, axis=0)
         self.moved = [0] * FILTERS
         self._first, self._first_jitter = variance, jitter_s**2
@@ -102,6 +111,16 @@ class FilterBank:
         self.p[:, self._diagonal, self._diagonal] = self._first
         self.jitter = self._first_jitter
         self._all_moved()
+
+    def begin_near(self, x: Array) -> None:
+        """As at the start, but for the vibration and the image's zero, which are those of the state x (n,)."""
+        at = self._at
+        phasor, offset = x[at.phasor], float(x[at.offset])
+        self.begin()
+        self.x[:, at.phasor], self.x[:, at.offset] = phasor, offset
+        doubt = _DOUBT_OF_LOST**2 * float(phasor @ phasor)
+        i = self._diagonal[at.phasor]
+        self.p[:, i, i] = np.minimum(self.p[:, i, i], doubt + _LEAST_OF_LOST * self.p[:, i, i])
 
     def _all_moved(self) -> None:
         self.moved = [one + 1 for one in self.moved]
@@ -235,6 +254,17 @@ class FilterBank:
         self.x += gain * (difference_s - self.x[:, t] + self.x[:, ahead])[:, None]
         self.p -= gain[:, :, None] * ph[:, None, :]
 
+    def first_variance(self, one: int, index: int) -> float:
+        """Variance of a state of filter `one` at the start."""
+        return float(self._first[one, index])
+
+    def begin_late(self, one: int, late_s: float) -> None:
+        """Filter `one`: the mean delay is unknown again; an arrival was late_s later than its nominal instant says."""
+        t, late = self._at.shift, self._at.late
+        self.p[one, late, :] = self.p[one, :, late] = 0.0
+        self.p[one, late, late] = self._first[one, late]
+        self.x[one, late] = late_s - self.x[one, t]
+
     def forget_started(self, variance: float) -> None:
         """n_i has jumped: by how much it is ahead is unknown, variance in s^2."""
         ahead = self._at.ahead
@@ -254,16 +284,22 @@ class FilterBank:
         return Vibration(lag, turn, own, summed(total.real, 1), summed((fast * total).real, 1))
 
     def look(
-        self, value_m: float, vibration: Vibration, joint_m: Array, joint_rate: Array, noise: float
+        self,
+        value_m: float,
+        vibration: Vibration,
+        joint_m: Array,
+        joint_rate: Array,
+        joint_rate_variance: float,
+        noise: float,
     ) -> Seen:
         """An image that shows value_m of that vibration, when the joint alone moved the tip by joint_m (filters,).
 
-        joint_rate: rate of joint_m, m/s, (filters,). noise: variance, m^2.
+        joint_rate: rate of joint_m, m/s, (filters,), with its variance. noise: of the image, variance, m^2.
         """
         at, p, w2 = self._at, self.p, self._at.w_first**2
         blur = np.exp(-0.5 * w2 * self.jitter)
         scale = 1.0 + self.x[:, at.scale]
-        deflection = vibration.deflection * blur
+        deflection = vibration.deflection * blur + self.x[:, at.force]
         tip = joint_m + deflection
         rate = scale * (joint_rate + vibration.rate)
         slope = np.zeros(self.x.shape)
@@ -272,14 +308,20 @@ class FilterBank:
         slope[:, at.cosine], slope[:, at.sine] = turn.real * shown, turn.imag * shown
         slope[:, at.frequency], slope[:, at.decay] = own.imag * drawn, own.real * drawn
         slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
+        slope[:, at.force] = scale
+        phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
+        rate_variance = w2 * phasor + joint_rate_variance
+        unseen = rate_variance > _INSIGNIFICANT * self._known_rate2(rate)
+        if unseen.any():
+            slope[unseen, at.shift] = 0.0
         residual = value_m - scale * tip - self.x[:, at.offset]
         # second order: products of two uncertain quantities, and a large shift bends the sinusoid
         unknown = self.jitter + p[:, at.shift, at.shift]
-        phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
         rate2 = rate * rate
         products = p[:, at.scale, at.scale] * (phasor + rate2 * unknown) + (_FLOOR * deflection) ** 2
         bend = 0.5 * (w2 * deflection * unknown) ** 2
-        extra = noise + rate2 * self.jitter + w2 * phasor * unknown + bend + products
+        extra = noise + rate2 * (self.jitter + unseen * p[:, at.shift, at.shift])
+        extra += rate_variance * unknown + bend + products
         ph = np.matvec(p, slope)
         variance = np.vecdot(ph, slope) + extra
         return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)
@@ -320,13 +362,20 @@ class FilterBank:
         seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
         stays.
         """
-        w2, a, b, rate = self._at.w_first**2, self.x[:, 0], self.x[:, 1], seen.rate
-        known = (0.5 * w2) * (a * a + b * b) + rate * rate
-        result: NDArray[np.bool_] = seen.phasor > (_VAGUE / w2) * known
+        result: NDArray[np.bool_] = seen.phasor > (_VAGUE / self._at.w_first**2) * self._known_rate2(
+            seen.rate
+        )
         return result
 
-    def inflate(self, jump: Jump) -> None:
-        """A blow has moved the phasors by an unknown amount."""
+    def _known_rate2(self, rate: Array) -> Array:
+        """Square of the image's rate as each filter has it, at this instant and on average, m^2/s^2, (filters,)."""
+        a, b = self.x[:, 0], self.x[:, 1]
+        result: Array = (0.5 * self._at.w_first**2) * (a * a + b * b) + rate * rate
+        return result
+
+    def inflate(self, jump: Jump, filters: slice = ALL) -> None:
+        """An impact has moved the phasors, or a force has changed, by an unknown amount. filters: that are told of the
+        force."""
         for i, (along_m, across_m) in enumerate(zip(jump.along_m, jump.across_m, strict=True)):
             along = along_rate(self._w[i], jump.time_s)
             cosine, sine = along.real, -along.imag
@@ -336,6 +385,44 @@ class FilterBank:
             self.p[:, d, d] += power * sine * sine + rest
             self.p[:, c, d] += power * cosine * sine
             self.p[:, d, c] += power * cosine * sine
+        if jump.force_step_m:
+            turn = jump.force_step_m * exp(-1j * self._w[0] * jump.time_s)
+            self.x[:, self._forced] += (-turn.real, turn.imag, jump.force_step_m)
+        if jump.force_m:
+            self._change_force(jump, filters)
+
+    def _change_force(self, jump: Jump, filters: slice) -> None:
+        """The force changed at the jump's instant, by an unknown amount: neither deflection nor rate jumps with it."""
+        turn = exp(1j * self._w[0] * jump.time_s)
+        moved = jump.force_m * np.array((-turn.real, -turn.imag, 1.0))
+        i = np.array(self._forced)
+        self.p[filters, i[:, None], i] += moved[:, None] * moved
+
+    def give_force(self, offset_m: float) -> None:
+        """The image's zero has followed a force by about offset_m: that much is the force's, give or take as much.
+
+        Their sum, which images show, stays.
+        """
+        c, f = self._at.offset, self._at.force
+        self.x[:, c] -= offset_m
+        self.x[QUIET, f] += offset_m
+        doubt = offset_m * offset_m
+        self.p[QUIET, c, c] += doubt
+        self.p[QUIET, f, f] += doubt
+        self.p[QUIET, c, f] -= doubt
+        self.p[QUIET, f, c] -= doubt
+
+    def end_force(self) -> None:
+        """No force is left: f = 0, taken in as a measurement, for it is correlated with all else."""
+        i = self._at.force
+        ph = self.p[:, :, i].copy()
+        variance = ph[:, i]
+        known = variance > 0.0
+        gain = np.where(known[:, None], ph / np.where(known, variance, 1.0)[:, None], 0.0)
+        self.x -= gain * self.x[:, i, None]
+        self.p -= gain[:, :, None] * ph[:, None, :]
+        self.x[:, i] = 0.0
+        self.p[:, i, :] = self.p[:, :, i] = 0.0
 
     def add(self, increment: list[complex]) -> None:
         """A blow that is known has moved the phasors by `increment`, (m,)."""
@@ -360,14 +447,14 @@ class FilterBank:
             self.p[:, i, :] = self.p[:, :, i] = 0.0
         self.p[:, self._diagonal[at.phasor], self._diagonal[at.phasor]] = spread_m**2
 
-    def loosen(self) -> None:
+    def loosen(self, filters: slice = ALL) -> None:
         """Frequencies, decay and image scale may have changed, as with a payload or another scene."""
         at = self._at
         i = np.arange(2 * at.modes, 3 * at.modes)
-        self.p[:, i, i] += (0.04 * at.w) ** 2
+        self.p[filters, i, i] += (0.04 * at.w) ** 2
         i = np.arange(3 * at.modes, 4 * at.modes)
-        self.p[:, i, i] += (0.01 * at.w) ** 2
-        self.p[:, at.scale, at.scale] += 0.1**2
+        self.p[filters, i, i] += (0.01 * at.w) ** 2
+        self.p[filters, at.scale, at.scale] += 0.1**2
         self._all_moved()
 
     def loosen_bias(self, variance: float) -> None:

@@ -8,6 +8,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 _GROWN = 2.5
+_MOTION_DOUBT = (
+    0.01  # of what the joint's motion adds to a phasor: participation and drive are known to some per cent
+)
+_STEP_DOUBT = (
+    0.2  # of a step of force: it takes some time to happen, and the phase at its beginning is not quite known
+)
 
 
 def along_rate(w: float, time_s: float) -> complex:
@@ -18,17 +24,27 @@ def along_rate(w: float, time_s: float) -> complex:
 class Jump(NamedTuple):
     """How far a blow at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
 
-    along_m: in the direction of a change of rate at time_s; across_m: at right angles to it.
+    along_m: in the direction of a change of rate at time_s; across_m: at right angles to it. force_m: of the first
+    mode's static deflection by a force that changed at time_s (held_force.py), of which force_step_m is known.
     """
 
     time_s: float
     along_m: tuple[float, ...]
     across_m: tuple[float, ...]
+    force_m: float = 0.0
+    force_step_m: float = 0.0
 
     @classmethod
-    def guessed(cls, time_s: float, sizes_m: tuple[float, ...]) -> "Jump":
-        """A blow of about those sizes at about that time."""
-        return cls(time_s, tuple(1.5 * one for one in sizes_m), tuple(0.3 * one for one in sizes_m))
+    def guessed(cls, time_s: float, sizes_m: tuple[float, ...], force_m: float = 0.0) -> "Jump":
+        """An impact of about those sizes, and a change of force of about that size, at about that time."""
+        along, across = tuple(1.5 * one for one in sizes_m), tuple(0.3 * one for one in sizes_m)
+        return cls(time_s, along, across, 1.5 * force_m)
+
+    @classmethod
+    def stepped(cls, time_s: float, size_m: float) -> "Jump":
+        """A force has changed at that time by size_m, as the accelerometer has seen, in an arm of one mode."""
+        doubt = _STEP_DOUBT * abs(size_m)
+        return cls(time_s, (doubt,), (doubt,), doubt, size_m)
 
 
 @dataclass(slots=True)
@@ -50,6 +66,11 @@ class Block:
     variance: float = 0.0
     step: tuple[complex, ...] = ()
     jumps: tuple[Jump, ...] = ()
+
+    @property
+    def motion_variance(self) -> float:
+        """Of each phasor's parts, by how well the joint's effect on the arm is known, m^2."""
+        return 0.5 * sum([(_MOTION_DOUBT * abs(one)) ** 2 for one in self.step])
 
 
 class BlockSums:

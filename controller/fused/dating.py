@@ -12,6 +12,10 @@ _RESET_BACK = 8  # a counter that falls by more than this was reset; by less, th
 _MISMATCH_FRAMES = 2.5
 _MISMATCH_SPREADS = 8.5  # of the delay: six standard deviations of the difference of two
 _STAMP_MISMATCH_FRAMES = 4.0
+_LONGEST_STALL_FRAMES = 20.0  # a camera's or a socket's queue holds no more: beyond that frames were lost
+_STALL_FRAMES = 8  # a queue that has been held up has drained after so many
+_NO_BURST_FRAMES = 3  # if so many have not begun to catch up, there is no queue
+_CATCHES_UP = 0.5  # frames
 
 
 class Dating:
@@ -32,6 +36,9 @@ class Dating:
         self.doubt_s = self.stamp_doubt_s = 0.0
         self.stamped = self.started = False
         self._frame = 0
+        self._missing = 0.0  # frames by which the arrivals are behind the counter since a stall
+        self._since_stall = -1  # frames; -1 without one
+        self._stalled = 0.0  # frames by which the first one was
         self._received_s = 0.0
         self._captured_s = nan
 
@@ -53,9 +60,13 @@ class Dating:
                 return False
             passed = max(received_s - self._received_s, 0.0)
             in_frames = passed / self._frame_s
-            if frames < 0 or abs(frames - in_frames) > self._mismatch + 0.02 * in_frames:
-                frames = max(1, round(in_frames))  # reset, jumped, or a count of arrivals with some lost
+            slack = self._mismatch + 0.02 * in_frames
+            if frames < 0 or frames - in_frames > slack or in_frames - frames > _LONGEST_STALL_FRAMES:
+                frames = max(1, round(in_frames))  # reset, jumped, or a count of arrivals with many lost
                 self.doubt_s = 0.7 * self._frame_s
+                self._since_stall = -1
+            else:
+                frames += self._lost(in_frames - frames, slack)
             self.elapsed[Law.CLOCK] = frames * self._frame_s
             self.nominal[Law.CLOCK] += self.elapsed[Law.CLOCK]
             self._follow_stamp(sample.captured_s, frames * self._frame_s)
@@ -63,6 +74,27 @@ class Dating:
             self.nominal[Law.STEADY :] = arrivals
         self._frame, self._received_s, self._captured_s = sample.frame, received_s, sample.captured_s
         return True
+
+    def _lost(self, behind: float, slack: float) -> int:
+        """Frames that a counter of arrivals has missed, told some frames after a late one: unless its successors have
+        come in a burst, as behind a stall, it was not late, but the next one that was not lost.
+
+        behind: by how many frames' time this one came later after the last than the counter says.
+        """
+        if self._since_stall < 0:
+            if behind <= slack:
+                return 0
+            self._missing, self._since_stall, self._stalled = 0.0, 0, behind
+        self._missing += behind
+        self._since_stall += 1
+        burst = self._missing < self._stalled - _CATCHES_UP
+        if self._missing > slack and self._since_stall < (_STALL_FRAMES if burst else 1 + _NO_BURST_FRAMES):
+            return 0
+        lost = round(self._missing) if self._missing > slack else 0
+        self._since_stall = -1
+        if lost:
+            self.doubt_s = 0.7 * self._frame_s
+        return lost
 
     def _follow_stamp(self, captured_s: float, by_counter_s: float) -> None:
         step = captured_s - self._captured_s

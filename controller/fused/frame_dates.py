@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
+from controller.fused.arrival_floor import ArrivalFloor
 from controller.fused.arrivals import ArrivalSpread
 from controller.fused.bank import FILTERS, LAW_OF, LAWS, FilterBank, Law
 from controller.fused.clock_rate import ClockRate
@@ -25,6 +26,7 @@ _STRANGE_FRAMES = 10  # for so long it is left out
 _CONFIRMED = 0.25  # of the variance of the clock's rate: what images have left of it
 _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _SKEW_NOISE = 1e-14  # 1/s
+_KNOWN_SHIFT = 0.06  # of the shift's first variance: what images have left of it
 
 
 class FrameDates:
@@ -55,6 +57,7 @@ class FrameDates:
             LearntWander(at, law, self.shift_noise, self._shift_return) for law in (Law.DRIFT, Law.STEADY)
         ]
         self._joint_date = JointDate()
+        self._floors = [ArrivalFloor(spread_s) for _ in range(2)]
         self._clock_rate = ClockRate(spread_s, self._cycle_s)
         self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s) for _ in range(2)]
         self._started = [ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s) for _ in range(2)]
@@ -117,7 +120,14 @@ class FrameDates:
         late = received_s - self._model_delay_s - nominal
         noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
-            spread = self._spread[law]
+            spread, floor = self._spread[law], self._floors[law]
+            if not floor.see(float(late[law])):
+                continue
+            if floor.fell:
+                spread.restart()
+                if self._begin_late(law, float(late[law])):
+                    self.begin_anew(received_s)
+                    return True
             spread.add(float(late[law]))
             noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
         started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
@@ -160,6 +170,7 @@ class FrameDates:
         """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
         self._spread[law].restart()
         self._started[law].restart()
+        self._floors[law].restart()
         if law is Law.CLOCK:
             self._joint_date.restart()
             self._clock_rate.restart()
@@ -178,15 +189,33 @@ class FrameDates:
             return False
         dating.change_period(1.0 + rate.rate)
         if believed:
-            bank.begin()
-            dating.nominal[:] = received_s - self._model_delay_s
-            self._evidence.begin()
+            self.begin_anew(received_s)
         else:
             self._evidence.begin_clock(bank, dating)
         for target in range(int(Law.CLOCK), FILTERS, LAWS):
             bank.p[target, at.skew, at.skew] = rate.std**2
         self._restart_watch(Law.CLOCK)
         return believed
+
+    def begin_anew(self, received_s: float) -> None:
+        """Forget all that was learnt by wrong dates."""
+        self._bank.begin()
+        self.dating.nominal[:] = received_s - self._model_delay_s
+        self._evidence.begin()
+        for law in (Law.CLOCK, Law.STAMPS):
+            self._restart_watch(law)
+
+    def _begin_late(self, law: Law, late_s: float) -> bool:
+        """Frames have come by far later until now, as where a queue drained: what their arrivals told of the clock is
+        wrong. Returns whether the law is believed and images have not yet told the shift otherwise.
+        """
+        bank, at = self._bank, self._at
+        likeliest = self._evidence.likeliest(law)
+        first = bank.first_variance(likeliest, at.shift)
+        known = float(bank.p[likeliest, at.shift, at.shift]) < _KNOWN_SHIFT * first
+        for target in range(int(law), FILTERS, LAWS):
+            bank.begin_late(target, late_s)
+        return not known and self._evidence.law(law) > 0.5
 
     def _is_strange(self, started: Array, noise: Array) -> bool:
         """Whether n_i has jumped, by the most likely filter."""

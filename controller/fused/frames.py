@@ -11,11 +11,24 @@ from common.configuration import Fused
 from common.model import Model
 from common.visual_sample import VisualSample
 from controller.fused import start
-from controller.fused.bank import FILTERS, LAW_OF, LAWS, AimedAtBlock, FilterBank, Law, Seen, Vibration
+from controller.fused.bank import (
+    DISTURBED,
+    FILTERS,
+    LAW_OF,
+    LAWS,
+    QUIET,
+    AimedAtBlock,
+    FilterBank,
+    Law,
+    Seen,
+    Vibration,
+)
 from controller.fused.blocks import Block, Jump
 from controller.fused.blow import BlowReport
+from controller.fused.consistency import Consistency
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
+from controller.fused.held_force import HeldForce, SlowPull
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_force import LearntForce
@@ -37,6 +50,7 @@ _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was n
 _BREAK_MEMORY_FRAMES = 60.0
 _BLOWS = 1.5  # breaks within that memory that may be blows
 _CLEAR = 0.995
+_SAMPLED_CYCLES = 0.15  # standard deviation: within its cycle nobody says when a sensor took its sample
 _UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
@@ -45,12 +59,14 @@ _LEARNING = np.where((LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER), 0.01, 0.0) 
 
 
 class Merged(NamedTuple):
-    """The filters' common state: phasors, slow rates, 1/s, accelerometer bias, m, and the phasors' covariance."""
+    """The filters' common state: phasors, slow rates, 1/s, accelerometer bias, m, static deflection by a force, m, and
+    the covariance of the phasors, with the force behind them where there may be one."""
 
     phasors: list[complex]
     slow: list[complex]
     bias: float
     bias_variance: float
+    force: float
     covariance: list[list[float]]
 
 
@@ -72,10 +88,12 @@ class Look(NamedTuple):
 
 class Joint(NamedTuple):
     """What the joint did by an image's instants: how far it alone moved the tip, m, at what rate, m/s, both (filters,);
-    and the modes' phasor increments since the bank's instant, (filters, m)."""
+    and the modes' phasor increments since the bank's instant, (filters, m). rate_variance: of rate, by the encoder's
+    noise, m^2/s^2."""
 
     tip: Array
     rate: Array
+    rate_variance: float
     step: ComplexArray
 
 
@@ -140,10 +158,15 @@ class FrameFusion:
         self.dates = FrameDates(model, at, self.bank, self.evidence, self._walks.lead)
         self._scale_watch = ScaleWatch()
         self._phasor_share = start.phasor_share(settings)
-        self._carried = np.eye(at.size)[: 2 * at.modes]
+        self._carried = np.eye(at.size)[[*range(2 * at.modes), at.force]]
         self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * self.bank.jitter
         self._noise_m2 = (at.per_px * model.camera.noise_std_px) ** 2
         self.force = LearntForce(at.w.tolist(), self._noise_m2, health.variance)
+        self._sampled_variance = (_SAMPLED_CYCLES * model.timing.cycle_s) ** 2
+        self.held_force = HeldForce(at.modes, self._noise_m2, at.period_s)
+        self.consistency = Consistency()
+        self._surprise = 1.0  # normalised innovation squared of the image looked at last
+        self._slow_pull = SlowPull(0.5 * at.period_s / self._frame_s)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
         self._arrival_mean, self._arrival_variance = self.delay_s, self.delay_std_s**2
@@ -170,7 +193,12 @@ class FrameFusion:
         self.finish_block()
         bank = self.bank
         for jump in block.jumps:
-            bank.inflate(jump)
+            bank.inflate(jump, QUIET)
+            if jump.force_step_m:
+                self.held_force.step(jump.force_step_m)
+        held = self.held_force.during(block.start_s, block.end_s)
+        if held is not None:
+            bank.inflate(held, QUIET)
         push = self.force.during(block.start_s, block.end_s)
         if push is not None:
             bank.inflate(push)
@@ -210,7 +238,7 @@ class FrameFusion:
         dt = block.end_s - bank.edge_s
         noise = self._state_noise * dt
         noise[:, self._at.scale] += self._scale_watch.grown(dt)
-        noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None]
+        noise[:, self._at.phasor] = (self._phasor_noise() * dt)[:, None] + block.motion_variance
         bank.move_on(block, noise)
         return True
 
@@ -222,6 +250,21 @@ class FrameFusion:
     def _phasor_noise(self) -> Array:
         noise: Array = self._phasor_share * self.amplitude_m**2 + _UNSEEN * self._noise_m2
         return noise
+
+    def _begin_force(self, time_s: float, size_m: float) -> None:
+        """A force may have begun at that time, unless the arm is known to be shaken all the time."""
+        held = self.held_force
+        if held.active or not self.force.intensity:
+            if not held.active:
+                self.bank.give_force(self._slow_pull.followed_m())
+            held.begin(time_s, size_m)
+
+    def held_during(self, start_s: float, end_s: float) -> Jump | None:
+        """What a force that lasts may have done to the present between two times."""
+        held = self.held_force
+        if not held.active:
+            return None
+        return held.during(start_s, end_s, float(self.evidence.weights[QUIET].sum()))
 
     def phasor_noise(self) -> float:
         """Growth of the variance of each phasor component, m^2/s."""
@@ -237,11 +280,17 @@ class FrameFusion:
 
     def take_arrival(self) -> None:
         """What the arrival of the frame accepted last tells, if that has not been taken in."""
-        if self.dates.take_arrival():  # what a wrong clock has taught of the accelerometer is wrong, too
-            self.health.begin_comparison()
-            self._scale_watch.restart()
-            self._images = self._outliers = self._votes = 0
-            self._as_calibrated = True
+        if self.dates.take_arrival():
+            self._forget_wrong_dates()
+
+    def _forget_wrong_dates(self) -> None:
+        """What a wrong clock has taught of the accelerometer is wrong, too."""
+        self.health.begin_comparison()
+        self._scale_watch.restart()
+        self._images = self._outliers = self._votes = 0
+        self._as_calibrated = True
+        self.held_force.end()
+        self._slow_pull.restart()
 
     def _finish_dates(self) -> None:
         self.take_arrival()
@@ -278,9 +327,10 @@ class FrameFusion:
         at, bank, weights = self._at, self.bank, self.evidence.weights
         self._images += 1
         self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
-        seen = bank.look(image.value_m, vibration, joint.tip, joint.rate, image.noise)
+        seen = self._seen(image, vibration, joint)
         surprise = seen.surprise
         self.blow = False
+        self._surprise = float(surprise[self.evidence.best])
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
             if not self._explain(image, times, received_s, seen, report):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
@@ -288,9 +338,21 @@ class FrameFusion:
             times = self.dates.instants_s + bank.x[:, at.shift]
             seen = self._look(image, times)
             surprise = np.minimum(seen.surprise, 4.0)
+        elif not self._blind:
+            self._watch_slow_pull(seen, float(times[self.evidence.best]))
         self._outliers = self._votes = 0
         self._looked = Looked(image, times, received_s, seen, surprise)
         return True
+
+    def _watch_slow_pull(self, seen: Seen, time_s: float) -> None:
+        best = self.evidence.best
+        std = sqrt(float(seen.variance[best]))
+        zero_m = float(self.bank.x[best, self._at.offset])
+        if self._slow_pull.see(float(seen.residual[best]) / std, zero_m) and not self.force.intensity:
+            self._slow_pull.restart()
+            self._begin_force(time_s, 2.0 * std)
+            none = (0.0,) * self._at.modes
+            self.bank.inflate(Jump(time_s, none, none, 2.0 * std), QUIET)
 
     def take(self) -> None:
         """Take in the image looked at, if there is one."""
@@ -320,24 +382,49 @@ class FrameFusion:
         self._learn_jitter(own, seen)
         return True
 
-    def learn(self) -> None:
-        """What the image settled last leaves to do before anything else, if there is one."""
+    def learn(self) -> bool:
+        """What the image settled last leaves to do before anything else, if there is one. Returns whether the filters
+        were found lost, and have begun anew."""
         if self._settled is None:
-            return
+            return False
         settled, self._settled = self._settled, None
         received_s = settled.received_s
         bank = self.bank
         bank.symmetrise()
         self.evidence.respawn(bank, self.dates.dating, received_s - self.delay_s, self.delay_std_s)
+        held, best, f = self.held_force, self.evidence.best, self._at.force
+        if held.active and held.see(bank.edge_s, float(bank.x[best, f]), float(bank.p[best, f, f])):
+            bank.end_force()
+            held.end()
+        elif held.active and held.oscillates(bank.edge_s):
+            bank.end_force()
+            held.end()
+            bank.loosen()
         if self._blind:
             self._before.append((received_s, bank.x.copy(), bank.p.copy()))
         else:
             # by the best filter: what another frequency or decay explains, as with a payload, is no force
-            self.force.see(float(settled.seen.surprise[self.evidence.best]))
+            if not self.held_force.moves:
+                self.force.see(float(settled.seen.surprise[self.evidence.best]))
             self.evidence.remember()
             law = self.evidence.best % LAWS
             self.dates.learn_wander(law)
             self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
+        return self._check(received_s)
+
+    def _check(self, received_s: float) -> bool:
+        bank, at, best = self.bank, self._at, self.evidence.best
+        skew = float(bank.x[best, at.skew]) if _CLOCKED[best] else 0.0
+        skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
+        if not self.consistency.see(received_s, self._surprise, skew, skew_std, self.delay_s):
+            return False
+        phasors = bank.x[best].copy()
+        self.dates.begin_anew(received_s)
+        bank.begin_near(phasors)
+        self._forget_wrong_dates()
+        self._images = 1  # the image's zero is known
+        self.consistency.begin(received_s)
+        return True
 
     @property
     def scale_drifts(self) -> bool:
@@ -364,7 +451,10 @@ class FrameFusion:
     def _explain(self, image: Look, times: Array, received_s: float, seen: Seen, report: BlowReport) -> bool:
         """An image that breaks with everything: wrong by itself, a miscounted frame, or a blow. Whether to use it."""
         self._outliers += 1
-        if report.suspicion < _SUSPICIOUS:
+        if self.held_force.active:
+            if self._outliers < 2:
+                return False
+        elif report.suspicion < _SUSPICIOUS:
             extra = self._other_count(image, times, received_s)
             if extra != self._voted:
                 self._votes, self._late = 0, 0.0
@@ -381,12 +471,15 @@ class FrameFusion:
         self.blow = True
         best = self.evidence.best
         self._breaks += 1.0
+        size = 1.5 * abs(float(seen.residual[best]))
+        unseen = report.sees and report.suspicion < _SUSPICIOUS
         # An arm that has changed breaks again and again, and makes the accelerometer contradict, too.
-        if (report.in_use and self._breaks > _BLOWS) or (report.sees and report.suspicion < _SUSPICIOUS):
-            self.bank.loosen()  # no blow explains it: the arm or the scene has changed
+        if (report.in_use and self._breaks > _BLOWS) or unseen:
+            # No impact explains it: a force has begun, or the arm or the scene has changed. The quiet filters take it
+            # for the former, the disturbed ones for the latter, and the images decide.
+            self.bank.loosen(DISTURBED)
             self._scale_watch.restart()
             self._as_calibrated = False
-        size = 1.5 * abs(float(seen.residual[best]))
         if self._blind and self._before:
             then_s, x, p = self._before[0]
             grown = self._state_noise * (received_s - then_s)
@@ -395,7 +488,8 @@ class FrameFusion:
             self._before.clear()
             return True
         sizes = (size,) + (0.3 * size,) * (self._at.modes - 1)
-        self.bank.inflate(Jump.guessed(float(times[best]), sizes))
+        self._begin_force(float(times[best]), size)
+        self.bank.inflate(Jump.guessed(float(times[best]), sizes, size), QUIET)
         return True
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
@@ -418,14 +512,18 @@ class FrameFusion:
         return extra if cost < _OUTLIER else 0
 
     def _look(self, image: Look, times: Array) -> Seen:
-        bank, joint = self.bank, self._joint(image, times)
-        vibration = bank.vibration_at(times, joint.step)
-        return bank.look(image.value_m, vibration, joint.tip, joint.rate, image.noise)
+        joint = self._joint(image, times)
+        return self._seen(image, self.bank.vibration_at(times, joint.step), joint)
+
+    def _seen(self, image: Look, vibration: Vibration, joint: Joint) -> Seen:
+        return self.bank.look(
+            image.value_m, vibration, joint.tip, joint.rate, joint.rate_variance, image.noise
+        )
 
     def _joint(self, image: Look, times: Array) -> Joint:
         lever = self._at.lever
         theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times)
-        return Joint(theta * lever, rate * lever, step)
+        return Joint(theta * lever, rate * lever, lever * lever * image.joint_input.rate_variance, step)
 
     def _joint_still(self, image: Look, times: Array) -> bool:
         best = self.evidence.best
@@ -443,7 +541,7 @@ class FrameFusion:
         w = self.evidence.weights
         mean = float(w @ delays)
         variance = float(w @ (spread + (delays - mean) ** 2))
-        self.delay_s, self.delay_std_s = mean, sqrt(variance)
+        self.delay_s, self.delay_std_s = mean, sqrt(variance + self._sampled_variance)
         if variance < (0.2 * self._frame_s) ** 2:
             late = mean - self._arrival_mean
             self._arrival_mean += 0.03 * late
@@ -472,10 +570,13 @@ class FrameFusion:
             c, s, kw, kd = 2 * i, 2 * i + 1, 2 * m + i, 3 * m + i
             f[c, kw], f[s, kd] = -by_rate.imag, by_rate.imag
             f[s, kw] = f[c, kd] = -by_rate.real
+        rows = 2 * m + int(self.held_force.active)
+        f = f[:rows]
         covariance: list[list[float]] = (f @ p @ f.T).tolist()
         noise = self.phasor_noise() * lag
-        for i, line in enumerate(covariance):
-            line[i] += noise
+        for i in range(2 * m):
+            covariance[i][i] += noise
         self.amplitude_m = sum([abs(one) for one in phasors])
         slow: list[complex] = (-at.sigma - x[at.decay] + 1j * x[at.frequency]).tolist()
-        return Merged(phasors, slow, float(x[at.bias]), float(p[at.bias, at.bias]), covariance)
+        bias = float(x[at.bias]), float(p[at.bias, at.bias])
+        return Merged(phasors, slow, *bias, float(x[at.force]), covariance)

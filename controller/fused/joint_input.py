@@ -12,6 +12,8 @@ ComplexArray = NDArray[np.complex128]
 
 _HELD = 1024  # cycles
 _SLOPE_S = 0.002  # the joint's rate is taken over twice this
+_NOISE_CYCLES = 500.0  # memory of the encoder's noise
+_OF_THIRD_DIFFERENCE = 20.0  # variance of the third difference of white noise, by its own: 1 + 9 + 9 + 1
 
 
 class JointInput:
@@ -32,6 +34,7 @@ class JointInput:
         self._reach = max(1, round(_SLOPE_S / cycle_s))
         self._recent: deque[float] = deque(maxlen=2 * self._reach + 1)
         self._per_s = 0.5 / (self._reach * cycle_s)
+        self._noise = 0.0
         self._cycle: int | None = None
         self.sum = [0j] * len(w)
         self.increment = [0j] * len(w)
@@ -49,6 +52,8 @@ class JointInput:
         for back in range(skipped, -1, -1):
             here = cycle - back
             recent.append(position_rad)
+            if not skipped:
+                self._learn_noise()
             rate = (position_rad - recent[0]) * self._per_s
             position[here % _HELD] = position_rad
             rates[here % _HELD] = rate  # for want of what comes after it
@@ -61,6 +66,19 @@ class JointInput:
             self.sum[i] += step
             self.increment[i] = step
             self._held[cycle % _HELD, i] = self.sum[i]
+
+    def _learn_noise(self) -> None:
+        """The encoder's noise, from third differences: a drive's own motion has next to none over a few cycles."""
+        if len(self._recent) < 4:
+            return
+        a, b, c, d = self._recent[-4], self._recent[-3], self._recent[-2], self._recent[-1]
+        third = d - a + 3.0 * (b - c)
+        self._noise += (third * third / _OF_THIRD_DIFFERENCE - self._noise) / _NOISE_CYCLES
+
+    @property
+    def rate_variance(self) -> float:
+        """Variance of theta' by the encoder's noise, rad^2/s^2."""
+        return 2.0 * self._noise * self._per_s * self._per_s
 
     def add(self, time_s: float, increment: list[complex]) -> None:
         """A strike at time_s, within the last second, has moved the phasors by `increment`."""

@@ -9,7 +9,7 @@ from common.model import Model
 
 
 class Layout:
-    """State of n = 4 m + 7 numbers for m modes; the slices and indices below say what is where.
+    """State of n = 4 m + 8 numbers for m modes; the slices and indices below say what is where.
 
     phasor: a_1, b_1, a_2, b_2, ...: mode i deflects a_i cos(w_i t) + b_i sin(w_i t), m (w_i damped, nominal)
     frequency: departure of w_i from nominal, rad/s. decay: departure of zeta_i w_i, 1/s
@@ -17,6 +17,7 @@ class Layout:
     shift: mid-exposure minus the nominal instant of the dating law, s. skew: relative error of that law's clock
     late: mean capture delay less the model's, s, for the laws that do not date by arrival
     ahead: by how much n_i precedes mid-exposure, less a frame, s
+    force: static deflection by a force that lasts, m (held_force.py)
     """
 
     def __init__(self, model: Model, length_m: float) -> None:
@@ -26,10 +27,10 @@ class Layout:
         self.cosine, self.sine = slice(0, 2 * m, 2), slice(1, 2 * m, 2)
         self.phasor = slice(0, 2 * m)
         self.frequency, self.decay = slice(2 * m, 3 * m), slice(3 * m, 4 * m)
-        self.offset, self.scale, self.bias, self.shift, self.skew, self.late, self.ahead = range(
-            4 * m, 4 * m + 7
+        self.offset, self.scale, self.bias, self.shift, self.skew, self.late, self.ahead, self.force = range(
+            4 * m, 4 * m + 8
         )
-        self.size = 4 * m + 7
+        self.size = 4 * m + 8
         self.w = np.array([mode.angular_frequency * sqrt(1.0 - mode.damping_ratio**2) for mode in modes])
         self.sigma = np.array([mode.damping_ratio * mode.angular_frequency for mode in modes])
         self.w_first = modes[0].angular_frequency

@@ -8,7 +8,7 @@ from math import inf, isfinite, pi, sqrt
 from common.configuration import Fused
 from common.model import Model, length_of
 from common.visual_sample import VisualSample
-from controller.estimate import DelayEstimate, Estimate, FrameDelay, Observation, Status
+from controller.estimate import DelayEstimate, Estimate, FrameDelay, Observation, Status, Trust
 from controller.fused.blocks import Block, BlockSums, Jump, along_rate
 from controller.fused.blow import Blow, BlowDetector, BlowReport
 from controller.fused.frames import FrameFusion, Merged
@@ -16,7 +16,7 @@ from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.present import Present
 from controller.fused.sensor_health import AccelerometerHealth
-from controller.fused.strike import Strike, StrikeMeter
+from controller.fused.strike import Step, Strike, StrikeMeter
 
 _FIRST_PERIODS, _HIGHEST_PERIODS = (
     1.0 / 24.0,
@@ -29,6 +29,7 @@ _MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates co
 _MOST_DATED = 4  # in a cycle, 0.1 to 0.25 ms each; those before them count as lost
 _AHEAD_FRAMES = 0.9  # of an image are blocks taken in
 _BACKLOG_S = 0.15  # of blocks, beyond the model's delay
+_DOUBTFUL = "images lie further from what is predicted than the stated deviation allows"
 _SCALE_DRIFTS = "images and accelerometer drift apart: the scene's depth, or the accelerometer's gain"
 
 
@@ -107,6 +108,7 @@ class FusedMethod:
         self._strikes = StrikeMeter(self._w[0], self._cycle_s)
         self._sums = BlockSums(at.modes)
         self._blocks: deque[Block] = deque()
+        self._held_back: list[tuple[Block, int]] = []  # with how many samples: a strike may be under way
         self._open_jumps: tuple[Jump, ...] = ()  # in the block under way
         self._block_start: int | None = None
         self._start_sum = [0j] * at.modes
@@ -156,10 +158,10 @@ class FusedMethod:
         if not self.health.usable(raw, expected_raw):
             return
         value = ((raw - sensor.bias_m_s2) / sensor.scale - rigid) * self._per_acceleration
-        if self._measure_strike(observation.cycle, value - expected):
-            return
-        scatter = self.health.scatter(value - expected)
-        value = expected + self.health.bounded(value - expected, self._allowance * abs(self._present.z[0]))
+        scatter = value - expected
+        if not self._measure_strike(observation.cycle, scatter):
+            value = expected + self.health.bounded(scatter, self._allowance * abs(self._present.z[0]))
+            scatter = self.health.scatter(scatter)
         forced = 0.0
         for i, one in enumerate(turn):
             forced += ((self._joint_input.sum[i] - self._start_sum[i]) * one * self._nominal_gain[i]).real
@@ -174,16 +176,52 @@ class FusedMethod:
             return False
         strike = strikes.see(cycle, excess_m, std)
         if strikes.open and not was_open:
-            self._leave_out(strikes.since)
-        if strike is not None and self.health.alarm(cycle * self._cycle_s, inf):
-            self._take_strike(strike, cycle * self._cycle_s)
-        return strikes.open or strike is not None
+            for block in self._blocks:
+                if block.end_s > strikes.since * self._cycle_s:
+                    self._hold_back(block)
+        if was_open and not strikes.open:
+            time_s = cycle * self._cycle_s
+            if strike is None or not self.health.alarm(time_s, inf):
+                self._give_back()
+            else:
+                self._sums.clear()
+                self._held_back.clear()
+                if isinstance(strike, Step):
+                    self._take_step(strike, time_s)
+                else:
+                    self._take_strike(strike, time_s)
+        return strikes.open
 
-    def _leave_out(self, since: int) -> None:
-        self._sums.clear()
-        for block in self._blocks:
-            if block.end_s > since * self._cycle_s:
-                block.count = 0
+    def _hold_back(self, block: Block) -> None:
+        """Leave a block out until it is known whether its samples show a strike, which is no vibration."""
+        if block.count:
+            self._held_back.append((block, block.count))
+            block.count = 0
+
+    def _give_back(self) -> None:
+        """The samples held back have shown no strike: what they do show counts."""
+        for block, count in self._held_back:
+            block.count = count
+            if block in self._blocks:
+                self._compare(block)
+        self._held_back.clear()
+
+    def _take_step(self, step: Step, now_s: float) -> None:
+        """A force that has begun, changed or ended, for all that is computed from its block on."""
+        assert self._block_start is not None
+        time_s = step.cycle * self._cycle_s
+        self._blows.forget()
+        self.frames.held_force.step(step.size_m)
+        jump = Jump.stepped(time_s, step.size_m)
+        if time_s >= self._block_start * self._cycle_s:
+            self._open_jumps += (jump,)
+        else:
+            block = next((one for one in reversed(self._blocks) if one.start_s <= time_s), None)
+            if block is None:
+                return  # images exposed since then have seen it
+            block.jumps += (jump,)
+        self._snapshot = None
+        self._restart_present(now_s)
 
     def _take_strike(self, strike: Strike, now_s: float) -> None:
         """The strike's step of the phasors, at its own instant, for all that is computed from now on."""
@@ -224,13 +262,15 @@ class FusedMethod:
         self._sums.clear()
         block.jumps, self._open_jumps = self._open_jumps, ()
         self._blocks.append(block)
+        if self._strikes.open:
+            self._hold_back(block)
         if block.count:
             self._compare(block)
         if len(self._blocks) > self._most_blocks:
             self._take_oldest_block()
             self._snapshot = None
             self._taken.clear()
-        self._present.widen(self.frames.phasor_noise() * (end_s - start_s))
+        self._present.widen(self.frames.phasor_noise() * (end_s - start_s) + block.motion_variance)
         self._push(start_s, end_s)
 
     def _compare(self, block: Block) -> None:
@@ -359,7 +399,9 @@ class FusedMethod:
         self._work = _Work.LEARN
 
     def _learn(self) -> None:
-        self.frames.learn()
+        if self.frames.learn():
+            self._snapshot = None
+            self._restart_present(self._now_s)
         self._go_on_with_blocks()
 
     def _go_on_with_blocks(self) -> None:
@@ -390,7 +432,7 @@ class FusedMethod:
         merged, present = self._snapshot, self._present
         present.restart(
             list(merged.phasors), [row.copy() for row in merged.covariance], merged.slow,
-            merged.bias, merged.bias_variance, self._cycle_s,
+            merged.bias, merged.bias_variance, merged.force, self._cycle_s,
         )  # fmt: skip
         for block in (*self._taken, *self._blocks):
             for jump in block.jumps:
@@ -400,6 +442,7 @@ class FusedMethod:
                 present.take_block(block, noise, self.frames.force.shown(block), at_end=False)
             self._push(block.start_s, block.end_s)
             present.move_on(block)
+            present.widen(block.motion_variance)
         assert self._block_start is not None
         for jump in self._open_jumps:
             present.inflate(jump)
@@ -413,19 +456,25 @@ class FusedMethod:
         push = self.frames.force.during(start_s, end_s)
         if push is not None:
             self._present.inflate(push)
+        held = self.frames.held_during(start_s, end_s)
+        if held is not None:
+            self._present.inflate(held)
 
     def _estimate(self, turn: list[complex], time_s: float) -> Estimate:
         deflection, rate, std = self._present.deflection(turn)
+        consistency = self.frames.consistency
+        std *= consistency.factor
         if not isfinite(deflection + rate + std):
             self._begin()
             self.reason = "numbers out of range: started again"
             delay = DelayEstimate(self.frames.delay_s, self.frames.delay_std_s, Status.INVALID)
             return Estimate(delay, status=Status.INVALID, reason=self.reason)
         frames = self.frames
+        delay_std_s = frames.delay_std_s * consistency.factor
         amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))
         status = Status.ESTIMATED
         self.reason = self.health.reason or (_SCALE_DRIFTS if frames.scale_drifts else "")
-        known = frames.delay_std_s <= self._settings.known_within_s
+        known = delay_std_s <= self._settings.known_within_s
         self._known = self._known or known
         if not self._known:
             status, self.reason = Status.UNESTIMATED, "too little vibration seen yet"
@@ -435,16 +484,22 @@ class FusedMethod:
             status, self.reason = Status.HELD, "vibration too small to show the delay"
         elif time_s - self._last_frame_s > 0.25:
             status, self.reason = Status.HELD, "no images"
-        delay = DelayEstimate(frames.delay_s, frames.delay_std_s, status)
+        delay = DelayEstimate(frames.delay_s, delay_std_s, status)
         dated: tuple[FrameDelay, ...] = ()
         if self._dated:
             dated = tuple(
-                FrameDelay(frame, DelayEstimate(delay_s, std_s, status))
+                FrameDelay(frame, DelayEstimate(delay_s, std_s * consistency.factor, status))
                 for frame, delay_s, std_s in self._dated
             )
             self._dated.clear()
         of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
-        return Estimate(delay, deflection, rate, std, of_deflection, self.reason, frames.blind, dated)
+        trust = Trust.SETTLED if self._known else Trust.STARTING
+        if consistency.doubtful:
+            trust, self.reason = Trust.DOUBTFUL, self.reason or _DOUBTFUL
+        static_m = self._present.force
+        return Estimate(
+            delay, deflection, rate, std, of_deflection, self.reason, frames.blind, dated, static_m, trust
+        )
 
 
 _PARTS = {

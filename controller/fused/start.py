@@ -37,7 +37,7 @@ def spread_s(model: Model) -> float:
 
 def first_shift_s(model: Model) -> float:
     """How far the first frame's instant may lie from arrival minus the model's delay: a stale frame is in it."""
-    return hypot(spread_s(model), 0.5 * frame_s(model))
+    return hypot(spread_s(model), 0.5 * frame_s(model), 0.03)
 
 
 def variances(model: Model, settings: Fused, at: Layout, length_m: float) -> Array:

@@ -18,6 +18,15 @@ _QUIET_STDS = 3.0
 _MEAN_STDS, _QUIET_SHARE = 3.0, 0.25  # a strike's mean; that around it as a share of it
 _EDGE = 0.4  # cycles: of the sum of a pulse that starts and ends between samples
 _INSTANT = 0.29  # cycles, likewise
+_STEP_STDS = 4.0  # of one sample: a smaller step is left to the images
+_STEADY_SHARE = 0.6  # of a step's mean, by its first and last third: over 0.35 rad a cosine falls to 0.94
+
+
+class Step(NamedTuple):
+    """A force that began, changed or ended at once, and then stayed. cycle: when; size_m: of its static deflection."""
+
+    cycle: int
+    size_m: float
 
 
 class Strike(NamedTuple):
@@ -41,7 +50,7 @@ class StrikeMeter:
     def __init__(self, w: float, cycle_s: float) -> None:
         """w: angular frequency of the mode, rad/s."""
         self._longest = max(4, round(_LONGEST_RAD / (w * cycle_s)))
-        self._recent: deque[tuple[int, float]] = deque(maxlen=self._longest + 5 * _QUIET)
+        self._recent: deque[tuple[int, float]] = deque(maxlen=2 * self._longest + 5 * _QUIET)
         self.reset()
 
     def reset(self) -> None:
@@ -53,8 +62,9 @@ class StrikeMeter:
         self.open = False
         self.since = 0
 
-    def see(self, cycle: int, excess_m: float, std_m: float) -> Strike | None:
-        """Take in a sample's departure; returns the strike once the sensor is quiet again after it."""
+    def see(self, cycle: int, excess_m: float, std_m: float) -> Strike | Step | None:
+        """Take in a sample's departure; returns the strike once the sensor is quiet again after it, or the step of a
+        force that goes on for too long to be a strike."""
         share = excess_m / std_m
         self._recent.append((cycle, excess_m))
         if not self.open:
@@ -63,9 +73,11 @@ class StrikeMeter:
         if share * self._sign > _OVER:
             self._last_over = cycle
         if cycle - self._last_over < _QUIET:
-            if cycle - self.since > self._longest:
-                self.reset()
-            return None
+            if cycle - self.since <= self._longest:
+                return None
+            step = self._step(std_m)
+            self.reset()
+            return step
         strike = self._measured(std_m)
         self.reset()
         return strike
@@ -81,6 +93,28 @@ class StrikeMeter:
         if self._up > _ALARM or self._down > _ALARM:
             self._sign, self.since = (1.0, self._up_since) if self._up > _ALARM else (-1.0, self._down_since)
             self._last_over, self.open = cycle, True
+
+    def _step(self, std_m: float) -> Step | None:
+        """The force's step if the sensor has been still before it, and has shown the same ever since.
+
+        A step f makes the deflection begin at -f of the vibration about the new place of rest, which is what the
+        accelerometer shows.
+        """
+        first = self.since
+        before = [m for cycle, m in self._recent if first - self._longest <= cycle < first - 1]
+        inside = [m for cycle, m in self._recent if cycle > first]
+        third = max(1, len(inside) // 3)
+        mean, early, late = (sum(part) / len(part) for part in (inside, inside[:third], inside[-third:]))
+        if not before or abs(mean) < _STEP_STDS * std_m or mean * self._sign < 0.0:
+            return None
+        half = max(1, len(before) // 2)  # by halves: a higher mode has another sign in each
+        if max(abs(sum(part)) / len(part) for part in (before[:half], before[-half:])) > _QUIET_SHARE * abs(
+            mean
+        ):
+            return None
+        if min(early / mean, late / mean) < _STEADY_SHARE:
+            return None
+        return Step(first, -mean)
 
     def _measured(self, std_m: float) -> Strike | None:
         first, last = self.since - 1, self._last_over + 1

@@ -128,9 +128,22 @@ def test_a_frame_that_is_very_late_by_chance_is_no_jump_of_the_counter() -> None
     assert dating.accept(frame(1), 1.0 + FRAME_S + 0.040)
     assert dating.accept(frame(2), 1.0 + FRAME_S + 0.041)
     assert dating.nominal[Law.CLOCK] == pytest.approx(0.926 + 2 * FRAME_S)
-    assert dating.accept(frame(3), 1.0 + FRAME_S + 0.041 + 6 * FRAME_S)
-    assert dating.nominal[Law.CLOCK] == pytest.approx(0.926 + 8 * FRAME_S)
+    for more in range(4):  # six were lost, as the next three tell, which come in their own time
+        assert dating.accept(frame(3 + more), 1.0 + FRAME_S + 0.041 + (6 + more) * FRAME_S)
+    assert dating.nominal[Law.CLOCK] == pytest.approx(0.926 + 11 * FRAME_S)
     assert dating.doubt_s > 0.0
+
+
+def test_a_stall_is_no_loss() -> None:
+    """Six frames' time late, its successors in a burst: all were there, and only waited."""
+    dating = Dating(FRAME_S, 0.074, 0.0064)
+    for k in range(10):
+        assert dating.accept(frame(k), 1.0 + k * FRAME_S)
+    for k in range(10, 18):
+        assert dating.accept(frame(k), 1.0 + 17 * FRAME_S + 0.001 * (k - 10))
+    for k in range(18, 30):
+        assert dating.accept(frame(k), 1.0 + k * FRAME_S)
+    assert dating.nominal[Law.CLOCK] == pytest.approx(0.926 + 29 * FRAME_S)
 
 
 def test_stamps_that_jump_are_doubted() -> None:

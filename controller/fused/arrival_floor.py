@@ -1,0 +1,43 @@
+"""The earliest that frames arrive by a clock: arrivals are a floor plus something that is never negative.
+
+What processes wait for makes an image late, never early, and a queue that drains at the start makes a run of images
+late by hundreds of milliseconds. The floor of the arrivals therefore tells a clock's place, not their mean (one-way
+delays: Moon, Skelly and Towsley, INFOCOM 1999). The floor is the least arrival of the last frames.
+"""
+
+from collections import deque
+
+_MEMORY_FRAMES = 96
+_FELL_SPREADS = 3.0  # of the delay: a floor that falls by less has only been met more closely
+_ABOVE_SPREADS = 6.0  # of the delay: an arrival later than that above the floor tells nothing of the clock
+
+
+class ArrivalFloor:
+    """Watches arrival minus nominal instant of the frames by a clock.
+
+    fell: whether the arrival taken in last was earlier by far than all before it, which then came late.
+    """
+
+    def __init__(self, spread_s: float) -> None:
+        """spread_s: of the capture delay from frame to frame."""
+        self._spread_s = spread_s
+        self.restart()
+
+    def restart(self) -> None:
+        """The count of frames has changed."""
+        self._lowest: deque[tuple[int, float]] = deque()  # rising: the least of each stretch that ends now
+        self._count = 0
+        self.fell = False
+
+    def see(self, late_s: float) -> bool:
+        """Take in arrival minus nominal instant, s; whether it is near enough to the floor to tell of the clock."""
+        lowest = self._lowest
+        self._count += 1
+        while lowest and lowest[0][0] <= self._count - _MEMORY_FRAMES:
+            lowest.popleft()
+        floor = lowest[0][1] if lowest else late_s
+        self.fell = late_s < floor - _FELL_SPREADS * self._spread_s
+        while lowest and lowest[-1][1] >= late_s:
+            lowest.pop()
+        lowest.append((self._count, late_s))
+        return late_s < floor + _ABOVE_SPREADS * self._spread_s
