@@ -178,10 +178,10 @@ def _model(model: Model, last: Fit) -> Model:
 def _delay_spread(last: Fit) -> DelaySpread | None:
     """Spread of the capture delay: of the arrivals about the camera's clock, where it has one."""
     world = last.world
-    if "arrival" not in world.channels:
+    arrivals = last.channel("arrival")
+    if arrivals is None:
         return None
-    late = world.channels["arrival"] - last.predicted.channels["arrival"]
-    return delay_spread(late, 1.0 / world.model.camera.frame_rate_hz, world.measured.duration_s)
+    return delay_spread(arrivals.off, 1.0 / world.model.camera.frame_rate_hz, world.measured.duration_s)
 
 
 def _frame_rate(last: Fit) -> tuple[float, float]:
@@ -212,17 +212,18 @@ def _parameters(last: Fit) -> dict[str, tuple[float, float]]:
     if "timing.skew_ppm" in last.free:
         found["camera.frame_rate_hz"] = _frame_rate(last)
     if (spread := _delay_spread(last)) is not None:
-        delay, std = found["timing.capture_delay_s"]
-        found["timing.capture_delay_s"] = delay, max(std, spread.mean_std_s)
+        if "timing.capture_delay_s" in found:  # arrivals without an image tell the spread only
+            delay, std = found["timing.capture_delay_s"]
+            found["timing.capture_delay_s"] = delay, max(std, spread.mean_std_s)
         found["timing.capture_delay_std_s"] = spread.std_s, spread.std_of_std_s
     for channel, key in (
         ("acceleration", "accelerometer.noise_std_m_s2"),
         ("displacement", "camera.noise_std_px"),
     ):
-        if channel in last.world.channels:
-            count = int(np.isfinite(last.world.channels[channel]).sum())
-            level = last.sigma[channel]
-            found[key] = (level, level / (2.0 * max(count, 1)) ** 0.5)
+        one = last.channel(channel)
+        if one is not None:
+            count = int(np.isfinite(one.measured).sum())
+            found[key] = (one.sigma, one.sigma / (2.0 * max(count, 1)) ** 0.5)
     return found
 
 

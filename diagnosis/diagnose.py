@@ -139,8 +139,9 @@ def diagnose_measured(
 def _baseline(world: World, split: Split) -> Fit:
     """The baseline's fit; where the accelerometer is at a limit that it should not have, started from that of a sensor
     with such a limit."""
-    if "acceleration" in world.channels:
-        ceiling = ceiling_of(world.channels["acceleration"], world.model.accelerometer.noise_std_m_s2)
+    acceleration = world.channels.get("acceleration")
+    if acceleration is not None:
+        ceiling = ceiling_of(acceleration, world.model.accelerometer.noise_std_m_s2)
         if ceiling is not None and ceiling < _LIMIT_KNOWN * world.model.accelerometer.range_m_s2:
             limited = _with_limit(world, split, ceiling)
             there = limited.world
@@ -180,10 +181,11 @@ def _left_by_a_wrong_start(usual: Fit) -> bool:
     """Whether a fit has gone far from the frequency that its blows were sought with, and leaves far more than the
     accelerometer's noise: at a wrong frequency they are found late, and where there are none."""
     world = usual.world
-    if not world.impacts or "acceleration" not in world.channels:
+    sensor = usual.channel("acceleration")
+    if not world.impacts or sensor is None:
         return False
     moved = abs(usual.value("modes.0.frequency_hz") / world.space["modes.0.frequency_hz"].start - 1.0)
-    return moved > _MOVED and usual.sigma["acceleration"] > _MUCH * world.model.accelerometer.noise_std_m_s2
+    return moved > _MOVED and sensor.sigma > _MUCH * world.model.accelerometer.noise_std_m_s2
 
 
 def _along_a_course(world: World, split: Split) -> Fit | None:

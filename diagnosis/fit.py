@@ -45,6 +45,24 @@ class Split:
         return np.clip(np.searchsorted(self.edges_s, time_s, side="right") - 1, 0, len(self.held) - 1)
 
 
+@dataclass(frozen=True)
+class FittedChannel:
+    """One measured channel of a fit, all per sample: measured and predicted in the channel's unit; residual: whitened,
+    NaN where unmeasured; sigma: its noise level; colour: of its noise, None where it is white.
+    """
+
+    measured: Array
+    predicted: Array
+    residual: Array
+    sigma: float
+    colour: Colour | DoubtColour | None
+
+    @property
+    def off(self) -> Array:
+        """Measured less predicted, not whitened."""
+        return self.measured - self.predicted
+
+
 @dataclass
 class Fit:
     """A fitted world. free: names that were fitted; std: their standard deviations; sigma: noise level of each channel.
@@ -70,6 +88,20 @@ class Fit:
         """A quantity's value."""
         return float(self.vector[self.world.space.place[name]])
 
+    def channel(self, name: str) -> FittedChannel | None:
+        """A channel by its name; None where the recording does not hold it. No recording need hold any one channel:
+        whoever asks for one by name asks here, and says what holds without it."""
+        measured = self.world.channels.get(name)
+        if measured is None:
+            return None
+        return FittedChannel(
+            measured,
+            self.predicted.channels[name],
+            self.residuals[name],
+            self.sigma[name],
+            self.colour.get(name),
+        )
+
 
 def gain_of_each_block(after: Fit, before: Fit) -> Array:
     """Log-likelihood gained in each block, held out or not: what shows at one instant may show in any. (blocks,)"""
@@ -85,6 +117,14 @@ class Data:
     train: dict[str, Mask]
     held: dict[str, Mask]
     blocks: dict[str, NDArray[np.int64]]
+
+    def trained(self, name: str) -> Mask:
+        """Which samples of a channel train; none where it was not measured."""
+        return self.train.get(name, np.zeros(0, bool))
+
+    def blocks_of(self, name: str) -> NDArray[np.int64]:
+        """Block of each sample of a channel; none where it was not measured."""
+        return self.blocks.get(name, np.zeros(0, np.int64))
 
 
 def make_data(world: World, split: Split) -> Data:
@@ -213,21 +253,21 @@ def colours(data: Data, vector: Array) -> Colours:
     world = data.world
     predicted = world.predict(vector)
     found: Colours = {}
-    if "arrival" in world.channels:
-        residual = world.channels["arrival"] - predicted.channels["arrival"]
+    off = {name: values - predicted.channels[name] for name, values in world.channels.items()}
+    arrivals, images = off.get("arrival"), off.get("displacement")
+    if arrivals is not None:
         frames = WANDER_S / world.step_s("arrival")
         most = _WANDERS * world.model.timing.capture_delay_std_s or inf
-        found["arrival"] = wander_colour(residual[data.train["arrival"]], frames, most)
-    if "displacement" in world.channels and world.frame_clock.arrival:
-        residual = world.channels["displacement"] - predicted.channels["displacement"]
+        found["arrival"] = wander_colour(arrivals[data.trained("arrival")], frames, most)
+    if images is not None and world.frame_clock.arrival:
         found["displacement"] = doubt_colour(
-            residual,
+            images,
             predicted.rate_px_s,
             world.measured.frames.received_s,
             max(world.model.camera.noise_std_px, LEAST["displacement"]),
             world.model.timing.capture_delay_std_s,
         )
-    if "displacement" in world.channels and world.measured.frames.asked:
+    if images is not None and world.measured.frames.asked:
         noise_px = max(world.model.camera.noise_std_px, LEAST["displacement"])
         noted_s = world.measured.cycle_s / sqrt(12.0)
         found["displacement"] = DoubtColour(

@@ -175,8 +175,8 @@ def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
 def _with_own_wander(one: Fit, split: Split) -> Fit:
     """A fit with the law of the arrivals as it is beside what the fit holds."""
     data = make_data(one.world, split)
-    now = one.colour | {"arrival": colours(data, one.vector)["arrival"]}
-    return fit(data, one.vector, one.free, colour=now)
+    now = {name: law for name, law in colours(data, one.vector).items() if name == "arrival"}
+    return fit(data, one.vector, one.free, colour=one.colour | now)
 
 
 def _stage(

@@ -130,7 +130,7 @@ def _with_drive(measured: Measured, model: Model) -> Model:
         vector[at["drive.bandwidth_hz"]] = np.exp(where[0])
         vector[at["drive.dead_time_s"]] = where[1] ** 2
         vector[at["start.theta"]], vector[at["start.omega"]] = begin, 0.0
-        reported: Array = (world.predict(vector).channels["joint_position"] - measured.position)[known]
+        reported: Array = (world.reported_position(vector) - measured.position)[known]
         return reported[::4]
 
     best = None
@@ -197,12 +197,13 @@ def _with_scales(measured: Measured, model: Model, windows: list[Span]) -> Model
     free = (w * sqrt(1.0 - mode.damping_ratio**2), mode.damping_ratio * w)
     found: list[_Shared] = []
     accelerometer, camera, timing = model.accelerometer, model.camera, model.timing
-    if "acceleration" in world.channels:
+    sensed = world.channels.get("acceleration")
+    if sensed is not None:
         t = world.cycle_times - accelerometer.delay_s
         grid = world.cycle_times
         one = _regress(
             world.cycle_times,
-            world.channels["acceleration"],
+            sensed,
             [np.interp(t, grid, rigid_pull), np.interp(t, grid, pull)],
             windows,
             free,
@@ -288,7 +289,7 @@ def _image(
     """The image's two parts, and the capture delay at which they leave least."""
     clock, frames = world.frame_clock, world.measured.frames
     arrived = clock.grid_s + float(np.nanmean(frames.received_s - clock.grid_s))
-    values, grid = world.channels["displacement"], world.cycle_times
+    values, grid = world.measured.frames.displacement_px, world.cycle_times
     best: tuple[_Shared, float] | None = None
     late = [(begin, end + 0.1) for begin, end in windows]
     for delay in _DELAYS_S:

@@ -275,6 +275,10 @@ class World:
             return value
         return np.interp(self.cycle_times - self.measured.joint_age_s, self.cycle_times, value)
 
+    def reported_position(self, vector: Array) -> Array:
+        """The joint's position as the drive would report it, rad, whether it was measured or not."""
+        return self._seen_joint(self.move(vector), 0)
+
     def _seen_joint(self, motion: Motion, which: int) -> Array:
         """The same as the data are judged by. To a fine encoder what a simulated drive may be off is no noise, of which
         many samples would make a discovery: most of it is granted, and the rest tells a fit the way."""

@@ -82,6 +82,9 @@ def lateness(fit: Fit, span_s: float = 0.5) -> tuple[Array, Array, Array]:
 
     Regression of the residual on the image's speed over stretches of span_s; stretches without motion are left out.
     """
+    images = fit.channel("displacement")
+    if images is None:
+        return np.empty(0), np.empty(0), np.empty(0)
     residual, rate = residual_of(fit, "displacement"), fit.predicted.rate_px_s
     time = times_of(fit.world, "displacement")
     known = np.isfinite(residual) & np.isfinite(rate)
@@ -91,7 +94,7 @@ def lateness(fit: Fit, span_s: float = 0.5) -> tuple[Array, Array, Array]:
     product = np.bincount(place, rate[known] * residual[known], size)
     enough = power > 1e-2 * power.max()
     late = -product[enough] / power[enough]
-    std = fit.sigma["displacement"] / np.sqrt(power[enough])
+    std = images.sigma / np.sqrt(power[enough])
     return (np.arange(size)[enough] + 0.5) * span_s, late, std
 
 
