@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from common.model import Model
 from common.user_error import UserError
+from diagnosis.channels import ARM_CHANNELS
 from diagnosis.delay_spread import DelaySpread, delay_spread
 from diagnosis.extended_model import refitted_model
 from diagnosis.fit import Data, Fit, Split, fit, make_data
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 
 _DELAYS_S = (0.02, 0.05, 0.08, 0.11, 0.14, 0.17)
 _PEAKS = 4
-_SHOWING = ("acceleration", "displacement", "deflection")
+_SHORTEST_S = 3.0
 _SCALES = ("modes.0.participation", "accelerometer.scale", "camera.scale_px_per_m")
 _FOLLOWED = 0.7  # of a channel's variation left: blows that nobody has told of may be there, too
 
@@ -46,10 +47,21 @@ def calibrate(
     measured: Measured, model: Model, tick: Callable[[float, str], None] = lambda done, what: None
 ) -> Calibration:
     """Find the parameters. Raises UserError for a recording that shows too little of the arm."""
-    world = World(measured, model)
-    if not {"acceleration", "displacement", "deflection"} & set(world.channels):
+    if measured.pair:
         raise UserError(
-            f"{measured.name}: no channel shows the arm (acceleration, displacement or deflection); record one of them"
+            f"{measured.name}: holds a pair of input and output, which no model file describes; `stillarm diagnose` "
+            "fits it, or import the columns as a bundle with a fast.csv"
+        )
+    if measured.duration_s < _SHORTEST_S:
+        raise UserError(
+            f"{measured.name}: {measured.duration_s:.1f} s are too short to calibrate by; record 20 s or more"
+        )
+    world = World(measured, model)
+    if not set(ARM_CHANNELS) & set(world.channels):
+        why = "; ".join(f"{name}: {reason}" for name, reason in world.channels_left_out.items())
+        raise UserError(
+            f"{measured.name}: no channel shows the arm (acceleration, displacement or deflection)"
+            f"{f' ({why})' if why else ''}; record one of them while the arm moves"
         )
     split = Split(np.array([0.0, measured.duration_s]), np.zeros(1, dtype=bool))
     tick(0.05, "frequency, signs, delay")
@@ -89,7 +101,7 @@ def _begun(measured: Measured, model: Model, split: Split, tick: Callable[[float
 def _explains(world: World, split: Split) -> bool:
     """Whether the free run from this start follows the motion that the moves have made."""
     last = fit(make_data(world, split), world.space.vector(), _constants(world), iterations=2)
-    shown = [error for name, error in _errors(last).items() if name in _SHOWING]
+    shown = [error for name, error in _errors(last).items() if name in ARM_CHANNELS]
     return bool(shown) and min(shown) < _FOLLOWED
 
 

@@ -7,6 +7,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.channels import FRAME_CHANNELS
 from diagnosis.noise import (
     HUBER,
     LEAST,
@@ -19,7 +20,7 @@ from diagnosis.noise import (
     wander_colour,
 )
 from diagnosis.side_by_side import side_by_side
-from diagnosis.world import FRAME_CHANNELS, Predicted, World
+from diagnosis.world import Predicted, World
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -290,6 +291,7 @@ def strayed(data: Data, best: Fit) -> Colours:
     return found
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of a trial in which the arm runs away
 def fit(  # noqa: PLR0915  (one loop over what belongs together)
     data: Data,
     start: Array,

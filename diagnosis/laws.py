@@ -30,7 +30,7 @@ _RARELY = 0.5  # of the frames: what most do is the usual
 _ONE_STEP_S = 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LawFound:
     """A law that differs from the usual one. train_nats: gain of log-likelihood with all that is known; held_nats: of
     each block, by the law of the others. alone: one event so plain that no second one is needed to believe it."""

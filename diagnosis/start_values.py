@@ -86,6 +86,8 @@ def start_values(measured: Measured, model: Model) -> Start | None:
     if not stretches:
         return None
     found = [ringing(stretches, hz) for hz in peaks(stretches)[:3]]
+    if not found:
+        return None
     first = max(found, key=lambda one: one.power)
     modes = [
         msgspec.structs.replace(

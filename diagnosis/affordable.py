@@ -1,0 +1,22 @@
+"""How much of a long recording a budget of time suffices for."""
+
+from diagnosis.budget import Budget
+from diagnosis.world import World
+
+RUNS = 1500  # simulations of the recording in a baseline and one round of the search; docs/diagnosis.md has the counts
+MIN_S = 10.0  # less than that shows hardly any vibration; a smaller budget stops between stages
+
+
+def affordable(world: World, budget: Budget) -> float:
+    """Seconds of the recording, from its start on, that can be diagnosed in what is left of the budget; all of them
+    where there is no limit. Measured by one simulation of the recording."""
+    left_s, duration_s = budget.left_s, world.measured.duration_s
+    if left_s is None or duration_s <= MIN_S:
+        return duration_s
+    vector = world.space.vector()
+    world.predict(vector)  # compiles, where nothing has yet
+    began_s = budget.clock()
+    world.predict(vector)
+    needed_s = RUNS * (budget.clock() - began_s)
+    stages_s = max(budget.stages_s - budget.used_s, 0.0)
+    return min(duration_s, max(MIN_S, duration_s * stages_s / max(needed_s, 1e-9)))
