@@ -114,7 +114,7 @@ def _more(world: World) -> tuple[str, ...]:
     """What calibration frees beyond the diagnosis' baseline."""
     names: list[str] = []
     moved = bool(np.any(np.abs(np.nan_to_num(world.measured.command)) > 0.0))
-    if moved:
+    if moved and not world.measured.imposed:
         names += ["drive.bandwidth_hz", "drive.dead_time_s"]
     if "acceleration" in world.channels and ({"displacement", "deflection"} & set(world.channels) or moved):
         names.append("accelerometer.scale")

@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection")
 FRAME_CHANNELS = ("displacement", "arrival")
+JOINT_CHANNELS = ("joint_position", "joint_velocity")
 ARM_CHANNELS = ("acceleration", "deflection", "displacement")
 MIN_FAST_VALUES, MIN_FRAMES = 51, 21  # fewer tell no level of noise beside a handful of fitted quantities
 
@@ -43,6 +44,8 @@ def present_channels(measured: Measured, clock: FrameClock) -> PresentChannels:
     left_out: dict[str, str] = {}
     for name, samples, fewest in asked:
         reason = _why_not(name, samples, fewest)
+        if reason is None and measured.imposed and name in JOINT_CHANNELS:
+            reason = "drives the simulation, as no joint_velocity_command_rad_s was recorded"
         if reason is None:
             values[name] = samples
         elif reason:

@@ -13,6 +13,7 @@ from common.user_error import UserError
 from common.visual_sample import TrackingStatus
 from diagnosis.fast_rows import row_step_s, rows_in_order
 from diagnosis.fine_sensors import is_fine_encoder, is_fine_image
+from diagnosis.imposed_joint import imposed_command
 from diagnosis.struck_flanks import fast_noise
 
 Array = NDArray[np.float64]
@@ -55,6 +56,7 @@ class Measured:
     """One recording: a uniform grid of n cycles with NaN where nothing was measured, and the frames.
 
     origin_s: time_s of the first row. command: rad/s, held over gaps; none: neither command nor joint motion known.
+    imposed: no command was recorded, and the one here makes the joint move as it was measured.
     force: input of a pair (one input, one output), in its own unit; empty otherwise.
     backward: clock steps back, already taken out (time cannot go back); gaps: forward jumps, taken as lost rows.
     """
@@ -72,6 +74,7 @@ class Measured:
     frames: Frames
     force: Array
     pair: bool = False
+    imposed: bool = False
     backward: tuple[ClockGap, ...] = ()
     gaps: tuple[ClockGap, ...] = ()
 
@@ -158,19 +161,24 @@ def read_measured(recording: Recording, model: Model) -> Measured:
     command = sent(fast["joint_velocity_command_rad_s"])
     if np.isnan(command).all():
         command = reference
+    position, velocity = grid(fast["joint_position_rad"]), grid(fast["joint_velocity_rad_s"])
+    imposed = None
+    if np.isnan(command).all():
+        imposed = imposed_command(position, velocity, model.drive, cycle_s)
     return Measured(
         name=str(recording.path),
         cycle_s=cycle_s,
         origin_s=origin,
-        command=command,
+        command=command if imposed is None else imposed,
         reference=reference,
         acceleration=grid(fast["acceleration_m_s2"]),
-        position=grid(fast["joint_position_rad"]),
-        velocity=grid(fast["joint_velocity_rad_s"]),
+        position=position,
+        velocity=velocity,
         joint_age_s=np.nan_to_num(grid(fast["joint_age_s"])),
         deflection=grid(fast["deflection_m"]),
         frames=_frames(recording, origin, backward),
         force=np.empty(0),
+        imposed=imposed is not None,
         backward=backward,
         gaps=() if _are_missed_deadlines(recording, gaps, cycle_s) else gaps,
     )

@@ -121,7 +121,11 @@ def _with_frame_rate(measured: Measured, model: Model) -> Model:
 def _with_drive(measured: Measured, model: Model) -> Model:
     """Bandwidth and dead time that bring the simulated joint nearest to the reported one."""
     known = np.isfinite(measured.position)
-    if known.sum() < 50 or not np.any(np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S):
+    if (
+        measured.imposed
+        or known.sum() < 50
+        or not np.any(np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S)
+    ):
         return model
     world = World(measured, model)
     at = world.space.place
