@@ -14,7 +14,8 @@ from math import inf
 Clock = Callable[[], float]
 
 VERDICT_S = 5.0  # for what is left, the tables and the report's drawings, of one minute at 1 kHz on one core
-MIN_STAGES_SHARE = 0.4  # of a budget too small for that
+VERDICT_SHARE = 0.25  # of the budget, where that is more: a machine may be slower, or busy
+MIN_STAGES_SHARE = 0.4  # of a budget too small for either
 
 
 class OutOfTime(Exception):
@@ -43,7 +44,7 @@ class Budget:
     def stages_s(self) -> float:
         """What all stages before the verdict may take, s; the rest is for the verdict and the report."""
         whole = inf if self.seconds is None else self.seconds
-        return max(whole - VERDICT_S, MIN_STAGES_SHARE * whole)
+        return max(min(whole - VERDICT_S, (1.0 - VERDICT_SHARE) * whole), MIN_STAGES_SHARE * whole)
 
     @contextmanager
     def limit(self, share: float = 1.0) -> Iterator[None]:

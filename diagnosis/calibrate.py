@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from common.model import Model
 from common.user_error import UserError
-from diagnosis.channels import ARM_CHANNELS
+from diagnosis.channels import ARM_CHANNELS, without_dead_sensors
 from diagnosis.delay_spread import DelaySpread, delay_spread
 from diagnosis.extended_model import refitted_model
 from diagnosis.fit import Data, Fit, Split, fit, make_data
@@ -56,9 +56,10 @@ def calibrate(
         raise UserError(
             f"{measured.name}: {measured.duration_s:.1f} s are too short to calibrate by; record 20 s or more"
         )
+    measured, dead = without_dead_sensors(measured)
     world = World(measured, model)
     if not set(ARM_CHANNELS) & set(world.channels):
-        why = "; ".join(f"{name}: {reason}" for name, reason in world.channels_left_out.items())
+        why = "; ".join(f"{name}: {reason}" for name, reason in (dead | world.channels_left_out).items())
         raise UserError(
             f"{measured.name}: no channel shows the arm (acceleration, displacement or deflection)"
             f"{f' ({why})' if why else ''}; record one of them while the arm moves"

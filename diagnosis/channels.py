@@ -4,7 +4,7 @@ No recording need hold any one of them: this is the one place that decides, and 
 name and is told None (diagnosis.fit.Fit.channel) or finds it missing (diagnosis.world.World.channels).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,7 @@ class PresentChannels:
 
 
 def present_channels(measured: Measured, clock: FrameClock) -> PresentChannels:
-    """The channels with enough values, those of the arm only where they vary: a sensor that never changes is dead, and
-    its residual has no level. A joint that stands still is none the less known."""
+    """The channels with enough values. A joint that was measured where no command was is no channel: it is an input."""
     frames = measured.frames
     asked: list[tuple[str, Array, int]] = [
         *((name, measured.channel(name), MIN_FAST_VALUES) for name in FAST_CHANNELS),
@@ -43,7 +42,7 @@ def present_channels(measured: Measured, clock: FrameClock) -> PresentChannels:
     values: dict[str, Array] = {}
     left_out: dict[str, str] = {}
     for name, samples, fewest in asked:
-        reason = _why_not(name, samples, fewest)
+        reason = _why_not(samples, fewest)
         if reason is None and measured.imposed and name in JOINT_CHANNELS:
             reason = "drives the simulation, as no joint_velocity_command_rad_s was recorded"
         if reason is None:
@@ -53,15 +52,35 @@ def present_channels(measured: Measured, clock: FrameClock) -> PresentChannels:
     return PresentChannels(values, left_out)
 
 
-def _why_not(name: str, samples: Array, fewest: int) -> str | None:
+def without_dead_sensors(measured: Measured) -> tuple[Measured, dict[str, str]]:
+    """The same data without the arm's channels that never change, and why, by channel: such a sensor is dead, and its
+    residual has no level. A joint that stands still is none the less known."""
+    frames = measured.frames
+    seen = {
+        "acceleration": measured.acceleration,
+        "deflection": measured.deflection,
+        "displacement": frames.displacement_px,
+    }
+    dead: dict[str, str] = {}
+    for name in ARM_CHANNELS:
+        known = seen[name][np.isfinite(seen[name])]
+        if len(known) and float(np.ptp(known)) == 0.0:
+            dead[name] = f"each of its {len(known)} values is {known[0]:g}"
+            seen[name] = np.full(len(seen[name]), np.nan)
+    if not dead:
+        return measured, dead
+    frames = replace(frames, displacement_px=seen["displacement"])
+    alive = replace(measured, acceleration=seen["acceleration"], deflection=seen["deflection"], frames=frames)
+    return alive, dead
+
+
+def _why_not(samples: Array, fewest: int) -> str | None:
     """None: it is used. Empty: it was not recorded."""
     known = samples[np.isfinite(samples)]
     if not len(known):
         return ""
     if len(known) < fewest:
         return f"{len(known)} values, where at least {fewest} are needed"
-    if name in ARM_CHANNELS and float(np.ptp(known)) == 0.0:
-        return f"each of its {len(known)} values is {known[0]:g}"
     return None
 
 

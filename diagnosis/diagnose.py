@@ -19,6 +19,7 @@ from diagnosis.affordable import affordable
 from diagnosis.budget import Budget, OutOfTime, unlimited
 from diagnosis.candidate import Found
 from diagnosis.ceiling import below, ceiling_of
+from diagnosis.channels import without_dead_sensors
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, gain_of_each_block, make_data
@@ -113,9 +114,11 @@ def diagnose_measured(
     """Diagnose data that are already in memory. Raises UserError where they show nothing."""
     budget = budget or unlimited()
     model = declared(model)
+    measured, dead = without_dead_sensors(measured)
     world = World(measured, model)
+    unused = dead | world.channels_left_out
     if not set(world.channels) - {"arrival"}:
-        raise UserError(f"{measured.name}: {_nothing_shown(world)}")
+        raise UserError(f"{measured.name}: {_nothing_shown(measured.pair, unused)}")
     left_out: list[str] = []
     affordable_s = affordable(world, budget)
     if affordable_s < measured.duration_s:
@@ -144,17 +147,17 @@ def diagnose_measured(
         "unexplained": say.unexplained(judged),
         "events": say.events(found),
         "looked_at": {"seconds": budget.used_s, "budget_s": budget.seconds, "left_out": left_out},
-        "channels_left_out": world.channels_left_out,
+        "channels_left_out": unused,
         "baseline_changes": baseline_changes(model, found.final),
         "extended_model": "extended.toml",
     }
     return Diagnosis(table, found, judged, split, model, extended)
 
 
-def _nothing_shown(world: World) -> str:
+def _nothing_shown(pair: bool, unused: dict[str, str]) -> str:
     """Why no channel can be diagnosed, and what to do."""
-    why = "; ".join(f"{name}: {reason}" for name, reason in world.channels_left_out.items())
-    if world.measured.pair:
+    why = "; ".join(f"{name}: {reason}" for name, reason in unused.items())
+    if pair:
         return f"the output cannot be diagnosed ({why or 'no values'}); map another column to output"
     return (
         "no measured channel (acceleration, joint motion, deflection, displacement) has enough values that "
