@@ -3,7 +3,9 @@
 from diagnosis.budget import Budget
 from diagnosis.world import World
 
-RUNS = 700  # simulations in a baseline and a round of the search, the median of the table in docs/diagnosis.md
+RUNS = (
+    700  # simulations in a baseline and a round of the search, the median of the table in docs/diagnosis.md
+)
 MIN_S = 10.0  # less than that shows hardly any vibration; a smaller budget stops between stages
 
 

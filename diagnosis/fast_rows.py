@@ -11,6 +11,7 @@ Rows = NDArray[np.int64]
 
 REGULAR = 0.25  # of the usual step, by which a regular one may differ
 _WHOLE = 2e-3  # of a cycle: a row step so near to whole cycles is one of the model's cycles
+_MOSTLY = 0.9  # of the steps: stamps that scatter more are kept apart by the model's finer grid
 _OTHER_RATE = 1.5  # times the model's cycle, or less than its half: rows come at another rate
 
 
@@ -44,6 +45,9 @@ def row_step_s(time_s: Array, cycle_s: float) -> float:
     usual = float(np.median(step))
     if 1.0 / _OTHER_RATE**2 < usual / cycle_s < _OTHER_RATE:
         return cycle_s
-    mean_s = float(np.mean(step[np.abs(step - usual) < REGULAR * usual]))
+    regular = np.abs(step - usual) < REGULAR * usual
+    if regular.mean() < _MOSTLY:
+        return cycle_s
+    mean_s = float(np.mean(step[regular]))
     cycles = round(mean_s / cycle_s)
     return cycles * cycle_s if cycles and abs(mean_s / cycle_s - cycles) < _WHOLE * cycles else mean_s

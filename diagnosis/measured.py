@@ -14,10 +14,12 @@ from common.visual_sample import TrackingStatus
 from diagnosis.fast_rows import row_step_s, rows_in_order
 from diagnosis.fine_sensors import is_fine_encoder, is_fine_image
 from diagnosis.imposed_joint import imposed_command
+from diagnosis.robust import std_about_median
 from diagnosis.struck_flanks import fast_noise
 
 Array = NDArray[np.float64]
 
+_OUTSTANDING = 6.0  # robust deviations of the rows' steps
 _LEAST_ROWS_A_PERIOD = 4  # of the first mode: fewer do not show how it decays between them
 _STEP_CYCLES = 1.5  # a gap in time_s longer than this may be lost rows, or a clock that stepped
 
@@ -269,7 +271,9 @@ def _unrolled(time: Array, cycle_s: float) -> tuple[Array, tuple[ClockGap, ...],
     usual = float(np.median(step)) if len(step) else cycle_s
     out = time.copy()
     backward, gaps = [], []
-    for i in np.flatnonzero(step < 0.25 * min(usual, cycle_s)):
+    scatter = std_about_median(step) if len(step) else 0.0
+    early = (step <= 0.0) | (usual - step > _OUTSTANDING * scatter)  # than stamps that scatter are anyhow
+    for i in np.flatnonzero(early & (step < 0.25 * min(usual, cycle_s))):
         extra = float(step[i]) - usual
         out[i + 1 :] -= extra
         backward.append((i + 1, extra))

@@ -99,6 +99,14 @@ def test_rows_at_another_rate_than_the_models_cycle_make_their_own_grid(
     assert np.nanmax(found.acceleration) == 4999.0
 
 
+def test_stamps_that_scatter_are_no_clock_that_was_set(tmp_path: Path) -> None:
+    """A phone's sensor at about 200 Hz, stamped by a busy system's milliseconds."""
+    scattered = np.round(np.random.default_rng(11).normal(0.0, 0.0015, 2000), 3)
+    time = np.maximum.accumulate(np.arange(2000) * 0.005 + scattered) + 1e-6 * np.arange(2000)
+    found = read(tmp_path, time)
+    assert found.cycle_s == 0.001 and not found.backward
+
+
 def test_rows_out_of_order_and_rows_twice_are_put_right(tmp_path: Path) -> None:
     order = np.arange(4000)
     order[[100, 101]] = 101, 100
