@@ -47,9 +47,12 @@ class Budget:
         return max(min(whole - VERDICT_S, (1.0 - VERDICT_SHARE) * whole), MIN_STAGES_SHARE * whole)
 
     @contextmanager
-    def limit(self, share: float = 1.0) -> Iterator[None]:
-        """Within it, `check_time` raises OutOfTime once this share of what the stages may take is used."""
-        at = None if self.seconds is None else self.began_s + share * self.stages_s
+    def limit(self, share: float = 1.0, since_s: float = 0.0) -> Iterator[None]:
+        """Within it, `check_time` raises OutOfTime once this share of what the stages may take is used, counted from
+        since_s after the beginning: starting and reading take their time on a busy machine."""
+        at = None
+        if self.seconds is not None:
+            at = self.began_s + since_s + share * max(self.stages_s - since_s, 0.0)
         token = _ends.set(None if at is None else (at, self.clock))
         try:
             yield

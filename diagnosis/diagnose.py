@@ -169,15 +169,16 @@ def _baseline_within(
     budget: Budget, world: World, split: Split, left_out: list[str]
 ) -> tuple[Fit, tuple[LawFound, ...]]:
     """The baseline as far as the time goes, and the laws found on the way; adds to left_out what it did not go to."""
+    since_s = budget.used_s
     try:
-        with budget.limit(_BASELINE_SHARE):
+        with budget.limit(_BASELINE_SHARE, since_s):
             baseline = _baseline(world, split)
     except OutOfTime:
         left_out.append("impacts")
-        return _hurried(budget, world, split, left_out), ()
+        return _hurried(budget, since_s, world, split, left_out), ()
     known: list[LawFound] = []
     try:
-        with budget.limit(_CLOCKS_SHARE):
+        with budget.limit(_CLOCKS_SHARE, since_s):
             baseline = recounted(dated(baseline, split), split)
             baseline = with_lost_modes(baseline, split)
             for mended in (_without_steps, without_set_stamps, _without_old_images):
@@ -188,11 +189,11 @@ def _baseline_within(
     return baseline, tuple(known)
 
 
-def _hurried(budget: Budget, world: World, split: Split, left_out: list[str]) -> Fit:
+def _hurried(budget: Budget, since_s: float, world: World, split: Split, left_out: list[str]) -> Fit:
     """A baseline in a few steps without impacts; where not even that is possible, the model as it is."""
     data, start = make_data(world, split), world.space.vector()
     try:
-        with budget.limit(_CLOCKS_SHARE):
+        with budget.limit(_CLOCKS_SHARE, since_s):
             return fit(data, start, world.baseline_names(), iterations=_HURRIED_STEPS)
     except OutOfTime:
         left_out.append("baseline")
