@@ -5,6 +5,8 @@ from collections.abc import Iterable, Iterator
 from math import isfinite, nan
 from typing import NamedTuple
 
+from msgspec import structs
+
 from common.recording.topics import EstimateSample, FastSample, FrameSample
 from common.visual_sample import VisualSample
 from controller.cycle_input import CycleInput
@@ -96,6 +98,9 @@ def visual_sample(frame: FrameSample) -> VisualSample:
     )
 
 
+_NEVER = 2**63
+
+
 class RecordedCycle(NamedTuple):
     """One recorded cycle: what the step read, the command that was given, and the rows that it came from.
 
@@ -109,8 +114,16 @@ class RecordedCycle(NamedTuple):
     frames: list[FrameSample]
 
 
-def recorded_cycles(fast: Iterable[FastSample], frames: Iterable[FrameSample]) -> Iterator[RecordedCycle]:
-    """The recorded cycles as the step saw them.
+def earliest_cycle(fast: Iterable[FastSample], frames: Iterable[FrameSample]) -> int:
+    """The first cycle that a recording knows of: of a row, or of when a frame was begun; 0 where it holds none."""
+    begun = (frame.started_cycle for frame in frames if isfinite(frame.started_s))
+    return min(min((row.cycle for row in fast), default=0), min(begun, default=_NEVER))
+
+
+def recorded_cycles(
+    fast: Iterable[FastSample], frames: Iterable[FrameSample], first_cycle: int = 0
+) -> Iterator[RecordedCycle]:
+    """The recorded cycles as the step saw them, counted from `first_cycle`.
 
     A frame whose cycle has no row (an import at a lower rate; a row that was lost) is read in that cycle, without the
     other measurements. Of two rows in one cycle, or after a clock that stepped back, the first counts.
@@ -123,10 +136,10 @@ def recorded_cycles(fast: Iterable[FastSample], frames: Iterable[FrameSample]) -
             continue
         while waiting and waiting[0].cycle < row.cycle and last is not None:
             seen = _frames_of(waiting, waiting[0].cycle)
-            yield RecordedCycle(_frames_alone(seen), command, None, seen)
+            yield RecordedCycle(_frames_alone(seen, first_cycle), command, None, seen)
         last, command = row.cycle, row.joint_velocity_command_rad_s
         seen = _frames_of(waiting, row.cycle)
-        yield RecordedCycle(_cycle_input(row, seen), command, row, seen)
+        yield RecordedCycle(_cycle_input(row, seen, first_cycle), command, row, seen)
 
 
 def _frames_of(waiting: deque[FrameSample], up_to_cycle: int) -> list[FrameSample]:
@@ -137,21 +150,33 @@ def _frames_of(waiting: deque[FrameSample], up_to_cycle: int) -> list[FrameSampl
     return seen
 
 
-def _frames_alone(frames: list[FrameSample]) -> CycleInput:
-    return CycleInput(frames[0].cycle, samples=[visual_sample(frame) for frame in frames])
+def _counted_from(first_cycle: int, frames: list[FrameSample]) -> list[VisualSample]:
+    samples = [visual_sample(frame) for frame in frames]
+    if first_cycle == 0:
+        return samples
+    return [
+        structs.replace(sample, started_cycle=sample.started_cycle - first_cycle)
+        if isfinite(frame.started_s)
+        else sample
+        for frame, sample in zip(frames, samples, strict=True)
+    ]
 
 
-def _cycle_input(row: FastSample, frames: list[FrameSample]) -> CycleInput:
+def _frames_alone(frames: list[FrameSample], first_cycle: int) -> CycleInput:
+    return CycleInput(frames[0].cycle - first_cycle, samples=_counted_from(first_cycle, frames))
+
+
+def _cycle_input(row: FastSample, frames: list[FrameSample], first_cycle: int) -> CycleInput:
     reference = row.joint_velocity_reference_rad_s
     return CycleInput(
-        row.cycle,
+        row.cycle - first_cycle,
         row.acceleration_m_s2,
         row.joint_position_rad,
         row.joint_velocity_rad_s,
         row.joint_age_s,
         reference if isfinite(reference) else 0.0,
         row.damping_allowed,
-        [visual_sample(frame) for frame in frames],
+        _counted_from(first_cycle, frames),
         row.deflection_m,
         row.operator,
     )

@@ -20,7 +20,7 @@ from controller.frame_delays import FrameDelays
 from controller.joint_motion import JointMotion
 from controller.methods import make_method
 from controller.plausible_input import PlausibleInput
-from controller.recorded import RecordedCycle, estimate_sample, fast_sample, recorded_cycles
+from controller.recorded import RecordedCycle, earliest_cycle, estimate_sample, fast_sample, recorded_cycles
 from controller.restarted_vision import MethodAcrossRestarts
 from controller.states.table import Event, Operator, State
 from controller.step import Controller
@@ -44,9 +44,9 @@ class RecordedRun:
         """The controller's cycle, s."""
         return self.model.timing.cycle_s
 
-    def cycles(self) -> Iterator[RecordedCycle]:
-        """The cycles as the step saw them."""
-        return recorded_cycles(self.fast, self.frames)
+    def cycles(self, first_cycle: int = 0) -> Iterator[RecordedCycle]:
+        """The cycles as the step saw them, counted from `first_cycle`."""
+        return recorded_cycles(self.fast, self.frames, first_cycle)
 
 
 @dataclass
@@ -112,7 +112,11 @@ _PERMITTED = ("", State.ARMED, State.DAMPING, State.DEGRADED)
 def replay_method(
     run: RecordedRun, method: str, progress: Callable[[float], None] = lambda done: None
 ) -> MethodRun:
-    """Run a method over recorded measurements and commands. Raises UserError for an unknown method or no length."""
+    """Run a method over recorded measurements and commands. Raises UserError for an unknown method or no length.
+
+    The method counts from the recording's first cycle: a clock that counts from 1970, or from below zero, is the same
+    to it as one that starts with the recording.
+    """
     name = f"{run.name} (model)"
     model = declared(run.model)
     length = length_of(model, name)
@@ -122,7 +126,8 @@ def replay_method(
 
     estimator, joint, plausible = begun(), JointMotion(model, length), PlausibleInput(model, length)
     result, delays = MethodRun(method), FrameDelays()
-    for count, cycle in enumerate(run.cycles()):
+    first_cycle = earliest_cycle(run.fast, run.frames)
+    for count, cycle in enumerate(run.cycles(first_cycle)):
         read, _, begin_anew = plausible.admit(cycle.read)
         time_s = read.cycle * run.cycle_s
         if begin_anew:

@@ -38,10 +38,10 @@ class ArrivalStep:
 def step_of_arrivals(last: Fit) -> ArrivalStep | None:
     """The step that a fit's arrivals show beside a wander of the delay; None where they were not measured, or show
     none."""
-    if "arrival" not in last.world.channels:
+    arrivals = last.channel("arrival")
+    if arrivals is None:
         return None
-    late = last.world.channels["arrival"] - last.predicted.channels["arrival"]
-    return arrival_step(late, WANDER_S / last.world.step_s("arrival"))
+    return arrival_step(arrivals.off, WANDER_S / last.world.step_s("arrival"))
 
 
 def arrival_step(residual: Array, longest_frames: float) -> ArrivalStep | None:

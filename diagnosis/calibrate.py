@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from common.model import Model
 from common.user_error import UserError
+from diagnosis.channels import ARM_CHANNELS, without_dead_sensors
 from diagnosis.delay_spread import DelaySpread, delay_spread
 from diagnosis.extended_model import refitted_model
 from diagnosis.fit import Data, Fit, Split, fit, make_data
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 
 _DELAYS_S = (0.02, 0.05, 0.08, 0.11, 0.14, 0.17)
 _PEAKS = 4
-_SHOWING = ("acceleration", "displacement", "deflection")
+_SHORTEST_S = 3.0
 _SCALES = ("modes.0.participation", "accelerometer.scale", "camera.scale_px_per_m")
 _FOLLOWED = 0.7  # of a channel's variation left: blows that nobody has told of may be there, too
 
@@ -46,10 +47,22 @@ def calibrate(
     measured: Measured, model: Model, tick: Callable[[float, str], None] = lambda done, what: None
 ) -> Calibration:
     """Find the parameters. Raises UserError for a recording that shows too little of the arm."""
-    world = World(measured, model)
-    if not {"acceleration", "displacement", "deflection"} & set(world.channels):
+    if measured.pair:
         raise UserError(
-            f"{measured.name}: no channel shows the arm (acceleration, displacement or deflection); record one of them"
+            f"{measured.name}: holds a pair of input and output, which no model file describes; `stillarm diagnose` "
+            "fits it, or import the columns as a bundle with a fast.csv"
+        )
+    if measured.duration_s < _SHORTEST_S:
+        raise UserError(
+            f"{measured.name}: {measured.duration_s:.1f} s are too short to calibrate by; record 20 s or more"
+        )
+    measured, dead = without_dead_sensors(measured)
+    world = World(measured, model)
+    if not set(ARM_CHANNELS) & set(world.channels):
+        why = "; ".join(f"{name}: {reason}" for name, reason in (dead | world.channels_left_out).items())
+        raise UserError(
+            f"{measured.name}: no channel shows the arm (acceleration, displacement or deflection)"
+            f"{f' ({why})' if why else ''}; record one of them while the arm moves"
         )
     split = Split(np.array([0.0, measured.duration_s]), np.zeros(1, dtype=bool))
     tick(0.05, "frequency, signs, delay")
@@ -89,7 +102,7 @@ def _begun(measured: Measured, model: Model, split: Split, tick: Callable[[float
 def _explains(world: World, split: Split) -> bool:
     """Whether the free run from this start follows the motion that the moves have made."""
     last = fit(make_data(world, split), world.space.vector(), _constants(world), iterations=2)
-    shown = [error for name, error in _errors(last).items() if name in _SHOWING]
+    shown = [error for name, error in _errors(last).items() if name in ARM_CHANNELS]
     return bool(shown) and min(shown) < _FOLLOWED
 
 
@@ -102,7 +115,7 @@ def _more(world: World) -> tuple[str, ...]:
     """What calibration frees beyond the diagnosis' baseline."""
     names: list[str] = []
     moved = bool(np.any(np.abs(np.nan_to_num(world.measured.command)) > 0.0))
-    if moved:
+    if moved and not world.measured.imposed:
         names += ["drive.bandwidth_hz", "drive.dead_time_s"]
     if "acceleration" in world.channels and ({"displacement", "deflection"} & set(world.channels) or moved):
         names.append("accelerometer.scale")
@@ -178,10 +191,10 @@ def _model(model: Model, last: Fit) -> Model:
 def _delay_spread(last: Fit) -> DelaySpread | None:
     """Spread of the capture delay: of the arrivals about the camera's clock, where it has one."""
     world = last.world
-    if "arrival" not in world.channels:
+    arrivals = last.channel("arrival")
+    if arrivals is None:
         return None
-    late = world.channels["arrival"] - last.predicted.channels["arrival"]
-    return delay_spread(late, 1.0 / world.model.camera.frame_rate_hz, world.measured.duration_s)
+    return delay_spread(arrivals.off, 1.0 / world.model.camera.frame_rate_hz, world.measured.duration_s)
 
 
 def _frame_rate(last: Fit) -> tuple[float, float]:
@@ -212,17 +225,18 @@ def _parameters(last: Fit) -> dict[str, tuple[float, float]]:
     if "timing.skew_ppm" in last.free:
         found["camera.frame_rate_hz"] = _frame_rate(last)
     if (spread := _delay_spread(last)) is not None:
-        delay, std = found["timing.capture_delay_s"]
-        found["timing.capture_delay_s"] = delay, max(std, spread.mean_std_s)
+        if "timing.capture_delay_s" in found:  # arrivals without an image tell the spread only
+            delay, std = found["timing.capture_delay_s"]
+            found["timing.capture_delay_s"] = delay, max(std, spread.mean_std_s)
         found["timing.capture_delay_std_s"] = spread.std_s, spread.std_of_std_s
     for channel, key in (
         ("acceleration", "accelerometer.noise_std_m_s2"),
         ("displacement", "camera.noise_std_px"),
     ):
-        if channel in last.world.channels:
-            count = int(np.isfinite(last.world.channels[channel]).sum())
-            level = last.sigma[channel]
-            found[key] = (level, level / (2.0 * max(count, 1)) ** 0.5)
+        one = last.channel(channel)
+        if one is not None:
+            count = int(np.isfinite(one.measured).sum())
+            found[key] = (one.sigma, one.sigma / (2.0 * max(count, 1)) ** 0.5)
     return found
 
 

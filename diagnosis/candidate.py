@@ -12,7 +12,7 @@ from diagnosis.screen import Screening
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # one is itself only: arrays have no truth
 class Candidate:
     """A cause refitted. law: set for a law of noise or timing, which changes no fit. certain: the data show it by
     themselves, so that its gain need not be the same in all blocks. block_gains: of each held-out block (a law's: of
@@ -66,6 +66,8 @@ class Found:
     final: Fit
     findings: list[Candidate] = field(default_factory=list)
     stages: list[Stage] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    """What the time did not suffice for."""
 
     @property
     def known_laws(self) -> frozenset[str]:

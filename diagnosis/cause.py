@@ -142,6 +142,8 @@ def arm_moves(world: World) -> bool:
 
 def driven(world: World) -> bool:
     """Whether the joint was commanded, and anything shows it."""
+    if world.measured.imposed:
+        return False
     command = world.measured.command
     moving = bool(np.any(np.abs(np.nan_to_num(command)) > 0.0)) and not world.measured.pair
     return moving and any(

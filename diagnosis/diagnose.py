@@ -15,8 +15,11 @@ from common.recording.reader import Recording, open_recording
 from common.typed_toml import parse_toml
 from common.user_error import UserError
 from diagnosis import verdict as say
+from diagnosis.affordable import affordable
+from diagnosis.budget import Budget, OutOfTime, unlimited
 from diagnosis.candidate import Found
 from diagnosis.ceiling import below, ceiling_of
+from diagnosis.channels import without_dead_sensors
 from diagnosis.declared_effects import with_found
 from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, gain_of_each_block, make_data
@@ -26,7 +29,7 @@ from diagnosis.impacts import carried, fit_with_impacts, with_impacts_in_place, 
 from diagnosis.late_queue import late_queue
 from diagnosis.laws import LawFound, as_one, forward_step
 from diagnosis.lost_modes import with_lost_modes
-from diagnosis.measured import ClockGap, Measured, read_measured, reclocked
+from diagnosis.measured import ClockGap, Measured, first_part, read_measured, reclocked
 from diagnosis.pair_start import with_resonance_of
 from diagnosis.quantities import RANGE
 from diagnosis.recount import recounted
@@ -42,6 +45,9 @@ Tick = Callable[[float, str], None]
 _RECLOCKED_NATS = 10.0
 _MOST_GAPS = 3
 _MANY_GAPS, _AS_LONG = 4, 3.0
+_SHORTEST_S, _FEWEST_PAIRS = 3.0, 128  # of a recording; samples of a pair
+_BASELINE_SHARE, _CLOCKS_SHARE = 0.45, 0.6  # of the time for all stages
+_HURRIED_STEPS = 5
 _REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
 _QUEUED = "received_s steps by whole frames, started_s does not: each image is handed over that much later"
 _ASIDE_S = 0.4
@@ -76,20 +82,26 @@ def diagnose(
     model: Model | None = None,
     hold_out: Sequence[tuple[float, float]] = (),
     tick: Tick = lambda done, what: None,
+    budget: Budget | None = None,
 ) -> Diagnosis:
     """Diagnose one recording. Raises UserError where it holds too little."""
+    budget = budget or unlimited()
     recording = open_recording(path)
     given = model is not None or bool(recording.header.model.strip())
     model = model or model_of(recording)
     tick(0.02, "reading")
     measured = read_measured(recording, model)
-    if measured.pair and not given:
-        model = with_resonance_of(measured, model)
-    if measured.duration_s < 3.0 and not measured.pair:
+    if measured.pair and measured.cycles < _FEWEST_PAIRS:
+        raise UserError(
+            f"{path}: {measured.cycles} samples are too few for a diagnosis; give at least {_FEWEST_PAIRS}"
+        )
+    if measured.duration_s < _SHORTEST_S and not measured.pair:
         raise UserError(
             f"{path}: {measured.duration_s:.1f} s are too short for a diagnosis; record 20 s or more"
         )
-    return diagnose_measured(measured, model, hold_out, tick)
+    if measured.pair and not given:
+        model = with_resonance_of(measured, model)
+    return diagnose_measured(measured, model, hold_out, tick, budget)
 
 
 def diagnose_measured(
@@ -97,28 +109,32 @@ def diagnose_measured(
     model: Model,
     hold_out: Sequence[tuple[float, float]] = (),
     tick: Tick = lambda done, what: None,
+    budget: Budget | None = None,
 ) -> Diagnosis:
-    """Diagnose data that are already in memory."""
+    """Diagnose data that are already in memory. Raises UserError where they show nothing."""
+    budget = budget or unlimited()
     model = declared(model)
+    measured, dead = without_dead_sensors(measured)
     world = World(measured, model)
-    if not world.channels:
-        raise UserError(
-            f"{measured.name}: no measured channel (acceleration, joint motion, deflection, displacement) has "
-            "enough values; see the columns of fast.csv and frames.csv"
-        )
+    unused = dead | world.channels_left_out
+    if not set(world.channels) - {"arrival"}:
+        raise UserError(f"{measured.name}: {_nothing_shown(measured.pair, unused)}")
+    left_out: list[str] = []
+    affordable_s = affordable(world, budget)
+    if affordable_s < measured.duration_s:
+        left_out.append(f"time after {measured.origin_s + affordable_s:g} s")
+        measured = first_part(measured, affordable_s)
+        world = World(measured, model)
     split = (
         stated(hold_out, measured.origin_s, measured.duration_s)
         if hold_out
         else interleaved(measured.duration_s)
     )
     tick(0.05, "baseline")
-    baseline = recounted(dated(_baseline(world, split), split), split)
-    baseline = with_lost_modes(baseline, split)
-    baseline, steps = _without_steps(baseline, split)
-    baseline, set_back = without_set_stamps(baseline, split)
-    baseline, old = _without_old_images(baseline, split)
-    known = (*steps, *set_back, *old)
-    found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=known)
+    baseline, known = _baseline_within(budget, world, split, left_out)
+    with budget.limit():
+        found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=known)
+    left_out += found.left_out
     tick(0.92, "what is left")
     judged = say.judge(found, split)
     extended = refitted_model(model, found.final)
@@ -130,17 +146,66 @@ def diagnose_measured(
         "findings": say.findings(found, judged, split),
         "unexplained": say.unexplained(judged),
         "events": say.events(found),
+        "looked_at": {"seconds": budget.used_s, "budget_s": budget.seconds, "left_out": left_out},
+        "channels_left_out": unused,
         "baseline_changes": baseline_changes(model, found.final),
         "extended_model": "extended.toml",
     }
     return Diagnosis(table, found, judged, split, model, extended)
 
 
+def _nothing_shown(pair: bool, unused: dict[str, str]) -> str:
+    """Why no channel can be diagnosed, and what to do."""
+    why = "; ".join(f"{name}: {reason}" for name, reason in unused.items())
+    if pair:
+        return f"the output cannot be diagnosed ({why or 'no values'}); map another column to output"
+    return (
+        "no measured channel (acceleration, joint motion, deflection, displacement) has enough values that "
+        f"vary{f' ({why})' if why else ''}; see the columns of fast.csv and frames.csv"
+    )
+
+
+def _baseline_within(
+    budget: Budget, world: World, split: Split, left_out: list[str]
+) -> tuple[Fit, tuple[LawFound, ...]]:
+    """The baseline as far as the time goes, and the laws found on the way; adds to left_out what it did not go to."""
+    since_s = budget.used_s
+    try:
+        with budget.limit(_BASELINE_SHARE, since_s):
+            baseline = _baseline(world, split)
+    except OutOfTime:
+        left_out.append("impacts")
+        return _hurried(budget, since_s, world, split, left_out), ()
+    known: list[LawFound] = []
+    try:
+        with budget.limit(_CLOCKS_SHARE, since_s):
+            baseline = recounted(dated(baseline, split), split)
+            baseline = with_lost_modes(baseline, split)
+            for mended in (_without_steps, without_set_stamps, _without_old_images):
+                baseline, found = mended(baseline, split)
+                known += found
+    except OutOfTime:
+        left_out.append("clocks and counters of the frames")
+    return baseline, tuple(known)
+
+
+def _hurried(budget: Budget, since_s: float, world: World, split: Split, left_out: list[str]) -> Fit:
+    """A baseline in a few steps without impacts; where not even that is possible, the model as it is."""
+    data, start = make_data(world, split), world.space.vector()
+    try:
+        with budget.limit(_CLOCKS_SHARE, since_s):
+            return fit(data, start, world.baseline_names(), iterations=_HURRIED_STEPS)
+    except OutOfTime:
+        left_out.append("baseline")
+    return fit(data, start, (), iterations=0)
+
+
 def _baseline(world: World, split: Split) -> Fit:
     """The baseline's fit; where the accelerometer is at a limit that it should not have, started from that of a sensor
     with such a limit."""
-    if "acceleration" in world.channels:
-        ceiling = ceiling_of(world.channels["acceleration"], world.model.accelerometer.noise_std_m_s2)
+    acceleration = world.channels.get("acceleration")
+    if acceleration is not None:
+        ceiling = ceiling_of(acceleration, world.model.accelerometer.noise_std_m_s2)
         if ceiling is not None and ceiling < _LIMIT_KNOWN * world.model.accelerometer.range_m_s2:
             limited = _with_limit(world, split, ceiling)
             there = limited.world
@@ -180,10 +245,11 @@ def _left_by_a_wrong_start(usual: Fit) -> bool:
     """Whether a fit has gone far from the frequency that its blows were sought with, and leaves far more than the
     accelerometer's noise: at a wrong frequency they are found late, and where there are none."""
     world = usual.world
-    if not world.impacts or "acceleration" not in world.channels:
+    sensor = usual.channel("acceleration")
+    if not world.impacts or sensor is None:
         return False
     moved = abs(usual.value("modes.0.frequency_hz") / world.space["modes.0.frequency_hz"].start - 1.0)
-    return moved > _MOVED and usual.sigma["acceleration"] > _MUCH * world.model.accelerometer.noise_std_m_s2
+    return moved > _MOVED and sensor.sigma > _MUCH * world.model.accelerometer.noise_std_m_s2
 
 
 def _along_a_course(world: World, split: Split) -> Fit | None:

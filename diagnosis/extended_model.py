@@ -16,7 +16,7 @@ def refitted_model(model: Model, final: Fit) -> Model:
     if final.world.measured.pair:
         return model
     replace = msgspec.structs.replace
-    has = final.world.channels
+    acceleration, images = final.channel("acceleration"), final.channel("displacement")
     modes = [
         replace(
             mode,
@@ -27,19 +27,17 @@ def refitted_model(model: Model, final: Fit) -> Model:
         for i, mode in enumerate(model.arm.modes)
     ]
     sensor, camera, timing = model.accelerometer, model.camera, model.timing
-    if "acceleration" in has:
+    if acceleration is not None:
         sensor = replace(
             sensor,
             bias_m_s2=final.value("accelerometer.bias_m_s2"),
-            noise_std_m_s2=final.sigma["acceleration"],
+            noise_std_m_s2=acceleration.sigma,
         )
-    if "displacement" in has:
+    if images is not None:
         camera = replace(
             camera,
             scale_px_per_m=final.value("camera.scale_px_per_m"),
-            noise_std_px=final.sigma["displacement"]
-            if final.world.frame_clock.counted
-            else camera.noise_std_px,
+            noise_std_px=images.sigma if final.world.frame_clock.counted else camera.noise_std_px,
         )
         timing = replace(timing, capture_delay_s=max(0.0, final.value("timing.capture_delay_s")))
     return replace(
@@ -97,14 +95,16 @@ def baseline_changes(model: Model, final: Fit) -> dict[str, dict[str, float]]:
         fitted, std = final.value(name), final.std[name]
         if abs(fitted - configured) > max(3.0 * std, 1e-3 * abs(configured)):
             found[key] = {"configured": configured, "fitted": fitted, "std": std}
-    levels = []
-    if "acceleration" in has:
-        levels.append(("accelerometer.noise_std_m_s2", model.accelerometer.noise_std_m_s2, "acceleration"))
-    if "displacement" in has and world.frame_clock.counted:
-        levels.append(("camera.noise_std_px", model.camera.noise_std_px, "displacement"))
+    levels = [
+        ("accelerometer.noise_std_m_s2", model.accelerometer.noise_std_m_s2, final.channel("acceleration"))
+    ]
+    if world.frame_clock.counted:
+        levels.append(("camera.noise_std_px", model.camera.noise_std_px, final.channel("displacement")))
     for key, configured, channel in levels:
-        fitted = final.sigma[channel]
-        count = max(len(world.channels[channel]), 2)
+        if channel is None:
+            continue
+        fitted = channel.sigma
+        count = max(len(channel.measured), 2)
         if abs(fitted - configured) > 0.1 * max(configured, 1e-9):
             found[key] = {"configured": configured, "fitted": fitted, "std": fitted / (2.0 * count) ** 0.5}
     return found

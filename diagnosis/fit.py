@@ -7,6 +7,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.channels import FRAME_CHANNELS
 from diagnosis.noise import (
     HUBER,
     LEAST,
@@ -19,7 +20,7 @@ from diagnosis.noise import (
     wander_colour,
 )
 from diagnosis.side_by_side import side_by_side
-from diagnosis.world import FRAME_CHANNELS, Predicted, World
+from diagnosis.world import Predicted, World
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -43,6 +44,24 @@ class Split:
     def blocks_of(self, time_s: Array) -> NDArray[np.int64]:
         """Number of the block of each time."""
         return np.clip(np.searchsorted(self.edges_s, time_s, side="right") - 1, 0, len(self.held) - 1)
+
+
+@dataclass(frozen=True)
+class FittedChannel:
+    """One measured channel of a fit, all per sample: measured and predicted in the channel's unit; residual: whitened,
+    NaN where unmeasured; sigma: its noise level; colour: of its noise, None where it is white.
+    """
+
+    measured: Array
+    predicted: Array
+    residual: Array
+    sigma: float
+    colour: Colour | DoubtColour | None
+
+    @property
+    def off(self) -> Array:
+        """Measured less predicted, not whitened."""
+        return self.measured - self.predicted
 
 
 @dataclass
@@ -70,6 +89,20 @@ class Fit:
         """A quantity's value."""
         return float(self.vector[self.world.space.place[name]])
 
+    def channel(self, name: str) -> FittedChannel | None:
+        """A channel by its name; None where the recording does not hold it. No recording need hold any one channel:
+        whoever asks for one by name asks here, and says what holds without it."""
+        measured = self.world.channels.get(name)
+        if measured is None:
+            return None
+        return FittedChannel(
+            measured,
+            self.predicted.channels[name],
+            self.residuals[name],
+            self.sigma[name],
+            self.colour.get(name),
+        )
+
 
 def gain_of_each_block(after: Fit, before: Fit) -> Array:
     """Log-likelihood gained in each block, held out or not: what shows at one instant may show in any. (blocks,)"""
@@ -85,6 +118,14 @@ class Data:
     train: dict[str, Mask]
     held: dict[str, Mask]
     blocks: dict[str, NDArray[np.int64]]
+
+    def trained(self, name: str) -> Mask:
+        """Which samples of a channel train; none where it was not measured."""
+        return self.train.get(name, np.zeros(0, bool))
+
+    def blocks_of(self, name: str) -> NDArray[np.int64]:
+        """Block of each sample of a channel; none where it was not measured."""
+        return self.blocks.get(name, np.zeros(0, np.int64))
 
 
 def make_data(world: World, split: Split) -> Data:
@@ -213,21 +254,21 @@ def colours(data: Data, vector: Array) -> Colours:
     world = data.world
     predicted = world.predict(vector)
     found: Colours = {}
-    if "arrival" in world.channels:
-        residual = world.channels["arrival"] - predicted.channels["arrival"]
+    off = {name: values - predicted.channels[name] for name, values in world.channels.items()}
+    arrivals, images = off.get("arrival"), off.get("displacement")
+    if arrivals is not None:
         frames = WANDER_S / world.step_s("arrival")
         most = _WANDERS * world.model.timing.capture_delay_std_s or inf
-        found["arrival"] = wander_colour(residual[data.train["arrival"]], frames, most)
-    if "displacement" in world.channels and world.frame_clock.arrival:
-        residual = world.channels["displacement"] - predicted.channels["displacement"]
+        found["arrival"] = wander_colour(arrivals[data.trained("arrival")], frames, most)
+    if images is not None and world.frame_clock.arrival:
         found["displacement"] = doubt_colour(
-            residual,
+            images,
             predicted.rate_px_s,
             world.measured.frames.received_s,
             max(world.model.camera.noise_std_px, LEAST["displacement"]),
             world.model.timing.capture_delay_std_s,
         )
-    if "displacement" in world.channels and world.measured.frames.asked:
+    if images is not None and world.measured.frames.asked:
         noise_px = max(world.model.camera.noise_std_px, LEAST["displacement"])
         noted_s = world.measured.cycle_s / sqrt(12.0)
         found["displacement"] = DoubtColour(
@@ -250,6 +291,7 @@ def strayed(data: Data, best: Fit) -> Colours:
     return found
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of a trial in which the arm runs away
 def fit(  # noqa: PLR0915  (one loop over what belongs together)
     data: Data,
     start: Array,

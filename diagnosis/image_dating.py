@@ -74,11 +74,14 @@ def _perhaps_held_back(asked: Fit, split: Split) -> Fit:
 def older_from(asked: Fit) -> tuple[int, float] | None:
     """The frame from which on images are likeliest to be older than those before, and by how much, s: least squares of
     what is left over the images' speed, a lateness of its own before each frame and after it."""
-    residual, rate = asked.residuals["displacement"], asked.predicted.rate_px_s
+    images = asked.channel("displacement")
+    if images is None:
+        return None
+    residual, rate = images.residual, asked.predicted.rate_px_s
     known = np.flatnonzero(np.isfinite(residual))
     if len(known) < _FEWEST_REQUESTS:
         return None
-    colour = asked.colour.get("displacement")
+    colour = images.colour
     weight = colour.noise_px / colour.stds[known] if isinstance(colour, DoubtColour) else 1.0
     slope = rate[known] * weight
     along, power = np.cumsum(-slope * residual[known]), np.cumsum(slope * slope)
@@ -92,10 +95,13 @@ def older_from(asked: Fit) -> tuple[int, float] | None:
 
 
 def image_nats(fitted: Fit) -> float:
-    """Log-likelihood of all images; where instants are in doubt, innovations are scaled to the level at rest."""
-    residual = fitted.residuals["displacement"]
+    """Log-likelihood of all images, zero where there are none; where instants are in doubt, innovations are scaled to
+    the level at rest."""
+    images = fitted.channel("displacement")
+    if images is None:
+        return 0.0
+    residual, sigma, colour = images.residual, images.sigma, images.colour
     known = np.isfinite(residual)
-    sigma, colour = fitted.sigma["displacement"], fitted.colour.get("displacement")
     nats = float(np.sum(log_likelihood(residual[known] / sigma, sigma)))
     if isinstance(colour, DoubtColour):
         nats -= float(np.sum(np.log(colour.stds[known] / colour.noise_px)))

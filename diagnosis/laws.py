@@ -30,7 +30,7 @@ _RARELY = 0.5  # of the frames: what most do is the usual
 _ONE_STEP_S = 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LawFound:
     """A law that differs from the usual one. train_nats: gain of log-likelihood with all that is known; held_nats: of
     each block, by the law of the others. alone: one event so plain that no second one is needed to believe it."""
@@ -81,7 +81,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
         return None
     if strikes(found.flags, last.predicted.motion.joint[:, 1], data.world.measured.cycle_s):
         return None
-    block = data.blocks["acceleration"]
+    block = data.blocks_of("acceleration")
     per_block = _sums(block, spikes.astype(float), len(data.split.held))
     samples = _sums(block, known.astype(float), len(data.split.held))
     share = (count - per_block + 0.5) / (known.sum() - samples + 1.0)
@@ -133,10 +133,11 @@ def _frame_drops(data: Data, last: Fit) -> LawFound | None:
 
 def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     """Stretches in which frames come late (diagnosis.late_bursts), three ways of holding out a third."""
-    if "arrival" not in data.world.channels:
+    arrivals = last.channel("arrival")
+    if arrivals is None:
         return None
-    residual = data.world.channels["arrival"] - last.predicted.channels["arrival"]
-    block = data.blocks["arrival"]
+    residual = arrivals.off
+    block = data.blocks_of("arrival")
     size = len(data.split.held)
     whole = find_bursts(residual, np.isfinite(residual))
     if whole is None:

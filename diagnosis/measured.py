@@ -11,11 +11,16 @@ from common.model import Model
 from common.recording.reader import Recording
 from common.user_error import UserError
 from common.visual_sample import TrackingStatus
+from diagnosis.fast_rows import row_step_s, rows_in_order
 from diagnosis.fine_sensors import is_fine_encoder, is_fine_image
+from diagnosis.imposed_joint import imposed_command
+from diagnosis.robust import std_about_median
 from diagnosis.struck_flanks import fast_noise
 
 Array = NDArray[np.float64]
 
+_OUTSTANDING = 6.0  # robust deviations of the rows' steps
+_LEAST_ROWS_A_PERIOD = 4  # of the first mode: fewer do not show how it decays between them
 _STEP_CYCLES = 1.5  # a gap in time_s longer than this may be lost rows, or a clock that stepped
 
 
@@ -53,6 +58,7 @@ class Measured:
     """One recording: a uniform grid of n cycles with NaN where nothing was measured, and the frames.
 
     origin_s: time_s of the first row. command: rad/s, held over gaps; none: neither command nor joint motion known.
+    imposed: no command was recorded, and the one here makes the joint move as it was measured.
     force: input of a pair (one input, one output), in its own unit; empty otherwise.
     backward: clock steps back, already taken out (time cannot go back); gaps: forward jumps, taken as lost rows.
     """
@@ -70,6 +76,7 @@ class Measured:
     frames: Frames
     force: Array
     pair: bool = False
+    imposed: bool = False
     backward: tuple[ClockGap, ...] = ()
     gaps: tuple[ClockGap, ...] = ()
 
@@ -118,15 +125,23 @@ def read_measured(recording: Recording, model: Model) -> Measured:
             "`stillarm import` brings measured data in"
         )
     fast = recording.columns("/fast")
-    cycle_s = model.timing.cycle_s
+    in_order = rows_in_order(fast["time_s"], fast)
+    fast = {name: values[in_order] for name, values in fast.items()}
+    cycle_s = row_step_s(fast["time_s"], model.timing.cycle_s)
+    hz = model.arm.modes[0].frequency_hz
+    if cycle_s * hz > 1.0 / _LEAST_ROWS_A_PERIOD:
+        raise UserError(
+            f"{recording.path}: /fast: rows come every {cycle_s:g} s, too far apart for arm.modes[0].frequency_hz = "
+            f"{hz:g}; record at least {_LEAST_ROWS_A_PERIOD} a period, or correct the model's frequency"
+        )
     time, backward, gaps = _unrolled(fast["time_s"], cycle_s)
     origin = float(fast["time_s"][0])
     place = np.rint((time - time[0]) / cycle_s).astype(np.int64)
     n = int(place[-1]) + 1
     if n > 40 * len(time) + 100_000:
         raise UserError(
-            f"{recording.path}: /fast: {len(time)} rows span {n * cycle_s:.0f} s at timing.cycle_s = {cycle_s}; "
-            "give the model the cycle of the recording"
+            f"{recording.path}: /fast: {len(time)} rows span {n * cycle_s:.0f} s, most of them {cycle_s:g} s apart; "
+            "cut the recording where it was interrupted, and diagnose each part by itself"
         )
 
     def grid(values: Array) -> Array:
@@ -148,19 +163,24 @@ def read_measured(recording: Recording, model: Model) -> Measured:
     command = sent(fast["joint_velocity_command_rad_s"])
     if np.isnan(command).all():
         command = reference
+    position, velocity = grid(fast["joint_position_rad"]), grid(fast["joint_velocity_rad_s"])
+    imposed = None
+    if np.isnan(command).all():
+        imposed = imposed_command(position, velocity, model.drive, cycle_s)
     return Measured(
         name=str(recording.path),
         cycle_s=cycle_s,
         origin_s=origin,
-        command=command,
+        command=command if imposed is None else imposed,
         reference=reference,
         acceleration=grid(fast["acceleration_m_s2"]),
-        position=grid(fast["joint_position_rad"]),
-        velocity=grid(fast["joint_velocity_rad_s"]),
+        position=position,
+        velocity=velocity,
         joint_age_s=np.nan_to_num(grid(fast["joint_age_s"])),
         deflection=grid(fast["deflection_m"]),
         frames=_frames(recording, origin, backward),
         force=np.empty(0),
+        imposed=imposed is not None,
         backward=backward,
         gaps=() if _are_missed_deadlines(recording, gaps, cycle_s) else gaps,
     )
@@ -212,13 +232,48 @@ def reclocked(measured: Measured, gap: ClockGap) -> Measured:
     )
 
 
+def first_part(measured: Measured, duration_s: float) -> Measured:
+    """The same data up to duration_s after their start."""
+    n = min(measured.cycles, max(1, round(duration_s / measured.cycle_s)))
+    frames = measured.frames
+    seen = frames.received_s < n * measured.cycle_s
+    return replace(
+        measured,
+        **{name: getattr(measured, name)[:n] for name in _ON_THE_GRID},
+        force=measured.force[:n],
+        frames=replace(
+            frames,
+            counter=frames.counter[seen],
+            received_s=frames.received_s[seen],
+            started_s=frames.started_s[seen],
+            displacement_px=frames.displacement_px[seen],
+            captured_s=frames.captured_s[seen],
+        ),
+        backward=tuple(gap for gap in measured.backward if gap.cycle < n),
+        gaps=tuple(gap for gap in measured.gaps if gap.cycle < n),
+    )
+
+
+_ON_THE_GRID = (
+    "command",
+    "reference",
+    "acceleration",
+    "position",
+    "velocity",
+    "joint_age_s",
+    "deflection",
+)
+
+
 def _unrolled(time: Array, cycle_s: float) -> tuple[Array, tuple[ClockGap, ...], tuple[ClockGap, ...]]:
     """Row times with steps back taken out; where they were, and where the clock jumped forward."""
     step = np.diff(time)
     usual = float(np.median(step)) if len(step) else cycle_s
     out = time.copy()
     backward, gaps = [], []
-    for i in np.flatnonzero(step < 0.25 * min(usual, cycle_s)):
+    scatter = std_about_median(step) if len(step) else 0.0
+    early = (step <= 0.0) | (usual - step > _OUTSTANDING * scatter)  # than stamps that scatter are anyhow
+    for i in np.flatnonzero(early & (step < 0.25 * min(usual, cycle_s))):
         extra = float(step[i]) - usual
         out[i + 1 :] -= extra
         backward.append((i + 1, extra))
@@ -259,6 +314,14 @@ def _frames(recording: Recording, origin_s: float, backward: tuple[ClockGap, ...
     return Frames(found["frame"].astype(np.int64), received, started, displacement, found["captured_s"])
 
 
+def _bridged(values: Array) -> Array:
+    """Missing values between their neighbours'; empty where none is known."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return np.empty(0)
+    return np.interp(np.arange(len(values)), known, values[known])
+
+
 def _pair(recording: Recording) -> Measured:
     found = recording.columns("/pair")
     rate = float(recording.header.notes["rate_hz"])
@@ -266,7 +329,12 @@ def _pair(recording: Recording) -> Measured:
     none = np.full(n, nan)
     empty = np.empty(0)
     frames = Frames(np.empty(0, np.int64), empty, empty, empty, empty)
-    force = np.nan_to_num(found["input"])
+    force = _bridged(found["input"])
+    if not len(force) or float(np.ptp(force)) == 0.0:
+        raise UserError(
+            f"{recording.path}: the input never changes, so that the output tells nothing of what it does; "
+            "map another column to input"
+        )
     return Measured(
         str(recording.path), 1.0 / rate, 0.0, np.zeros(n), np.zeros(n), none, none, none,
         np.zeros(n), found["output"], frames, force, pair=True,

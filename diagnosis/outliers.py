@@ -40,12 +40,12 @@ class Outliers:
 
 def outliers(data: Data, last: Fit) -> Outliers | None:
     """Samples that stand out in small number; None where too few are known."""
-    if "acceleration" not in data.world.channels:
+    sensor = last.channel("acceleration")
+    if sensor is None:
         return None
-    measured, predicted = data.world.channels["acceleration"], last.predicted.channels["acceleration"]
-    residual = measured - predicted
+    predicted, residual = sensor.predicted, sensor.off
     known = np.isfinite(residual) & within_range(last)
-    known &= ~unforetold(data, last)[data.blocks["acceleration"]] & ~_just_begun(data)
+    known &= ~unforetold(data, last)[data.blocks_of("acceleration")] & ~_just_begun(data)
     if known.sum() < _FEWEST_SAMPLES:
         return None
     sigma = std_about_median(residual[known]) + 1e-12
@@ -58,8 +58,10 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
 def within_range(last: Fit) -> NDArray[np.bool_]:
     """Which samples of the accelerometer lie well within its range: at its limit it scatters less. (n,)"""
     limit = _AT_THE_LIMIT * last.value(RANGE)
-    measured, predicted = last.world.channels["acceleration"], last.predicted.channels["acceleration"]
-    result: NDArray[np.bool_] = (np.abs(measured) < limit) & (np.abs(predicted) < limit)
+    sensor = last.channel("acceleration")
+    if sensor is None:
+        return np.zeros(last.world.measured.cycles, bool)
+    result: NDArray[np.bool_] = (np.abs(sensor.measured) < limit) & (np.abs(sensor.predicted) < limit)
     return result
 
 
@@ -70,7 +72,7 @@ def pulses(data: Data, found: Outliers | None) -> Array | None:
         return None
     tops = np.flatnonzero(tops_of(found))
     gains = pulse_gains(np.where(found.known, found.u, np.nan), tops)
-    return np.bincount(data.blocks["acceleration"][tops], gains, len(data.split.held)).astype(np.float64)
+    return np.bincount(data.blocks_of("acceleration")[tops], gains, len(data.split.held)).astype(np.float64)
 
 
 def tops_of(found: Outliers) -> NDArray[np.bool_]:
@@ -138,7 +140,7 @@ def _just_begun(data: Data) -> NDArray[np.bool_]:
     """Samples just after the start or a blow: what the sensor's filter still holds of the time before is not known, and
     a blow's instant is, to the cycle only."""
     world = data.world
-    found = np.zeros(len(world.channels["acceleration"]), bool)
+    found = np.zeros(world.measured.cycles, bool)
     for cycle in (0, *world.impacts):
         begin = max(cycle - 1, 0)
         found[begin : cycle + round(_BEGUN_S / world.measured.cycle_s)] = True

@@ -31,8 +31,8 @@ def recounted(baseline: Fit, split: Split) -> Fit:
             fit(make_data(world, split), carried(baseline, world), world.baseline_names())
             for world in _miscounted(baseline)
         ]
-        best = max(others, key=image_nats, default=baseline)
-        if image_nats(best) < image_nats(baseline) + CHANGED_NATS or best is baseline:
+        best = max(others, key=image_nats, default=None)
+        if best is None or image_nats(best) < image_nats(baseline) + CHANGED_NATS:
             break
         baseline = best
     return baseline

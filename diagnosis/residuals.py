@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
+from diagnosis.channels import FRAME_CHANNELS
 from diagnosis.fit import Fit
 from diagnosis.residual_tests import Correlation, autocorrelation, crosscorrelation, square_correlation
 from diagnosis.robust import std_about_median
-from diagnosis.world import FRAME_CHANNELS, World
+from diagnosis.world import World
 
 Array = NDArray[np.float64]
 
@@ -223,7 +224,7 @@ def _blocks(e: Array, time_s: Array) -> tuple[NDArray[np.int64], int]:
     size = 1 << (2 * n - 1).bit_length()
     memory = np.fft.irfft(np.abs(np.fft.rfft(e, size)) ** 2, size)[: max(n // 10, 2)]
     over = np.flatnonzero(np.abs(memory) > 0.2 * memory[0])
-    remembers = 2.0 * float(over[-1] + 1) * duration / n
+    remembers = 2.0 * float(over[-1] + 1) * duration / n if len(over) else 0.0
     length = max(remembers, _SHORTEST_BLOCK_S)
     count = int(np.clip(duration / length, _FEWEST_BLOCKS, _MOST_BLOCKS))
     block = np.clip(((time_s - time_s[0]) / max(duration, 1e-9) * count).astype(np.int64), 0, count - 1)

@@ -12,11 +12,11 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from diagnosis.channels import FRAME_CHANNELS
 from diagnosis.fit import Data, Fit
 from diagnosis.outliers import outliers, pulses, within_range
 from diagnosis.steady_spectrum import steady_spectrum
 from diagnosis.unforetold import unforetold
-from diagnosis.world import FRAME_CHANNELS
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.causes import CAUSES as CATALOGUE
+from diagnosis.budget import OutOfTime
 from diagnosis.candidate import Candidate, Found, Stage
 from diagnosis.catalogue import CAUSES
 from diagnosis.cause import Cause
@@ -85,28 +86,12 @@ def search(
         found.stages.append(Stage(Screening([], 0.0), [one], one))
     free: tuple[str, ...] = ()
     for step in range(MOST_CAUSES + 1):
-        last = found.final
-        data = make_data(last.world, split)
         tick(step / (MOST_CAUSES + 1), f"causes, round {step + 1}")
-        names = [name for name in CAUSES if name not in taken and (only is None or name in only)]
-        screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
-        threshold = screened[0] if screened else None
-        causes = [CAUSES[name] for name in names]
-        stage = _stage(data, last, split, causes, taken, free, threshold)
-        elsewhere = _left_elsewhere(found, split, threshold)
-        best = next_to_take(stage, found, _rest_of(last, found.known_laws, split), elsewhere)
-        strays = None
-        if best is None and found.final is not found.baseline and step < MOST_CAUSES:
-            strays = _under(data, last, strayed(data, last))
-        if strays is not None:
-            other = _stage(data, strays, split, causes, taken, free, threshold)
-            best = next_to_take(other, found, _rest_of(strays, found.known_laws, split), elsewhere)
-            if best is not None:
-                stage, best = _with_fit(other, best, _as_before(best, last, split))
-        if best is not None and best.law is None and step < MOST_CAUSES:
-            stage, best = _with_fit(stage, best, _completed(best, split, (*free, *best.free)))
-        stage.taken = best
-        found.stages.append(stage)
+        try:
+            best = _round(found, split, taken, free, only, last_round=step == MOST_CAUSES)
+        except OutOfTime:
+            found.left_out.append(f"causes, round {step + 1}")
+            return found
         if best is None or step == MOST_CAUSES:
             break
         taken[best.cause] = best
@@ -115,8 +100,45 @@ def search(
             found.final = best.fit
             usual = set(found.final.world.baseline_names())
             free = tuple(name for name in found.final.free if name not in usual)
-    _drop_needless(found, split)
+    try:
+        _drop_needless(found, split)
+    except OutOfTime:
+        found.left_out.append("causes that later ones made needless")
     return found
+
+
+def _round(
+    found: Found,
+    split: Split,
+    taken: dict[str, Candidate],
+    free: tuple[str, ...],
+    only: Sequence[str] | None,
+    last_round: bool,
+) -> Candidate | None:
+    """One round of the search, its stage noted; the cause to take, with all that its fit needs. last_round: nothing is
+    taken any more."""
+    last = found.final
+    data = make_data(last.world, split)
+    names = [name for name in CAUSES if name not in taken and (only is None or name in only)]
+    screened = [stage.screening.threshold_nats for stage in found.stages if stage.screening.scored]
+    threshold = screened[0] if screened else None
+    causes = [CAUSES[name] for name in names]
+    stage = _stage(data, last, split, causes, taken, free, threshold)
+    elsewhere = _left_elsewhere(found, split, threshold)
+    best = next_to_take(stage, found, _rest_of(last, found.known_laws, split), elsewhere)
+    strays = None
+    if best is None and found.final is not found.baseline and not last_round:
+        strays = _under(data, last, strayed(data, last))
+    if strays is not None:
+        other = _stage(data, strays, split, causes, taken, free, threshold)
+        best = next_to_take(other, found, _rest_of(strays, found.known_laws, split), elsewhere)
+        if best is not None:
+            stage, best = _with_fit(other, best, _as_before(best, last, split))
+    if best is not None and best.law is None and not last_round:
+        stage, best = _with_fit(stage, best, _completed(best, split, (*free, *best.free)))
+    stage.taken = best
+    found.stages.append(stage)
+    return best
 
 
 def _under(data: Data, last: Fit, colour: Colours) -> Fit | None:
@@ -175,8 +197,8 @@ def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
 def _with_own_wander(one: Fit, split: Split) -> Fit:
     """A fit with the law of the arrivals as it is beside what the fit holds."""
     data = make_data(one.world, split)
-    now = one.colour | {"arrival": colours(data, one.vector)["arrival"]}
-    return fit(data, one.vector, one.free, colour=now)
+    now = {name: law for name, law in colours(data, one.vector).items() if name == "arrival"}
+    return fit(data, one.vector, one.free, colour=one.colour | now)
 
 
 def _stage(

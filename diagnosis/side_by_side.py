@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from threading import current_thread
 from typing import ParamSpec, TypeVar
 
@@ -18,11 +19,14 @@ def side_by_side(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> li
     place."""
     if current_thread().name.startswith(_NAME):
         return [work(item) for item in items]
-    return list(_POOL.map(work, items))
+    given = list(items)
+    contexts = [copy_context() for _ in given]  # the time limit of whoever asked
+    return list(_POOL.map(lambda context, item: context.run(work, item), contexts, given))
 
 
 def meanwhile(
     work: Callable[_Given, _Result], *given: _Given.args, **named: _Given.kwargs
 ) -> Future[_Result]:
     """Begin some work beside what comes next. Not from within work that is done so itself."""
-    return _POOL.submit(work, *given, **named)
+    context = copy_context()
+    return _POOL.submit(lambda: context.run(work, *given, **named))

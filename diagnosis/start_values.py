@@ -86,6 +86,8 @@ def start_values(measured: Measured, model: Model) -> Start | None:
     if not stretches:
         return None
     found = [ringing(stretches, hz) for hz in peaks(stretches)[:3]]
+    if not found:
+        return None
     first = max(found, key=lambda one: one.power)
     modes = [
         msgspec.structs.replace(
@@ -119,7 +121,11 @@ def _with_frame_rate(measured: Measured, model: Model) -> Model:
 def _with_drive(measured: Measured, model: Model) -> Model:
     """Bandwidth and dead time that bring the simulated joint nearest to the reported one."""
     known = np.isfinite(measured.position)
-    if known.sum() < 50 or not np.any(np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S):
+    if (
+        measured.imposed
+        or known.sum() < 50
+        or not np.any(np.abs(np.nan_to_num(measured.command)) > STILL_RAD_S)
+    ):
         return model
     world = World(measured, model)
     at = world.space.place
@@ -130,7 +136,7 @@ def _with_drive(measured: Measured, model: Model) -> Model:
         vector[at["drive.bandwidth_hz"]] = np.exp(where[0])
         vector[at["drive.dead_time_s"]] = where[1] ** 2
         vector[at["start.theta"]], vector[at["start.omega"]] = begin, 0.0
-        reported: Array = (world.predict(vector).channels["joint_position"] - measured.position)[known]
+        reported: Array = (world.reported_position(vector) - measured.position)[known]
         return reported[::4]
 
     best = None
@@ -197,12 +203,13 @@ def _with_scales(measured: Measured, model: Model, windows: list[Span]) -> Model
     free = (w * sqrt(1.0 - mode.damping_ratio**2), mode.damping_ratio * w)
     found: list[_Shared] = []
     accelerometer, camera, timing = model.accelerometer, model.camera, model.timing
-    if "acceleration" in world.channels:
+    sensed = world.channels.get("acceleration")
+    if sensed is not None:
         t = world.cycle_times - accelerometer.delay_s
         grid = world.cycle_times
         one = _regress(
             world.cycle_times,
-            world.channels["acceleration"],
+            sensed,
             [np.interp(t, grid, rigid_pull), np.interp(t, grid, pull)],
             windows,
             free,
@@ -288,7 +295,7 @@ def _image(
     """The image's two parts, and the capture delay at which they leave least."""
     clock, frames = world.frame_clock, world.measured.frames
     arrived = clock.grid_s + float(np.nanmean(frames.received_s - clock.grid_s))
-    values, grid = world.channels["displacement"], world.cycle_times
+    values, grid = world.measured.frames.displacement_px, world.cycle_times
     best: tuple[_Shared, float] | None = None
     late = [(begin, end + 0.1) for begin, end in windows]
     for delay in _DELAYS_S:

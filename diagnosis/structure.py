@@ -83,8 +83,10 @@ def _dated_by_arrival(one: Uneven, last: Fit) -> bool:
     scatter that the delay is known to have explains it."""
     if one.channel != "displacement" or not last.world.frame_clock.arrival:
         return False
-    colour = last.colour.get("displacement")
-    return not isinstance(colour, DoubtColour) or last.sigma["displacement"] < _IN_DOUBT * colour.noise_px
+    images = last.channel("displacement")
+    if images is None or not isinstance(images.colour, DoubtColour):
+        return True
+    return images.sigma < _IN_DOUBT * images.colour.noise_px
 
 
 def _within_its_spread(one: Uneven, last: Fit) -> bool:
@@ -92,7 +94,7 @@ def _within_its_spread(one: Uneven, last: Fit) -> bool:
     which none overtakes another, but at their worst by no more than the model states: nothing that it says of the delay
     is wrong then, as of one that wanders within its spread."""
     stated_s = last.world.model.timing.capture_delay_std_s
-    return one.channel == "arrival" and one.most * last.sigma["arrival"] < stated_s
+    return one.channel == "arrival" and one.most * last.sigma[one.channel] < stated_s
 
 
 def _of_terms(terms: Explained, last: Fit) -> str:

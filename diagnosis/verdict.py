@@ -156,7 +156,10 @@ def _error(fit: Fit, data: Data, name: str, judging: NDArray[np.bool_]) -> tuple
     measured = values[mask]
     if name == "arrival":  # the ramp of time is no variation
         measured = measured - data.world.frame_clock.grid_s[mask]
-    return float(np.sqrt(np.mean(residual**2))), float(np.std(measured)) or 1.0, int(mask.sum())
+    spread = (
+        max(float(np.std(measured)), least_level(data.world, name)) or 1.0
+    )  # exact stamps do not vary at all
+    return float(np.sqrt(np.mean(residual**2))), spread, int(mask.sum())
 
 
 def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[str, Any]]:

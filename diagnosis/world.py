@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
+from diagnosis.budget import check_time
+from diagnosis.channels import FRAME_CHANNELS, present_channels
 from diagnosis.declared_effects import is_behind_encoder
 from diagnosis.exposure import expose
 from diagnosis.fine_sensors import tip_moved, within_reach
@@ -23,8 +25,6 @@ from diagnosis.struck_flanks import without_strikes
 
 Array = NDArray[np.float64]
 
-FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection")
-FRAME_CHANNELS = ("displacement", "arrival")
 _TIE_S, _JUST_S = 2e-7, 1e-7  # between frames read at once; less than that
 _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
@@ -87,7 +87,8 @@ class World:
         self._command = np.nan_to_num(measured.command)
         self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
         self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
-        self.channels = self._present_channels()
+        present = present_channels(measured, self.frame_clock)
+        self.channels, self.channels_left_out = present.values, present.left_out
         self._layout = Layout(
             measured, model, self.modes, len(self._jump_cycles), self.length, self.frame_clock,
             frozenset(self.channels),
@@ -123,19 +124,6 @@ class World:
             self.frame_clock,
         )
 
-    def _present_channels(self) -> dict[str, Array]:
-        found: dict[str, Array] = {}
-        for name in FAST_CHANNELS:
-            values = self.measured.channel(name)
-            if np.isfinite(values).sum() > 50:
-                found[name] = values
-        frames = self.measured.frames
-        if np.isfinite(frames.displacement_px).sum() > 20:
-            found["displacement"] = frames.displacement_px
-        if len(frames) > 20 and not self.frame_clock.arrival:
-            found["arrival"] = frames.received_s
-        return found
-
     def baseline_names(self) -> list[str]:
         """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
         return self._layout.baseline_names()
@@ -149,7 +137,8 @@ class World:
         return np.asarray(self.in_order_s[frames] - _JUST_S)
 
     def move(self, vector: Array) -> Motion:
-        """The arm's motion under the recorded inputs."""
+        """The arm's motion under the recorded inputs. Raises OutOfTime within a limit that has passed."""
+        check_time()
         at, n, m = self.space.place, self.measured.cycles, self.modes
         constants = np.zeros(K.SIZE)
         drive = self.model.drive
@@ -274,6 +263,10 @@ class World:
         if not self._aged:
             return value
         return np.interp(self.cycle_times - self.measured.joint_age_s, self.cycle_times, value)
+
+    def reported_position(self, vector: Array) -> Array:
+        """The joint's position as the drive would report it, rad, whether it was measured or not."""
+        return self._seen_joint(self.move(vector), 0)
 
     def _seen_joint(self, motion: Motion, which: int) -> Array:
         """The same as the data are judged by. To a fine encoder what a simulated drive may be off is no noise, of which

@@ -34,7 +34,8 @@ def worth_a_name(one: Candidate) -> bool:
     if size.name in _RELATIVE:
         least = _SHARE * abs(neutral)
     if size.unit == "1/px^2":
-        widest = float(np.nanmax(np.abs(one.fit.world.channels["displacement"]), initial=_WIDE_PX))
+        seen = one.fit.world.measured.frames.displacement_px
+        widest = float(np.nanmax(np.abs(seen), initial=_WIDE_PX))
         least *= (_WIDE_PX / widest) ** 2
     return abs(value - neutral) >= least
 

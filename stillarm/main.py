@@ -4,6 +4,7 @@ import argparse
 import importlib
 import signal
 import sys
+import warnings
 from types import FrameType
 from typing import NoReturn
 
@@ -60,6 +61,8 @@ def main(arguments: list[str] | None = None) -> int:
     # SIGINT too: a shell that starts a command behind itself (`&`) has it ignored.
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _interrupt)
+    if not sys.warnoptions:  # standard error is for what a user can mend; developers ask with python -W
+        warnings.simplefilter("ignore")
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if word in COMMANDS), None)
     try:

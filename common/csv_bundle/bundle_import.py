@@ -60,7 +60,10 @@ def import_bundle(directory: str | Path, out_path: str | Path) -> ImportReport:
             f"{directory}: no folder; name one that holds fast.csv (a single file comes in with --map)"
         )
     if not (directory / "fast.csv").exists():
-        raise UserError(f"{directory / 'fast.csv'}: not there; the folder needs one with a column time_s")
+        raise UserError(
+            f"{directory / 'fast.csv'}: not there; the folder needs one with a column time_s; for images alone, write "
+            "one with that column alone, a row every cycle from the first frame to the last"
+        )
     model_file = directory / "model.toml"
     model_given = model_file.exists()
     model = load_model(model_file) if model_given else Model()

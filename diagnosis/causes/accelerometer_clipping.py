@@ -9,17 +9,19 @@ from diagnosis.quantities import RANGE
 
 
 def _trials(context: Context) -> list[Trial]:
-    shown = float(np.max(np.abs(context.fit.predicted.channels["acceleration"]))) or 1.0
+    sensor = context.fit.channel("acceleration")
+    if sensor is None:
+        return []
+    shown = float(np.max(np.abs(sensor.predicted))) or 1.0
     trials = [
         Trial({}, ({RANGE: share * shown},), one_sided=True)
         for share in (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
     ]
-    measured, sigma = context.world.channels["acceleration"], context.fit.sigma["acceleration"]
-    plateau = plateau_of(measured, context.fit.predicted.channels["acceleration"], sigma)
+    plateau = plateau_of(sensor.measured, sensor.predicted, sensor.sigma)
     # at the range that is simulated it says nothing
     if plateau is not None and plateau < context.value(RANGE):
         trials.append(Trial({}, ({RANGE: plateau},), one_sided=True, exact=True, certain=True))
-    ceiling = ceiling_of(measured, sigma)
+    ceiling = ceiling_of(sensor.measured, sensor.sigma)
     if ceiling is not None:
         trials.append(Trial({}, ({RANGE: ceiling},), one_sided=True, certain=True))
     return trials
@@ -28,10 +30,10 @@ def _trials(context: Context) -> list[Trial]:
 def _values(fit: Fit) -> Values:
     """The range; where it shows in no sample that trained, by those that are held out."""
     value, std = fit.value(RANGE), fit.std.get(RANGE, 0.0)
-    at_it = np.abs(fit.predicted.channels["acceleration"]) >= value
-    return {
-        "range_m_s2": (value, std or fit.sigma.get("acceleration", 0.0) / max(float(at_it.sum()), 1.0) ** 0.5)
-    }
+    sensor = fit.channel("acceleration")
+    if sensor is not None and std == 0.0:
+        std = sensor.sigma / max(float(np.sum(np.abs(sensor.predicted) >= value)), 1.0) ** 0.5
+    return {"range_m_s2": (value, std)}
 
 
 CAUSE = Cause(

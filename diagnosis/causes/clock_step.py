@@ -36,10 +36,10 @@ def _beside_a_wander(context: Context) -> list[Trial]:
 
 def _seen(context: Context) -> float | None:
     """The instant of the largest surprise among the arrivals, if they stay where it put them."""
-    if "arrival" not in context.world.channels:
+    arrivals = context.fit.channel("arrival")
+    if arrivals is None:
         return None
-    surprise = np.nan_to_num(context.fit.residuals["arrival"])
-    late = context.world.channels["arrival"] - context.fit.predicted.channels["arrival"]
+    surprise, late = np.nan_to_num(arrivals.residual), arrivals.off
     usual = std_about_median(surprise) + 1e-9
     i = int(np.argmax(np.abs(surprise[SIDE:-SIDE]))) + SIDE if len(surprise) > 3 * SIDE else 0
     if i == 0 or abs(surprise[i]) < _OUTSTANDING * usual:

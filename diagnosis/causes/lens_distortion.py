@@ -6,7 +6,7 @@ from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 
 
 def _trials(context: Context) -> list[Trial]:
-    seen = context.world.channels["displacement"]
+    seen = context.world.measured.frames.displacement_px
     known = context.declared("camera.lens_per_px2")
     widest = float(np.nanmax(np.abs(seen))) or 1.0
     return [

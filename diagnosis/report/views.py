@@ -40,8 +40,9 @@ def swing(time_s: Array, values: Array, frequency_hz: float) -> Swing:
         filled = np.interp(grid, grid[count > 0], mean[count > 0])
     else:
         filled = np.interp(grid, t, v)
-    window = hann(max(5, round(_PERIODS / frequency_hz / step)), sym=True)
-    window = window / window.sum()
+    # a recording shorter than the window has no middle, and shows nothing
+    window = hann(min(max(5, round(_PERIODS / frequency_hz / step)), len(filled)), sym=True)
+    window = window / (window.sum() or 1.0)
     level = np.convolve(filled, window, "same") / np.convolve(np.ones(len(filled)), window, "same")
     turned = (filled - level) * np.exp(-2j * pi * frequency_hz * grid)
     phasor = np.convolve(turned, window, "same")
@@ -51,7 +52,7 @@ def swing(time_s: Array, values: Array, frequency_hz: float) -> Swing:
     edge = len(window)
     amplitude[:edge] = np.nan
     amplitude[-edge:] = np.nan
-    little = ~(amplitude > _LEAST_AMPLITUDE * np.nanmax(amplitude))
+    little = ~(amplitude > _LEAST_AMPLITUDE * np.nanmax(amplitude, initial=0.0))
     return Swing(grid, amplitude, np.where(little, np.nan, frequency))
 
 
@@ -82,6 +83,9 @@ def lateness(fit: Fit, span_s: float = 0.5) -> tuple[Array, Array, Array]:
 
     Regression of the residual on the image's speed over stretches of span_s; stretches without motion are left out.
     """
+    images = fit.channel("displacement")
+    if images is None:
+        return np.empty(0), np.empty(0), np.empty(0)
     residual, rate = residual_of(fit, "displacement"), fit.predicted.rate_px_s
     time = times_of(fit.world, "displacement")
     known = np.isfinite(residual) & np.isfinite(rate)
@@ -91,7 +95,7 @@ def lateness(fit: Fit, span_s: float = 0.5) -> tuple[Array, Array, Array]:
     product = np.bincount(place, rate[known] * residual[known], size)
     enough = power > 1e-2 * power.max()
     late = -product[enough] / power[enough]
-    std = fit.sigma["displacement"] / np.sqrt(power[enough])
+    std = images.sigma / np.sqrt(power[enough])
     return (np.arange(size)[enough] + 0.5) * span_s, late, std
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from common.blas_threads import one_blas_thread
 from common.user_error import UserError
+from stillarm.arguments import seconds
 
 if TYPE_CHECKING:
     from common.model import Model
@@ -65,6 +66,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="simulate that N times over, each with noise of its own, and tell the spread (1)",
     )
     parser.add_argument(
+        "--budget-s",
+        type=seconds,
+        metavar="S",
+        help="a verdict within so many seconds, at least 10 or so; what that leaves out stands in diagnosis.json "
+        "under looked_at (default: as long as it needs)",
+    )
+    parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
         help="several recordings: a Dask scheduler whose workers see the same files (default: this machine's cores)",
@@ -107,7 +115,9 @@ def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
     from stillarm.progress import progress_bar
 
     (path,) = arguments.recordings
-    job = Job(path, arguments.out, model, tuple(arguments.hold_out), _use_pairs(arguments))
+    job = Job(
+        path, arguments.out, model, tuple(arguments.hold_out), _use_pairs(arguments), arguments.budget_s
+    )
     with (
         beside() if job.use_pairs else nullcontext(map) as run_each,
         progress_bar(f"diagnose {path.name}") as progress,
@@ -122,7 +132,14 @@ def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list
 
     out = arguments.out.absolute()
     jobs = [
-        Job(path.absolute(), out / path.stem, model, tuple(arguments.hold_out), _use_pairs(arguments))
+        Job(
+            path.absolute(),
+            out / path.stem,
+            model,
+            tuple(arguments.hold_out),
+            _use_pairs(arguments),
+            arguments.budget_s,
+        )
         for path in arguments.recordings
     ]
     done = []
@@ -137,14 +154,21 @@ def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list
 
 
 def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> None:
-    """diagnosis.json, extended.toml, report.html. await_use: of `put_to_use`."""
+    """diagnosis.json, extended.toml, report.html. await_use: of `put_to_use`. The verdict is written first: what draws
+    the report may be stopped."""
     from diagnosis.diagnose import model_text
     from diagnosis.report.page import report_page
 
-    page = report_page(result, await_use)
-    (folder / "diagnosis.json").write_text(json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n")
     (folder / "extended.toml").write_text(model_text(result.extended))
+    _write_table(result, folder)
+    page = report_page(result, await_use)
+    _write_table(result, folder)  # with what the extended model is worth
     (folder / "report.html").write_text(page)
+
+
+def _write_table(result: "Diagnosis", folder: Path) -> None:
+    text = json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n"
+    (folder / "diagnosis.json").write_text(text)
 
 
 def put_to_use(

@@ -1,5 +1,6 @@
 """One recording diagnosed, or many side by side on any executor: this machine's cores, or Dask's."""
 
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -14,18 +15,20 @@ from common.model import Model
 from common.user_error import UserError
 
 _CONNECT_S = 10
+_USE_S = 20.0  # that simulating what a model is worth, and the report, take on two cores
 
 
 @dataclass(frozen=True)
 class Job:
     """A recording to diagnose, and the folder for what comes of it. use_pairs: of runs, in which what the extended
-    model is worth is simulated; 0: it is not."""
+    model is worth is simulated; 0: it is not. budget_s: for the verdict, s; none: as long as it needs."""
 
     path: Path
     folder: Path
     model: Model | None
     hold_out: tuple[tuple[float, float], ...]
     use_pairs: int
+    budget_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -47,18 +50,23 @@ def diagnose_one(
     """One job, in whatever process; what is wrong with one recording stops no other. progress takes the share done;
     run_each, as `map`, the simulations of what a model is worth.
     """
+    began_s = time.monotonic()
     one_blas_thread()
     from common.output_folder import make_folder
+    from diagnosis.budget import Budget
     from diagnosis.diagnose import diagnose
     from diagnosis.report.words import use_sentence
     from stillarm.commands.diagnose_command import put_to_use, sentence, write
 
     try:
-        result = diagnose(job.path, job.model, job.hold_out, lambda done, what: progress(0.9 * done))
+        budget = Budget(job.budget_s, began_s)
+        result = diagnose(job.path, job.model, job.hold_out, lambda done, what: progress(0.9 * done), budget)
+        worth = job.use_pairs > 0
+        if worth and budget.left_s is not None and budget.left_s < _USE_S:
+            result.table["looked_at"]["left_out"].append("use")
+            worth = False
         await_use = (
-            put_to_use(result, job.path, job.model, job.use_pairs, run_each)
-            if job.use_pairs
-            else lambda: None
+            put_to_use(result, job.path, job.model, job.use_pairs, run_each) if worth else lambda: None
         )
         write(result, make_folder(job.folder), await_use)
     except UserError as error:

@@ -113,7 +113,18 @@ def test_its_trials_move_some_channel_and_its_parameters_are_the_catalogues(caus
     world = variant(plain.world, dict(trials[0].options))
     start = carried(plain, world)
     nothing = np.zeros(len(SPLIT.held))
-    other = Fit(world, start, one.free(world), {}, plain.sigma, {}, {}, world.predict(start), 0.0, nothing)
+    other = Fit(
+        world,
+        start,
+        one.free(world),
+        {},
+        plain.sigma,
+        {},
+        plain.residuals,
+        world.predict(start),
+        0.0,
+        nothing,
+    )
     required = {p.name for p in CATALOGUE[cause].parameters if p.default is None}
     assert required == set(one.parameters_of(other))
 

@@ -78,10 +78,42 @@ def test_a_command_is_held_over_rows_without_one(tmp_path: Path) -> None:
     assert np.all(found.command == 0.2)
 
 
-def test_a_cycle_that_is_not_the_recordings_is_refused(tmp_path: Path) -> None:
+def test_rows_too_far_apart_for_the_first_mode_are_refused(tmp_path: Path) -> None:
     time = np.arange(300) * 0.5
-    with pytest.raises(UserError, match="give the model the cycle of the recording"):
+    with pytest.raises(
+        UserError, match=r"rows come every 0\.5 s, too far apart .* correct the model's frequency"
+    ):
         read(tmp_path, time)
+
+
+@pytest.mark.parametrize(("rate_hz", "digits"), [(100.0, 6), (610.3515625, 6), (2500.0, 5)])
+def test_rows_at_another_rate_than_the_models_cycle_make_their_own_grid(
+    tmp_path: Path, rate_hz: float, digits: int
+) -> None:
+    """No sample is lost, and none is invented between two; rounded times add up to no drift."""
+    time = np.round(np.arange(5000) / rate_hz, digits)
+    found = read(tmp_path, time)
+    assert found.cycle_s == pytest.approx(1.0 / rate_hz, rel=1e-4)
+    assert not found.backward and not found.gaps
+    assert np.isfinite(found.acceleration).mean() > 0.999
+    assert np.nanmax(found.acceleration) == 4999.0
+
+
+def test_stamps_that_scatter_are_no_clock_that_was_set(tmp_path: Path) -> None:
+    """A phone's sensor at about 200 Hz, stamped by a busy system's milliseconds."""
+    scattered = np.round(np.random.default_rng(11).normal(0.0, 0.0015, 2000), 3)
+    time = np.maximum.accumulate(np.arange(2000) * 0.005 + scattered) + 1e-6 * np.arange(2000)
+    found = read(tmp_path, time)
+    assert found.cycle_s == 0.001 and not found.backward
+
+
+def test_rows_out_of_order_and_rows_twice_are_put_right(tmp_path: Path) -> None:
+    order = np.arange(4000)
+    order[[100, 101]] = 101, 100
+    order = np.repeat(order, np.where(np.arange(4000) % 500 == 7, 2, 1))
+    found = read(tmp_path, order * 0.001, acceleration_m_s2=order.astype(float))
+    assert not found.backward and not found.gaps
+    assert np.array_equal(found.acceleration, np.arange(4000.0))
 
 
 @pytest.mark.slow

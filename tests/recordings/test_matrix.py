@@ -1,0 +1,109 @@
+"""Every kind of recording times every command: an answer or one clear line, and where the answer is known, that one."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.recordings.expected import refusal
+from tests.recordings.outcome import (
+    COMMANDS,
+    Outcome,
+    check_diagnosis,
+    diagnosis_of,
+    fault_of,
+    run_all,
+)
+from tests.recordings.shapes import HZ, SHAPES
+from tests.recordings.table import PAGE, page
+
+LONG_BUDGET_S = 8.0  # of ten minutes at 1 kHz
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_every_command_ends_in_an_answer_or_in_one_line(name: str, tmp_path: Path) -> None:
+    budget_s = {"10 min at 1 kHz": LONG_BUDGET_S}.get(name, 2.0)
+    outcomes = run_all(SHAPES[name], tmp_path, budget_s)
+    wrong = {command: fault for command, one in outcomes.items() if (fault := fault_of(one))}
+    assert not wrong
+    assert {command: _as_expected(name, command, one) for command, one in outcomes.items()} == dict.fromkeys(
+        outcomes, ""
+    )
+    if outcomes["import"].status == 0:
+        assert tuple(outcomes) == COMMANDS
+        if outcomes["diagnose"].status == 0:
+            table = diagnosis_of(tmp_path)
+            check_diagnosis(table)
+            assert table["looked_at"]["budget_s"] == budget_s
+            for result in ("report.html", "extended.toml"):
+                assert (tmp_path / "diagnosis" / result).stat().st_size > 0
+
+
+def _as_expected(shape: str, command: str, outcome: Outcome) -> str:
+    """Empty where the outcome is the expected one."""
+    words = refusal(shape, command)
+    if words is None:
+        return "" if outcome.status == 0 else outcome.error
+    if outcome.refused and words in outcome.error:
+        return ""
+    return f"expected {words!r}, got {outcome.status}: {outcome.error or outcome.out}"
+
+
+def test_there_are_enough_cells() -> None:
+    assert len(SHAPES) * len(COMMANDS) >= 60
+
+
+def test_the_page_is_the_matrix() -> None:
+    assert PAGE.read_text() == page(), "run `python -m tests.recordings.table`, and commit docs/recordings.md"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "accelerometer alone",
+        "images alone",
+        "strain gauge as deflection",
+        "accelerometer, a third NaN",
+        "images, a third NaN",
+        "20 s at 100 Hz",
+    ],
+)
+def test_a_plain_recording_shows_nothing_but_its_frequency(name: str, tmp_path: Path) -> None:
+    """The model file is 0.8 % off; all else in it is as the recording was made."""
+    outcomes = run_all(SHAPES[name], tmp_path, budget_s=None)
+    assert outcomes["diagnose"].status == 0, outcomes["diagnose"].error
+    table = diagnosis_of(tmp_path)
+    assert table["verdict"] == "none"
+    fitted = table["baseline_changes"]["arm.modes[0].frequency_hz"]["fitted"]
+    assert fitted == pytest.approx(HZ, abs=1e-3)
+    assert not table["looked_at"]["left_out"]
+
+
+@pytest.mark.parametrize("base", ["images alone", "accelerometer and images"])
+def test_the_start_of_time_changes_nothing(base: str, tmp_path: Path) -> None:
+    """Unix epoch seconds, and a start below zero, against the same recording from zero: one verdict, one fit, one
+    delay."""
+    from dataclasses import replace
+
+    from tests.recordings.shapes import UNIX_S, moved
+
+    tables, replays = {}, {}
+    for by_s in (0.0, UNIX_S, -5.5):
+        folder = tmp_path / str(by_s)
+        folder.mkdir()
+        run_all(replace(SHAPES[base], change=moved(by_s)), folder, budget_s=None)
+        tables[by_s] = diagnosis_of(folder)
+        replays[by_s] = _delays(folder / "replay" / "frames.csv")
+    for by_s in (UNIX_S, -5.5):
+        assert tables[by_s]["verdict"] == tables[0.0]["verdict"] == "none"
+        changed = {key: one["fitted"] for key, one in tables[by_s]["baseline_changes"].items()}
+        usual = {key: one["fitted"] for key, one in tables[0.0]["baseline_changes"].items()}
+        assert changed == pytest.approx(usual, rel=1e-4)
+        for name, channel in tables[by_s]["channels"].items():
+            before = tables[0.0]["channels"][name]
+            assert channel["nrmse_after"] == pytest.approx(before["nrmse_after"], rel=1e-3)
+        assert replays[by_s] == pytest.approx(replays[0.0], abs=1e-5)
+
+
+def _delays(path: Path) -> list[float]:
+    rows = [line.split(",") for line in path.read_text().splitlines()[1:]]
+    return [float(row[4]) if row[4] else -1.0 for row in rows]
