@@ -8,6 +8,7 @@ delays: Moon, Skelly and Towsley, INFOCOM 1999). The floor is the least arrival 
 from collections import deque
 
 _MEMORY_FRAMES = 96
+_MEAN_FRAMES = 16.0
 _FELL_SPREADS = 3.0  # of the delay: a floor that falls by less has only been met more closely
 _ABOVE_SPREADS = 6.0  # of the delay: an arrival later than that above the floor tells nothing of the clock
 
@@ -15,7 +16,8 @@ _ABOVE_SPREADS = 6.0  # of the delay: an arrival later than that above the floor
 class ArrivalFloor:
     """Watches arrival minus nominal instant of the frames by a clock.
 
-    fell: whether the arrival taken in last was earlier by far than all before it, which then came late.
+    fell: whether the arrival taken in last was earlier by far than all before it, which then came late. mean_s: of the
+    arrivals near the floor, s.
     """
 
     def __init__(self, spread_s: float) -> None:
@@ -28,6 +30,7 @@ class ArrivalFloor:
         self._lowest: deque[tuple[int, float]] = deque()  # rising: the least of each stretch that ends now
         self._count = 0
         self.fell = False
+        self.mean_s = 0.0
 
     def see(self, late_s: float) -> bool:
         """Take in arrival minus nominal instant, s; whether it is near enough to the floor to tell of the clock."""
@@ -40,4 +43,9 @@ class ArrivalFloor:
         while lowest and lowest[-1][1] >= late_s:
             lowest.pop()
         lowest.append((self._count, late_s))
-        return late_s < floor + _ABOVE_SPREADS * self._spread_s
+        near = late_s < floor + _ABOVE_SPREADS * self._spread_s
+        if self.fell or self._count == 1:
+            self.mean_s = late_s
+        elif near:
+            self.mean_s += (late_s - self.mean_s) / min(self._count, _MEAN_FRAMES)
+        return near

@@ -39,6 +39,7 @@ _DOUBT_OF_LOST, _LEAST_OF_LOST = (
     0.5,
     0.01,
 )  # of the amplitude; of the variance at the start: of filters found lost
+_UNKNOWN_LATE_S = 0.1
 _INSIGNIFICANT = (
     0.1  # likewise: three standard deviations. Of less, an image's rate is noise, and tells no instant
 )
@@ -259,11 +260,19 @@ class FilterBank:
         return float(self._first[one, index])
 
     def begin_late(self, one: int, late_s: float) -> None:
-        """Filter `one`: the mean delay is unknown again; an arrival was late_s later than its nominal instant says."""
+        """Filter `one`: the mean delay is unknown; arrivals are late_s later than their nominal instants say."""
         t, late = self._at.shift, self._at.late
         self.p[one, late, :] = self.p[one, :, late] = 0.0
-        self.p[one, late, late] = self._first[one, late]
+        self.p[one, late, late] = _UNKNOWN_LATE_S**2
         self.x[one, late] = late_s - self.x[one, t]
+
+    def place(self, one: int, shift_s: float) -> None:
+        """Filter `one`: nothing but arrivals has told of the clock yet, whose shift by them is shift_s."""
+        t, late = self._at.shift, self._at.late
+        for i in (t, late):
+            self.p[one, i, :] = self.p[one, :, i] = 0.0
+            self.p[one, i, i] = self._first[one, i]
+        self.x[one, t], self.x[one, late] = shift_s, 0.0
 
     def forget_started(self, variance: float) -> None:
         """n_i has jumped: by how much it is ahead is unknown, variance in s^2."""

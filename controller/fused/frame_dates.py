@@ -26,7 +26,7 @@ _STRANGE_FRAMES = 10  # for so long it is left out
 _CONFIRMED = 0.25  # of the variance of the clock's rate: what images have left of it
 _NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
 _SKEW_NOISE = 1e-14  # 1/s
-_KNOWN_SHIFT = 0.06  # of the shift's first variance: what images have left of it
+_UNTOLD = 0.5  # of the shift's first variance: what images have left of it
 
 
 class FrameDates:
@@ -58,6 +58,7 @@ class FrameDates:
         ]
         self._joint_date = JointDate()
         self._floors = [ArrivalFloor(spread_s) for _ in range(2)]
+        self._waited = [True] * FILTERS  # whether the filter's shift has followed arrivals until now
         self._clock_rate = ClockRate(spread_s, self._cycle_s)
         self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s) for _ in range(2)]
         self._started = [ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s) for _ in range(2)]
@@ -125,9 +126,8 @@ class FrameDates:
                 continue
             if floor.fell:
                 spread.restart()
-                if self._begin_late(law, float(late[law])):
-                    self.begin_anew(received_s)
-                    return True
+            if self._place(law, floor):
+                continue
             spread.add(float(late[law]))
             noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
         started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
@@ -202,20 +202,26 @@ class FrameDates:
         self._bank.begin()
         self.dating.nominal[:] = received_s - self._model_delay_s
         self._evidence.begin()
+        self._waited = [True] * FILTERS
         for law in (Law.CLOCK, Law.STAMPS):
             self._restart_watch(law)
 
-    def _begin_late(self, law: Law, late_s: float) -> bool:
-        """Frames have come by far later until now, as where a queue drained: what their arrivals told of the clock is
-        wrong. Returns whether the law is believed and images have not yet told the shift otherwise.
+    def _place(self, law: Law, floor: ArrivalFloor) -> bool:
+        """Whether images have yet to tell the law's shift: until then it follows the arrivals near their floor.
+
+        What its arrivals have told of the clock before is forgotten, as where a queue has drained. Then they tell no
+        more than how the mean delay, now unknown, wanders.
         """
-        bank, at = self._bank, self._at
-        likeliest = self._evidence.likeliest(law)
-        first = bank.first_variance(likeliest, at.shift)
-        known = float(bank.p[likeliest, at.shift, at.shift]) < _KNOWN_SHIFT * first
+        bank, t = self._bank, self._at.shift
+        waits = False
         for target in range(int(law), FILTERS, LAWS):
-            bank.begin_late(target, late_s)
-        return not known and self._evidence.law(law) > 0.5
+            if float(bank.p[target, t, t]) > _UNTOLD * bank.first_variance(target, t):
+                bank.place(target, floor.mean_s)
+                waits = True
+            elif floor.fell or self._waited[target]:
+                bank.begin_late(target, floor.mean_s)
+            self._waited[target] = waits
+        return waits
 
     def _is_strange(self, started: Array, noise: Array) -> bool:
         """Whether n_i has jumped, by the most likely filter."""

@@ -181,7 +181,9 @@ class FusedMethod:
                     self._hold_back(block)
         if was_open and not strikes.open:
             time_s = cycle * self._cycle_s
-            if strike is None or not self.health.alarm(time_s, inf):
+            # A sensor that dies shows a step, too: a force is let go only if images have shown one.
+            unheld = isinstance(strike, Step) and not self.frames.held_force.active
+            if strike is None or unheld or not self.health.alarm(time_s, inf):
                 self._give_back()
             else:
                 self._sums.clear()
