@@ -50,7 +50,11 @@ _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was n
 _BREAK_MEMORY_FRAMES = 60.0
 _BLOWS = 1.5  # breaks within that memory that may be blows
 _CLEAR = 0.995
-_SAMPLED_CYCLES = 0.4  # standard deviation: a sensor that runs by itself was sampled some time within the last cycle
+_BENDS = 0.15  # rad: by so uncertain a phase images alone would seem to tell any law's instants
+_ZERO_KNOWN = 1.0  # of an image's variance
+_SAMPLED_CYCLES = (
+    0.4  # standard deviation: a sensor that runs by itself was sampled some time within the last cycle
+)
 _UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
@@ -251,13 +255,17 @@ class FrameFusion:
         noise: Array = self._phasor_share * self.amplitude_m**2 + _UNSEEN * self._noise_m2
         return noise
 
-    def _begin_force(self, time_s: float, size_m: float) -> None:
-        """A force may have begun at that time, unless the arm is known to be shaken all the time."""
-        held = self.held_force
-        if held.active or not self.force.intensity:
-            if not held.active:
-                self.bank.give_force(self._slow_pull.followed_m())
-            held.begin(time_s, size_m)
+    def _begin_force(self, time_s: float, size_m: float) -> bool:
+        """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
+        the time, nor before the image's zero is known, from which a force deflects the tip."""
+        held, c = self.held_force, self._at.offset
+        if not held.active:
+            zero_variance = float(self.bank.p[self.evidence.best, c, c])
+            if self.force.intensity or zero_variance > _ZERO_KNOWN * self._noise_m2:
+                return False
+            self.bank.give_force(self._slow_pull.followed_m())
+        held.begin(time_s, size_m)
+        return True
 
     def held_during(self, start_s: float, end_s: float) -> Jump | None:
         """What a force that lasts may have done to the present between two times."""
@@ -347,12 +355,14 @@ class FrameFusion:
     def _watch_slow_pull(self, seen: Seen, time_s: float) -> None:
         best = self.evidence.best
         std = sqrt(float(seen.variance[best]))
-        zero_m = float(self.bank.x[best, self._at.offset])
-        if self._slow_pull.see(float(seen.residual[best]) / std, zero_m) and not self.force.intensity:
+        c = self._at.offset
+        zero_m, variance = float(self.bank.x[best, c]), float(self.bank.p[best, c, c])
+        pulled = self._slow_pull.see(float(seen.residual[best]) / std, zero_m, variance)
+        if pulled and not self.force.intensity:
             self._slow_pull.restart()
-            self._begin_force(time_s, 2.0 * std)
-            none = (0.0,) * self._at.modes
-            self.bank.inflate(Jump(time_s, none, none, 2.0 * std), QUIET)
+            if self._begin_force(time_s, 2.0 * std):
+                none = (0.0,) * self._at.modes
+                self.bank.inflate(Jump(time_s, none, none, 2.0 * std), QUIET)
 
     def take(self) -> None:
         """Take in the image looked at, if there is one."""
@@ -364,7 +374,9 @@ class FrameFusion:
             reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
             surprise = np.where(times - reach > received_s, np.inf, surprise)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
-        phase_only = _CLOCKED if self._blind and self._joint_still(image, times) else None
+        phase_only = None
+        if self._blind and self._joint_still(image, times):
+            phase_only = _CLOCKED | (bank.p[:, t, t] > (_BENDS / self._at.w_first) ** 2)
         own, spread = bank.take_image(seen, np.maximum(1.0, seen.surprise / 12.0), phase_only)
         self._taken = Taken(own, spread, seen, surprise, received_s)
 
@@ -488,8 +500,8 @@ class FrameFusion:
             self._before.clear()
             return True
         sizes = (size,) + (0.3 * size,) * (self._at.modes - 1)
-        self._begin_force(float(times[best]), size)
-        self.bank.inflate(Jump.guessed(float(times[best]), sizes, size), QUIET)
+        force_m = size if self._begin_force(float(times[best]), size) else 0.0
+        self.bank.inflate(Jump.guessed(float(times[best]), sizes, force_m), QUIET)
         return True
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:

@@ -28,6 +28,7 @@ _NOT_AGAIN_S = 2.0  # after what has turned out to be none
 _SIGNIFICANT = 5.5  # standard deviations of the mean innovation: by chance once in a day
 _LARGEST = 4.0  # standard deviations: one wrong image is no pull
 _FEWEST_FRAMES = 6.0
+_FOLLOWED = 3.0  # of the zero's variance, then: what it has moved beyond that follows something
 _ZERO_PERIODS = 4.0  # half periods: about so long a pull has gone on before its innovations are significant
 
 
@@ -41,7 +42,9 @@ class SlowPull:
         """No innovation seen."""
         self._share = 1.0 / max(half_period_frames, _FEWEST_FRAMES)
         self._significant = _SIGNIFICANT * sqrt(self._share / (2.0 - self._share))
-        self._zeros: deque[float] = deque(maxlen=max(2, round(_ZERO_PERIODS * half_period_frames)))
+        self._zeros: deque[tuple[float, float]] = deque(
+            maxlen=max(2, round(_ZERO_PERIODS * half_period_frames))
+        )
         self.restart()
 
     def restart(self) -> None:
@@ -49,12 +52,17 @@ class SlowPull:
         self._mean = 0.0
 
     def followed_m(self) -> float:
-        """By how much the image's zero has moved since about the pull began, m."""
-        return self._zeros[-1] - self._zeros[0] if self._zeros else 0.0
+        """By how much the image's zero has followed the pull since it about began, m: none if it may have moved so far
+        because it was not well known then."""
+        if not self._zeros:
+            return 0.0
+        moved, variance = self._zeros[-1][0] - self._zeros[0][0], self._zeros[0][1]
+        return moved if moved * moved > _FOLLOWED * variance else 0.0
 
-    def see(self, innovation: float, zero_m: float) -> bool:
-        """Take in an image's innovation in standard deviations, and the image's zero, m; whether there is a pull."""
-        self._zeros.append(zero_m)
+    def see(self, innovation: float, zero_m: float, variance: float) -> bool:
+        """Take in an image's innovation in standard deviations, and the image's zero, m, with its variance, m^2;
+        whether there is a pull."""
+        self._zeros.append((zero_m, variance))
         bounded = min(max(innovation, -_LARGEST), _LARGEST)
         self._mean += self._share * (bounded - self._mean)
         return abs(self._mean) > self._significant
