@@ -35,13 +35,12 @@ class Law(IntEnum):
 LAWS = len(Law)
 LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
 _VAGUE = 0.002  # of the squared rate
-_DOUBT_OF_LOST, _LEAST_OF_LOST = (
-    0.5,
-    0.01,
-)  # of the amplitude; of the variance at the start: of filters found lost
+_DOUBT_OF_LOST = 0.5  # of the amplitude: of filters found lost
+_LEAST_OF_LOST = 0.01  # of the variance at the start, likewise
 _UNKNOWN_LATE_S = 0.1
+_UNTOLD = 0.25  # of a shift's first variance: what images have left of it
 _INSIGNIFICANT = (
-    0.1  # likewise: three standard deviations. Of less, an image's rate is noise, and tells no instant
+    0.1  # of the squared rate: of less than three deviations, an image's rate is noise, and tells no instant
 )
 _FLOOR = 0.002  # of the deflection: no image scale or model is better
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
@@ -320,7 +319,8 @@ class FilterBank:
         slope[:, at.force] = scale
         phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
         rate_variance = w2 * phasor + joint_rate_variance
-        unseen = rate_variance > _INSIGNIFICANT * self._known_rate2(rate)
+        untold = p[:, at.shift, at.shift] > _UNTOLD * self._first[:, at.shift]
+        unseen = untold & (rate_variance > _INSIGNIFICANT * self._known_rate2(rate))
         if unseen.any():
             slope[unseen, at.shift] = 0.0
         residual = value_m - scale * tip - self.x[:, at.offset]
