@@ -33,7 +33,8 @@ class FrameDates:
     """Dates each frame: `accept`, then `take_arrival` and `take_started`, which may wait for later cycles.
 
     lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s.
-    shift_noise: growth of the variance of each filter's shift, s^2/s, (filters,).
+    shift_noise: growth of the variance of each filter's shift, s^2/s, (filters,). period_found: whether the frames'
+    period was found to be another than the stated one; it is known to some parts in a thousand then.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class FrameDates:
         self._between = ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s)
         self._strange = 0
         self.lead_walk = 0.0
+        self.period_found = False
         self._arrived: tuple[VisualSample, float] | None = None
         self._begun: Array | None = None  # n_i plus a frame less each law's nominal instant, (laws,), s
 
@@ -126,10 +128,9 @@ class FrameDates:
                 continue
             if floor.fell:
                 spread.restart()
-            if self._place(law, floor):
-                continue
             spread.add(float(late[law]))
-            noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
+            if not self._place(law, floor):
+                noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
         started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
         self.dating.nominal[Law.JITTER] += self._joint_correction_s(sample, received_s)
         self._bank.take_arrival(late[LAW_OF], noise[LAW_OF], walk[LAW_OF])
@@ -188,6 +189,7 @@ class FrameDates:
         if believed and skew < _CONFIRMED * start.SKEW**2:
             return False
         dating.change_period(1.0 + rate.rate)
+        self.period_found = True
         if believed:
             self.begin_anew(received_s)
         else:

@@ -426,7 +426,8 @@ class FrameFusion:
 
     def _check(self, received_s: float) -> bool:
         bank, at, best = self.bank, self._at, self.evidence.best
-        skew = float(bank.x[best, at.skew]) if _CLOCKED[best] else 0.0
+        clocked = _CLOCKED[best] and not self.dates.period_found
+        skew = float(bank.x[best, at.skew]) if clocked else 0.0
         skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
         if not self.consistency.see(received_s, self._surprise, skew, skew_std, self.delay_s):
             return False

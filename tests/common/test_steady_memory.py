@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import gc, resource
@@ -14,6 +16,7 @@ print(gc.get_freeze_count() > 1000, len(gc.get_objects()) < 1000, gc.isenabled()
 """
 
 
+@pytest.mark.slow
 def test_what_was_imported_is_frozen_and_the_collector_goes_on() -> None:
     """In a process of its own: this one is to stay as it is. Locked is what the kernel says is locked."""
     said = subprocess.run(

@@ -23,6 +23,7 @@ def own_rings() -> list[Path]:
     return list(block_path("x").parent.glob(f"stillarm-recorder-{os.getpid()}-*"))
 
 
+@pytest.mark.slow
 def test_a_launched_recorder_waits_for_its_file_and_then_records(tmp_path: Path) -> None:
     """No file is there before begin(), however long the process has been loaded."""
     client = RecorderClient.launch()
@@ -34,6 +35,7 @@ def test_a_launched_recorder_waits_for_its_file_and_then_records(tmp_path: Path)
     assert [m.cycle for m in open_recording(tmp_path / "a.mcap").messages("/fast")] == [7]
 
 
+@pytest.mark.slow
 def test_one_that_never_began_leaves_nothing_behind() -> None:
     """As where a device refuses the start meanwhile; it is no cut recording."""
     client = RecorderClient.launch()
@@ -42,6 +44,7 @@ def test_one_that_never_began_leaves_nothing_behind() -> None:
     assert not client.alive() and not own_rings()
 
 
+@pytest.mark.slow
 def test_a_file_that_cannot_be_written_is_told_at_begin(tmp_path: Path) -> None:
     """In one line, and the process is gone."""
     client = RecorderClient.launch()
