@@ -1,4 +1,4 @@
-"""The floor of arrivals: late ones tell nothing of the clock, one that is earliest by far tells that all before it were."""
+"""Arrivals by their floor: late ones tell nothing of the clock; a far earlier one tells that all before it were late."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -10,7 +10,7 @@ SPREAD_S = 0.0064
 
 
 def test_a_queue_that_drains_lets_the_floor_fall() -> None:
-    """Three frames late by up to 0.1 s, then none: `fell` tells of each large step down, and the mean is the floor's."""
+    """Three frames are late by up to 0.1 s, then none: `fell` tells of each step, and the mean is the floor's."""
     floor = ArrivalFloor(SPREAD_S)
     fell = 0
     for late in (0.1, 0.08, 0.05, *([0.0] * 60)):
