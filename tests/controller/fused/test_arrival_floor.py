@@ -1,4 +1,4 @@
-"""Arrivals by their floor: late ones tell nothing of the clock; a far earlier one tells that all before it were late."""
+"""Late arrivals tell nothing of the clock; one far earlier than all before it tells that those were late."""
 
 import numpy as np
 from hypothesis import given, settings
