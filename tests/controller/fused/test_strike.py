@@ -1,6 +1,6 @@
 """A strike is measured from the samples it adds to; what is none is left alone."""
 
-from math import cos, pi, sin
+from math import cos, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -77,6 +77,69 @@ def test_a_force_that_stays_is_a_step() -> None:
         meter.see(cycle, 3.0 if 50 <= cycle < 57 else 0.01, NOISE) for cycle in range(100) if cycle != 54
     ]
     assert found == [None] * 99
+
+
+def steps(excess: list[float]) -> list[Step]:
+    return [one for one in watch(excess) if isinstance(one, Step)]
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(
+    begun=st.integers(100, 160),
+    size=st.floats(2.0, 20.0),
+    sign=st.sampled_from((-1.0, 1.0)),
+    seed=st.integers(0, 99),
+)
+def test_a_step_of_force_is_told_with_its_size_sign_and_instant(
+    begun: int, size: float, sign: float, seed: int
+) -> None:
+    """The arm then swings about its new place of rest: a cosine, whose mean over 0.35 rad is 0.98 of its beginning.
+
+    An onset told two cycles early takes another two twenty-firsts off that mean.
+    """
+    random = np.random.default_rng(seed)
+    samples = NOISE * random.standard_normal(begun + 200)
+    samples[begun:] += sign * size * np.cos(W * CYCLE_S * np.arange(200))
+    (step, *_) = steps(samples.tolist())
+    assert abs(step.cycle - begun) <= 3
+    noise = 4.0 * NOISE / sqrt(20.0)
+    assert (1.0 - 2.0 / 21.0) * 0.98 * size - noise < -sign * step.size_m < 0.98 * size + noise
+
+
+def test_a_step_within_a_samples_noise_is_left_to_the_images() -> None:
+    assert steps([0.0] * 60 + [3.9 * NOISE] * 60) == []
+    assert len(steps([0.0] * 60 + [4.1 * NOISE] * 60)) == 1
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        [2.0] * 21,  # an expectation that is off
+        [2.0] * 11 + [-2.0] * 10,  # a higher mode: its mean is zero, its halves are not
+        [],  # nothing is known of it
+    ],
+)
+def test_a_sensor_that_was_not_still_before_shows_no_step(before: list[float]) -> None:
+    """Watched from the alarm on, which the samples before it do not raise by themselves."""
+    meter = StrikeMeter(W, CYCLE_S)
+    found: list[Any] = []
+    first = 100
+    for back, value in enumerate(before):
+        meter._recent.append((first - len(before) + back, value))
+    found = [meter.see(first + k, 3.0, NOISE) for k in range(60)]
+    assert [one for one in found if one is not None] == []
+
+
+def test_what_dies_away_or_grows_while_it_is_watched_is_no_step() -> None:
+    """A push by hand of 60 ms, as half a sine; a force that goes on to grow."""
+    push = [5.0 * sin(pi * k / 60.0) for k in range(60)]
+    assert steps([0.0] * 60 + push + [0.0] * 40) == []
+    assert steps([0.0] * 60 + [0.3 * k for k in range(60)]) == []
+
+
+def test_the_step_of_a_sensor_that_goes_on_is_told_once() -> None:
+    """The arm rings about its new place: what is expected of it is right from then on."""
+    assert steps([0.0] * 60 + [3.0] * 24 + [0.0] * 100) == [Step(60, -3.0)]
 
 
 @pytest.mark.slow
