@@ -14,6 +14,7 @@ _DOUBTFUL, _SETTLED = (
 )  # mean of so many: by chance above the first once in some days; between them as it was
 _MOST_SKEW = 400e-6  # of a clock that counts frames by a period found right, or that stamps them
 _SKEW_STDS = 4.0
+_LOST = 4.0  # mean of so many: stated deviations that are half of the errors are raised, not begun anew for
 _LOST_AFTER_S = 1.0  # for so long in doubt: the filters are lost, and begin anew
 _PATIENCE_S = 3.0  # after a beginning
 
@@ -49,6 +50,8 @@ class Consistency:
         if not self.doubtful:
             self._doubted_since_s = float("inf")
             return False
+        if self._mean < _LOST and not impossible:
+            self._doubted_since_s = float("inf")
         self._doubted_since_s = min(self._doubted_since_s, time_s)
         patient = time_s - self._begun_s < _PATIENCE_S
         return time_s - self._doubted_since_s > _LOST_AFTER_S and not patient

@@ -297,7 +297,7 @@ class FrameFusion:
         self._scale_watch.restart()
         self._images = self._outliers = self._votes = 0
         self._as_calibrated = True
-        self.held_force.end()
+        self.held_force.end(self.bank.edge_s)
         self._slow_pull.restart()
 
     def _finish_dates(self) -> None:
@@ -407,10 +407,10 @@ class FrameFusion:
         held, best, f = self.held_force, self.evidence.best, self._at.force
         if held.active and held.see(bank.edge_s, float(bank.x[best, f]), float(bank.p[best, f, f])):
             bank.end_force()
-            held.end()
+            held.end(bank.edge_s)
         elif held.active and held.oscillates(bank.edge_s):
             bank.end_force()
-            held.end()
+            held.end(bank.edge_s)
             bank.loosen()
         if self._blind:
             self._before.append((received_s, bank.x.copy(), bank.p.copy()))
@@ -429,7 +429,8 @@ class FrameFusion:
         clocked = _CLOCKED[best] and not self.dates.period_found
         skew = float(bank.x[best, at.skew]) if clocked else 0.0
         skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
-        if not self.consistency.see(received_s, self._surprise, skew, skew_std, self.delay_s):
+        lost = self.consistency.see(received_s, self._surprise, skew, skew_std, self.delay_s)
+        if not lost or self.force.intensity or self.held_force.active:  # what shakes the arm is no wrong date
             return False
         phasors = bank.x[best].copy()
         self.dates.begin_anew(received_s)

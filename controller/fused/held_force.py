@@ -24,6 +24,10 @@ _NONE_FOR_S = 1.0  # for so long
 _AT_REST = 4.0  # times the walk of a force that rests
 _ODDS_OF_NONE = 20.0
 _REVERSALS = 3  # of a force, each within about half a period
+_SHORT_S, _SHORT_AGAIN_S = (
+    1.5,
+    8.0,
+)  # a force that is over at once; another one so soon is none, nor any for as long
 _NOT_AGAIN_S = 2.0  # after what has turned out to be none
 _SIGNIFICANT = 5.5  # standard deviations of the mean innovation: by chance once in a day
 _LARGEST = 4.0  # standard deviations: one wrong image is no pull
@@ -79,7 +83,7 @@ class HeldForce:
         self._reversals: deque[float] = deque(maxlen=_REVERSALS)
         self._reversing_s = 0.5 * (_REVERSALS + 1.0) * period_s
         self._sign = 0.0
-        self._not_before_s = float("-inf")
+        self._not_before_s = self._begun_s = self._short_s = float("-inf")
         self._none = (0.0,) * modes
         self._rest = _REST_SHARE * noise_m2
         self._past: deque[tuple[float, float]] = deque()
@@ -97,6 +101,8 @@ class HeldForce:
         """Images left their gate by about size_m: a force may have begun, changed, or ended."""
         if time_s < self._not_before_s:
             return
+        if not self.active:
+            self._begun_s = time_s
         self.active = True
         self.walk = max(self.walk, size_m * size_m / _ONSET_S)
         self._expected = max(self._expected, size_m * size_m)
@@ -149,8 +155,12 @@ class HeldForce:
         self._not_before_s = time_s + _NOT_AGAIN_S
         return True
 
-    def end(self) -> None:
-        """No force is left."""
+    def end(self, time_s: float) -> None:
+        """No force is left. Two running that were over at once were none: a steady random force looks like that."""
+        if self.active and time_s - self._begun_s < _SHORT_S:
+            if time_s - self._short_s < _SHORT_AGAIN_S:
+                self._not_before_s = time_s + _SHORT_AGAIN_S
+            self._short_s = time_s
         self._reversals.clear()
         self._sign = 0.0
         self.active = False

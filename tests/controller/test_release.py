@@ -20,6 +20,7 @@ def after_a_release(method: str, seed: int) -> Score:
     return score(data, run_method(method, data, assumed_model(REGIME, 0.1, arm)), 5.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize(
     ("method", "mean", "largest"),

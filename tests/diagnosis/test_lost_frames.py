@@ -53,6 +53,7 @@ def test_losses_are_found(fraction: float, run: float, jitter: float, seed: int)
     assert wrong(arrivals(seed, 600, jitter, wander_s=0.002), lost) < 0.03
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("fraction", [0.02, 0.2])
 def test_also_where_arrivals_scatter_by_a_fifth_of_a_period(fraction: float, seed: int) -> None:

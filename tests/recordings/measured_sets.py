@@ -141,6 +141,38 @@ def tuning_fork(source: Path, folder: Path) -> list[str]:
     return ["import", str(folder)]
 
 
+def beam(played_hz: float, hz: float) -> Callable[[Path, Path], list[str]]:
+    """A high-speed video of a beam, played at a rate that a camera may have; hz: of its vibration at that rate."""
+
+    def make(source: Path, folder: Path) -> list[str]:
+        moved = tracked_px(mraw_images(source))
+        time = np.arange(len(moved)) / played_hz
+        _write(folder / "fast.csv", {"time_s": np.arange(0.0, time[-1] + 0.1, 0.001)})
+        _write(folder / "frames.csv", {"received_s": time + 0.05, "displacement_px": moved})
+        _model(folder, 0.1, hz, f"[camera]\nframe_rate_hz = {played_hz}\nexposure_s = 0.001\n")
+        return ["import", str(folder)]
+
+    return make
+
+
+def mraw_images(path: Path) -> NDArray[np.uint8]:
+    """The frames of a Photron file, (n, height, width), of the size and depth that the .cih beside it tells."""
+    header = dict(
+        line.split(" : ", 1) for line in path.with_suffix(".cih").read_text().splitlines() if " : " in line
+    )
+    bits, effective = int(header["Color Bit"]), int(header["EffectiveBit Depth"])
+    frames = np.fromfile(path, np.uint16 if bits == 16 else np.uint8)
+    frames = frames.reshape(-1, int(header["Image Height"]), int(header["Image Width"]))
+    return np.asarray(frames >> max(0, effective - 8), np.uint8)
+
+
+def tracked_px(images: NDArray[np.uint8]) -> Array:
+    """The tracker's y displacement of each frame, NaN where it was lost; (n,)."""
+    tracker = FeatureTracker(Tracker())
+    found = [tracker.track(np.ascontiguousarray(image)) for image in images]
+    return np.array([one.dy if one.status == TrackingStatus.MEASURED else np.nan for one in found])
+
+
 def displacement_px(path: Path, frames: int, crop: tuple[slice, ...] = (slice(None),)) -> Array:
     """The tracker's x displacement of each frame, NaN where it was lost; (n,)."""
     camera, tracker = FileCamera(path), FeatureTracker(Tracker())
@@ -176,6 +208,12 @@ SETS: dict[str, MeasuredSet] = {
     **_steps(),
     "phone": MeasuredSet("phone_rotation", phone),
     "tuning fork": MeasuredSet("tuning_fork_video/tuning_hz32_fps250_50-1_640x420.mp4", tuning_fork),
+    # The tracker loses both: the one bends from column to column, the other has 15 grey levels in 75 frames.
+    "beam, synthetic": MeasuredSet(
+        "beam_video/data_synthetic.mraw", beam(20.0, 1.0), "no measured channel"
+    ),
+    "beam, showcase": MeasuredSet("beam_video/data_showcase.mraw", beam(20.0, 1.0), "no measured channel"),
+    "beam, speckle": MeasuredSet("beam_video/Speckle_beam_500.mraw", beam(100.0, 5.0)),
     **{f"live demo {n}": MeasuredSet(f"live_demo/run_{n}", bundle_start) for n in (3, 12, 13)},
     **{f"stranger {n}": MeasuredSet(f"strangers/delay_{n}", bundle_start) for n in range(1, 5)},
     **{f"stranger case {n}": MeasuredSet(f"strangers/case_{n:02d}", bundle_start) for n in range(1, 19)},

@@ -92,9 +92,21 @@ def test_what_reverses_with_the_vibration_is_no_force() -> None:
             found = time_s
             break
     assert found is not None and found < 1.2
-    held.end()
+    held.end(found)
     held.begin(found + 0.1, 0.004)
     assert not held.active
+
+
+def test_forces_that_are_over_at_once_again_and_again_are_none() -> None:
+    """As a steady random force seems to be some; one that lasted counts for itself."""
+    for lasts_s, refused in ((0.3, True), (2.0, False)):
+        held = HeldForce(1, IMAGE_M**2, PERIOD_S)
+        for at_s in (1.0, 4.0):
+            held.begin(at_s, 0.004)
+            assert held.active
+            held.end(at_s + lasts_s)
+        held.begin(7.0, 0.004)
+        assert held.active != refused
 
 
 def test_innovations_that_keep_their_sign_are_a_slow_pull_and_noise_is_none() -> None:
