@@ -224,8 +224,11 @@ def test_a_shift_that_images_have_told_is_not_given_up_for_a_noisy_rate() -> Non
 
 
 def test_an_unseen_instant_still_counts_in_the_innovations_variance() -> None:
+    """Of an image of which nothing else is unknown: its noise, and the rate's square, as known, by the instant's."""
     filters, at = bank()
-    filters.p[:, 0, 0] = filters.p[:, 1, 1] = 1e-12
+    filters.p[:] = 0.0
+    shift = filters.p[:, at.shift, at.shift] = filters._first[:, at.shift]
     seen = look(filters, 0.0, 0.05, 0.1**2)
-    shift = float(filters.p[0, at.shift, at.shift])
-    assert seen.variance[0] > (0.05**2 + 0.1**2) * shift
+    assert not seen.ph.any()
+    wanted = IMAGE_M2 + (0.05**2 + 0.1**2) * (shift + filters.jitter)
+    assert seen.variance == pytest.approx(wanted, rel=1e-6)

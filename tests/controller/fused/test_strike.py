@@ -112,22 +112,22 @@ def test_a_step_within_a_samples_noise_is_left_to_the_images() -> None:
 
 
 @pytest.mark.parametrize(
-    "before",
+    ("before", "told"),
     [
-        [2.0] * 21,  # an expectation that is off
-        [2.0] * 11 + [-2.0] * 10,  # a higher mode: its mean is zero, its halves are not
-        [],  # nothing is known of it
+        ([0.1] * 21, True),
+        ([2.0] * 21, False),  # an expectation that is off
+        ([2.0] * 11 + [-2.0] * 10, False),  # a higher mode: its mean is zero, its halves are not
+        ([], False),  # nothing is known of it
     ],
 )
-def test_a_sensor_that_was_not_still_before_shows_no_step(before: list[float]) -> None:
-    """Watched from the alarm on, which the samples before it do not raise by themselves."""
+def test_only_a_sensor_that_was_still_before_shows_a_step(before: list[float], told: bool) -> None:
+    """Watched from the step on: what was before it has raised no alarm by itself."""
     meter = StrikeMeter(W, CYCLE_S)
-    found: list[Any] = []
     first = 100
-    for back, value in enumerate(before):
-        meter._recent.append((first - len(before) + back, value))
-    found = [meter.see(first + k, 3.0, NOISE) for k in range(60)]
-    assert [one for one in found if one is not None] == []
+    meter._recent.extend((first - len(before) + k, value) for k, value in enumerate(before))
+    meter._up_since = first
+    found = [meter.see(first + k, 3.0, NOISE) for k in range(40)]
+    assert [one for one in found if one is not None] == ([Step(first, -3.0)] if told else [])
 
 
 def test_what_dies_away_or_grows_while_it_is_watched_is_no_step() -> None:
