@@ -207,6 +207,30 @@ def test_damping_begins_on_a_prediction_that_is_sure(estimate: Estimate, begins:
     assert run(doubtful, 3.0) is DampingStatus.ACTIVE
 
 
+@given(
+    held=st.floats(-0.05, 0.05),
+    deflection=st.floats(-0.003, 0.003),
+    rate=st.floats(-0.05, 0.05),
+    law=st.sampled_from(("velocity", "composite")),
+)
+def test_what_a_force_holds_is_not_damped(held: float, deflection: float, rate: float, law: str) -> None:
+    """The command is that for the vibration alone: an arm that is held aside at rest asks for nothing."""
+
+    def commanded(static_m: float) -> float:
+        delay = DelayEstimate(0.07, 0.001, Status.ESTIMATED)
+        estimate = Estimate(delay, deflection + static_m, rate, 1e-5, Status.ESTIMATED, static_m=static_m)
+        damping = JointDamping(model(), Damping(law=law), "model")
+        for k in range(300):
+            damping.see_sample(1.0 + k * 0.001)
+            velocity, status = damping.velocity_rad_s(estimate, 1.0 + k * 0.001, True, 0.0, 0.0)
+        assert status is DampingStatus.ACTIVE
+        return velocity
+
+    assert commanded(held) == pytest.approx(commanded(0.0), abs=1e-9)
+    if abs(deflection) > 0.001 and abs(rate) < 0.001:
+        assert abs(commanded(held)) > 1e-4
+
+
 def test_envelope_helper() -> None:
     """The judge itself: a known decay gives its own ratio back."""
     t = np.arange(0, 4, 0.001)

@@ -2,12 +2,23 @@
 
 from math import isnan, nan
 
-from common.recording.topics import FastSample, FrameSample
+import msgspec
+
+from common.configuration import default_configuration_path, load_configuration
+from common.model import Arm, Model
+from common.recording.topics import EstimateSample, FastSample, FrameSample
 from controller.cycle_input import CycleInput
 from controller.damping import DampingStatus
-from controller.estimate import DelayEstimate, Estimate, Status
-from controller.recorded import fast_sample, frame_sample, recorded_cycles, visual_sample
-from controller.step import CycleOutput
+from controller.estimate import DelayEstimate, Estimate, Status, Trust
+from controller.recorded import (
+    estimate_sample,
+    fast_sample,
+    frame_sample,
+    recorded_cycles,
+    visual_sample,
+)
+from controller.replay import RecordedRun, compare_with_live
+from controller.step import Controller, CycleOutput
 
 
 def frame(cycle: int, number: int, received_s: float | None = None) -> FrameSample:
@@ -64,3 +75,43 @@ def test_the_row_holds_what_the_step_read() -> None:
     assert (row.time_s, row.cycle, row.acceleration_m_s2) == (0.003, 3, 1.5)
     assert (row.joint_velocity_command_rad_s, row.joint_velocity_reference_rad_s) == (0.07, 0.05)
     assert (row.joint_position_rad, row.damping_allowed) == (0.1, True)
+
+
+def test_a_cycles_trust_is_recorded() -> None:
+    """Of a method that has none, by the status of its delay."""
+    unknown = DelayEstimate(0.07, 0.001, Status.UNESTIMATED)
+    for trust, recorded in ((Trust.DOUBTFUL, "doubtful"), (None, "starting")):
+        answered = CycleOutput(0.0, 0.0, DampingStatus.OFF, Estimate(unknown, trust=trust), 0.0)
+        row = msgspec.json.decode(msgspec.json.encode(estimate_sample(3, answered, 0.001)))
+        assert row["trust"] == recorded
+
+
+def recorded_run() -> RecordedRun:
+    """Fifty cycles as a controller recorded them."""
+    configuration, model = load_configuration(default_configuration_path()), Model(arm=Arm(length_m=2.0))
+    controller = Controller(model, configuration.controller, "model")
+    fast: list[FastSample] = []
+    estimates: list[EstimateSample] = []
+    for cycle in range(50):
+        read = CycleInput(cycle, 0.1, 0.0, 0.0, 0.0, 0.0, False, [])
+        answered = controller.step(read)
+        fast.append(fast_sample(read, answered, 0.001))
+        estimates.append(estimate_sample(cycle, answered, 0.001))
+    return RecordedRun("rec", configuration, model, fast, [], estimates)
+
+
+def test_a_recording_from_before_there_was_trust_replays_to_the_same_numbers() -> None:
+    """The field is read as empty there, and is not compared; another trust than was recorded is a difference."""
+    run = recorded_run()
+    assert compare_with_live(run).identical
+    assert {estimate.trust for estimate in run.estimates} == {"starting"}
+    row = msgspec.to_builtins(run.estimates[7])
+    del row["trust"]
+    run.estimates[7] = msgspec.convert(row, EstimateSample, strict=False)
+    assert run.estimates[7].trust == ""
+    comparison = compare_with_live(run)
+    assert comparison.identical, comparison.first_difference
+    run.estimates[7] = msgspec.structs.replace(run.estimates[7], trust="doubtful")
+    comparison = compare_with_live(run)
+    assert comparison.different == 1
+    assert comparison.first_difference is not None and "trust" in comparison.first_difference

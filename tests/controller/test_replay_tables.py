@@ -3,7 +3,7 @@
 import csv
 from pathlib import Path
 
-from controller.estimate import DelayEstimate, Estimate, Status
+from controller.estimate import DelayEstimate, Estimate, Status, Trust
 from controller.replay import LiveComparison, MethodRun
 from controller.replay_tables import replay_summary, write_tables
 
@@ -27,3 +27,39 @@ def test_columns_and_values(tmp_path: Path) -> None:
     summary = replay_summary("rec", [run], LiveComparison(cycles=2))
     assert summary["methods"]["correlation"]["frames_with_estimated_delay"] == 1
     assert summary["live"]["identical"] is True
+
+
+def test_trust_has_a_row_where_it_changes_and_none_between(tmp_path: Path) -> None:
+    """Of each method from its first cycle on, with the reason of the moment."""
+    known = DelayEstimate(0.07, 1e-3, Status.ESTIMATED)
+
+    def said(trust: Trust | None, reason: str = "") -> Estimate:
+        return Estimate(known, 0.1, status=Status.ESTIMATED, reason=reason, trust=trust)
+
+    course = [Trust.STARTING, Trust.STARTING, Trust.SETTLED, Trust.DOUBTFUL, Trust.DOUBTFUL, Trust.SETTLED]
+    fused = [said(trust, "far off, it seems" if trust is Trust.DOUBTFUL else "") for trust in course]
+    times = [0.001 * k for k in range(6)]
+    other = MethodRun("correlation", times, [said(None)] * 6, [])
+    write_tables([MethodRun("fused", times, fused, []), other], tmp_path)
+    with (tmp_path / "trust.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["time_s", "method", "trust", "reason"]
+    assert [(row["method"], row["trust"], float(row["time_s"])) for row in rows] == [
+        ("fused", "starting", 0.0),
+        ("fused", "settled", 0.002),
+        ("fused", "doubtful", 0.003),
+        ("fused", "settled", 0.005),
+        ("correlation", "settled", 0.0),
+    ]
+    assert rows[2]["reason"] == "far off, it seems"
+
+
+def test_a_method_that_does_not_check_itself_starts_until_its_delay_is_known() -> None:
+    for status, trust in (
+        (Status.UNESTIMATED, Trust.STARTING),
+        (Status.ESTIMATED, Trust.SETTLED),
+        (Status.HELD, Trust.SETTLED),
+    ):
+        assert Estimate(DelayEstimate(0.07, 0.001, status)).trusted is trust
+    known = DelayEstimate(0.07, 0.001, Status.ESTIMATED)
+    assert Estimate(known, trust=Trust.DOUBTFUL).trusted is Trust.DOUBTFUL

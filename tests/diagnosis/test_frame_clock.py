@@ -33,6 +33,7 @@ def test_a_counter_of_exposures_tells_of_every_loss() -> None:
 
 
 @pytest.mark.parametrize("lost", [[100], [100, 101, 102], [60, 200, 330]])
+@pytest.mark.slow
 def test_a_counter_of_arrivals_is_mended_by_the_arrivals(lost: list[int]) -> None:
     exposed = np.delete(np.arange(400), lost)
     counts = exposure_counts(frames(np.arange(len(exposed)), exposed), 1.0 / RATE)

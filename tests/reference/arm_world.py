@@ -69,11 +69,12 @@ class Arm:
         self.decay, self.lever = 2.0 * mode.damping_ratio * self.w, mode.participation * length
         self.rate = 2.0 * pi * model.drive.bandwidth_hz
         self.under_way = [0.0] * (round(model.drive.dead_time_s / self.h) + 1)
+        self.held = 0.0  # deflection by a force at the tip, in balance, m
         self.x: State = (0.0, 0.0, 0.0, 0.0)
 
     def slope(self, x: State, command: float) -> State:
         acceleration = self.rate * (command - x[1])
-        bend = -self.decay * x[3] - self.w * self.w * x[2] - self.lever * acceleration
+        bend = -self.decay * x[3] - self.w * self.w * (x[2] - self.held) - self.lever * acceleration
         return (x[1], acceleration, x[3], bend)
 
     def strike(self, amplitude_m: float) -> None:
@@ -147,11 +148,13 @@ def run_world(
     frequency_factor: float = 1.0,
     reference: Callable[[float], float] = lambda t: 0.0,
     damping: Callable[[float], bool] = lambda t: False,
+    held_m: Callable[[float], float] = lambda t: 0.0,
     change_input: Callable[[CycleInput], None] = lambda read: None,
 ) -> Trace:
     """Run the controller against the arm of `model` (first mode) for a while.
 
     strikes: time -> amplitude, m. delay(random, frames): capture delay of each frame, up to its arrival.
+    held_m(time): static deflection by a force at the tip, m.
     """
     random = np.random.default_rng(seed)
     frames = int(duration_s * model.camera.frame_rate_hz)
@@ -164,6 +167,7 @@ def run_world(
         t = cycle * model.timing.cycle_s
         while pending and pending[0][0] <= t:
             arm.strike(pending.pop(0)[1])
+        arm.held = held_m(t)
         acceleration = model.accelerometer.scale * arm.tip_acceleration()
         samples = images.read(
             t, started_before_mid_s, lambda: image_offset_px + image_noise_px * random.standard_normal()
