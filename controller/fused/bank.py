@@ -38,6 +38,7 @@ _VAGUE = 0.002  # of the squared rate
 _DOUBT_OF_LOST = 0.5  # of the amplitude: of filters found lost
 _LEAST_OF_LOST = 0.01  # of the variance at the start, likewise
 _UNKNOWN_LATE_S = 0.1
+_REDATED = 0.3  # of what dates were found to be off by: its doubt
 _UNTOLD = 0.25  # of a shift's first variance: what images have left of it
 _INSIGNIFICANT = (
     0.1  # of the squared rate: of less than three deviations, an image's rate is noise, and tells no instant
@@ -100,6 +101,7 @@ class FilterBank:
         self.edge_s = 0.0
         self._iw, self._minus_sigma = 1j * layout.w, -layout.sigma
         self._image_gain = layout.image_gain.astype(np.complex128)
+        self._w_modes = layout.w
         self._w, self._sigma = layout.w.tolist(), layout.sigma.tolist()
         self._per_acceleration = -1.0 / layout.w_first**2
 
@@ -167,19 +169,20 @@ class FilterBank:
         self.x += weight * aimed.residual[:, None]
         self.p -= weight[:, :, None] * ph[:, None, :]
 
-    def look_at_block(self, block: Block, one: int) -> tuple[float, float, float]:
-        """By filter `one`: the block's value without bias and joint, what it should be, and the latter's variance."""
+    def look_at_block(self, block: Block, one: int) -> tuple[float, float, float, float]:
+        """By filter `one`: the block's value without bias and joint, what it should be, what it would be a quarter of a
+        period later, and the variance of what it should be."""
         at = self._at
         x: list[float] = self.x[one].tolist()  # plain: of one filter these are too few for arrays
-        m, lag, seen = at.modes, block.time_s - self.edge_s, 0.0
+        m, lag, seen = at.modes, block.time_s - self.edge_s, 0j
         row: list[float] = []
         for i, turn in enumerate(block.turn):
             slow = complex(-self._sigma[i] - x[3 * m + i], x[2 * m + i])
             gain = (slow + 1j * self._w[i]) ** 2 * turn * self._per_acceleration
-            seen += (complex(x[2 * i], -x[2 * i + 1]) * gain * exp(slow * lag)).real
+            seen += complex(x[2 * i], -x[2 * i + 1]) * gain * exp(slow * lag)
             row += (gain.real, gain.imag)
         variance = quadratic_form(row, self.p[one, at.phasor, at.phasor].tolist())
-        return block.value - block.forced - x[at.bias], seen, variance
+        return block.value - block.forced - x[at.bias], seen.real, -seen.imag, variance
 
     def move_on(self, block: Block, noise: Array) -> None:
         """From the block's start to its end, adding `noise` (filters, n) to the covariances' diagonals."""
@@ -257,6 +260,22 @@ class FilterBank:
     def first_variance(self, one: int, index: int) -> float:
         """Variance of a state of filter `one` at the start."""
         return float(self._first[one, index])
+
+    def redate(self, later_s: float) -> None:
+        """All frames were exposed later_s later than all filters believe, give or take _REDATED of that: so was what
+        they show of the vibration."""
+        at, doubt = self._at, (_REDATED * later_s) ** 2
+        z = self.phasors()
+        turned = z * np.exp(-1j * self._w_modes * later_s)
+        self.x[:, at.cosine], self.x[:, at.sine] = turned.real, -turned.imag
+        self.x[:, at.shift] += later_s
+        self.x[:, at.late] -= later_s
+        self.p[:, at.shift, at.shift] += doubt
+        self.p[:, at.late, at.late] += doubt
+        self.p[:, at.shift, at.late] -= doubt
+        self.p[:, at.late, at.shift] -= doubt
+        phasor = np.sum(np.abs(z) ** 2 * self._w_modes**2, axis=1) * doubt
+        self.p[:, self._diagonal[at.phasor], self._diagonal[at.phasor]] += phasor[:, None]
 
     def begin_late(self, one: int, late_s: float) -> None:
         """Filter `one`: the mean delay is unknown; arrivals are late_s later than their nominal instants say."""

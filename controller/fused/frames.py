@@ -26,6 +26,7 @@ from controller.fused.bank import (
 from controller.fused.blocks import Block, Jump
 from controller.fused.blow import BlowReport
 from controller.fused.consistency import Consistency
+from controller.fused.date_watch import DateWatch
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
 from controller.fused.held_force import HeldForce, SlowPull
@@ -169,6 +170,7 @@ class FrameFusion:
         self._sampled_variance = (_SAMPLED_CYCLES * model.timing.cycle_s) ** 2
         self.held_force = HeldForce(at.modes, self._noise_m2, at.period_s)
         self.consistency = Consistency()
+        self._date_watch = DateWatch()
         self._surprise = 1.0  # normalised innovation squared of the image looked at last
         self._slow_pull = SlowPull(0.5 * at.period_s / self._frame_s)
         self.delay_s = model.timing.capture_delay_s
@@ -209,10 +211,11 @@ class FrameFusion:
         self._unused_blocks += 1
         if block.count:
             best = self.evidence.best
-            value, expected, variance = bank.look_at_block(block, best)
+            value, expected, quadrature, variance = bank.look_at_block(block, best)
             total = variance + block.variance
             health = self.health
             drifted = health.compare(value, expected, total)
+            self._date_watch.see(value, expected, quadrature, total)
             if drifted:
                 bank.loosen_bias(drifted)
             if not health.mute:  # what contradicts the images counts less (Huber)
@@ -294,6 +297,7 @@ class FrameFusion:
     def _forget_wrong_dates(self) -> None:
         """What a wrong clock has taught of the accelerometer is wrong, too."""
         self.health.begin_comparison()
+        self._date_watch.restart()
         self._scale_watch.restart()
         self._images = self._outliers = self._votes = 0
         self._as_calibrated = True
@@ -430,6 +434,13 @@ class FrameFusion:
         skew = float(bank.x[best, at.skew]) if clocked else 0.0
         skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
         lost = self.consistency.see(received_s, self._surprise, skew, skew_std, self.delay_s)
+        lag_rad = self._date_watch.lag_rad
+        if lag_rad and not self.force.intensity:
+            bank.redate(-lag_rad / self._at.w_first)
+            self._forget_wrong_dates()
+            self._images = max(self._images, 1)
+            self.consistency.begin(received_s)
+            return True
         if not lost or self.force.intensity or self.held_force.active:  # what shakes the arm is no wrong date
             return False
         phasors = bank.x[best].copy()
@@ -439,6 +450,11 @@ class FrameFusion:
         self._images = 1  # the image's zero is known
         self.consistency.begin(received_s)
         return True
+
+    @property
+    def suspected_rad(self) -> float:
+        """By what phase of the vibration the frames' dates may be off, by what the accelerometer shows; 0 for none."""
+        return self._date_watch.suspected_rad
 
     @property
     def scale_drifts(self) -> bool:

@@ -3,7 +3,7 @@
 from cmath import exp
 from collections import deque
 from enum import Enum
-from math import inf, isfinite, pi, sqrt
+from math import hypot, inf, isfinite, pi, sqrt
 
 from common.configuration import Fused
 from common.model import Model, length_of
@@ -472,8 +472,12 @@ class FusedMethod:
             delay = DelayEstimate(self.frames.delay_s, self.frames.delay_std_s, Status.INVALID)
             return Estimate(delay, status=Status.INVALID, reason=self.reason)
         frames = self.frames
-        delay_std_s = frames.delay_std_s * consistency.factor
         amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))
+        delay_std_s = frames.delay_std_s * consistency.factor
+        suspected = abs(frames.suspected_rad)
+        if suspected:  # by so much all of it may be off
+            std = hypot(std, suspected * amplitude)
+            delay_std_s = hypot(delay_std_s, suspected / self._at.w_first)
         status = Status.ESTIMATED
         self.reason = self.health.reason or (_SCALE_DRIFTS if frames.scale_drifts else "")
         known = delay_std_s <= self._settings.known_within_s
@@ -496,7 +500,7 @@ class FusedMethod:
             self._dated.clear()
         of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
         trust = Trust.SETTLED if self._known else Trust.STARTING
-        if consistency.doubtful:
+        if consistency.doubtful or suspected:
             trust, self.reason = Trust.DOUBTFUL, self.reason or _DOUBTFUL
         static_m = self._present.force
         return Estimate(

@@ -135,17 +135,10 @@ def test_dates_that_have_gone_wrong_are_told_of(shift_s: float, seed: int) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True, reason="wrong dates mute the accelerometer, and images alone are then consistent with them"
-)
-def test_dates_that_have_gone_wrong_are_found_again_or_stay_doubted() -> None:
-    """Three seconds later the error is small, or said to be large, or the estimate is still doubted."""
-    wrong = []
-    for seed in (1, 2, 3):
-        trial, said = led_astray(0.05, seed)
-        small = float(np.mean(np.abs(trial.error[8000:]))) < 0.05
-        told = float(np.mean(trial.ratio[8000:] ** 2)) < 5.0
-        doubted = sum(one.trusted is Trust.DOUBTFUL for one in said[8000:]) > 500
-        if not (small or told or doubted):
-            wrong.append(seed)
-    assert wrong == []
+@pytest.mark.parametrize("shift_s", [-0.05, 0.02, 0.05, 0.1])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_dates_that_have_gone_wrong_are_found_again(shift_s: float, seed: int) -> None:
+    """The accelerometer shows the phase by which they are off: two seconds later the error is small."""
+    trial, said = led_astray(shift_s, seed)
+    assert float(np.mean(np.abs(trial.error[7500:]))) < 0.04
+    assert sum(one.trusted is Trust.DOUBTFUL for one in said[8000:]) == 0
