@@ -298,12 +298,56 @@ class FilterBank:
         self.p[:, ahead, :] = self.p[:, :, ahead] = 0.0
         self.p[:, ahead, ahead] = variance
 
+    def fast_rates(self) -> ComplexArray:
+        """Complex rate of each mode by each filter, slow + i w, 1/s, (filters, m)."""
+        return self._rates() + self._iw
+
+    def turned_to(self, times_s: Array) -> ComplexArray:
+        """By what a phasor at edge_s is to be multiplied for what images show of it at times_s (filters, k): shape
+        (filters, k, m)."""
+        lag = (times_s - self.edge_s)[:, :, None]
+        turned: ComplexArray = (
+            np.exp(self.fast_rates()[:, None, :] * lag + self._iw * self.edge_s) * self._image_gain
+        )
+        return turned
+
+    def start_vibration(self, found: Array, covariance: Array, by_state: Array) -> None:
+        """Take the vibration from a fit to images alone (fresh_fit.Fresh), and the force, where one was fitted, or
+        else none. All other states stay, and what is uncertain of them is uncertain of the fit."""
+        at, parts = self._at, found.shape[1]
+        chosen = [*range(2 * at.modes), at.force][:parts]
+        rest = [i for i in range(at.size) if i >= 2 * at.modes and i != at.force]
+        for i in (*range(2 * at.modes), at.force):
+            self.p[:, i, :] = self.p[:, :, i] = 0.0
+            self.x[:, i] = 0.0
+        self.x[:, chosen] = found
+        moved = by_state[:, :, rest]
+        cross = moved @ self.p[:, rest][:, :, rest]
+        own = covariance + cross @ moved.transpose(0, 2, 1)
+        for place, i in enumerate(chosen):
+            self.p[:, i, rest] = self.p[:, rest, i] = cross[:, place]
+            self.p[:, i, chosen] = own[:, place]
+        if parts > 2 * at.modes:  # the disturbed filters have none
+            f = at.force
+            self.x[DISTURBED, f] = 0.0
+            self.p[DISTURBED, f, :] = self.p[DISTURBED, :, f] = 0.0
+
+    def restore(self, x: Array, p: Array, grown: Array) -> None:
+        """All but the vibration and the force as they were: x (filters, n), p (filters, n, n), and by how much their
+        variances have grown since, (filters, n)."""
+        at = self._at
+        rest = np.array([i for i in range(2 * at.modes, at.size) if i != at.force])
+        self.x[:, rest] = x[:, rest]
+        self.p[:] = 0.0
+        self.p[:, rest[:, None], rest] = p[:, rest[:, None], rest]
+        self.p[:, rest, rest] += grown[:, rest]
+        self._all_moved()
+
     def vibration_at(self, times_s: Array, step: ComplexArray) -> Vibration:
         """What each filter expects of the arm at times_s (filters,). step: joint's phasor increments since edge_s,
         (filters, m).
         """
-        z, slow = self.phasors(), self._rates()
-        fast = slow + self._iw
+        z, fast = self.phasors(), self.fast_rates()
         lag = (times_s - self.edge_s)[:, None]
         turn = np.exp(fast * lag.astype(np.complex128) + self._iw * self.edge_s) * self._image_gain
         own = z * turn

@@ -29,6 +29,11 @@ class Consistency:
         """Nothing seen."""
         self.begin(float("-inf"))
 
+    @property
+    def calm(self) -> bool:
+        """Whether innovations have been as large as stated for a while."""
+        return not self.doubtful and self._mean < _SETTLED
+
     def begin(self, time_s: float) -> None:
         """The filters begin anew."""
         self._mean = 1.0

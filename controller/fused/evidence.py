@@ -89,6 +89,18 @@ class Evidence:
     def _expect_level(self) -> None:
         self._level[LAWS:] = log(self._disturbed / (1.0 - self._disturbed))
 
+    @property
+    def log_weights(self) -> Array:
+        """Logarithms of the filters' probabilities by the last images, (filters,)."""
+        return self._prior + self._level + self._log
+
+    def restore(self, log_weights: Array) -> None:
+        """The filters are as they were when these were their probabilities."""
+        self._log = np.maximum(log_weights - self._prior - self._level, _LOWEST)
+        self._log -= largest(self._log)
+        self._refuted_for[:] = 0.0
+        self._normalise()
+
     def admit_stamps(self, bank: FilterBank, dating: Dating) -> None:
         """The camera stamps its frames: from now on that law counts, starting from what the best one knows."""
         self.stamps_admitted = True

@@ -34,7 +34,8 @@ class FrameDates:
 
     lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s.
     shift_noise: growth of the variance of each filter's shift, s^2/s, (filters,). period_found: whether the frames'
-    period was found to be another than the stated one; it is known to some parts in a thousand then.
+    period was found to be another than the stated one; it is known to some parts in a thousand then. changes: how often
+    what frames are counted from, or a law's clock, has changed.
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class FrameDates:
         self._between = ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s)
         self._strange = 0
         self.lead_walk = 0.0
+        self.changes = 0
         self.period_found = False
         self._arrived: tuple[VisualSample, float] | None = None
         self._begun: Array | None = None  # n_i plus a frame less each law's nominal instant, (laws,), s
@@ -107,6 +109,7 @@ class FrameDates:
                 self._restart_watch(law)
         if dating.stamped and not self._evidence.stamps_admitted:
             self._evidence.admit_stamps(bank, dating)
+            self.changes += 1
             self._spread[Law.STAMPS].restart()
             self._started[Law.STAMPS].restart()
         self._arrived = sample, received_s
@@ -169,6 +172,7 @@ class FrameDates:
 
     def _restart_watch(self, law: Law) -> None:
         """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
+        self.changes += 1
         self._spread[law].restart()
         self._started[law].restart()
         self._floors[law].restart()
@@ -201,6 +205,7 @@ class FrameDates:
 
     def begin_anew(self, received_s: float) -> None:
         """Forget all that was learnt by wrong dates."""
+        self.changes += 1
         self._bank.begin()
         self.dating.nominal[:] = received_s - self._model_delay_s
         self._evidence.begin()

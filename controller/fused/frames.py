@@ -29,12 +29,14 @@ from controller.fused.consistency import Consistency
 from controller.fused.date_watch import DateWatch
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
+from controller.fused.fresh_fit import Fresh, HeldImages, fresh_fit
 from controller.fused.held_force import HeldForce, SlowPull
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_force import LearntForce
 from controller.fused.learnt_walks import LearntWalks
 from controller.fused.reductions import largest
+from controller.fused.remembered import Remembered
 from controller.fused.scale_watch import ScaleWatch
 from controller.fused.sensor_health import AccelerometerHealth
 from controller.fused.stated_scale import stated_scale, with_stated_scale
@@ -57,6 +59,14 @@ _SAMPLED_CYCLES = (
     0.4  # standard deviation: a sensor that runs by itself was sampled some time within the last cycle
 )
 _UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
+_LARGEST_SURPRISE, _RECENT_IMAGES, _INCONSISTENT = 30.0, 6.0, 3.0
+_ASTRAY_PERIODS = 3.0
+_FRESH_PERIODS = (0.6, 1.2)  # of the images that a fresh fit takes
+_AGAIN_PERIODS = 0.5
+_FORCED_PERIODS = 1.0  # at least, to tell a constant force from the vibration about it
+_SHAKEN = 0.1  # of the amplitude, in a period
+_GOOD_MISFIT = 1.5
+_GOOD_SHARE = 0.05  # of the amplitude, its deviation
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
 _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
@@ -93,11 +103,12 @@ class Look(NamedTuple):
 
 class Joint(NamedTuple):
     """What the joint did by an image's instants: how far it alone moved the tip, m, at what rate, m/s, both (filters,);
-    and the modes' phasor increments since the bank's instant, (filters, m). rate_variance: of rate, by the encoder's
-    noise, m^2/s^2."""
+    and the modes' phasor increments since the bank's instant, (filters, m). tip_variance, rate_variance: of both, by the
+    encoder's noise, m^2 and m^2/s^2."""
 
     tip: Array
     rate: Array
+    tip_variance: float
     rate_variance: float
     step: ComplexArray
 
@@ -172,6 +183,14 @@ class FrameFusion:
         self.consistency = Consistency()
         self._date_watch = DateWatch()
         self._surprise = 1.0  # normalised innovation squared of the image looked at last
+        self._held_images = HeldImages(self._frame_s)
+        self._remembered = Remembered()
+        self._dates_changes = 0
+        self._slow_states = [*range(2 * at.modes, 4 * at.modes), at.scale]
+        self._model = model
+        self._joint_input: JointInput | None = None
+        self._recent_surprise = 1.0
+        self._astray_until_s = self._fresh_s = float("-inf")
         self._slow_pull = SlowPull(0.5 * at.period_s / self._frame_s)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
@@ -258,13 +277,18 @@ class FrameFusion:
         noise: Array = self._phasor_share * self.amplitude_m**2 + _UNSEEN * self._noise_m2
         return noise
 
+    @property
+    def _shaken(self) -> bool:
+        """Whether a steady random force moves the vibration by much within a period."""
+        return self.force.intensity * self._at.period_s > (_SHAKEN * self.amplitude_m) ** 2
+
     def _begin_force(self, time_s: float, size_m: float) -> bool:
         """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
         the time, nor before the image's zero is known, from which a force deflects the tip."""
         held, c = self.held_force, self._at.offset
         if not held.active:
             zero_variance = float(self.bank.p[self.evidence.best, c, c])
-            if self.force.intensity or zero_variance > _ZERO_KNOWN * self._noise_m2:
+            if self._shaken or zero_variance > _ZERO_KNOWN * self._noise_m2:
                 return False
             self.bank.give_force(self._slow_pull.followed_m())
         held.begin(time_s, size_m)
@@ -298,6 +322,8 @@ class FrameFusion:
         """What a wrong clock has taught of the accelerometer is wrong, too."""
         self.health.begin_comparison()
         self._date_watch.restart()
+        self._remembered.forget()
+        self._held_images.forget()
         self._scale_watch.restart()
         self._images = self._outliers = self._votes = 0
         self._as_calibrated = True
@@ -324,7 +350,10 @@ class FrameFusion:
         self._go_blind(received_s)
         times = self.dates.instants_s + bank.x[:, at.shift]
         image = Look(value, noise, joint_input)
-        self._aimed = Aimed(image, times, received_s, self._joint(image, times))
+        joint = self._joint(image, times)
+        self._joint_input = joint_input
+        self._held_images.add(self.dates.dating.nominal, value, noise + joint.tip_variance)
+        self._aimed = Aimed(image, times, received_s, joint)
 
     def foresee(self) -> None:
         """The vibration that each filter expects of the image aimed at."""
@@ -362,7 +391,7 @@ class FrameFusion:
         c = self._at.offset
         zero_m, variance = float(self.bank.x[best, c]), float(self.bank.p[best, c, c])
         pulled = self._slow_pull.see(float(seen.residual[best]) / std, zero_m, variance)
-        if pulled and not self.force.intensity:
+        if pulled and not self._shaken:
             self._slow_pull.restart()
             if self._begin_force(time_s, 2.0 * std):
                 none = (0.0,) * self._at.modes
@@ -426,7 +455,96 @@ class FrameFusion:
             law = self.evidence.best % LAWS
             self.dates.learn_wander(law)
             self._walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
-        return self._check(received_s)
+        return self._check(received_s) or self._start_fresh(received_s)
+
+    def _start_fresh(self, received_s: float) -> bool:
+        """Where the filters may have been led astray, start the vibration from the last images alone, if a free
+        vibration, or one about a constant force, explains them."""
+        held, best = self.held_force, self.evidence.best
+        if self.dates.changes != self._dates_changes:
+            self._dates_changes = self.dates.changes
+            self._remembered.forget()
+            self._held_images.forget()
+        self._recent_surprise += (
+            min(self._surprise, _LARGEST_SURPRISE) - self._recent_surprise
+        ) / _RECENT_IMAGES
+        inconsistent = self._recent_surprise > _INCONSISTENT
+        astray = held.active or inconsistent or self.blow or self._outliers > 0
+        if astray:
+            self._astray_until_s = received_s + _ASTRAY_PERIODS * self._at.period_s
+            self._remembered.trouble()
+        elif self.consistency.calm and received_s > self._astray_until_s and best < LAWS:
+            self._remembered.calm(received_s, self.bank.x, self.bank.p, self.evidence.log_weights)
+        if received_s < self._fresh_s:
+            return False
+        differs = self._remembered.differs(self.bank.x[best], self._slow_states)
+        if received_s > self._astray_until_s and not differs:
+            return False
+        for periods in _FRESH_PERIODS:
+            if (differs or held.active) and self._begin_as_remembered(received_s, periods):
+                return True
+            free = self._fit(periods, received_s, force=False)
+            if free is None:
+                return False
+            if self._good(free) and (held.active or inconsistent):
+                return self._begin_with(free, received_s, periods)
+            if held.active and (inconsistent or held.moves) and periods >= _FORCED_PERIODS:
+                forced = self._fit(periods, received_s, force=True)
+                if forced is not None and self._good(forced):
+                    return self._begin_with(forced, received_s, periods)
+        return False
+
+    def _begin_as_remembered(self, received_s: float, periods: float) -> bool:
+        """If what was known when all was well explains the last images, nothing of it has changed."""
+        known, bank = self._remembered.known, self.bank
+        if known is None or periods < _FORCED_PERIODS:
+            return False
+        before = bank.x.copy(), bank.p.copy()
+        since_s = received_s - known.time_s
+        grown = self._state_noise * since_s
+        grown[:, self._at.shift] += np.minimum(
+            self.dates.shift_noise * since_s, start.spread_s(self._model) ** 2
+        )
+        bank.restore(known.x, known.p, grown)
+        free = self._fit(periods, received_s, force=False)
+        if free is None or not self._good(free):
+            bank.x, bank.p = before
+            self._fresh_s = received_s + _AGAIN_PERIODS * self._at.period_s
+            return False
+        self.evidence.restore(known.log_weights)
+        return self._begin_with(free, received_s, periods)
+
+    def _fit(self, periods: float, now_s: float, *, force: bool) -> Fresh | None:
+        law = self.evidence.best % LAWS
+        window = self._held_images.newest(periods * self._at.period_s, law, now_s)
+        if window is None or self._joint_input is None:
+            return None
+        return fresh_fit(window, self.bank, self._at, self._joint_input, self.amplitude_m, force=force)
+
+    def _good(self, fresh: Fresh) -> bool:
+        """Whether images are explained to their noise, and tell the vibration well."""
+        best, m = self.evidence.best, self._at.modes
+        found, covariance = fresh.found[best], fresh.covariance[best]
+        if fresh.misfit[best] > _GOOD_MISFIT + 3.0 * sqrt(2.0 / fresh.freedom):
+            return False
+        power = float(found[: 2 * m] @ found[: 2 * m])
+        return float(np.trace(covariance[: 2 * m, : 2 * m])) < max(_GOOD_SHARE**2 * power, self._noise_m2)
+
+    def _begin_with(self, fresh: Fresh, now_s: float, periods: float) -> bool:
+        bank, held, m = self.bank, self.held_force, self._at.modes
+        bank.start_vibration(fresh.found, fresh.covariance, fresh.by_state)
+        if fresh.found.shape[1] > 2 * m:
+            held.rests(float(fresh.found[self.evidence.best, -1]), now_s)
+        elif held.active:
+            held.end(now_s)
+        self.force.restart()  # images show none
+        self.health.begin_comparison()
+        self._date_watch.restart()
+        self._slow_pull.restart()
+        self._outliers = self._votes = 0
+        self._recent_surprise = 1.0
+        self._fresh_s = now_s + periods * self._at.period_s
+        return True
 
     def _check(self, received_s: float) -> bool:
         bank, at, best = self.bank, self._at, self.evidence.best
@@ -435,13 +553,13 @@ class FrameFusion:
         skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
         lost = self.consistency.see(received_s, self._surprise, skew, skew_std, self.delay_s)
         lag_rad = self._date_watch.lag_rad
-        if lag_rad and not self.force.intensity:
+        if lag_rad and not self._shaken:
             bank.redate(-lag_rad / self._at.w_first)
             self._forget_wrong_dates()
             self._images = max(self._images, 1)
             self.consistency.begin(received_s)
             return True
-        if not lost or self.force.intensity or self.held_force.active:  # what shakes the arm is no wrong date
+        if not lost or self._shaken or self.held_force.active:  # what shakes the arm is no wrong date
             return False
         phasors = bank.x[best].copy()
         self.dates.begin_anew(received_s)
@@ -547,13 +665,19 @@ class FrameFusion:
 
     def _seen(self, image: Look, vibration: Vibration, joint: Joint) -> Seen:
         return self.bank.look(
-            image.value_m, vibration, joint.tip, joint.rate, joint.rate_variance, image.noise
+            image.value_m,
+            vibration,
+            joint.tip,
+            joint.rate,
+            joint.rate_variance,
+            image.noise + joint.tip_variance,
         )
 
     def _joint(self, image: Look, times: Array) -> Joint:
         lever = self._at.lever
         theta, rate, step = image.joint_input.seen_from(self.bank.edge_s, times)
-        return Joint(theta * lever, rate * lever, lever * lever * image.joint_input.rate_variance, step)
+        of_tip, of_rate = image.joint_input.position_variance, image.joint_input.rate_variance
+        return Joint(theta * lever, rate * lever, lever * lever * of_tip, lever * lever * of_rate, step)
 
     def _joint_still(self, image: Look, times: Array) -> bool:
         best = self.evidence.best

@@ -116,6 +116,15 @@ class HeldForce:
         self.walk = max(self.walk, self._rest)
         self._past.clear()
 
+    def rests(self, value_m: float, time_s: float) -> None:
+        """Images of a whole period show a force of value_m that does not change."""
+        self.active = True
+        self.walk = self._rest
+        self._expected = max(self._expected, value_m * value_m)
+        self._past.clear()
+        self._reversals.clear()
+        self._none_since_s = time_s
+
     def during(self, start_s: float, end_s: float, share: float = 1.0) -> Jump | None:
         """What the force may have done between two times. share: probability that there is one."""
         if not self.active or share <= 0.0:

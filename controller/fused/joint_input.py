@@ -7,12 +7,16 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from controller.fused.resting_joint import RestingJoint
+
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _HELD = 1024  # cycles
 _SLOPE_S = 0.002  # the joint's rate is taken over twice this
 _NOISE_CYCLES = 500.0  # memory of the encoder's noise
+_BETWEEN_SAMPLES = 2.0 / 3.0
+_LATELY_S = 0.5  # images of so long ago may still come
 _OF_THIRD_DIFFERENCE = 20.0  # variance of the third difference of white noise, by its own: 1 + 9 + 9 + 1
 
 
@@ -33,8 +37,10 @@ class JointInput:
         self._position, self._rate = self._held.real[:, -1], self._held.imag[:, -1]
         self._reach = max(1, round(_SLOPE_S / cycle_s))
         self._recent: deque[float] = deque(maxlen=2 * self._reach + 1)
+        self._joint = RestingJoint()
+        self._moved_cycle = 0  # when the joint moved last
         self._per_s = 0.5 / (self._reach * cycle_s)
-        self._noise = 0.0
+        self._noise = self._noise_count = 0.0
         self._cycle: int | None = None
         self.sum = [0j] * len(w)
         self.increment = [0j] * len(w)
@@ -58,6 +64,7 @@ class JointInput:
             position[here % _HELD] = position_rad
             rates[here % _HELD] = rate  # for want of what comes after it
             rates[(here - self._reach) % _HELD] = rate
+            self._see_rest(here, position_rad)
         for i, one in enumerate(turn):
             step = self._gain[i] * mean_acceleration_rad_s2 * one.conjugate() * self._half_back[i]
             for back in range(skipped, 0, -1):  # cycles that never came: the same load at their own phase
@@ -67,18 +74,53 @@ class JointInput:
             self.increment[i] = step
             self._held[cycle % _HELD, i] = self.sum[i]
 
+    def _see_rest(self, cycle: int, position_rad: float) -> None:
+        """A joint at rest stands where it is held; what it did while that was being noticed is written anew."""
+        joint = self._joint
+        changed = joint.see(position_rad, self._noise)
+        if not joint.resting:
+            self._moved_cycle = cycle
+        if changed:
+            self._rewrite(cycle)
+        elif joint.resting:
+            self._position[cycle % _HELD] = joint.held_rad
+            for back in (0, self._reach):
+                self._rate[(cycle - back) % _HELD] = 0.0
+
+    def _rewrite(self, cycle: int) -> None:
+        joint, recent = self._joint, list(self._joint.recent)
+        places = np.arange(cycle - len(recent) + 1, cycle + 1) % _HELD
+        if joint.resting:
+            self._position[places], self._rate[places] = joint.held_rad, 0.0
+            return
+        self._position[places] = recent
+        reach = self._reach
+        rates = (np.array(recent[2 * reach :]) - np.array(recent[: -2 * reach])) * self._per_s
+        self._rate[places[reach:-reach]] = rates
+
     def _learn_noise(self) -> None:
         """The encoder's noise, from third differences: a drive's own motion has next to none over a few cycles."""
         if len(self._recent) < 4:
             return
         a, b, c, d = self._recent[-4], self._recent[-3], self._recent[-2], self._recent[-1]
         third = d - a + 3.0 * (b - c)
-        self._noise += (third * third / _OF_THIRD_DIFFERENCE - self._noise) / _NOISE_CYCLES
+        self._noise_count = min(self._noise_count + 1.0, _NOISE_CYCLES)
+        self._noise += (third * third / _OF_THIRD_DIFFERENCE - self._noise) / self._noise_count
+
+    @property
+    def position_variance(self) -> float:
+        """Variance of theta by the encoder's noise, rad^2, of a joint that has lately moved: between two samples its mean
+        is two thirds of a sample's."""
+        return _BETWEEN_SAMPLES * self._noise if self._moved_lately else 0.0
 
     @property
     def rate_variance(self) -> float:
-        """Variance of theta' by the encoder's noise, rad^2/s^2."""
-        return 2.0 * self._noise * self._per_s * self._per_s
+        """Variance of theta' by the encoder's noise, rad^2/s^2, likewise."""
+        return 2.0 * self._noise * self._per_s * self._per_s if self._moved_lately else 0.0
+
+    @property
+    def _moved_lately(self) -> bool:
+        return self._cycle is not None and self._cycle - self._moved_cycle < _LATELY_S / self._cycle_s
 
     def add(self, time_s: float, increment: list[complex]) -> None:
         """A strike at time_s, within the last second, has moved the phasors by `increment`."""

@@ -37,8 +37,12 @@ class LearntForce:
         self._unmoved = (0.0,) * len(w)
         self._image_m2 = image_m2
         self._least, self._most = log(_FLOOR), log(_MOST)
-        self._log = self._least
         self._images = 0
+        self.restart()
+
+    def restart(self) -> None:
+        """There is none, as far as is known."""
+        self._log = self._least
         self.intensity = 0.0
 
     def see(self, surprise: float) -> None:
