@@ -1,8 +1,16 @@
 """What each sensor says of the arm's deflection, once the joint's own motion is taken off it."""
 
+from math import sin
+
 from common.beam import tip_slopes_per_m
-from common.model import Model
+from common.model import Camera, Mode, Model
 from controller.joint_motion import JointMotion
+
+
+def shown_of(mode: Mode, camera: Camera) -> float:
+    """What an image shows of a vibration: its mean over the exposure T, sin(w T / 2) / (w T / 2) of it in mid-exposure."""
+    half_rad = 0.5 * mode.angular_frequency * camera.exposure_s
+    return sin(half_rad) / half_rad if half_rad else 1.0
 
 
 class SensorDeflection:
@@ -13,7 +21,8 @@ class SensorDeflection:
         w = model.arm.modes[0].angular_frequency
         slope = tip_slopes_per_m(length_m, 1)[0]
         camera, accelerometer = model.camera, model.accelerometer
-        self._per_px = -1.0 / (camera.scale_px_per_m + camera.rotation_px_per_rad * slope)
+        shown = shown_of(model.arm.modes[0], camera)
+        self._per_px = -1.0 / (camera.scale_px_per_m + camera.rotation_px_per_rad * slope) / shown
         self._px_per_rad = camera.scale_px_per_m * length_m + camera.rotation_px_per_rad
         self._per_acceleration = -1.0 / (w * w)
         self._scale = accelerometer.scale

@@ -84,6 +84,7 @@ def assumed_model(regime: Regime, noise: float, arm: Arm | None = None) -> Model
         ),
         camera=Camera(
             mode="triggered" if regime.triggered else "freerun",
+            exposure_s=0.0,  # an image of this world shows an instant
             scale_px_per_m=SCALE_PX_PER_M,
             noise_std_px=arm.vision_noise * arm.amplitude_m * SCALE_PX_PER_M,
         ),

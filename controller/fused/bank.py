@@ -263,19 +263,18 @@ class FilterBank:
 
     def redate(self, later_s: float) -> None:
         """All frames were exposed later_s later than all filters believe, give or take _REDATED of that: so was what
-        they show of the vibration."""
-        at, doubt = self._at, (_REDATED * later_s) ** 2
+        they show of the vibration. Images tell nothing of it, phase and date go together."""
+        at = self._at
         z = self.phasors()
         turned = z * np.exp(-1j * self._w_modes * later_s)
         self.x[:, at.cosine], self.x[:, at.sine] = turned.real, -turned.imag
         self.x[:, at.shift] += later_s
         self.x[:, at.late] -= later_s
-        self.p[:, at.shift, at.shift] += doubt
-        self.p[:, at.late, at.late] += doubt
-        self.p[:, at.shift, at.late] -= doubt
-        self.p[:, at.late, at.shift] -= doubt
-        phasor = np.sum(np.abs(z) ** 2 * self._w_modes**2, axis=1) * doubt
-        self.p[:, self._diagonal[at.phasor], self._diagonal[at.phasor]] += phasor[:, None]
+        by_date = -1j * self._w_modes * turned
+        direction = np.zeros(self.x.shape)
+        direction[:, at.cosine], direction[:, at.sine] = by_date.real, -by_date.imag
+        direction[:, at.shift], direction[:, at.late] = 1.0, -1.0
+        self.p += (_REDATED * later_s) ** 2 * direction[:, :, None] * direction[:, None, :]
 
     def begin_late(self, one: int, late_s: float) -> None:
         """Filter `one`: the mean delay is unknown; arrivals are late_s later than their nominal instants say."""
@@ -311,26 +310,28 @@ class FilterBank:
         )
         return turned
 
-    def start_vibration(self, found: Array, covariance: Array, by_state: Array) -> None:
-        """Take the vibration from a fit to images alone (fresh_fit.Fresh), and the force, where one was fitted, or
-        else none. All other states stay, and what is uncertain of them is uncertain of the fit."""
-        at, parts = self._at, found.shape[1]
-        chosen = [*range(2 * at.modes), at.force][:parts]
-        rest = [i for i in range(at.size) if i >= 2 * at.modes and i != at.force]
-        for i in (*range(2 * at.modes), at.force):
-            self.p[:, i, :] = self.p[:, :, i] = 0.0
-            self.x[:, i] = 0.0
-        self.x[:, chosen] = found
-        moved = by_state[:, :, rest]
-        cross = moved @ self.p[:, rest][:, :, rest]
-        own = covariance + cross @ moved.transpose(0, 2, 1)
-        for place, i in enumerate(chosen):
-            self.p[:, i, rest] = self.p[:, rest, i] = cross[:, place]
-            self.p[:, i, chosen] = own[:, place]
-        if parts > 2 * at.modes:  # the disturbed filters have none
-            f = at.force
-            self.x[DISTURBED, f] = 0.0
-            self.p[DISTURBED, f, :] = self.p[DISTURBED, :, f] = 0.0
+    def start_vibration(self, states: list[int], mean: Array, covariance: Array, parts: int) -> None:
+        """Take the vibration from a fit to images alone (fresh_fit.Fresh), and the force, where one was fitted, or else
+        none. What the fit says of the other states moves those that it did not ask for, as far as they are correlated."""
+        at = self._at
+        known = states[parts:]
+        rest = [i for i in range(2 * at.modes, at.size) if i != at.force and i not in known]
+        prior = self.p[:, known][:, :, known]
+        by_known = np.linalg.solve(prior, self.p[:, known][:, :, rest]).transpose(0, 2, 1)  # of the rest
+        own = covariance[:, parts:, parts:]
+        self.x[:, rest] += (by_known @ (mean[:, parts:] - self.x[:, known])[:, :, None])[:, :, 0]
+        p_rest = self.p[:, rest][:, :, rest] - by_known @ (prior - own) @ by_known.transpose(0, 2, 1)
+        cross = by_known @ covariance[:, parts:]  # of the rest with all states of the fit
+        self.x[:, at.phasor], self.x[:, at.force] = 0.0, 0.0
+        self.p[:] = 0.0
+        self.x[:, states] = mean
+        at_fit, at_rest = np.array(states), np.array(rest)
+        self.p[:, at_fit[:, None], at_fit] = covariance
+        self.p[:, at_rest[:, None], at_rest] = p_rest
+        self.p[:, at_rest[:, None], at_fit] = cross
+        self.p[:, at_fit[:, None], at_rest] = cross.transpose(0, 2, 1)
+        self.x[DISTURBED, at.force] = 0.0  # the disturbed filters have none
+        self.p[DISTURBED, at.force, :] = self.p[DISTURBED, :, at.force] = 0.0
 
     def restore(self, x: Array, p: Array, grown: Array) -> None:
         """All but the vibration and the force as they were: x (filters, n), p (filters, n, n), and by how much their
@@ -522,11 +523,13 @@ class FilterBank:
     def loosen(self, filters: slice = ALL) -> None:
         """Frequencies, decay and image scale may have changed, as with a payload or another scene."""
         at = self._at
-        i = np.arange(2 * at.modes, 3 * at.modes)
-        self.p[filters, i, i] += (0.04 * at.w) ** 2
-        i = np.arange(3 * at.modes, 4 * at.modes)
-        self.p[filters, i, i] += (0.01 * at.w) ** 2
-        self.p[filters, at.scale, at.scale] += 0.1**2
+        for states, spread in (
+            (range(2 * at.modes, 3 * at.modes), 0.04 * at.w),
+            (range(3 * at.modes, 4 * at.modes), 0.01 * at.w),
+            ((at.scale,), np.array([0.1])),
+        ):
+            for i, one in zip(states, spread.tolist(), strict=True):
+                self.p[filters, i, i] = np.maximum(self.p[filters, i, i], one * one)
         self._all_moved()
 
     def loosen_bias(self, variance: float) -> None:

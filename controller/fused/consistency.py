@@ -34,6 +34,10 @@ class Consistency:
         """Whether innovations have been as large as stated for a while."""
         return not self.doubtful and self._mean < _SETTLED
 
+    def lost_for(self, time_s: float, patience_s: float) -> bool:
+        """Whether the filters have been lost for so long."""
+        return time_s - self._doubted_since_s > patience_s
+
     def begin(self, time_s: float) -> None:
         """The filters begin anew."""
         self._mean = 1.0

@@ -9,19 +9,16 @@ on what the images say it should be, e, and on the same a quarter of a period on
 Forgetting is exponential, over one and a half periods (weighted least squares).
 """
 
-from math import atan2, hypot, sqrt
-
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from math import atan2, hypot, inf, sqrt
 
 _MEMORY_BLOCKS = 36.0
 _FEWEST_BLOCKS = 12.0  # half a period, within which amplitude and offset cannot pass for a phase
 _LEAST_RATIO, _LARGEST_RATIO = 0.7, 1.4  # r of a sensor that shows the vibration
 _SIGNIFICANT = 6.0  # standard deviations of the phase
-_LEAST_RAD = 0.15  # less is left to the filters, which follow it by themselves
+_LEAST_RAD = 0.08  # less is left to the filters, which follow it by themselves
 _SUSPECT_BLOCKS = 4
+_SINGULAR = 1e-3  # less than a quarter of a period seen
+_OFFSET_STDS = 4.0
 _LARGEST_RAD = 2.9  # nearer to half a period, the sensor's sign is wrong
 _LASTING_BLOCKS = (
     18  # three quarters of a period: what departs from the images behind an impact has no lasting phase
@@ -41,21 +38,21 @@ class DateWatch:
 
     def restart(self) -> None:
         """Dates, arm or accelerometer have changed."""
-        self._normal: Array = np.zeros((3, 3))
-        self._right: Array = np.zeros(3)
+        self._sums = [0.0] * 9
         self._count = 0.0
         self._evident = 0
         self.lag_rad = self.suspected_rad = 0.0
+        self._offset_stds = inf
 
     def see(self, value_m: float, expected_m: float, quadrature_m: float, variance: float) -> None:
         """A block's mean, without bias, beside what images say of its time and of a quarter of a period later.
 
         variance: of the difference, m^2.
         """
-        keep, weight = 1.0 - 1.0 / _MEMORY_BLOCKS, 1.0 / variance
-        row = np.array((expected_m, quadrature_m, 1.0))
-        self._normal = keep * self._normal + np.outer(weight * row, row)
-        self._right = keep * self._right + weight * value_m * row
+        e, q, v, weight = expected_m, quadrature_m, value_m, 1.0 / variance
+        terms = (1.0, e, q, v, e * e, e * q, q * q, e * v, q * v)
+        keep = 1.0 - 1.0 / _MEMORY_BLOCKS
+        self._sums = [keep * old + weight * new for old, new in zip(self._sums, terms, strict=True)]
         self._count = keep * self._count + 1.0
         phase = self._phase() if self._count > _FEWEST_BLOCKS else 0.0
         self._evident = self._evident + 1 if phase else 0
@@ -63,16 +60,24 @@ class DateWatch:
         self.lag_rad = phase if self._evident >= _LASTING_BLOCKS else 0.0
 
     def _phase(self) -> float:
-        """phi where it is significant, else 0."""
-        if np.linalg.cond(self._normal) > 1e12:
+        """phi where it is significant, else 0. Normal equations of (8.1), the offset eliminated."""
+        w, e, q, v, ee, eq, qq, ev, qv = self._sums
+        ee, eq, qq = ee - e * e / w, eq - e * q / w, qq - q * q / w
+        ev, qv = ev - e * v / w, qv - q * v / w
+        determinant = ee * qq - eq * eq
+        if determinant <= _SINGULAR * ee * qq:
             return 0.0
-        inverse = np.linalg.inv(self._normal)
-        in_phase, across, _ = (inverse @ self._right).tolist()
+        in_phase, across = (qq * ev - eq * qv) / determinant, (ee * qv - eq * ev) / determinant
+        self._offset_stds = abs(v - in_phase * e - across * q) / sqrt(w)
         ratio = hypot(in_phase, across)
         if not _LEAST_RATIO < ratio < _LARGEST_RATIO:
             return 0.0
-        std = sqrt(max(float(inverse[1, 1]), float(inverse[0, 0]))) / ratio
-        phase = atan2(across, in_phase)
-        if abs(phase) > _LARGEST_RAD:
+        phase, std = atan2(across, in_phase), sqrt(max(ee, qq) / determinant) / ratio
+        if not max(_LEAST_RAD, _SIGNIFICANT * std) < abs(phase) < _LARGEST_RAD:
             return 0.0
-        return phase if abs(phase) > max(_LEAST_RAD, _SIGNIFICANT * std) else 0.0
+        return phase
+
+    @property
+    def shows_offset(self) -> bool:
+        """Whether the accelerometer has an offset whatever phase and size the vibration has in it."""
+        return self._offset_stds > _OFFSET_STDS

@@ -22,7 +22,8 @@ class Dating:
     """Carries each law's nominal instant from frame to frame.
 
     nominal, elapsed: instant of the frame accepted last, and the time since the one before, by each law's clock, s;
-    doubt_s, stamp_doubt_s: how uncertain this step of the clock's and of the stamps' law is, s.
+    doubt_s, stamp_doubt_s: how uncertain this step of the clock's and of the stamps' law is, s. behind: frames by which
+    the arrivals are behind the counter: so many may have been lost without being counted.
     """
 
     def __init__(self, frame_s: float, delay_s: float, spread_s: float = 0.0) -> None:
@@ -35,6 +36,7 @@ class Dating:
         self.elapsed: NDArray[np.float64] = np.zeros(LAWS)
         self.doubt_s = self.stamp_doubt_s = 0.0
         self.stamped = self.started = False
+        self.behind = 0
         self._frame = 0
         self._missing = 0.0  # frames by which the arrivals are behind the counter since a stall
         self._since_stall = -1  # frames; -1 without one
@@ -46,8 +48,11 @@ class Dating:
         """The frames' period is not the one supposed, but `factor` times that."""
         self._frame_s *= factor
 
-    def accept(self, sample: VisualSample, received_s: float) -> bool:
-        """Move on to a frame; False for one that is a duplicate or came out of order."""
+    def accept(self, sample: VisualSample, received_s: float, *, images_tell: bool = False) -> bool:
+        """Move on to a frame; False for one that is a duplicate or came out of order.
+
+        images_tell: whether the images would show a wrong count; then late arrivals alone change none.
+        """
         self.doubt_s = self.stamp_doubt_s = 0.0
         arrivals = received_s - self._delay_s
         if not self.started:
@@ -66,7 +71,12 @@ class Dating:
                 self.doubt_s = 0.7 * self._frame_s
                 self._since_stall = -1
             else:
-                frames += self._lost(in_frames - frames, slack)
+                lost = self._lost(in_frames - frames, slack)
+                self.behind = round(self._missing) if self._since_stall >= 0 else 0
+                if lost and images_tell:
+                    self.behind, self.doubt_s = lost, 0.0
+                else:
+                    frames += lost
             self.elapsed[Law.CLOCK] = frames * self._frame_s
             self.nominal[Law.CLOCK] += self.elapsed[Law.CLOCK]
             self._follow_stamp(sample.captured_s, frames * self._frame_s)

@@ -93,10 +93,10 @@ class FrameDates:
         self.dating.nominal[Law.CLOCK] += frames * self._frame_s
         self._restart_watch(Law.CLOCK)
 
-    def accept(self, sample: VisualSample, received_s: float) -> bool:
-        """Date a frame, the one before being done with; False for one not to be used."""
+    def accept(self, sample: VisualSample, received_s: float, *, images_tell: bool) -> bool:
+        """Date a frame, the one before being done with; False for one not to be used. images_tell: Dating.accept."""
         first = not self.dating.started
-        if not self.dating.accept(sample, received_s):
+        if not self.dating.accept(sample, received_s, images_tell=images_tell):
             return False
         if first:
             return True

@@ -1,7 +1,7 @@
 """Images in their order with the accelerometer's blocks before them, and what follows for the delay."""
 
 from collections import deque
-from math import isfinite, sqrt
+from math import isfinite, log, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -47,6 +47,7 @@ ComplexArray = NDArray[np.complex128]
 _OUTLIER = 16.0  # normalised innovation squared
 _SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of a blow, by the accelerometer, standard deviations squared
 _VOTES = 3
+_TELLING = 3.0  # deviations of an image that the vibration moves in a frame: a wrong count shows
 _HUBER = 7.0
 _BLIND_BLOCKS = 12  # without the accelerometer
 _BEFORE_A_BLOW = 8  # frames: so many may have been taken in before a blow was noticed
@@ -54,6 +55,7 @@ _BREAK_MEMORY_FRAMES = 60.0
 _BLOWS = 1.5  # breaks within that memory that may be blows
 _CLEAR = 0.995
 _BENDS = 0.15  # rad: by so uncertain a phase images alone would seem to tell any law's instants
+_ZERO_LEARNT = 0.1  # likewise, for it to be remembered
 _ZERO_KNOWN = 1.0  # of an image's variance
 _SAMPLED_CYCLES = (
     0.4  # standard deviation: a sensor that runs by itself was sampled some time within the last cycle
@@ -63,9 +65,11 @@ _LARGEST_SURPRISE, _RECENT_IMAGES, _INCONSISTENT = 30.0, 6.0, 3.0
 _ASTRAY_PERIODS = 3.0
 _FRESH_PERIODS = (0.6, 1.2)  # of the images that a fresh fit takes
 _AGAIN_PERIODS = 0.5
+_PATIENCE_S = 4.0
 _FORCED_PERIODS = 1.0  # at least, to tell a constant force from the vibration about it
 _SHAKEN = 0.1  # of the amplitude, in a period
 _GOOD_MISFIT = 1.5
+_CHEAPER, _NO_DEARER = 6.0, -6.0  # what less a fit must cost; what more the simpler explanation may
 _GOOD_SHARE = 0.05  # of the amplitude, its deviation
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
@@ -186,7 +190,7 @@ class FrameFusion:
         self._held_images = HeldImages(self._frame_s)
         self._remembered = Remembered()
         self._dates_changes = 0
-        self._slow_states = [*range(2 * at.modes, 4 * at.modes), at.scale]
+        self._slow_states = [*range(2 * at.modes, 4 * at.modes), at.scale, at.offset]
         self._model = model
         self._joint_input: JointInput | None = None
         self._recent_surprise = 1.0
@@ -235,7 +239,7 @@ class FrameFusion:
             health = self.health
             drifted = health.compare(value, expected, total)
             self._date_watch.see(value, expected, quadrature, total)
-            if drifted:
+            if drifted and self._date_watch.shows_offset:
                 bank.loosen_bias(drifted)
             if not health.mute:  # what contradicts the images counts less (Huber)
                 self._unused_blocks = 0
@@ -246,7 +250,8 @@ class FrameFusion:
         self._left = block
 
     def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
-        if self.force.intensity:  # it moves images and accelerometer alike: their departures do add up
+        # A random force moves images and accelerometer alike: their departures do add up. So do a misled filter's.
+        if self.force.intensity or block.end_s < self._astray_until_s:
             self._scale_watch.restart()
         elif self._scale_watch.see(difference, expected, variance, block.end_s - block.start_s):
             self._as_calibrated = False
@@ -286,6 +291,8 @@ class FrameFusion:
         """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
         the time, nor before the image's zero is known, from which a force deflects the tip."""
         held, c = self.held_force, self._at.offset
+        if not held.may_begin(time_s):
+            return False
         if not held.active:
             zero_variance = float(self.bank.p[self.evidence.best, c, c])
             if self._shaken or zero_variance > _ZERO_KNOWN * self._noise_m2:
@@ -311,7 +318,9 @@ class FrameFusion:
         self.learn()
         self._finish_dates()
         self.finish_block()
-        return self.dates.accept(sample, received_s)
+        step_m = self.amplitude_m * self._at.w_first * self._frame_s
+        images_tell = self._clock_known and step_m * step_m > _TELLING**2 * self._noise_m2
+        return self.dates.accept(sample, received_s, images_tell=images_tell)
 
     def take_arrival(self) -> None:
         """What the arrival of the frame accepted last tells, if that has not been taken in."""
@@ -352,7 +361,6 @@ class FrameFusion:
         image = Look(value, noise, joint_input)
         joint = self._joint(image, times)
         self._joint_input = joint_input
-        self._held_images.add(self.dates.dating.nominal, value, noise + joint.tip_variance)
         self._aimed = Aimed(image, times, received_s, joint)
 
     def foresee(self) -> None:
@@ -371,7 +379,11 @@ class FrameFusion:
         seen = self._seen(image, vibration, joint)
         surprise = seen.surprise
         self.blow = False
-        self._surprise = float(surprise[self.evidence.best])
+        best = self.evidence.best
+        self._surprise = float(surprise[best])
+        own = image.noise + joint.tip_variance
+        cost = min(self._surprise, _LARGEST_SURPRISE) + log(max(float(seen.variance[best]), own) / own)
+        self._held_images.add(self.dates.dating.nominal, image.value_m, own, cost)
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
             if not self._explain(image, times, received_s, seen, report):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
@@ -473,7 +485,7 @@ class FrameFusion:
         if astray:
             self._astray_until_s = received_s + _ASTRAY_PERIODS * self._at.period_s
             self._remembered.trouble()
-        elif self.consistency.calm and received_s > self._astray_until_s and best < LAWS:
+        elif self.consistency.calm and received_s > self._astray_until_s and best < LAWS and self._zero_known:
             self._remembered.calm(received_s, self.bank.x, self.bank.p, self.evidence.log_weights)
         if received_s < self._fresh_s:
             return False
@@ -483,14 +495,14 @@ class FrameFusion:
         for periods in _FRESH_PERIODS:
             if (differs or held.active) and self._begin_as_remembered(received_s, periods):
                 return True
-            free = self._fit(periods, received_s, force=False)
+            free = self._fit(periods, received_s, force=False, learn=False)
             if free is None:
                 return False
-            if self._good(free) and (held.active or inconsistent):
+            if self._good(free, _CHEAPER):
                 return self._begin_with(free, received_s, periods)
-            if held.active and (inconsistent or held.moves) and periods >= _FORCED_PERIODS:
-                forced = self._fit(periods, received_s, force=True)
-                if forced is not None and self._good(forced):
+            if held.active and periods >= _FORCED_PERIODS:
+                forced = self._fit(periods, received_s, force=True, learn=False)
+                if forced is not None and self._good(forced, _CHEAPER):
                     return self._begin_with(forced, received_s, periods)
         return False
 
@@ -506,38 +518,50 @@ class FrameFusion:
             self.dates.shift_noise * since_s, start.spread_s(self._model) ** 2
         )
         bank.restore(known.x, known.p, grown)
-        free = self._fit(periods, received_s, force=False)
-        if free is None or not self._good(free):
-            bank.x, bank.p = before
-            self._fresh_s = received_s + _AGAIN_PERIODS * self._at.period_s
-            return False
-        self.evidence.restore(known.log_weights)
-        return self._begin_with(free, received_s, periods)
+        for force in (False, True):
+            fresh = self._fit(periods, received_s, force=force, learn=True)
+            if fresh is not None and self._good(fresh, _NO_DEARER):
+                self.evidence.restore(known.log_weights)
+                return self._begin_with(fresh, received_s, periods)
+        bank.x, bank.p = before
+        self._fresh_s = received_s + _AGAIN_PERIODS * self._at.period_s
+        return False
 
-    def _fit(self, periods: float, now_s: float, *, force: bool) -> Fresh | None:
+    @property
+    def _zero_known(self) -> bool:
+        """Whether the image's zero is known far better than one image tells it."""
+        best, c = self.evidence.best, self._at.offset
+        return float(self.bank.p[best, c, c]) < _ZERO_LEARNT * self._noise_m2
+
+    def _fit(self, periods: float, now_s: float, *, force: bool, learn: bool) -> Fresh | None:
         law = self.evidence.best % LAWS
         window = self._held_images.newest(periods * self._at.period_s, law, now_s)
         if window is None or self._joint_input is None:
             return None
-        return fresh_fit(window, self.bank, self._at, self._joint_input, self.amplitude_m, force=force)
+        return fresh_fit(
+            window, self.bank, self._at, self._joint_input, self.amplitude_m, force=force, learn=learn
+        )
 
-    def _good(self, fresh: Fresh) -> bool:
-        """Whether images are explained to their noise, and tell the vibration well."""
+    def _good(self, fresh: Fresh, least_gain: float) -> bool:
+        """Whether images are explained, cost so much less than they have cost the filters, and tell the vibration well."""
         best, m = self.evidence.best, self._at.modes
-        found, covariance = fresh.found[best], fresh.covariance[best]
-        if fresh.misfit[best] > _GOOD_MISFIT + 3.0 * sqrt(2.0 / fresh.freedom):
+        found, covariance = fresh.mean[best], fresh.covariance[best]
+        if fresh.gain[best] < least_gain or fresh.misfit[best] > _GOOD_MISFIT + 3.0 * sqrt(
+            2.0 / fresh.freedom
+        ):
             return False
         power = float(found[: 2 * m] @ found[: 2 * m])
         return float(np.trace(covariance[: 2 * m, : 2 * m])) < max(_GOOD_SHARE**2 * power, self._noise_m2)
 
     def _begin_with(self, fresh: Fresh, now_s: float, periods: float) -> bool:
         bank, held, m = self.bank, self.held_force, self._at.modes
-        bank.start_vibration(fresh.found, fresh.covariance, fresh.by_state)
-        if fresh.found.shape[1] > 2 * m:
-            held.rests(float(fresh.found[self.evidence.best, -1]), now_s)
+        bank.start_vibration(fresh.states, fresh.mean, fresh.covariance, fresh.parts)
+        if fresh.parts > 2 * m:
+            held.rests(float(fresh.mean[self.evidence.best, 2 * m]), now_s)
         elif held.active:
-            held.end(now_s)
+            held.end(now_s, explained=True)
         self.force.restart()  # images show none
+        self._scale_watch.begin()
         self.health.begin_comparison()
         self._date_watch.restart()
         self._slow_pull.restart()
@@ -559,6 +583,12 @@ class FrameFusion:
             self._images = max(self._images, 1)
             self.consistency.begin(received_s)
             return True
+        if (
+            lost
+            and self._remembered.known is not None
+            and not self.consistency.lost_for(received_s, _PATIENCE_S)
+        ):
+            return False  # what was known may still explain the images
         if not lost or self._shaken or self.held_force.active:  # what shakes the arm is no wrong date
             return False
         phasors = bank.x[best].copy()
@@ -640,17 +670,23 @@ class FrameFusion:
         self.bank.inflate(Jump.guessed(float(times[best]), sizes, force_m), QUIET)
         return True
 
+    @property
+    def _clock_known(self) -> bool:
+        """Whether the clock's law is possible, and its shift known to a part of a frame."""
+        clock = self.evidence.likeliest(Law.CLOCK)
+        variance = float(self.bank.p[clock, self._at.shift, self._at.shift])
+        return sqrt(variance) <= self._frame_s / 5.0 and self.evidence.law(Law.CLOCK) >= 0.05
+
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
         """By how many frames the counter is off if image and arrival agree on it; 0 where they do not.
 
         A counter of arrivals does not tell of lost frames, nor of a buffer that has begun to hand over older ones.
         """
-        clock = self.evidence.likeliest(Law.CLOCK)
-        variance = float(self.bank.p[clock, self._at.shift, self._at.shift])
-        if sqrt(variance) > self._frame_s / 5.0 or self.evidence.law(Law.CLOCK) < 0.05:
+        if not self._clock_known:
             return 0
+        clock, behind = self.evidence.likeliest(Law.CLOCK), self.dates.dating.behind
         costs: list[tuple[float, int]] = []
-        for extra in (-2, -1, 1, 2, 3):
+        for extra in sorted({-2, -1, 1, 2, 3, behind - 1, behind, behind + 1} - {0}):
             moved = times.copy()
             moved[clock] += extra * self._frame_s
             surprise = float(self._look(image, moved).surprise[clock])

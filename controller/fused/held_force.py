@@ -27,7 +27,7 @@ _REVERSALS = 3  # of a force, each within about half a period
 _SHORT_S, _SHORT_AGAIN_S = (
     1.5,
     8.0,
-)  # a force that is over at once; another one so soon is none, nor any for as long
+)  # a force that is over at once; another one so soon is none
 _NOT_AGAIN_S = 2.0  # after what has turned out to be none
 _SIGNIFICANT = 5.5  # standard deviations of the mean innovation: by chance once in a day
 _LARGEST = 4.0  # standard deviations: one wrong image is no pull
@@ -97,10 +97,12 @@ class HeldForce:
         """Whether there is a force that changes."""
         return self.active and self.walk > _AT_REST * self._rest
 
+    def may_begin(self, time_s: float) -> bool:
+        """Whether one may begin, after what has turned out to be none."""
+        return self.active or time_s >= self._not_before_s
+
     def begin(self, time_s: float, size_m: float) -> None:
         """Images left their gate by about size_m: a force may have begun, changed, or ended."""
-        if time_s < self._not_before_s:
-            return
         if not self.active:
             self._begun_s = time_s
         self.active = True
@@ -164,11 +166,14 @@ class HeldForce:
         self._not_before_s = time_s + _NOT_AGAIN_S
         return True
 
-    def end(self, time_s: float) -> None:
-        """No force is left. Two running that were over at once were none: a steady random force looks like that."""
-        if self.active and time_s - self._begun_s < _SHORT_S:
+    def end(self, time_s: float, *, explained: bool = False) -> None:
+        """No force is left. Two running that were over at once were none: a steady random force looks like that.
+
+        explained: a free vibration explains the images since: what there was, a push for instance, is over.
+        """
+        if self.active and not explained and time_s - self._begun_s < _SHORT_S:
             if time_s - self._short_s < _SHORT_AGAIN_S:
-                self._not_before_s = time_s + _SHORT_AGAIN_S
+                self._not_before_s = time_s + _NOT_AGAIN_S
             self._short_s = time_s
         self._reversals.clear()
         self._sign = 0.0

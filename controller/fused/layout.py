@@ -5,6 +5,7 @@ from math import pi, sqrt
 import numpy as np
 
 from common.beam import tip_slopes_per_m
+from controller.sensor_deflection import shown_of
 from common.model import Model
 
 
@@ -42,7 +43,10 @@ class Layout:
         first = camera.scale_px_per_m + camera.rotation_px_per_rad * slopes[0]
         self.per_px = -1.0 / first
         self.image_gain = np.array(
-            [(camera.scale_px_per_m + camera.rotation_px_per_rad * slope) / first for slope in slopes]
+            [
+                (camera.scale_px_per_m + camera.rotation_px_per_rad * slope) / first * shown_of(mode, camera)
+                for mode, slope in zip(modes, slopes, strict=True)
+            ]
         )
         self.lever = (camera.scale_px_per_m * length_m + camera.rotation_px_per_rad) / first
         self.period_s = 2.0 * pi / self.w_first

@@ -22,6 +22,10 @@ class ScaleWatch:
 
     def __init__(self) -> None:
         """In agreement."""
+        self.begin()
+
+    def begin(self) -> None:
+        """In agreement: what was found was another trouble's doing."""
         self.walk = 0.0
         self._since_alarm_s = inf
         self.restart()

@@ -48,7 +48,7 @@ def test_without_noise_the_delay_is_found_to_a_fraction_of_a_cycle(
     model = Model(
         arm=arm(frequency_hz=frequency_hz, damping_ratio=damping_ratio),
         accelerometer=Accelerometer(scale=-0.8 * sign),
-        camera=Camera(scale_px_per_m=900.0 * sign),
+        camera=Camera(scale_px_per_m=900.0 * sign, exposure_s=0.0),
         timing=Timing(capture_delay_s=min(max(delay_s, 0.03), 0.12)),
     )
 

@@ -52,6 +52,7 @@ def model_for(amplitude_m: float, noise: float, vision: float = 0.01, **changes:
         arm=Arm(length_m=2.0, modes=modes),  # type: ignore[arg-type]
         accelerometer=Accelerometer(noise_std_m_s2=noise * amplitude_m * w * w),
         camera=Camera(
+            exposure_s=0.0,  # an image of this world shows an instant
             noise_std_px=vision * amplitude_m * 800.0,
             mode=changes.pop("mode", "freerun"),
         ),  # type: ignore[arg-type]

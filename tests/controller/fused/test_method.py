@@ -32,7 +32,7 @@ def pull() -> Trace:
     """Two blows, damping from 2.5 s on, then the pull."""
     model = Model(
         arm=Arm(length_m=2.0),
-        camera=Camera(noise_std_px=0.05),
+        camera=Camera(noise_std_px=0.05, exposure_s=0.0),
         accelerometer=Accelerometer(noise_std_m_s2=0.5),
     )
     return run_world(
