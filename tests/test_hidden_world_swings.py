@@ -23,6 +23,7 @@ def short(case: Case, *events: Event) -> Case:
     return replace(case, duration_s=3.0, events=events)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "event",
     [

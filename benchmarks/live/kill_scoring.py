@@ -30,7 +30,7 @@ def score_kill(
 ) -> dict[str, float | None]:
     """Scores from the first new image to the next strike, by the names of the benchmark's file.
 
-    settled_s: from the first new image until the error's running mean over 0.25 s stays below 2 %.
+    amplitude_m: of the true vibration at the first new image. settled_s: from the first new image until the error's running mean over 0.25 s stays below 2 %.
     longest_beyond_2_std_s: from the kill on, silence and all. The others as in a whole run.
     """
     swing = Swing(gap[1], kill.until_s)
@@ -46,7 +46,9 @@ def score_kill(
         "delay_normalised_error_squared_max",
         "deflection_normalised_error_squared_max",
     ]
+    first = amplitude[visible]
     return {
+        "amplitude_m": float(first[0]) if len(first) else None,
         "settled_s": settled_s(said.time_s[visible], relative[visible], swing.begin_s),
         **{name: scores[name] for name in within},
         "longest_beyond_2_std_s": longest_beyond_s(said, error, of_kill, kill.at_s, kill.until_s),

@@ -25,6 +25,7 @@ def by_gap(rows: list[Row]) -> list[Row]:
                     "gap asked, s": gap_s,
                     "gap, s": f"{min(gaps):.2f} to {max(gaps):.2f}",
                     "kills": len(these),
+                    "amplitude, mm": _median(these, "amplitude_m", 1, 1e3),
                     "settled, s": _median(these, "settled_s", 2),
                     "worst": _worst(these, "settled_s", 2),
                     f"within {SETTLED_WITHIN_S:g} s": sum(map(settled_in_time, these)),

@@ -9,7 +9,7 @@ from benchmarks.live.kill_plan import BEFORE_KILL_S, Kill, plan
 from benchmarks.live.kill_scoring import gap_around, score_kill
 from benchmarks.live.kill_tables import by_gap, verdict
 from benchmarks.live.scoring import Estimates
-from tests.benchmarks.test_live_scoring import perfect, true_run
+from tests.benchmarks.test_live_scoring import A, W, perfect, true_run
 
 KILL = Kill(at_s=5.0, gap_s=1.0, until_s=10.0)
 GAP = (4.99, 6.0)
@@ -56,6 +56,7 @@ def test_what_comes_after_the_next_strike_counts_for_nothing() -> None:
     found = score_kill(said(10.0, 20.0, 5.0), true_run(), KILL, GAP)
     assert found["settled_s"] == 0.0
     assert found["error_max"] == pytest.approx(0.0, abs=1e-9)
+    assert found["amplitude_m"] == pytest.approx(A * np.exp(-0.01 * W * 4.0), rel=0.05)
 
 
 def test_being_wrong_and_sure_counts_from_the_kill_on() -> None:
@@ -75,7 +76,7 @@ def test_no_estimate_is_an_error_of_the_whole() -> None:
 
 def test_tables_count_the_kills_of_each_gap_and_judge_them() -> None:
     rows = [
-        {"method": "fused", "gap_asked_s": gap, "gap_s": gap + 0.1, "settled_s": settled, "error_mean": 0.01,
+        {"method": "fused", "gap_asked_s": gap, "gap_s": gap + 0.1, "settled_s": settled, "error_mean": 0.01, "amplitude_m": 0.002,
          "error_max": 0.03, "delay_normalised_error_squared_max": 1.0,
          "deflection_normalised_error_squared_max": honest, "longest_beyond_2_std_s": 0.1}
         for gap, settled, honest in ((0.3, 0.5, 1.0), (0.3, 1.2, 4.0), (3.0, None, None))
