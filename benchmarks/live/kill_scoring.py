@@ -30,7 +30,8 @@ def score_kill(
 ) -> dict[str, float | None]:
     """Scores from the first new image to the next strike, by the names of the benchmark's file.
 
-    amplitude_m: of the true vibration at the first new image. settled_s: from the first new image until the error's running mean over 0.25 s stays below 2 %.
+    amplitude_m: of the true vibration at the first new image. settled_s: from the first new image until the error's
+    running mean over 0.25 s stays below 2 %.
     longest_beyond_2_std_s: from the kill on, silence and all. The others as in a whole run.
     """
     swing = Swing(gap[1], kill.until_s)

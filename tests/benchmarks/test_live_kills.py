@@ -76,8 +76,8 @@ def test_no_estimate_is_an_error_of_the_whole() -> None:
 
 def test_tables_count_the_kills_of_each_gap_and_judge_them() -> None:
     rows = [
-        {"method": "fused", "gap_asked_s": gap, "gap_s": gap + 0.1, "settled_s": settled, "error_mean": 0.01, "amplitude_m": 0.002,
-         "error_max": 0.03, "delay_normalised_error_squared_max": 1.0,
+        {"method": "fused", "gap_asked_s": gap, "gap_s": gap + 0.1, "settled_s": settled, "error_mean": 0.01,
+         "error_max": 0.03, "amplitude_m": 0.002, "delay_normalised_error_squared_max": 1.0,
          "deflection_normalised_error_squared_max": honest, "longest_beyond_2_std_s": 0.1}
         for gap, settled, honest in ((0.3, 0.5, 1.0), (0.3, 1.2, 4.0), (3.0, None, None))
     ]  # fmt: skip
