@@ -44,26 +44,27 @@ def run(
     methods: None for all. keep: a folder that keeps each run's files in RUN_k. told: is given a line after each run.
     Raises UserError for what the user can mend; a run that fails ends the benchmark.
     """
-    names = _checked(runs, load, duration_s, methods)
+    names = checked_methods(runs, load, methods)
+    if not SHORTEST_S <= duration_s <= LONGEST_S:
+        raise UserError(f"--duration-s {duration_s:g}: {SHORTEST_S:g} to {LONGEST_S:g} s, as for a demo")
     rows: list[dict[str, Any]] = []
     for number in range(runs):
         label = f"run {number + 1} of {runs}"
-        with _folder(keep, number) as directory, own_folder(directory):
+        with run_folder(keep, number) as directory, own_folder(directory):
             of_run = _one_run(
-                directory, number, seed + number, load, duration_s, names, _labelled(progress, label)
+                directory, number, seed + number, load, duration_s, names, labelled(progress, label)
             )
         rows += of_run
         told(_line(label, of_run))
     return {"load": load, "duration_s": duration_s, "rows": rows}
 
 
-def _checked(runs: int, load: int, duration_s: float, methods: Sequence[str] | None) -> list[str]:
+def checked_methods(runs: int, load: int, methods: Sequence[str] | None) -> list[str]:
+    """The methods, all for None. Raises UserError for these options' values that cannot be."""
     if runs < 1:
         raise UserError(f"--runs {runs}: at least 1")
     if not 0 <= load <= 64:
         raise UserError(f"--load {load}: 0 to 64 busy processes")
-    if not SHORTEST_S <= duration_s <= LONGEST_S:
-        raise UserError(f"--duration-s {duration_s:g}: {SHORTEST_S:g} to {LONGEST_S:g} s, as for a demo")
     for name in methods or ():
         if name not in METHODS:
             raise UserError(f"--methods {name}: no such method; use {', '.join(METHODS)}")
@@ -135,7 +136,7 @@ def frames_lost(counters: list[int]) -> int:
 
 
 @contextmanager
-def _folder(keep: Path | None, number: int) -> Any:
+def run_folder(keep: Path | None, number: int) -> Any:
     """A folder for one run's files: kept under `keep`, or removed afterwards."""
     if keep is not None:
         yield keep / f"run_{number}"
@@ -147,7 +148,8 @@ def _folder(keep: Path | None, number: int) -> Any:
         shutil.rmtree(made, ignore_errors=True)
 
 
-def _labelled(progress: Progress, label: str) -> Progress:
+def labelled(progress: Progress, label: str) -> Progress:
+    """The same, with `label` before what it is told."""
     return lambda what: progress(f"{label}, {what}")
 
 

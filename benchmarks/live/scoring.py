@@ -15,6 +15,7 @@ longest_beyond_2_std_s
 """
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,13 +52,13 @@ def score(said: Estimates, truth: TrueRun) -> dict[str, float | None]:
     relative, lost, late, settled = [], [], [], []
     of_delay, of_deflection = [], []
     for swing in truth.swings:
-        visible, amplitude = _amplitude(truth, swing, said.time_s)
-        seen, _ = _amplitude(truth, swing, said.received_s)
+        visible, amplitude = visible_amplitude(truth, swing, said.time_s)
+        seen, _ = visible_amplitude(truth, swing, said.received_s)
         of_swing = np.where(np.isfinite(error), np.abs(error) / amplitude, 1.0)
         scored = visible & (said.time_s >= swing.begin_s + _ERROR_FROM_S)
         relative.append(of_swing[scored])
         lost.append(~np.isfinite(error[scored]))
-        settled.append(_settled_s(said.time_s[visible], of_swing[visible], swing.begin_s))
+        settled.append(settled_s(said.time_s[visible], of_swing[visible], swing.begin_s))
         dated = seen & np.isfinite(delay_error) & (said.received_s >= swing.begin_s + _DELAY_FROM_S)
         late.append(delay_error[dated])
         of_deflection += _normalised(said.time_s, error, said.deflection_std_m, visible, swing)
@@ -72,7 +73,7 @@ def score(said: Estimates, truth: TrueRun) -> dict[str, float | None]:
         "delay_normalised_error_squared_max": max(of_delay, default=None),
         "deflection_normalised_error_squared_max": max(of_deflection, default=None),
         "settled_s": max((value for value in settled if value is not None), default=None),
-        "longest_beyond_2_std_s": _longest_beyond_s(said, error, truth),
+        "longest_beyond_2_std_s": longest_beyond_s(said, error, truth, truth.swings[0].begin_s),
     }
 
 
@@ -85,7 +86,7 @@ def period_s(truth: TrueRun) -> float:
     return float(np.median(np.diff(time_s[up]))) if len(up) > 2 else 0.5
 
 
-def _amplitude(truth: TrueRun, swing: Swing, at_s: Values) -> tuple[NDArray[np.bool_], Values]:
+def visible_amplitude(truth: TrueRun, swing: Swing, at_s: Values) -> tuple[NDArray[np.bool_], Values]:
     """Where the swing is visible, and the true amplitude there, m, at the given times."""
     inside = (truth.time_s >= swing.begin_s) & (truth.time_s < swing.end_s)
     time_s, q = truth.time_s[inside], np.abs(truth.deflection_m[inside])
@@ -112,7 +113,8 @@ def _normalised(
     return values
 
 
-def _settled_s(at_s: Values, relative: Values, begin_s: float) -> float | None:
+def settled_s(at_s: Values, relative: Values, begin_s: float) -> float | None:
+    """From `begin_s` until the running mean of `relative` over 0.25 s stays below 2 %; None for too few values."""
     if len(at_s) <= 10:
         return None
     n = max(1, round(_SETTLED_OVER_S / float(np.median(np.diff(at_s)))))
@@ -123,9 +125,13 @@ def _settled_s(at_s: Values, relative: Values, begin_s: float) -> float | None:
     return float(at_s[min(above[-1] + n, len(at_s) - 1)] - begin_s) if len(above) else 0.0
 
 
-def _longest_beyond_s(said: Estimates, error: Values, truth: TrueRun) -> float | None:
-    """None for a method that states no standard deviation."""
-    judged = (said.time_s >= truth.swings[0].begin_s) & np.isfinite(error) & (said.deflection_std_m > 0.0)
+def longest_beyond_s(
+    said: Estimates, error: Values, truth: TrueRun, begin_s: float, end_s: float = inf
+) -> float | None:
+    """The longest time beyond two stated deviations; None for a method that states none."""
+    judged = (
+        (said.time_s >= begin_s) & (said.time_s < end_s) & np.isfinite(error) & (said.deflection_std_m > 0.0)
+    )
     if not judged.any():
         return None
     beyond = said.time_s[judged & (np.abs(error) > _BEYOND * said.deflection_std_m)]

@@ -6,7 +6,10 @@ from typing import Any
 import numpy as np
 
 Row = dict[str, Any]
-_LONGEST_BEYOND_S, _SETTLING_S = 0.5, 2.5  # what is asked of the method that damps
+# what is asked of the method that damps, and of the arm
+_LONGEST_BEYOND_S, _ERROR_MEAN = 0.5, 0.01
+_SETTLING_S, _SETTLING_BESIDE_OTHERS_S = 1.6, 2.5
+_RIVAL = "correlation"
 
 
 def by_method(rows: list[Row]) -> list[Row]:
@@ -30,21 +33,24 @@ def by_method(rows: list[Row]) -> list[Row]:
     return table
 
 
-def by_run(rows: list[Row]) -> list[Row]:
-    """One row a run: what all its methods share."""
+def by_run(rows: list[Row], method: str = "fused") -> list[Row]:
+    """One row a run: what all its methods share, and what the one that damps made of it, where it was tried."""
     first = {row["run"]: row for row in reversed(rows)}
+    of_method = {row["run"]: row for row in rows if row["method"] == method}
     return [
         {
             "run": run,
             "seed": row["seed"],
-            "settling, s": _number(row["settling_time_damped_s"], 2),
+            f"{method}, %": _text(np.max, [of_method[run]] if of_method else [], "error_mean", 2, 100.0),
+            "> 2 std, s": _text(np.max, [of_method[run]] if of_method else [], "longest_beyond_2_std_s", 2),
+            "settling, s": number(row["settling_time_damped_s"], 2),
             "frames": row["frames"],
             "lost": row["frames_lost"],
             "cycles": row["cycles"],
             "missed": row["deadline_misses"],
             "bare timer missed": row["floor_deadline_misses"],
             "own": row["own_deadline_misses"],
-            "command max, rad/s": _number(row["command_max_rad_s"], 3),
+            "command max, rad/s": number(row["command_max_rad_s"], 3),
             "beyond limits": row["commands_beyond_limits"],
             "without grounds": row["commands_without_grounds"],
         }
@@ -52,17 +58,26 @@ def by_run(rows: list[Row]) -> list[Row]:
     ]
 
 
-def verdict(rows: list[Row], method: str = "fused") -> list[Row]:
-    """What is asked of the method that damps, and of the commands; in how many runs it was kept."""
+def verdict(rows: list[Row], load: int = 0, method: str = "fused") -> list[Row]:
+    """What is asked of the method that damps, and of the commands; in how many runs it was kept.
+
+    load: busy processes beside each run; without any the arm is to settle sooner.
+    """
+    settling_s = _SETTLING_BESIDE_OTHERS_S if load else _SETTLING_S
+    rival = {row["run"]: row["error_mean"] for row in rows if row["method"] == _RIVAL}
     asked: list[tuple[str, Callable[[Row], bool]]] = [
+        (
+            f"mean error of {method} at most {100.0 * _ERROR_MEAN:g} %",
+            lambda row: row["error_mean"] is not None and row["error_mean"] <= _ERROR_MEAN,
+        ),
         (
             f"no error beyond twice what {method} states for over {_LONGEST_BEYOND_S} s",
             lambda row: (row["longest_beyond_2_std_s"] or 0.0) <= _LONGEST_BEYOND_S,
         ),
         (
-            f"settled {_SETTLING_S} s after the strike",
+            f"settled {settling_s} s after the strike",
             lambda row: (
-                row["settling_time_damped_s"] is not None and row["settling_time_damped_s"] <= _SETTLING_S
+                row["settling_time_damped_s"] is not None and row["settling_time_damped_s"] <= settling_s
             ),
         ),
         (
@@ -75,6 +90,10 @@ def verdict(rows: list[Row], method: str = "fused") -> list[Row]:
             lambda row: row["own_deadline_misses"] == 0,
         ),
     ]
+    if rival:
+        asked.append(
+            (f"{method} better than {_RIVAL}", lambda row: _less(row["error_mean"], rival[row["run"]]))
+        )
     judged = [row for row in rows if row["method"] == method]
     return [
         {"asked": text, "kept in": f"{sum(map(keeps, judged))} of {len(judged)} runs"}
@@ -82,12 +101,18 @@ def verdict(rows: list[Row], method: str = "fused") -> list[Row]:
     ]
 
 
+def _less(mine: float | None, others: float | None) -> bool:
+    """Whether the error was smaller; one that could not be had counts as the larger."""
+    return mine is not None and (others is None or mine < others)
+
+
 def _text(
     how: Callable[[list[float]], float], rows: list[Row], key: str, digits: int, unit: float = 1.0
 ) -> str:
     values = [row[key] for row in rows if row[key] is not None]
-    return _number(unit * float(how(values)) if values else None, digits)
+    return number(unit * float(how(values)) if values else None, digits)
 
 
-def _number(value: float | None, digits: int) -> str:
+def number(value: float | None, digits: int) -> str:
+    """With so many digits behind the point; a dash for none."""
     return "-" if value is None else f"{value:.{digits}f}"

@@ -1,6 +1,6 @@
 """What a demo's rig truly did, read off its truth file, and where the arm swings."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +36,15 @@ def read_truth(truth: Path, recording: Path, damping_on_s: float) -> TrueRun:
     """Read a demo's truth on the clock of its recording. The first swing ends where the damping is switched on, at
     `damping_on_s`; the second with the run. Raises UserError for a rig that was struck less than twice.
     """
+    strikes, true = read_strikes_and_motion(truth, recording)
+    if len(strikes) < 2:
+        raise UserError(f"{truth}: the rig was struck {len(strikes)} times, not twice; see rig.log beside it")
+    end_s = float(true.time_s[-1])
+    return replace(true, swings=(Swing(strikes[0], min(damping_on_s, strikes[1])), Swing(strikes[1], end_s)))
+
+
+def read_strikes_and_motion(truth: Path, recording: Path) -> tuple[list[float], TrueRun]:
+    """When the rig was struck, s, and what it did, without swings; both on the clock of the recording."""
     file = open_recording(truth)
     header = open_recording(recording).header
     shift = file.header.origin_monotonic_s - header.origin_monotonic_s
@@ -47,9 +56,6 @@ def read_truth(truth: Path, recording: Path, damping_on_s: float) -> TrueRun:
         if file.counts.get("/log")
         else []
     )
-    if len(strikes) < 2:
-        raise UserError(f"{truth}: the rig was struck {len(strikes)} times, not twice; see rig.log beside it")
     frames = file.columns("/truth/frames")
     mid = zip(frames["frame"].tolist(), (np.asarray(frames["mid_exposure_s"]) + shift).tolist(), strict=True)
-    swings = Swing(strikes[0], min(damping_on_s, strikes[1])), Swing(strikes[1], float(even[-1]))
-    return TrueRun(even, np.interp(even, time_s, state["deflection_m"]), dict(mid), swings)
+    return strikes, TrueRun(even, np.interp(even, time_s, state["deflection_m"]), dict(mid), ())

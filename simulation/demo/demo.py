@@ -121,7 +121,7 @@ def run_processes(
     try:
         processes.start("rig", "--config", str(path), "--truth", str(directory / "truth.mcap"))
         processes.start("supervisor", "--config", str(path))
-        _wait_for_camera(configuration.camera.device, processes)
+        wait_for_camera(configuration.camera.device, processes)
         processes.start(
             "controller",
             *("--config", str(path), "--record", str(directory / "recording.mcap")),
@@ -137,11 +137,11 @@ def run_processes(
         processes.stop_all()
         if hide is not None:  # the truth file holds it; nobody else is to
             (directory / RIG_MODEL_NAME).unlink(missing_ok=True)
-        _remove_shared_memory(configuration)
+        remove_shared_memory(configuration)
     return scenario
 
 
-def _remove_shared_memory(configuration: Configuration) -> None:
+def remove_shared_memory(configuration: Configuration) -> None:
     """What a rig that had to be killed could not remove; the names are this demo's own."""
     camera = configuration.camera.device
     for name in (
@@ -155,7 +155,8 @@ def _remove_shared_memory(configuration: Configuration) -> None:
         Path(port_path(port)).unlink(missing_ok=True)
 
 
-def _wait_for_camera(name: str, processes: DemoProcesses) -> None:
+def wait_for_camera(name: str, processes: DemoProcesses) -> None:
+    """Wait until the rig shows its camera. Raises UserError where it does not in time, or a process fails."""
     deadline = time.monotonic() + _RIG_READY_WITHIN_S
     while not block_path(name).exists():
         processes.check()

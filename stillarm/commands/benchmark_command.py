@@ -37,6 +37,7 @@ _ONLY_FOR = {
     "resume": ("diagnosis",),
     "load": ("live",),
     "keep": ("live",),
+    "kill_supervisor": ("live",),
 }
 
 
@@ -55,6 +56,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--load", type=int, metavar="P", help="live: busy processes beside each run (0)")
     parser.add_argument(
         "--keep", type=Path, metavar="DIR", help="live: keep each run's recording, truth and tables here"
+    )
+    parser.add_argument(
+        "--kill-supervisor",
+        nargs="?",
+        const="0.3,1,3,10",
+        metavar="S,S",
+        help="live: kill the supervisor in mid-swing instead, once a run for each gap in the images, s (0.3,1,3,10)",
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="S", help="seed of the first trial (0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result to this file")
@@ -102,7 +110,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise UserError(f"--trials {trials}: at least 1")
     for option, names in _ONLY_FOR.items():
         if getattr(arguments, option) not in (None, False) and arguments.name not in names:
-            raise UserError(f"--{option}: only for `benchmark {'`, `benchmark '.join(names)}`; leave it out")
+            raise UserError(
+                f"--{option.replace('_', '-')}: only for `benchmark {'`, `benchmark '.join(names)}`; leave it out"
+            )
     if arguments.duration_s is not None and arguments.name not in DEFAULT_DURATION_S:
         raise UserError(f"--duration-s: only for {', '.join(DEFAULT_DURATION_S)}; leave it out")
     result = _RUN[arguments.name](arguments, trials)
@@ -147,7 +157,7 @@ def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     names = {
         option: _listed(getattr(arguments, option)) for option in ("methods", "regimes", "tables", "rows")
     }
-    part = Part(noises=_numbers("noises", arguments.noises), **names)
+    part = Part(noises=_noises(arguments.noises), **names)
     what = campaign(trials, arguments.seed, part, arguments.quick)
     with progress_bar("benchmark estimators") as progress:
         result = run_estimators(what, progress)
@@ -176,11 +186,15 @@ def _listed(text: str | None) -> list[str] | None:
 
 def _numbers(option: str, text: str | None) -> list[float] | None:
     try:
-        numbers = [float(one) for one in text.split(",")] if text else None
+        return [float(one) for one in text.split(",")] if text else None
     except ValueError:
         raise UserError(f"--{option} {text}: numbers with commas between them, such as 0.1,0.3") from None
+
+
+def _noises(text: str | None) -> list[float] | None:
+    numbers = _numbers("noises", text)
     if numbers and not all(0.0 < one <= 100.0 for one in numbers):
-        raise UserError(f"--{option} {text}: each above 0 and at most 100 (of the amplitude's acceleration)")
+        raise UserError(f"--noises {text}: each above 0 and at most 100 (of the amplitude's acceleration)")
     return numbers
 
 
@@ -294,6 +308,8 @@ def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _live(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    if arguments.kill_supervisor is not None:
+        return _kills(arguments, trials)
     from benchmarks.live.picture import draw
     from benchmarks.live.run import run as run_live
     from benchmarks.live.tables import by_method, by_run, verdict
@@ -310,10 +326,34 @@ def _live(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
         lambda line: print(line, flush=True),
     )
     print()
-    for table in (by_method(result["rows"]), by_run(result["rows"]), verdict(result["rows"])):
+    for table in (by_method(result["rows"]), by_run(result["rows"]), verdict(result["rows"], result["load"])):
         print_rows(table)
         print()
     print(draw(result, arguments.out or Path("live")))
+    return result
+
+
+def _kills(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from benchmarks.live.kill_run import run_all_kills
+    from benchmarks.live.kill_tables import by_gap, verdict
+
+    for option in ("duration_s", "out"):
+        if getattr(arguments, option) is not None:
+            raise UserError(f"--{option.replace('_', '-')}: not with --kill-supervisor; leave it out")
+    result = run_all_kills(
+        trials,
+        _numbers("kill-supervisor", arguments.kill_supervisor) or [],
+        arguments.load or 0,
+        arguments.seed,
+        _listed(arguments.methods),
+        arguments.keep,
+        progress_bar,
+        lambda line: print(line, flush=True),
+    )
+    print()
+    for table in (by_gap(result["rows"]), verdict(result["rows"])):
+        print_rows(table)
+        print()
     return result
 
 

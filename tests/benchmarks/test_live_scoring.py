@@ -168,5 +168,19 @@ def test_the_tables_take_every_row_and_judge_the_method_that_damps() -> None:
     rows[0]["delay_rms_s"] = None
     assert [row["method"] for row in by_method(rows)] == ["timestamps", "fused"]
     assert [row["run"] for row in by_run(rows)] == [0, 1]
-    kept = [row["kept in"] for row in verdict(rows)]
-    assert kept == ["1 of 2 runs", "2 of 2 runs", "2 of 2 runs", "2 of 2 runs", "0 of 2 runs"]
+    assert [row["> 2 std, s"] for row in by_run(rows)] == ["0.10", "0.70"]
+    kept = {row["asked"]: row["kept in"] for row in verdict(rows)}
+    assert list(kept.values()) == ["2 of 2 runs", "1 of 2 runs", *["2 of 2 runs"] * 3, "0 of 2 runs"]
+    rows.append({**rows[0], "method": "correlation", "run": 0, "error_mean": 0.02})
+    rows.append({**rows[0], "method": "correlation", "run": 1, "error_mean": -1.0})
+    assert verdict(rows)[-1] == {"asked": "fused better than correlation", "kept in": "1 of 2 runs"}
+
+
+def test_the_arm_is_to_settle_sooner_where_nothing_runs_beside_it() -> None:
+    row = {
+        "run": 0, "method": "fused", "error_mean": None, "longest_beyond_2_std_s": None,
+        "settling_time_damped_s": 2.0, "commands_beyond_limits": 0, "commands_without_grounds": 1, "frames_lost": 0,
+        "own_deadline_misses": 0,
+    }  # fmt: skip
+    assert [kept["kept in"][0] for kept in verdict([row])] == ["0", "1", "0", "0", "1", "1"]
+    assert [kept["kept in"][0] for kept in verdict([row], load=2)] == ["0", "1", "1", "0", "1", "1"]

@@ -45,3 +45,25 @@ def test_a_run_gives_the_rows_of_the_contract_and_starts_when_all_is_warm(tmp_pa
     recording = open_recording(tmp_path / "kept" / "run_0" / "recording.mcap")
     assert recording.columns("/fast")["time_s"][0] < 0.5
     assert recording.columns("/frames")["received_s"][0] < 1.0
+
+
+def test_a_killed_supervisor_is_replaced_and_what_follows_is_scored(tmp_path: Path) -> None:
+    """The gap is the one asked for, give or take the time that a process takes; the successor is noticed as one."""
+    words = [
+        *("benchmark", "live", "--kill-supervisor", "0.5", "--runs", "1", "--seed", "3"),
+        *("--json", str(tmp_path / "kills.json"), "--keep", str(tmp_path / "kept")),
+    ]
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "stillarm", *words],
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=False,
+        env={"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"},
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    (row,) = json.loads((tmp_path / "kills.json").read_text())["rows"]
+    assert row["method"] == "fused" and row["gap_asked_s"] == 0.5 and 0.3 < row["gap_s"] < 3.0
+    frames = open_recording(tmp_path / "kept" / "run_0" / "recording.mcap").columns("/frames")
+    assert int(sum(frames["restarted"])) == 1
+    assert row["settled_s"] is not None and row["error_mean"] is not None
