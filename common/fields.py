@@ -61,6 +61,6 @@ def _told(name: str, kind: Any, plain: Any) -> tuple[str, str, str]:
         for sign, value in ((">", note.gt), (">=", note.ge), ("<", note.lt), ("<=", note.le))
         if value is not None
     ]
-    type_name = plain.__name__ if isinstance(plain, type) else str(plain)
+    type_name = plain.__name__ if isinstance(plain, type) else str(plain).replace(" |", " or")
     meaning = " ".join(note.description for note in notes if note.description)
     return ", ".join([type_name, *bounds]), unit_of(name), meaning
