@@ -1,4 +1,4 @@
-"""The chunk indices of a recording under way, packed: as objects they would grow by ten megabytes an hour."""
+"""The chunk indices of a recording under way, packed: the package mcap keeps objects, ten megabytes of them an hour."""
 
 import struct
 from collections.abc import Iterator
