@@ -9,7 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import msgpack
 import msgspec
 import numpy as np
 import tomli_w
@@ -118,7 +117,7 @@ def _watch(
     while (now := time.monotonic()) < began + duration_s:
         if select.select([telemetry], [], [], max(0.0, next_s - now))[0]:
             arrived = time.monotonic()
-            rows = msgpack.unpackb(telemetry.recv(65536))
+            rows = msgspec.msgpack.decode(telemetry.recv(65536))
             newest = max((row["time_s"] for row in rows if "fast" in row), default=None)
             if newest is not None:
                 least = min(least, arrived - newest)

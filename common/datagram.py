@@ -1,5 +1,4 @@
-"""The datagrams: msgpack, versioned, with session and sequence number, signed. docs/protocol.md describes
-them.
+"""Datagrams: a message of common/messages.py with its head, packed and signed. docs/protocol.md describes them.
 
 A datagram is a msgpack array [version, kind, session, echo, sequence, body...] followed by a 16-byte keyed BLAKE2s
 tag of all bytes before it. Sessions are random numbers, drawn when a process starts; echo is the session of whom it is
@@ -7,52 +6,39 @@ meant for, as far as it is known; sequences count up from 1.
 """
 
 import hmac
-from enum import IntEnum
 from hashlib import blake2s
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Generic, Literal, NamedTuple, TypeVar, get_type_hints
 
-import msgpack
+import msgspec
+from msgspec import Meta
 
-VERSION = 2
+from common.messages import MESSAGES, VERSION, Message
+
 TAG_BYTES = 16
 MAX_DATAGRAM_BYTES = 1200
 DEMO_KEY = b"stillarm demo key, loopback only"
-_HEAD_FIELDS = 5
-
-
-class Kind(IntEnum):
-    """What a datagram says; the number of fields in its body goes with it."""
-
-    TIMESTAMP = 1  # controller -> supervisor: n_c
-    VISUAL = 2  # supervisor -> controller: session of the timestamps, n_i, and the visual sample
-    DRIVE_COMMAND = 3  # controller -> drive gateway: joint velocity
-    DRIVE_STATE = 4  # drive gateway -> controller: joint position and velocity, status
-    REFERENCE = 5  # operator -> controller: joint velocity reference, whether damping is allowed
-    HELLO = 6  # whoever was addressed without its session -> who did so
-    OPERATOR = 7  # operator -> controller: arm, disarm, clear, stop
-
-
-BODY_FIELDS = {
-    Kind.TIMESTAMP: 2,
-    Kind.VISUAL: 18,
-    Kind.DRIVE_COMMAND: 1,
-    Kind.DRIVE_STATE: 4,
-    Kind.REFERENCE: 2,
-    Kind.HELLO: 0,
-    Kind.OPERATOR: 1,
+HEAD: dict[str, Any] = {
+    "version": Literal[VERSION],
+    "kind": int,
+    "session": Annotated[int, Meta(ge=1)],
+    "echo": Annotated[int, Meta(ge=0)],
+    "sequence": Annotated[int, Meta(ge=1)],
 }
+"""What each datagram begins with."""
+MIN_DATAGRAM_BYTES = 1 + len(HEAD) + TAG_BYTES
+Body = TypeVar("Body", bound=Message)
 
 
-class Datagram(NamedTuple):
-    """A datagram whose tag held and whose shape is right. The body's values are checked by whoever takes
-    them. echo: the session of the receiver, as the sender knows it; 0 where it knows none.
+class Datagram(NamedTuple, Generic[Body]):
+    """A datagram whose tag held and whose message is as the table says.
+
+    echo: the session of the receiver, as the sender knows it; 0 where it knows none.
     """
 
-    kind: int
     session: int
+    echo: int
     sequence: int
-    body: tuple[Any, ...]
-    echo: int = 0
+    body: Body
 
 
 class Rejected(NamedTuple):
@@ -61,41 +47,53 @@ class Rejected(NamedTuple):
     reason: str
 
 
-def encode(
-    key: bytes, kind: int, session: int, sequence: int, body: tuple[Any, ...], *, echo: int = 0
-) -> bytes:
-    """A datagram ready to send. `key` has 16 to 32 bytes; echo: common.peer.Peer.echo."""
-    payload: bytes = msgpack.packb((VERSION, kind, session, echo, sequence, *body))
-    return payload + blake2s(payload, key=key, digest_size=TAG_BYTES).digest()
+def kind_of(message: type[Message]) -> int:
+    """The number of a kind of message."""
+    tag = message.__struct_config__.tag
+    assert isinstance(tag, int)
+    return tag
 
 
-def decode(key: bytes, data: bytes) -> Datagram | Rejected:  # noqa: PLR0911 - one for each check, in order
-    """Check and read a datagram: size, then tag, then version, then shape. Never raises for any bytes."""
-    if not TAG_BYTES + _HEAD_FIELDS + 1 <= len(data) <= MAX_DATAGRAM_BYTES:
+class _Start(msgspec.Struct, array_like=True, gc=False):
+    """The first two fields of an array, whatever they are: the version tells whether the rest can be read."""
+
+    version: Any
+    kind: Any = None
+
+
+_KINDS = {message: kind_of(message) for message in MESSAGES}
+_DECODERS = {
+    kind: (message, msgspec.msgpack.Decoder(tuple[(*HEAD.values(), *types.values())]))  # type: ignore[misc]
+    for message, kind in _KINDS.items()
+    for types in [get_type_hints(message, include_extras=True)]
+}
+_START = msgspec.msgpack.Decoder(_Start)
+_ENCODE = msgspec.msgpack.Encoder().encode
+
+
+def encode(key: bytes, session: int, sequence: int, body: Message, *, echo: int = 0) -> bytes:
+    """A datagram ready to send. `key` has 16 to 32 bytes; a Peer knows the rest."""
+    payload = _ENCODE((VERSION, _KINDS[type(body)], session, echo, sequence, *msgspec.structs.astuple(body)))
+    return payload + _tag(key, payload)
+
+
+def decode(key: bytes, data: bytes) -> Datagram[Message] | Rejected:
+    """Check and read a datagram: size, then tag, then version, then all else. Never raises for any bytes."""
+    if not MIN_DATAGRAM_BYTES <= len(data) <= MAX_DATAGRAM_BYTES:
         return Rejected("malformed")
     payload = data[:-TAG_BYTES]
-    if not hmac.compare_digest(blake2s(payload, key=key, digest_size=TAG_BYTES).digest(), data[-TAG_BYTES:]):
+    if not hmac.compare_digest(_tag(key, payload), data[-TAG_BYTES:]):
         return Rejected("forged")
     try:
-        fields = msgpack.unpackb(payload, use_list=False)
-    except (ValueError, TypeError, RecursionError, msgpack.exceptions.UnpackException):
+        start = _START.decode(payload)
+        if type(start.version) is not int or start.version != VERSION:  # True and 2.0 are no 2
+            return Rejected("foreign_version")
+        message, decoder = _DECODERS[start.kind]
+        _, _, session, echo, sequence, *fields = decoder.decode(payload)
+    except (msgspec.DecodeError, KeyError, TypeError, UnicodeDecodeError, RecursionError):
         return Rejected("malformed")
-    if not isinstance(fields, tuple) or not fields:
-        return Rejected("malformed")
-    if type(fields[0]) is not int or fields[0] != VERSION:  # True and 2.0 are no 2
-        return Rejected("foreign_version")
-    if len(fields) < _HEAD_FIELDS:
-        return Rejected("malformed")
-    _, kind, session, echo, sequence = fields[:_HEAD_FIELDS]
-    if (
-        type(kind) is not int
-        or BODY_FIELDS.get(kind) != len(fields) - _HEAD_FIELDS  # type: ignore[call-overload]
-        or type(session) is not int
-        or type(echo) is not int
-        or type(sequence) is not int
-        or session <= 0
-        or echo < 0
-        or sequence <= 0
-    ):
-        return Rejected("malformed")
-    return Datagram(kind, session, sequence, fields[_HEAD_FIELDS:], echo)
+    return Datagram(session, echo, sequence, message(*fields))
+
+
+def _tag(key: bytes, payload: bytes) -> bytes:
+    return blake2s(payload, key=key, digest_size=TAG_BYTES).digest()

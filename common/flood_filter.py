@@ -8,9 +8,9 @@ session, a random number that nobody off the path has seen, or echoes none, as a
 
 import struct
 
-from common.datagram import BODY_FIELDS, MAX_DATAGRAM_BYTES, TAG_BYTES, VERSION, Kind
+from common.datagram import HEAD, MAX_DATAGRAM_BYTES, MIN_DATAGRAM_BYTES, kind_of
+from common.messages import VERSION, Message
 
-_HEAD_FIELDS = 5
 _UDP_HEADER_BYTES = 8  # what a program on a UDP socket sees begins with it
 _LOAD_WORD, _LOAD_HALF, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x28, 0x30, 0x80  # BPF_LD + BPF_W, H, B, absolute
 _IF_EQUAL, _IF_ABOVE, _IF_AT_LEAST, _RETURN = (
@@ -26,25 +26,25 @@ Instruction = tuple[int, int, int, int]
 """code, jump if true, jump if false, constant"""
 
 
-def flood_program(kinds: tuple[int, ...], session: int) -> list[Instruction]:
-    """The program that lets through datagrams of `kinds` that echo `session` (2^32 or more) or none."""
+def flood_program(takes: tuple[type[Message], ...], session: int) -> list[Instruction]:
+    """The program that lets through datagrams with the messages `takes` that echo `session` (2^32 or more) or none."""
     instructions: list[Instruction] = [
         (_LOAD_LENGTH, 0, 0, 0),
         (_IF_ABOVE, 0, 1, _UDP_HEADER_BYTES + MAX_DATAGRAM_BYTES),
         (_RETURN, 0, 0, 0),
-        (_IF_AT_LEAST, 1, 0, _UDP_HEADER_BYTES + TAG_BYTES + _HEAD_FIELDS + 1),
+        (_IF_AT_LEAST, 1, 0, _UDP_HEADER_BYTES + MIN_DATAGRAM_BYTES),
         (_RETURN, 0, 0, 0),
     ]
-    for kind in kinds:
-        instructions += _of_kind(kind, session)
+    for message in takes:
+        instructions += _of_kind(message, session)
     return [*instructions, (_RETURN, 0, 0, 0)]
 
 
-def _of_kind(kind: int, session: int) -> list[Instruction]:
+def _of_kind(message: type[Message], session: int) -> list[Instruction]:
     """Return if the datagram is of this kind: all of it if its echo is right, nothing if not. Else go on."""
-    head = _array_head(_HEAD_FIELDS + BODY_FIELDS[Kind(kind)])
+    head = _array_head(len(HEAD) + len(message.__struct_fields__))
     at = _UDP_HEADER_BYTES
-    wanted = [(at + i, byte) for i, byte in enumerate((*head, VERSION, kind))]
+    wanted = [(at + i, byte) for i, byte in enumerate((*head, VERSION, kind_of(message)))]
     at += len(head) + 2
     echo = [
         (_LOAD_BYTE, 0, 0, at),  # the sender's session

@@ -4,23 +4,20 @@ The controller takes either only from who has heard from it: the first one is an
 follow are taken.
 """
 
-from common.datagram import Kind, encode
+from common.messages import Hello, OperatorCommand, Reference
 from common.peer import Peer
 
 
 class OperatorSender:
-    """Words OPERATOR and REFERENCE datagrams, and learns the controller's session from its answers."""
+    """Packs OPERATOR_COMMAND and REFERENCE datagrams, and learns the controller's session from its answers."""
 
     def __init__(self, key: bytes, session: int) -> None:
         """Sign with `key`; `session` from common.udp.new_session(), never used before."""
-        self._key = key
-        self._session = session
-        self._sequence = 0
-        self._peer = Peer(key, (Kind.HELLO,), session)
+        self._peer = Peer(key, (Hello,), session)
 
     @property
     def known(self) -> bool:
-        """Whether the controller has answered: what is worded from now on is taken."""
+        """Whether the controller has answered: what is packed from now on is taken."""
         return self._peer.session != 0
 
     def take(self, datagrams: list[bytes]) -> None:
@@ -30,12 +27,8 @@ class OperatorSender:
 
     def command(self, bits: int) -> bytes:
         """The datagram of a command, bits of controller.states.table.Operator; a repeated one does no harm."""
-        return self._word(Kind.OPERATOR, (int(bits),))
+        return self._peer.encode(OperatorCommand(int(bits)))
 
     def reference(self, velocity_rad_s: float, damping_allowed: bool) -> bytes:
         """The datagram of a joint velocity reference; to be renewed well within 0.1 s."""
-        return self._word(Kind.REFERENCE, (float(velocity_rad_s), damping_allowed))
-
-    def _word(self, kind: Kind, body: tuple[object, ...]) -> bytes:
-        self._sequence += 1
-        return encode(self._key, kind, self._session, self._sequence, body, echo=self._peer.echo)
+        return self._peer.encode(Reference(float(velocity_rad_s), damping_allowed))

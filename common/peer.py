@@ -1,14 +1,18 @@
-"""Which datagrams of a peer to take: of a session that is proven to be alive, with increasing sequence; and
-the counts of those not taken.
+"""One end of a link: which datagrams of the peer to take, the counts of those not taken, and what to send it.
 
 A session proves itself by echoing this side's own, which is random and drawn anew at each start: whoever can
 do that, and sign it, has heard from this very process. So nothing that was recorded before this process
 started is ever taken, and of what was recorded since, nothing but what is newer than the newest.
 """
 
+from typing import Any, Generic, TypeVar
+
 import msgspec
 
-from common.datagram import Datagram, Rejected, decode
+from common.datagram import Datagram, Rejected, decode, encode
+from common.messages import Message
+
+_Taken = TypeVar("_Taken", bound=Message)
 
 
 class LinkCounts(msgspec.Struct):
@@ -45,8 +49,8 @@ class LinkCounts(msgspec.Struct):
         )
 
 
-class Peer:
-    """Accepts the datagrams of one peer, in order, across its restarts. Pure: bytes in, datagrams out.
+class Peer(Generic[_Taken]):
+    """Accepts the datagrams of one peer, in order, across its restarts, and packs those for it. Pure: no socket.
 
     A session that has been replaced is never accepted again. State moves on only after the tag holds.
     """
@@ -56,14 +60,15 @@ class Peer:
     bounded."""
     _REORDER_WINDOW = 256  # how far back a late datagram can be told from a duplicate
 
-    def __init__(self, key: bytes, kinds: tuple[int, ...], own_session: int = 0) -> None:
-        """Take datagrams of `kinds` signed with `key`.
+    def __init__(self, key: bytes, takes: tuple[type[_Taken], ...], own_session: int = 0) -> None:
+        """Take the messages `takes` signed with `key`.
 
         own_session: that of this side, which a peer must echo; 0 asks for no proof (of what can do no harm).
         """
         self._key = key
-        self._kinds = kinds
+        self._takes = takes
         self._own = own_session
+        self._sent = 0
         self.session = 0
         self.sequence = 0
         self._heard = 0
@@ -82,15 +87,20 @@ class Peer:
         """Echo `session` from the start, where it is known before anything was heard."""
         self._heard = session
 
-    def receive(self, data: bytes) -> Datagram | None:  # noqa: PLR0911 - one for each check, in order
+    def encode(self, body: Message, *, echo: int | None = None) -> bytes:
+        """The next datagram of this side's session; echo: None for the peer's."""
+        self._sent += 1
+        return encode(self._key, self._own, self._sent, body, echo=self.echo if echo is None else echo)
+
+    def receive(self, data: bytes) -> Datagram[_Taken] | None:  # noqa: PLR0911 - one for each check, in order
         """The datagram if it is the newest so far of its session; None otherwise, and counted."""
         counts = self.counts
         self.greeting = 0
-        datagram = decode(self._key, data)
+        datagram: Datagram[Any] | Rejected = decode(self._key, data)
         if isinstance(datagram, Rejected):
             setattr(counts, datagram.reason, getattr(counts, datagram.reason) + 1)
             return None
-        if datagram.kind not in self._kinds:
+        if not isinstance(datagram.body, self._takes):
             counts.unexpected += 1
             return None
         if self._own and (datagram.echo != self._own or datagram.session == self._own):
@@ -123,7 +133,7 @@ class Peer:
             counts.duplicate += 1
         return None
 
-    def _begin(self, datagram: Datagram) -> None:
+    def _begin(self, datagram: Datagram[_Taken]) -> None:
         if self.session:
             self._old.add(self.session)
         self.session = datagram.session

@@ -1,6 +1,6 @@
 """What a service tells systemd: READY=1, WATCHDOG=1, STOPPING=1 to the socket in NOTIFY_SOCKET (sd_notify(3)).
 
-Without systemd there is no such socket, and nothing happens.
+Without systemd there is no such socket, and nothing happens. Five lines: no package is worth it.
 """
 
 import contextlib

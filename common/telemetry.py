@@ -6,30 +6,37 @@ docs/telemetry.md describes the datagrams. Sent by the recorder's process, never
 import contextlib
 import socket
 from collections.abc import Callable
+from typing import Any
 
 import msgspec
 
 from common.configuration import Telemetry
+from common.fields import plain_types
+from common.recording.topics import TOPIC_INDEX, TOPICS, EstimateSample
 
 _MOST_BYTES = 60_000  # a UDP datagram holds 65507
 _ENCODE = msgspec.msgpack.Encoder().encode
-_EVERY_CYCLE = ("/fast", "/estimate")
+_PLOTTED = {
+    topic.name: [
+        name
+        for name, plain in plain_types(topic.message).items()
+        if plain in (float, int, bool) and name != "time_s"
+    ]
+    for topic in TOPICS
+}
+"""The fields that have a place in a plot, by topic."""
+TELEMETRY_TOPICS = [t for t in TOPICS if t.source.startswith("controller") and _PLOTTED[t.name]]
 
 
-def telemetry_map(topic_name: str, message: msgspec.Struct) -> dict[str, object]:
+def telemetry_map(topic_name: str, message: Any) -> dict[str, object]:
     """{"time_s": ..., TOPIC: {field: number or bool, ...}}; texts and lists have no place in a plot and are left out.
 
     For /estimate, whether the damping is active stands for its status.
     """
-    fields: dict[str, float | bool] = {}
-    for name in message.__struct_fields__:
-        value = getattr(message, name)
-        if isinstance(value, float | int) and name != "time_s":
-            fields[name] = value
-    status = getattr(message, "damping_status", None)
-    if status is not None:
-        fields["damping_active"] = status == "active"
-    return {"time_s": message.time_s, topic_name.strip("/").replace("/", "_"): fields}  # type: ignore[attr-defined]
+    fields = {name: getattr(message, name) for name in _PLOTTED[topic_name]}
+    if isinstance(message, EstimateSample):
+        fields["damping_active"] = message.damping_status == "active"
+    return {"time_s": message.time_s, TOPICS[TOPIC_INDEX[topic_name]].short_name: fields}
 
 
 class TelemetryBatches:
@@ -43,11 +50,10 @@ class TelemetryBatches:
         self._full: list[bytes] = []
         self._next_s = float("-inf")
 
-    def take(self, topic_name: str, message: msgspec.Struct) -> None:
+    def take(self, topic_name: str, message: Any) -> None:
         """Collect one message; of those of every cycle, each `every_cycles`-th."""
-        if topic_name == "/log":  # nothing but text
-            return
-        if topic_name in _EVERY_CYCLE and message.cycle % self._settings.every_cycles:  # type: ignore[attr-defined]
+        topic = TOPICS[TOPIC_INDEX[topic_name]]
+        if not _PLOTTED[topic_name] or (topic.every_cycle and message.cycle % self._settings.every_cycles):
             return
         encoded = _ENCODE(telemetry_map(topic_name, message))
         if len(encoded) > _MOST_BYTES:

@@ -1,5 +1,7 @@
-"""TOML files read into typed structures, with errors that name file, key, value, bound and the
-nearest key.
+"""TOML files read into typed structures, with errors that name file, key, value, bound and the nearest key.
+
+msgspec reads and checks. Where it refuses, the tree is searched here for the first value that does not fit: its own
+message names no value, no choices, no nearest key, and no key of a table whose keys are free.
 """
 
 import difflib
@@ -8,19 +10,29 @@ import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
 from common.user_error import UserError
 
 Structure = TypeVar("Structure")
+Key = str | int
 
-_PATH = re.compile(r" - at `\$?(?P<path>[^`]*)`$")
 _BYTE_ORDER_MARK = "\ufeff"  # some editors begin a file with it
 _BARE = re.compile(r"[A-Za-z0-9_-]+")  # a TOML key without quotes
-_SOME_KEY = "[...]"  # how msgspec names the key of a table whose keys are free
-_UNKNOWN = re.compile(r"unknown field `(?P<field>[^`]*)`")
+
+
+def read_toml_text(path: str | Path) -> str:
+    """A TOML file's text as it stands there. Raises UserError, one line."""
+    try:
+        return Path(path).read_bytes().decode("utf-8")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise UserError(f"{path}: cannot be read ({reason.lower()}); name an existing TOML file") from None
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from None
 
 
 def load_toml(path: str | Path, structure: type[Structure]) -> Structure:
@@ -28,15 +40,7 @@ def load_toml(path: str | Path, structure: type[Structure]) -> Structure:
 
     Raises UserError, one line, for a file that cannot be read, is no TOML, or does not fit the structure.
     """
-    path = Path(path)
-    try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise UserError(f"{path}: cannot be read ({reason.lower()}); name an existing TOML file") from None
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from None
-    return parse_toml(text, structure, str(path))
+    return parse_toml(read_toml_text(path), structure, str(path))
 
 
 def parse_toml(text: str, structure: type[Structure], name: str) -> Structure:
@@ -56,110 +60,59 @@ def convert_tree(tree: dict[str, Any], structure: type[Structure], name: str) ->
     try:
         return msgspec.convert(tree, structure)
     except msgspec.ValidationError as error:
-        raise UserError(_explain(str(error), tree, structure, name)) from None
+        raise UserError(f"{name}: {_misfit(tree, structure, []) or _one_line(str(error))}") from None
 
 
-def _explain(message: str, tree: dict[str, Any], structure: Any, name: str) -> str:
-    match = _PATH.search(message)
-    keys = _found(message, _split(match["path"]), tree, structure) if match else []
-    problem = message[: match.start()] if match else message
-    unknown = _UNKNOWN.search(problem)
-    if unknown:
-        allowed = _fields(structure, keys)
-        key = _join([*keys, unknown["field"]])
-        near = difflib.get_close_matches(unknown["field"], allowed, n=1, cutoff=0.0)
-        value = _value_at(tree, [*keys, unknown["field"]])
-        nearest = f"; the nearest valid key is {_join([*keys, near[0]])}" if near else ""
-        return f"{name}: {key} = {_shorten(value)}: unknown key{nearest}; delete or rename it"
-    missing = re.search(r"missing required field `([^`]*)`", problem)
-    if missing:
-        return f"{name}: {_join([*keys, missing[1]])}: required key is missing; add it"
-    where = f"{name}: {_join(keys)} = {_shorten(_value_at(tree, keys))}"
-    choices = _choices(structure, keys)
-    if choices and problem.startswith("Invalid enum value"):
-        return f"{where}: not one of the choices; use {' or '.join(map(_toml, choices))}"
-    return f"{where}: {_one_line(problem).lower()}"
-
-
-def _choices(structure: Any, keys: list[str | int]) -> list[Any]:
-    """What a Literal at a place in the tree allows, sorted."""
-    kind = _kind_at(structure, keys)
-    kinds = kind.types if isinstance(kind, msgspec.inspect.UnionType) else [kind]
-    return [value for k in kinds if isinstance(k, msgspec.inspect.LiteralType) for value in k.values]
-
-
-def _fields(structure: Any, keys: list[str | int]) -> list[str]:
-    """Names of the keys that are valid at a place in the tree."""
-    kind = _inner(_kind_at(structure, keys), None)
-    if isinstance(kind, msgspec.inspect.StructType):
-        return [field.encode_name for field in kind.fields]
-    return []
-
-
-def _kind_at(structure: Any, keys: list[str | int]) -> Any:
-    kind = msgspec.inspect.type_info(structure)
-    for key in keys:
-        kind = _inner(kind, key)
-    return kind
-
-
-def _inner(kind: Any, key: str | int | None) -> Any:
-    inspect = msgspec.inspect
-    if isinstance(kind, inspect.UnionType):
-        kind = next(
-            (t for t in kind.types if isinstance(t, inspect.StructType | inspect.ListType)), kind.types[0]
-        )
-    if key is None:
-        return kind
-    if isinstance(kind, inspect.StructType):
-        return next((f.type for f in kind.fields if f.encode_name == key), None)
-    if isinstance(kind, inspect.ListType | inspect.VarTupleType):
-        return kind.item_type
+def _misfit(value: Any, kind: Any, keys: list[Key]) -> str | None:
+    """The first thing in `value` that is not of type `kind`: its key, its value, what is allowed. None if all fits."""
+    inner = _inner(kind)
+    parts: list[tuple[Key, Any]] = []
+    if isinstance(inner, type) and issubclass(inner, msgspec.Struct) and isinstance(value, dict):
+        fields = {field.encode_name: field for field in msgspec.structs.fields(inner)}
+        for key in value:
+            if key not in fields:
+                return _unknown(value[key], [*keys, key], list(fields))
+        for key, field in fields.items():
+            if field.required and key not in value:
+                return f"{_join([*keys, key])}: required key is missing; add it"
+        parts = [(key, fields[key].type) for key in value]
+    elif get_origin(inner) is dict and isinstance(value, dict):
+        parts = [(key, get_args(inner)[1]) for key in value]
+    elif get_origin(inner) in (list, tuple) and isinstance(value, list):
+        parts = [(index, get_args(inner)[0]) for index in range(len(value))]
+    for key, part in parts:
+        if found := _misfit(value[key], part, [*keys, key]):
+            return found
+    try:
+        msgspec.convert(value, kind)
+    except msgspec.ValidationError as error:
+        choices = " or ".join(map(_toml, sorted(get_args(inner)))) if get_origin(inner) is Literal else ""
+        problem = f"not one of the choices; use {choices}" if choices else _one_line(str(error))
+        return f"{_join(keys)} = {_shorten(value)}: {problem}"
     return None
 
 
-def _split(path: str) -> list[str | int]:
-    return [
-        int(part[1:-1]) if part.startswith("[") and part != _SOME_KEY else part
-        for part in re.findall(r"\[[^\]]*\]|[^.\[\]]+", path)
-    ]
+def _inner(kind: Any) -> Any:
+    """A type without its bounds, and without its being optional."""
+    if get_origin(kind) is Annotated:
+        return _inner(get_args(kind)[0])
+    if get_origin(kind) in (Union, UnionType):
+        there = [member for member in get_args(kind) if member not in (NoneType, msgspec.UnsetType)]
+        return _inner(there[0]) if len(there) == 1 else kind
+    return kind
 
 
-def _found(message: str, keys: list[str | int], tree: Any, structure: Any) -> list[str | int]:
-    """The keys with a table's own key where msgspec's message only says that there is one."""
-    found: list[str | int] = []
-    for key in keys:
-        table = _value_at(tree, found)
-        named = key != _SOME_KEY or not isinstance(table, dict)
-        found.append(key if named else _refused(message, found, tree, structure))
-    return found
-
-
-def _refused(message: str, keys: list[str | int], tree: Any, structure: Any) -> str:
-    """The key of the table at `keys` that is refused with that message, the table's others aside."""
-    for key, value in _value_at(tree, keys).items():
-        try:
-            msgspec.convert(_with(tree, keys, {key: value}), structure)
-        except msgspec.ValidationError as error:
-            if str(error) == message:
-                return str(key)
-    return _SOME_KEY
-
-
-def _with(tree: Any, keys: list[str | int], value: Any) -> Any:
-    """A tree with another value at `keys`."""
-    if not keys:
-        return value
-    copy = tree.copy()
-    copy[keys[0]] = _with(tree[keys[0]], keys[1:], value)
-    return copy
+def _unknown(value: Any, keys: list[Key], allowed: list[str]) -> str:
+    near = difflib.get_close_matches(str(keys[-1]), allowed, n=1, cutoff=0.0)
+    nearest = f"; the nearest valid key is {_join([*keys[:-1], near[0]])}" if near else ""
+    return f"{_join(keys)} = {_shorten(value)}: unknown key{nearest}; delete or rename it"
 
 
 def _toml(value: Any) -> str:
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 
-def _join(keys: list[str | int]) -> str:
+def _join(keys: list[Key]) -> str:
     text = ""
     for key in keys:
         one = f"[{key}]" if isinstance(key, int) else key if _BARE.fullmatch(key) else f'"{key}"'
@@ -167,16 +120,7 @@ def _join(keys: list[str | int]) -> str:
     return text or "(file)"
 
 
-def _value_at(tree: Any, keys: list[str | int]) -> Any:
-    for key in keys:
-        try:
-            tree = tree[key]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return tree
-
-
-def _leaves(tree: Any, keys: list[str | int]) -> Iterator[tuple[list[str | int], Any]]:
+def _leaves(tree: Any, keys: list[Key]) -> Iterator[tuple[list[Key], Any]]:
     if isinstance(tree, dict | list):
         for key, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
             yield from _leaves(value, [*keys, key])
@@ -190,4 +134,5 @@ def _shorten(value: Any) -> str:
 
 
 def _one_line(text: str) -> str:
-    return " ".join(text.split())
+    text = " ".join(text.split())
+    return text[:1].lower() + text[1:]

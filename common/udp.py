@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from common.datagram import MAX_DATAGRAM_BYTES
 from common.flood_filter import FloodGuard, flood_program, packed
+from common.messages import Message
 from common.user_error import UserError
 
 Address = tuple[str, int]
@@ -41,13 +42,13 @@ class UdpSocket:
         self._guard: FloodGuard | None = None
         self._program = b""
 
-    def guard(self, kinds: tuple[int, ...], session: int, expected_per_look: int) -> None:
-        """From now on, in a flood, have the kernel turn away what is not of `kinds` or echoes another session.
+    def guard(self, takes: tuple[type[Message], ...], session: int, expected_per_look: int) -> None:
+        """From now on, in a flood, have the kernel turn away all but the messages `takes` that echo `session`, or none.
 
         expected_per_look: datagrams that peers send between two calls of drain(), at the most.
         """
         self._guard = FloodGuard(expected_per_look)
-        self._program = packed(flood_program(kinds, session))
+        self._program = packed(flood_program(takes, session))
 
     def send(self, data: bytes, to: Address) -> None:
         """Send one datagram. A full queue or an absent peer loses it, as UDP may; that is counted."""

@@ -1,12 +1,12 @@
-"""A visual sample as the body of a datagram, and back; with the times from which the two clocks are compared."""
+"""A visual sample as the message Visual, and back; with the times from which the two clocks are compared."""
 
 from math import nan
 from typing import Any, NamedTuple
 
-from common.visual_sample import VisualSample
+import msgspec
 
-_FLOATS = 9
-_STAMPS = 3
+from common.messages import Visual
+from common.visual_sample import VisualSample
 
 
 class LinkTimes(NamedTuple):
@@ -22,38 +22,17 @@ class LinkTimes(NamedTuple):
 NO_TIMES = LinkTimes()
 
 
-def visual_body(
-    controller_session: int, sample: VisualSample, times: LinkTimes = NO_TIMES
-) -> tuple[Any, ...]:
-    """The body of a VISUAL datagram: session of the timestamps, frame, n_i, status, nine numbers,
-    features, inliers, three times.
-    """
-    return (
-        controller_session,
-        sample.frame,
-        sample.started_cycle,
-        sample.status,
-        sample.displacement_x_px,
-        sample.displacement_y_px,
-        sample.rotation_rad,
-        sample.variance_x_px2,
-        sample.variance_y_px2,
-        sample.covariance_xy_px2,
-        sample.variance_rotation_rad2,
-        sample.captured_s,
-        sample.exposure_s,
-        sample.features,
-        sample.inliers,
-        *times,
-    )
+def visual_message(controller_session: int, sample: VisualSample, times: LinkTimes = NO_TIMES) -> Visual:
+    """The message that answers the timestamps of a session; `restarted` stays behind: the receiver knows it."""
+    fields: tuple[Any, ...] = (controller_session, *msgspec.structs.astuple(sample)[:-1], *times)
+    return Visual(*fields)
 
 
-def read_visual_body(body: tuple[Any, ...]) -> tuple[int, VisualSample, LinkTimes] | None:
-    """Session of the timestamps, the sample and the times; None when a value is of the wrong kind."""
-    session, frame, started, status, *rest = body
-    numbers, integers, times = rest[:_FLOATS], rest[_FLOATS:-_STAMPS], rest[-_STAMPS:]
-    if not all(type(v) is int for v in (session, frame, started, status, *integers)):
-        return None
-    if not all(type(v) is float for v in (*numbers, *times)):
-        return None
-    return session, VisualSample(frame, started, status, *numbers, *integers), LinkTimes(*times)
+def visual_sample(message: Visual) -> VisualSample:
+    """The sample in a message."""
+    return msgspec.convert(message, VisualSample, from_attributes=True)
+
+
+def link_times(message: Visual) -> LinkTimes:
+    """The times in a message."""
+    return LinkTimes(message.sent_s, message.received_s, message.answered_s)

@@ -5,10 +5,11 @@ from math import nan
 import msgspec
 
 from common.clock_offset import ClockOffset
-from common.datagram import Kind, encode
+from common.datagram import kind_of
+from common.messages import Hello, OperatorCommand, Reference, Timestamp, Visual
 from common.model import Model
 from common.peer import LinkCounts, Peer
-from common.visual_datagram import read_visual_body
+from common.visual_datagram import link_times, visual_sample
 from common.visual_sample import VisualSample
 
 _HELD_UP_S = 0.1
@@ -30,10 +31,8 @@ class ControllerExchange:
         oldest_cycles: how long ago the supervisor may have begun what it sends: oldest_sample_s().
         """
         self._oldest_cycles = oldest_cycles
-        self._key = key
         self._session = session
-        self._sequence = 0
-        self._peer = Peer(key, (Kind.VISUAL,), session)
+        self._peer = Peer(key, (Visual,), session)
         self._restarted = False
         self.clock = ClockOffset()
         """The supervisor's clock against this one's."""
@@ -53,10 +52,7 @@ class ControllerExchange:
 
     def timestamp(self, cycle: int, sent_s: float = nan) -> bytes:
         """The datagram that opens a cycle. sent_s: this clock's time, for the comparison of the clocks."""
-        self._sequence += 1
-        return encode(
-            self._key, Kind.TIMESTAMP, self._session, self._sequence, (cycle, sent_s), echo=self._peer.echo
-        )
+        return self._peer.encode(Timestamp(cycle, sent_s))
 
     def take(self, datagrams: list[bytes], cycle: int, received_s: float = nan) -> list[VisualSample]:
         """The visual samples among the datagrams read in a cycle, in order. received_s: this clock's time.
@@ -73,16 +69,14 @@ class ControllerExchange:
             if self._peer.counts.sessions != sessions:
                 self.clock.reset()
                 self._restarted = sessions > 0
-            read = read_visual_body(datagram.body)
-            if read is None:
-                self._peer.counts.malformed += 1
-            elif read[0] != self._session or not 0 <= read[1].started_cycle <= cycle:
+            visual = datagram.body
+            if visual.timestamp_session != self._session or not 0 <= visual.started_cycle <= cycle:
                 self._peer.counts.old_session += 1
-            elif cycle - read[1].started_cycle > self._oldest_cycles:
+            elif cycle - visual.started_cycle > self._oldest_cycles:
                 self._peer.counts.overdue += 1
             else:
-                samples.append(self._marked(read[1]))
-                self.clock.add(read[2], received_s)
+                samples.append(self._marked(visual_sample(visual)))
+                self.clock.add(link_times(visual), received_s)
         return samples
 
     def _marked(self, sample: VisualSample) -> VisualSample:
@@ -100,11 +94,8 @@ class ReferenceExchange:
 
     def __init__(self, key: bytes, session: int) -> None:
         """Accept references signed with `key` that echo `session`, this process's own."""
-        self._key = key
-        self._session = session
-        self._sequence = 0
-        self._peer = Peer(key, (Kind.REFERENCE,), session)
-        self._operator = Peer(key, (Kind.OPERATOR,), session)
+        self._peer = Peer(key, (Reference,), session)
+        self._operator = Peer(key, (OperatorCommand,), session)
         self._asked = 0
         self._velocity = 0.0
         self._damping = True
@@ -118,37 +109,19 @@ class ReferenceExchange:
     def hello(self) -> bytes | None:
         """What to answer to the sender of the last datagram taken: this session, where that did not know it yet."""
         greeting = self._peer.greeting or self._operator.greeting
-        if not greeting:
-            return None
-        self._sequence += 1
-        return encode(self._key, Kind.HELLO, self._session, self._sequence, (), echo=greeting)
+        return self._peer.encode(Hello(), echo=greeting) if greeting else None
 
     def take(self, datagrams: list[bytes], time_s: float) -> None:
         """Read what has arrived by a time."""
         for data in datagrams:
+            self._peer.greeting = self._operator.greeting = 0
             if data[_KIND_AT : _KIND_AT + 1] == _OPERATOR:
-                self._take_operator(data)
-                continue
-            self._operator.greeting = 0
-            datagram = self._peer.receive(data)
-            if datagram is None:
-                continue
-            velocity, damping = datagram.body
-            if type(velocity) is float and type(damping) is bool and abs(velocity) < 1e6:
-                self._velocity, self._damping, self._time_s = velocity, damping, time_s
-            else:
-                self._peer.counts.malformed += 1
-
-    def _take_operator(self, data: bytes) -> None:
-        self._peer.greeting = 0
-        datagram = self._operator.receive(data)
-        if datagram is None:
-            return
-        (bits,) = datagram.body
-        if type(bits) is int and 0 < bits < 16:
-            self._asked |= bits
-        else:
-            self._operator.counts.malformed += 1
+                command = self._operator.receive(data)
+                self._asked |= command.body.bits if command is not None else 0
+            elif (datagram := self._peer.receive(data)) is not None:
+                reference = datagram.body
+                self._velocity, self._damping = reference.velocity_rad_s, reference.damping_allowed
+                self._time_s = time_s
 
     def asked(self) -> int:
         """What the operator has asked for since the last call, bits of controller.states.table.Operator."""
@@ -163,4 +136,4 @@ class ReferenceExchange:
 
 
 _KIND_AT = 2  # after the array's head and the version, a byte each
-_OPERATOR = bytes((Kind.OPERATOR,))
+_OPERATOR = bytes((kind_of(OperatorCommand),))

@@ -4,8 +4,8 @@ import time
 from math import nan
 
 from common.configuration import Configuration
-from common.datagram import Kind
 from common.link_key import load_key
+from common.messages import OperatorCommand, Reference, Visual
 from common.model import Model
 from common.scenario import Scenario, load_scenario
 from common.stop_signal import SignalFlag
@@ -55,10 +55,8 @@ class LiveDevices:
             UdpSocket((link.controller_host, link.controller_port), "link.controller_port"),
             UdpSocket((link.controller_host, link.reference_port), "link.reference_port"),
         ]
-        for socket, kinds in zip(
-            self._sockets, ((Kind.VISUAL,), (Kind.REFERENCE, Kind.OPERATOR)), strict=True
-        ):
-            socket.guard(kinds, self.session, _EXPECTED_PER_CYCLE)
+        for socket, takes in zip(self._sockets, ((Visual,), (Reference, OperatorCommand)), strict=True):
+            socket.guard(takes, self.session, _EXPECTED_PER_CYCLE)
         self._operator.start()
         if self._accelerometer is not None:
             self._accelerometer.start()

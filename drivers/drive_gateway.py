@@ -8,7 +8,7 @@ beside a real drive.
 from enum import IntEnum
 from math import isfinite, nan
 
-from common.datagram import Kind, encode
+from common.messages import DriveCommand, DriveState, Hello
 from common.peer import LinkCounts, Peer
 from common.udp import new_session
 
@@ -29,10 +29,8 @@ class DriveGateway:
     def __init__(self, key: bytes, session: int | None = None) -> None:
         """key: 16 to 32 bytes, shared with the controller. session: of the answers; None draws a random
         one."""
-        self._key = key
         self.session = new_session() if session is None else session
-        self._peer = Peer(key, (Kind.DRIVE_COMMAND,), self.session)
-        self._sequence = 0
+        self._peer = Peer(key, (DriveCommand,), self.session)
         self._velocity = 0.0
         self._received_s = nan
         self._command_sequence = 0
@@ -54,11 +52,11 @@ class DriveGateway:
         datagram = self._peer.receive(data)
         if datagram is None:
             return False
-        velocity = datagram.body[0]
-        if type(velocity) not in (float, int) or not isfinite(velocity):
+        velocity = datagram.body.velocity_rad_s
+        if not isfinite(velocity):
             self.ignored += 1
             return False
-        self._velocity = float(velocity)
+        self._velocity = velocity
         self._received_s = now_s
         self._command_sequence = datagram.sequence
         return True
@@ -76,17 +74,13 @@ class DriveGateway:
     def state_datagram(self, position_rad: float, velocity_rad_s: float) -> bytes:
         """A DRIVE_STATE of the joint's measured position and velocity, with the newest command's sequence
         number."""
-        self._sequence += 1
-        body = (position_rad, velocity_rad_s, int(self._status), self._command_sequence)
-        return encode(
-            self._key, Kind.DRIVE_STATE, self.session, self._sequence, body, echo=self._peer.session
+        return self._peer.encode(
+            DriveState(position_rad, velocity_rad_s, int(self._status), self._command_sequence)
         )
 
     def hello(self) -> bytes | None:
         """What to answer to the sender of the datagram that receive() has just refused, where it was well signed
         but did not echo this gateway's session: a HELLO that tells it. None where there is nothing to answer.
         """
-        if not self._peer.greeting:
-            return None
-        self._sequence += 1
-        return encode(self._key, Kind.HELLO, self.session, self._sequence, (), echo=self._peer.greeting)
+        greeting = self._peer.greeting
+        return self._peer.encode(Hello(), echo=greeting) if greeting else None

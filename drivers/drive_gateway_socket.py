@@ -1,6 +1,6 @@
 """A drive gateway on a UDP port: commands in, the joint's state back to whoever commands."""
 
-from common.datagram import Kind
+from common.messages import DriveCommand
 from common.udp import Address, UdpSocket
 from drivers.drive_gateway import DriveGateway
 
@@ -16,7 +16,7 @@ class DriveGatewaySocket:
         """Bind to `local`. Raises UserError, naming `purpose`, when that cannot be."""
         self._gateway = gateway
         self._socket = UdpSocket(local, purpose)
-        self._socket.guard((Kind.DRIVE_COMMAND,), gateway.session, _EXPECTED_PER_LOOK)
+        self._socket.guard((DriveCommand,), gateway.session, _EXPECTED_PER_LOOK)
         self._commander: Address | None = None
 
     @property

@@ -5,12 +5,13 @@ from collections.abc import Callable
 from math import inf, isfinite, nan
 
 from common.configuration import DriveDevice
-from common.datagram import Datagram, Kind, encode
+from common.messages import DriveCommand, DriveState, Hello
 from common.peer import LinkCounts, Peer
 from common.udp import UdpSocket, new_session
 from drivers.drive import JointState
 
 _MAX_DATAGRAMS = 32
+_TAKES = (DriveState, Hello)
 _EXPECTED_PER_CYCLE = 3  # a gateway reports about once a millisecond
 
 
@@ -29,11 +30,9 @@ class UdpGatewayDrive:
         one."""
         self._config = config
         self._gateway = (config.gateway_host, config.gateway_port)
-        self._key = key
         self._clock = clock
         self.session = new_session() if session is None else session
-        self._sequence = 0
-        self._peer = Peer(key, (Kind.DRIVE_STATE, Kind.HELLO), self.session)
+        self._peer = Peer(key, _TAKES, self.session)
         self._socket: UdpSocket | None = None
         self._position = self._velocity = nan
         self._arrived_s = -inf
@@ -42,7 +41,7 @@ class UdpGatewayDrive:
         self.echoed_sequence = 0
         """Sequence number of the newest command that the gateway had when it reported."""
         self.ignored = 0
-        """States that were signed and in order, but hold anything but two finite numbers and two integers."""
+        """States that were signed and in order, but whose position or velocity is not a finite number."""
         self.refused = 0
         """Commands that were no finite number; zero was sent in their place."""
 
@@ -65,7 +64,7 @@ class UdpGatewayDrive:
         """Open the socket. Moves nothing. Raises UserError when the port is taken."""
         self.close()
         self._socket = UdpSocket((self._config.local_host, self._config.local_port), "drive.local_port")
-        self._socket.guard((Kind.DRIVE_STATE, Kind.HELLO), self.session, _EXPECTED_PER_CYCLE)
+        self._socket.guard(_TAKES, self.session, _EXPECTED_PER_CYCLE)
 
     def command(self, velocity_rad_s: float) -> None:
         """Send the joint velocity command, rad/s; what is no finite number is sent as zero, and counted.
@@ -77,13 +76,8 @@ class UdpGatewayDrive:
         if not isfinite(velocity_rad_s):
             self.refused += 1
             velocity_rad_s = 0.0
-        self._sequence += 1
         # float(): a NumPy scalar would not go into msgpack
-        body = (float(velocity_rad_s),)
-        self._socket.send(
-            encode(self._key, Kind.DRIVE_COMMAND, self.session, self._sequence, body, echo=self._peer.echo),
-            self._gateway,
-        )
+        self._socket.send(self._peer.encode(DriveCommand(float(velocity_rad_s))), self._gateway)
 
     def state(self) -> JointState:
         """The newest report of the drive; never blocks. Before the first: NaN, NaN and an infinite age."""
@@ -91,8 +85,8 @@ class UdpGatewayDrive:
             raise RuntimeError("state() before start()")
         for data in self._socket.drain(_MAX_DATAGRAMS):
             datagram = self._peer.receive(data)
-            if datagram is not None and datagram.kind == Kind.DRIVE_STATE:
-                self._take(datagram)
+            if datagram is not None and isinstance(datagram.body, DriveState):
+                self._take(datagram.body)
         return JointState(self._position, self._velocity, self._clock() - self._arrived_s)
 
     def close(self) -> None:
@@ -102,17 +96,10 @@ class UdpGatewayDrive:
             self._socket.close()
             self._socket = None
 
-    def _take(self, datagram: Datagram) -> None:
-        position, velocity, status, echoed = datagram.body
-        if (
-            type(position) not in (float, int)
-            or type(velocity) not in (float, int)
-            or not (isfinite(position) and isfinite(velocity))
-            or type(status) is not int
-            or type(echoed) is not int
-        ):
+    def _take(self, state: DriveState) -> None:
+        if not (isfinite(state.position_rad) and isfinite(state.velocity_rad_s)):
             self.ignored += 1
             return
-        self._position, self._velocity = float(position), float(velocity)
-        self.status, self.echoed_sequence = status, echoed
+        self._position, self._velocity = state.position_rad, state.velocity_rad_s
+        self.status, self.echoed_sequence = state.status, state.command_sequence
         self._arrived_s = self._clock()

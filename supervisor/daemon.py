@@ -6,9 +6,9 @@ from pathlib import Path
 import cv2
 
 from common.configuration import Configuration, load_configuration
-from common.datagram import Kind
 from common.link_key import is_loopback, load_key
 from common.loop_processor import leave_it_to_the_loop
+from common.messages import Timestamp
 from common.priority import raise_priority, run_fifo
 from common.recording.header import live_header
 from common.recording.recorder_client import RECORDING_CUT, RecorderClient
@@ -95,7 +95,7 @@ class _Loop:
         )
         self._controller = (link.controller_host, link.controller_port)
         self._socket = UdpSocket((link.supervisor_host, link.supervisor_port), "link.supervisor_port")
-        self._socket.guard((Kind.TIMESTAMP,), session, _TIMESTAMPS_EXPECTED)
+        self._socket.guard((Timestamp,), session, _TIMESTAMPS_EXPECTED)
         self._frames = self._measured = self._rounds = 0
 
     def start(self) -> None:

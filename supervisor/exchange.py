@@ -4,14 +4,14 @@ from collections import deque
 from math import nan
 from typing import NamedTuple
 
-from common.datagram import Kind, encode
+from common.messages import Timestamp
 from common.peer import LinkCounts, Peer
-from common.visual_datagram import LinkTimes, visual_body
+from common.visual_datagram import LinkTimes, visual_message
 from common.visual_sample import VisualSample
 
 
-class Timestamp(NamedTuple):
-    """The latest timestamp of the controller: its session and its cycle n_c; session 0 before the first."""
+class Started(NamedTuple):
+    """What a cycle began with: the controller's session and its cycle n_i; session 0 before the first timestamp."""
 
     session: int
     cycle: int
@@ -26,14 +26,11 @@ class SupervisorExchange:
 
     def __init__(self, key: bytes, session: int, cycles_in_flight: int) -> None:
         """Sign with `key`; `session` is this process's own, never used before."""
-        self._key = key
-        self._session = session
-        self._sequence = 0
         self._in_flight = cycles_in_flight
-        self._begun: deque[Timestamp] = deque()
-        self._peer = Peer(key, (Kind.TIMESTAMP,), session)
+        self._begun: deque[Started] = deque()
+        self._peer = Peer(key, (Timestamp,), session)
         self._sent_s = self._received_s = nan  # of the latest timestamp
-        self.latest = Timestamp(0, -1)
+        self.latest = Started(0, -1)
 
     @property
     def counts(self) -> LinkCounts:
@@ -44,14 +41,9 @@ class SupervisorExchange:
         """Read what has arrived, keeping the latest timestamp. received_s: this clock's time."""
         for data in datagrams:
             datagram = self._peer.receive(data)
-            if datagram is None:
-                continue
-            cycle, sent_s = datagram.body
-            if type(cycle) is int and cycle >= 0 and type(sent_s) is float:
-                self.latest = Timestamp(datagram.session, cycle)
-                self._sent_s, self._received_s = sent_s, received_s
-            else:
-                self._peer.counts.malformed += 1
+            if datagram is not None:
+                self.latest = Started(datagram.session, datagram.body.cycle)
+                self._sent_s, self._received_s = datagram.body.sent_s, received_s
 
     def begin_cycles(self) -> int:
         """Begin as many cycles as may be in flight, with the latest timestamp as their n_i; returns how many."""
@@ -59,13 +51,12 @@ class SupervisorExchange:
         self._begun.extend([self.latest] * new)
         return new
 
-    def oldest(self) -> Timestamp:
+    def oldest(self) -> Started:
         """The timestamp with which the oldest cycle in flight began: its image comes next."""
         return self._begun[0]
 
     def end_cycle(self, sample: VisualSample, answered_s: float = nan) -> bytes:
         """End the oldest cycle: the datagram with its visual data and its n_i. answered_s: this clock's time."""
         started = self._begun.popleft()
-        self._sequence += 1
-        body = visual_body(started.session, sample, LinkTimes(self._sent_s, self._received_s, answered_s))
-        return encode(self._key, Kind.VISUAL, self._session, self._sequence, body, echo=self._peer.echo)
+        times = LinkTimes(self._sent_s, self._received_s, answered_s)
+        return self._peer.encode(visual_message(started.session, sample, times))

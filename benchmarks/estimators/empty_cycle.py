@@ -5,8 +5,8 @@ from time import perf_counter_ns
 import numpy as np
 
 from benchmarks.estimators.regimes import CYCLE_S, FRAME_S
-from common.datagram import Kind, encode
-from common.visual_datagram import visual_body
+from common.datagram import encode
+from common.visual_datagram import visual_message
 from common.visual_sample import TrackingStatus, VisualSample
 from controller.exchange import ControllerExchange
 
@@ -37,4 +37,4 @@ def _visual(cycle: int, frame: int) -> bytes:
     sample = VisualSample(
         frame, started, TrackingStatus.MEASURED, 0.5, 0.5, 0.0, 0.01, 0.01, 0.0, 1e-8, 0.5, 0.015, 100, 100
     )
-    return encode(_KEY, Kind.VISUAL, _PEER_SESSION, frame, visual_body(_SESSION, sample), echo=_SESSION)
+    return encode(_KEY, _PEER_SESSION, frame, visual_message(_SESSION, sample), echo=_SESSION)

@@ -3,7 +3,8 @@
 import random
 from dataclasses import dataclass
 
-from common.datagram import MAX_DATAGRAM_BYTES, TAG_BYTES, Kind, encode
+from common.datagram import MAX_DATAGRAM_BYTES, TAG_BYTES, encode
+from common.messages import MESSAGES
 
 _WRONG_KEY = b"the key of someone who has none."
 _REMEMBERED = 2000
@@ -69,8 +70,9 @@ def forged(data: bytes, rng: random.Random) -> bytes:
     if how == 0:
         return rng.randbytes(rng.randrange(1, 200))
     if how == 1:
-        kind = rng.choice(list(Kind))
-        return encode(_WRONG_KEY, kind, rng.getrandbits(62) | 1, rng.randrange(1, 10**6), (0.5,))
+        message = rng.choice(MESSAGES)
+        body = message(*[0.5] * len(message.__struct_fields__))
+        return encode(_WRONG_KEY, rng.getrandbits(62) | 1, rng.randrange(1, 10**6), body)
     if how == 2 and len(data) > TAG_BYTES:
         return data[:-TAG_BYTES] + rng.randbytes(TAG_BYTES)
     changed = bytearray(data)

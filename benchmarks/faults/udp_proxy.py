@@ -9,7 +9,8 @@ import time
 from dataclasses import dataclass, field
 
 from benchmarks.faults.faulty_link import PERFECT, LinkFault, faulty_link
-from common.datagram import DEMO_KEY, Datagram, Kind, decode
+from common.datagram import DEMO_KEY, Datagram, decode
+from common.messages import DriveCommand
 
 _HOST = "127.0.0.1"
 _REMEMBERED = 2000
@@ -89,8 +90,8 @@ class UdpProxy:
     def _send(self, way: _Way, data: bytes) -> None:
         if way is self.commands:
             datagram = decode(DEMO_KEY, data)
-            if isinstance(datagram, Datagram) and datagram.kind == Kind.DRIVE_COMMAND:
-                self.seen.append((time.monotonic(), datagram.body[0]))
+            if isinstance(datagram, Datagram) and isinstance(datagram.body, DriveCommand):
+                self.seen.append((time.monotonic(), datagram.body.velocity_rad_s))
         try:
             way.out.sendto(data, way.to)
         except OSError:  # a datagram that is too long, or nobody there

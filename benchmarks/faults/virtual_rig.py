@@ -15,7 +15,8 @@ import numpy as np
 
 from benchmarks.faults.faulty_link import Wire
 from common.configuration import Configuration
-from common.datagram import DEMO_KEY, Kind, encode
+from common.datagram import DEMO_KEY
+from common.messages import DriveCommand, DriveState, Hello
 from common.model import Model
 from common.peer import Peer
 from common.visual_sample import TrackingStatus, VisualSample
@@ -46,22 +47,19 @@ class _DriveEnd:
     """The controller's end of the drive link: drivers.udp_gateway_drive without its socket."""
 
     def __init__(self, session: int) -> None:
-        self._session, self._sequence = session, 0
-        self._peer = Peer(DEMO_KEY, (Kind.DRIVE_STATE, Kind.HELLO), session)
+        self._peer = Peer(DEMO_KEY, (DriveState, Hello), session)
         self.position = self.velocity = nan
         self.arrived_s = -inf
 
     def take(self, datagrams: list[bytes], now_s: float) -> None:
         for data in datagrams:
             datagram = self._peer.receive(data)
-            if datagram is not None and datagram.kind == Kind.DRIVE_STATE:
-                self.position, self.velocity = datagram.body[:2]
+            if datagram is not None and isinstance(datagram.body, DriveState):
+                self.position, self.velocity = datagram.body.position_rad, datagram.body.velocity_rad_s
                 self.arrived_s = now_s
 
     def command(self, velocity_rad_s: float) -> bytes:
-        self._sequence += 1
-        body = (velocity_rad_s,)
-        return encode(DEMO_KEY, Kind.DRIVE_COMMAND, self._session, self._sequence, body, echo=self._peer.echo)
+        return self._peer.encode(DriveCommand(velocity_rad_s))
 
 
 class VirtualRig:

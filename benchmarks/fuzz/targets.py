@@ -11,12 +11,13 @@ from hashlib import blake2s
 from math import isfinite
 from pathlib import Path
 
-import msgpack
+import msgspec
 
 from common.configuration import Configuration
 from common.csv_bundle.bundle_import import import_bundle
-from common.datagram import BODY_FIELDS, DEMO_KEY, MAX_DATAGRAM_BYTES, TAG_BYTES, Datagram, Kind, decode
+from common.datagram import DEMO_KEY, MAX_DATAGRAM_BYTES, TAG_BYTES, Datagram, decode, kind_of
 from common.mapped_data import import_mapped
+from common.messages import MESSAGES
 from common.model import Model, check_model
 from common.recording.reader import open_recording
 from common.scenario import Scenario
@@ -42,24 +43,24 @@ def datagram(data: bytes) -> None:
         got = decode(DEMO_KEY, candidate)
         if isinstance(got, Datagram):
             assert len(candidate) <= MAX_DATAGRAM_BYTES
-            assert len(got.body) == BODY_FIELDS[Kind(got.kind)] and got.session > 0 and got.sequence > 0
+            assert got.session > 0 and got.sequence > 0 and got.echo >= 0
 
 
 def exchanges(data: bytes) -> None:
     """A signed body of every kind, echo and session right: what reaches the innermost checks."""
     try:
-        body = msgpack.unpackb(data, use_list=True, strict_map_key=False)
-    except (ValueError, TypeError, RecursionError, msgpack.exceptions.UnpackException):
+        body = msgspec.msgpack.decode(data)
+    except (msgspec.DecodeError, ValueError, TypeError, RecursionError):
         return
     fields = body if isinstance(body, list) else [body]
     controller = ControllerExchange(DEMO_KEY, _OWN)
     supervisor = SupervisorExchange(DEMO_KEY, _OWN, 2)
     reference = ReferenceExchange(DEMO_KEY, _OWN)
     gateway = DriveGateway(DEMO_KEY, _OWN)
-    for kind in Kind:
-        padded = (fields + [0] * 20)[: BODY_FIELDS[kind]]
+    for message in MESSAGES:
+        padded = (fields + [0] * 20)[: len(message.__struct_fields__)]
         try:
-            signed = _signed(msgpack.packb((2, int(kind), _PEER, _OWN, 1, *padded)))
+            signed = _signed(msgspec.msgpack.encode((2, kind_of(message), _PEER, _OWN, 1, *padded)))
         except (ValueError, TypeError, OverflowError):
             return
         for sample in controller.take([signed], 100, 0.5):

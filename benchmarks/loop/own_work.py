@@ -5,11 +5,12 @@ from math import cos, pi
 import msgspec
 
 from common.configuration import Controller as ControllerSettings
-from common.datagram import DEMO_KEY, Kind, encode
+from common.datagram import DEMO_KEY, encode
+from common.messages import DriveCommand, Message, Timestamp, Visual
 from common.model import Model
 from common.peer import Peer
 from common.udp import UdpSocket, new_session
-from common.visual_datagram import read_visual_body, visual_body
+from common.visual_datagram import visual_message, visual_sample
 from common.visual_sample import TrackingStatus, VisualSample
 from controller.cycle_input import CycleInput
 from controller.recorded import estimate_sample, fast_sample
@@ -28,7 +29,7 @@ class OwnWork:
         self._model, self._cycle_s = model, model.timing.cycle_s
         self._controller = Controller(model, msgspec.structs.replace(settings, arm_at_start=True))
         self._session = new_session()
-        self._peer = Peer(DEMO_KEY, (Kind.VISUAL,))
+        self._peer = Peer(DEMO_KEY, (Visual,))
         self._socket = UdpSocket(("127.0.0.1", 0), "latency")
         self._encode = msgspec.msgpack.Encoder().encode
         self._w = model.arm.modes[0].angular_frequency
@@ -41,29 +42,28 @@ class OwnWork:
         cycle, model = self._cycle, self._model
         self._cycle += 1
         wave = self._wave
-        self._send(Kind.TIMESTAMP, (cycle, cycle * self._cycle_s))
+        self._send(Timestamp(cycle, cycle * self._cycle_s))
         if cycle % _CYCLES_A_FRAME == 0:
             seen = -model.camera.scale_px_per_m * wave[(cycle - _DELAY_CYCLES) % len(wave)]
             sample = VisualSample(
                 cycle, max(0, cycle - _DELAY_CYCLES), TrackingStatus.MEASURED, seen, 0.0, 0.0, 0.01
             )
-            self._send(Kind.VISUAL, visual_body(self._session, sample))
+            self._send(visual_message(self._session, sample))
         acceleration = -model.accelerometer.scale * self._w * self._w * wave[cycle % len(wave)]
         samples = []
         for data in self._socket.drain(16):
             datagram = self._peer.receive(data)
-            read = None if datagram is None else read_visual_body(datagram.body)
-            if read is not None:
-                samples.append(read[1])
+            if datagram is not None:
+                samples.append(visual_sample(datagram.body))
         step = CycleInput(cycle, acceleration, 0.0, 0.0, 0.0, 0.0, True, samples)
         answered = self._controller.step(step)
-        self._send(Kind.DRIVE_COMMAND, (answered.command_rad_s,))
+        self._send(DriveCommand(answered.command_rad_s))
         self._encode(fast_sample(step, answered, self._cycle_s))
         self._encode(estimate_sample(cycle, answered, self._cycle_s))
 
-    def _send(self, kind: Kind, body: tuple[object, ...]) -> None:
+    def _send(self, body: Message) -> None:
         self._sequence += 1
-        data = encode(DEMO_KEY, kind, self._session, self._sequence, body)
+        data = encode(DEMO_KEY, self._session, self._sequence, body)
         self._socket.send(data, self._socket.address)
 
     def close(self) -> None:

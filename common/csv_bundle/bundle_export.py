@@ -71,7 +71,7 @@ def topic_tables(recording: Recording) -> dict[str, Table]:
         table = _flat(table)
         if recording.counts.get(f"{topic.name}/columns"):
             table |= _foreign_table(recording, f"{topic.name}/columns")
-        tables[topic.name.strip("/").replace("/", "_")] = table
+        tables[topic.short_name] = table
     return tables
 
 

@@ -20,6 +20,7 @@ from common.csv_bundle.csv_table import (
     read_csv,
     read_text,
 )
+from common.fields import plain_types
 from common.model import Model, load_model
 from common.recording.header import RecordingHeader, program_version
 from common.recording.topics import FastSample, ForeignColumns, FrameSample
@@ -150,7 +151,7 @@ def _unknown_notes(table: CsvTable, kind: type[msgspec.Struct]) -> Iterator[str]
 def _values(table: CsvTable, kind: type[msgspec.Struct]) -> dict[str, list[Any]]:
     """The known columns that are there, as numbers."""
     found: dict[str, list[Any]] = {}
-    kinds = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    kinds = plain_types(kind)
     for name in known_columns(kind):
         if name not in table.columns:
             continue

@@ -1,5 +1,7 @@
 """A CSV file as columns of texts, and the texts as numbers; errors name file, row, column and value.
 
+Python's csv splits the fields. A table reader such as pandas' would not say which field is wrong and what is allowed.
+
 Tolerated because it is harmless: byte order mark, CRLF, quotes, spaces around fields, blank lines, comment
 lines that begin with '#', ';' or tab between fields, an empty column at the end of every row.
 """

@@ -1,7 +1,7 @@
 """The records of an MCAP file, read so that a cut or damaged file gives everything that is whole in it.
 
-Specification: https://mcap.dev/spec. The public reader stops with an exception at the first damage and takes
-several times as long; here only what a recording needs is read: channels, messages and metadata.
+Specification: https://mcap.dev/spec. The package mcap reads each record but the messages. Its own readers stop with an
+exception at the first damage, and make an object of every message, which takes several times as long.
 """
 
 import importlib
@@ -10,15 +10,20 @@ import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel as ChannelRecord
+from mcap.records import Chunk, Metadata
+from mcap.writer import MCAP0_MAGIC
 
 from common.user_error import UserError
 
-MAGIC = b"\x89MCAP0\r\n"
-_FOOTER, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 0x02, 0x04, 0x05, 0x06, 0x0C
 _RECORD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
 _MAX_CHUNK = 1 << 29  # no writer makes larger ones: a damaged length must not take all memory
@@ -35,11 +40,12 @@ class Channel:
 
 @dataclass(slots=True)
 class Block:
-    """A stretch of records that holds messages: the body of a chunk, or a record outside of any."""
+    """A stretch of records with messages: a chunk, or a record outside of any. cut: its end is missing."""
 
     offset: int
     length: int
     chunk: bool
+    cut: bool = False
 
 
 @dataclass
@@ -61,7 +67,7 @@ def scan(path: Path) -> Contents:
     """Go through a whole file once. Raises UserError when it cannot be read or is no MCAP file."""
     try:
         with path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
+            if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
                 raise UserError(f"{path}: not an MCAP recording; `stillarm import` reads CSV")
             return _scan(file, path.stat().st_size)
     except OSError as error:
@@ -79,7 +85,7 @@ def messages(path: Path, contents: Contents, topic: str) -> Iterator[list[bytes]
                 file.seek(block.offset)
                 data = file.read(block.length)
                 try:
-                    body = _uncompress(data) if block.chunk else data
+                    body = _uncompress(data, block.cut) if block.chunk else data
                 except _Damaged:
                     continue
                 found = [body[a:b] for number, a, b in _walk(body, {}) if number in wanted]
@@ -93,7 +99,7 @@ def _scan(file: IO[bytes], size: int) -> Contents:
     contents = Contents()
     counts: Counter[int] = Counter()
     ended = False
-    offset = len(MAGIC)
+    offset = len(MCAP0_MAGIC)
     while not ended:
         head = file.read(_RECORD.size)
         if len(head) < _RECORD.size:
@@ -102,18 +108,20 @@ def _scan(file: IO[bytes], size: int) -> Contents:
         start, offset = offset + _RECORD.size, offset + _RECORD.size + length
         whole = offset <= size
         try:
-            if opcode == _CHUNK:
+            if opcode == Opcode.CHUNK:
                 there = max(0, min(length, size - start))
-                _note_block(contents, counts, Block(start, there, chunk=True), file.read(there))
-            elif opcode == _MESSAGE and whole:
+                _note_block(
+                    contents, counts, Block(start, there, chunk=True, cut=not whole), file.read(there)
+                )
+            elif opcode == Opcode.MESSAGE and whole:
                 block = Block(start - _RECORD.size, length + _RECORD.size, chunk=False)
                 _note_block(contents, counts, block, head + file.read(length))
-            elif opcode == _CHANNEL and whole:
+            elif opcode == Opcode.CHANNEL and whole:
                 _note_channel(file.read(length), contents.channels)
-            elif opcode == _METADATA and whole:
-                name, entries = _metadata(file.read(length))
-                contents.metadata.setdefault(name, entries)
-            ended = opcode == _FOOTER and whole
+            elif opcode == Opcode.METADATA and whole:
+                record = _read(Metadata, file.read(length))
+                contents.metadata.setdefault(record.name, record.metadata)
+            ended = opcode == Opcode.FOOTER and whole
         except _Damaged:
             contents.damaged += 1
         if not whole:
@@ -127,12 +135,12 @@ def _scan(file: IO[bytes], size: int) -> Contents:
             contents.channels[number].messages = count
         else:
             contents.damaged += 1
-    contents.cut = not ended or file.read(len(MAGIC)) != MAGIC
+    contents.cut = not ended or file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC
     return contents
 
 
 def _note_block(contents: Contents, counts: Counter[int], block: Block, data: bytes) -> None:
-    body = _uncompress(data) if block.chunk else data
+    body = _uncompress(data, block.cut) if block.chunk else data
     counts.update([number for number, _, _ in _walk(body, contents.channels)])
     contents.blocks.append(block)
 
@@ -148,30 +156,25 @@ def _walk(body: bytes, channels: dict[int, Channel]) -> Iterator[tuple[int, int,
         offset += 9
         if offset + length > end:
             return
-        if opcode == _MESSAGE and length >= 22:
+        if opcode == Opcode.MESSAGE and length >= 22:
             yield unpack_message(body, offset)[0], offset + 22, offset + length
-        elif opcode == _CHANNEL:
+        elif opcode == Opcode.CHANNEL:
             _note_channel(body[offset : offset + length], channels)
         offset += length
 
 
-def _uncompress(chunk: bytes) -> bytes:
+def _uncompress(data: bytes, cut: bool) -> bytes:
     """The records inside a chunk record; of one that is cut, those that can be had."""
-    try:
-        size, check_sum, name_length = struct.unpack_from("<QII", chunk, 16)
-        name = chunk[32 : 32 + name_length]
-        (length,) = struct.unpack_from("<Q", chunk, 32 + name_length)
-    except struct.error:
-        raise _Damaged from None
-    data = chunk[40 + name_length : 40 + name_length + length]
+    chunk = _read(Chunk, data)
+    size = chunk.uncompressed_size
     if size > _MAX_CHUNK:
         raise _Damaged
-    cut = len(data) < length
     try:
-        body = _UNCOMPRESS[name](data, size, cut)
+        body = _UNCOMPRESS[chunk.compression](chunk.data, size, cut)
     except (KeyError, zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
         raise _Damaged from None
-    if not cut and (len(body) != size or (check_sum and zlib.crc32(body) != check_sum)):
+    sum_there = chunk.uncompressed_crc
+    if not cut and (len(body) != size or (sum_there and zlib.crc32(body) != sum_there)):
         raise _Damaged
     return body
 
@@ -193,44 +196,21 @@ def _lz4(data: bytes, size: int, cut: bool) -> bytes:
     return bytes(frame.LZ4FrameDecompressor().decompress(data, max_length=size))
 
 
-_UNCOMPRESS: dict[bytes, Callable[[bytes, int, bool], bytes]] = {
-    b"": lambda data, size, cut: data,
-    b"zstd": _zstd,
-    b"lz4": _lz4,
+_UNCOMPRESS: dict[str, Callable[[bytes, int, bool], bytes]] = {
+    "": lambda data, size, cut: data,
+    "zstd": _zstd,
+    "lz4": _lz4,
 }
 
 
 def _note_channel(data: bytes, channels: dict[int, Channel]) -> None:
+    record = _read(ChannelRecord, data)
+    channels.setdefault(record.id, Channel(record.topic, record.message_encoding))
+
+
+def _read(kind: type[ChannelRecord | Chunk | Metadata], data: bytes) -> Any:
+    """A record's fields, by the package mcap."""
     try:
-        number, _ = struct.unpack_from("<HH", data, 0)
-        topic, offset = _text(data, 4)
-        encoding, _ = _text(data, offset)
-    except struct.error:
-        raise _Damaged from None
-    channels.setdefault(number, Channel(topic, encoding))
-
-
-def _metadata(data: bytes) -> tuple[str, dict[str, str]]:
-    try:
-        name, offset = _text(data, 0)
-        (length,) = struct.unpack_from("<I", data, offset)
-        offset += 4
-        end = min(len(data), offset + length)
-        entries: dict[str, str] = {}
-        while offset < end:
-            key, offset = _text(data, offset)
-            entries[key], offset = _text(data, offset)
-    except struct.error:
-        raise _Damaged from None
-    return name, entries
-
-
-def _text(data: bytes, offset: int) -> tuple[str, int]:
-    (length,) = struct.unpack_from("<I", data, offset)
-    end = offset + 4 + length
-    if end > len(data):
-        raise _Damaged
-    try:
-        return data[offset + 4 : end].decode("utf-8"), end
-    except UnicodeDecodeError:
+        return kind.read(ReadDataStream(BytesIO(data)))
+    except (McapError, struct.error, UnicodeDecodeError, OverflowError):
         raise _Damaged from None

@@ -1,5 +1,6 @@
-"""From the JSON of a recording's messages to their Structs and columns; null becomes NaN, floats come back
-exactly.
+"""From the JSON of a recording's messages to their Structs and columns; null becomes NaN, floats come back exactly.
+
+msgspec decodes, a whole chunk at a time. It has no NaN in JSON, so that null is taken for NaN here.
 """
 
 from collections.abc import Callable
@@ -9,6 +10,8 @@ from typing import Any
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
+
+from common.fields import plain_types
 
 
 class MessageMismatch(Exception):
@@ -30,16 +33,10 @@ class MessageDecoder:
     def __init__(self, message: type[msgspec.Struct]) -> None:
         """Make the decoder of a message type of the table of topics."""
         self._message = message
-        fields = msgspec.structs.fields(message)
-        self._kinds = {field.name: field.type for field in fields}
+        self._kinds = plain_types(message)
         loose = msgspec.defstruct(
             message.__name__,
-            [
-                (f.name, _loose(f.type))
-                if f.default is msgspec.NODEFAULT
-                else (f.name, _loose(f.type), f.default)
-                for f in fields
-            ],
+            [(f.name, _loose(self._kinds[f.name]), f.default) for f in msgspec.structs.fields(message)],
         )
         self._one = msgspec.json.Decoder(loose)
         self._many = msgspec.json.Decoder(list[loose])  # type: ignore[valid-type]

@@ -10,6 +10,7 @@ from typing import Literal
 import msgspec
 
 from common.configuration import Configuration, model_path
+from common.typed_toml import read_toml_text
 from common.user_error import UserError
 
 FORMAT = 1  # of messages and header; goes up when an old reader would misread a new file
@@ -71,9 +72,9 @@ def live_header(
     """
     return RecordingHeader(
         program_version=program_version(),
-        configuration=_text(Path(configuration_path)),
+        configuration=read_toml_text(configuration_path),
         configuration_name=Path(configuration_path).name,
-        model=_text(model_path(configuration, configuration_path)),
+        model=read_toml_text(model_path(configuration, configuration_path)),
         method=configuration.controller.method,
         kind="live",
         session=session,
@@ -123,11 +124,3 @@ _FIELDS = frozenset(RecordingHeader.__struct_fields__) - {"notes"}
 def model_was_given(header: RecordingHeader) -> bool:
     """Whether the recording holds a model file, or stands on defaults alone."""
     return bool(header.model.strip())
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        raise UserError(f"{path}: cannot be read ({reason.lower()}); name an existing TOML file") from None

@@ -1,4 +1,7 @@
-"""Mends a cut or damaged recording: a complete one with everything that is whole in it."""
+"""Mends a cut or damaged recording: a complete one with everything that is whole in it.
+
+The package mcap has no recovery, and its readers stop at the first damage.
+"""
 
 from pathlib import Path
 

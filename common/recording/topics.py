@@ -1,134 +1,128 @@
-"""The table of topics: every message that a recording holds, its fields with their units, and its rate.
+"""The table of topics: every message that a recording or the telemetry holds, its fields, its rate and who writes it.
 
-Times are seconds on the controller's clock (cycle * cycle_s), except in the truth file, where they are the
-rig's monotonic clock; the controller's recording holds `origin_monotonic_s`, the monotonic time of its cycle
-0. A number that is not there is NaN in memory and null in the file.
+Each name carries its unit as a suffix. A number that is not there is NaN in memory and null in the file. Schemas,
+decoders, telemetry and docs/topics.md are made from this table. A field may be added with a default, for recordings
+that lack it; any other change goes with common.recording.header.FORMAT.
 """
 
 from math import nan
+from typing import Annotated
 
 import msgspec
+
+from common.fields import about
+
+Time = Annotated[float, about("the controller's clock")]
+RigTime = Annotated[float, about("the rig's monotonic clock")]
+Cycle = Annotated[int, about("the controller's cycle")]
 
 
 class FastSample(msgspec.Struct, frozen=True, gc=False):
     """/fast, every cycle: what the sensors and the reference gave the controller, and the command it answered
     with.
 
-    Names are those of fast.csv. joint_age_s: age of the drive's report. damping_allowed: the operator's
-    permission. operator: bits of controller.states.table.Operator.
+    Names are those of fast.csv.
     """
 
-    time_s: float
-    cycle: int
-    acceleration_m_s2: float = nan
-    joint_velocity_command_rad_s: float = nan
-    joint_velocity_reference_rad_s: float = nan
-    joint_position_rad: float = nan
-    joint_velocity_rad_s: float = nan
-    joint_age_s: float = nan
-    deflection_m: float = nan
-    joint_torque_n_m: float = nan
-    damping_allowed: bool = False
-    operator: int = 0
+    time_s: Time
+    cycle: Cycle
+    acceleration_m_s2: Annotated[float, about("of the tip, as measured")] = nan
+    joint_velocity_command_rad_s: Annotated[float, about("what the drive was sent")] = nan
+    joint_velocity_reference_rad_s: Annotated[float, about("the external part of the command")] = nan
+    joint_position_rad: Annotated[float, about("as the drive reported")] = nan
+    joint_velocity_rad_s: Annotated[float, about("as the drive reported")] = nan
+    joint_age_s: Annotated[float, about("age of the drive's report")] = nan
+    deflection_m: Annotated[float, about("where measured directly, e.g. by a strain gauge")] = nan
+    joint_torque_n_m: Annotated[float, about("as measured")] = nan
+    damping_allowed: Annotated[bool, about("the operator's permission")] = False
+    operator: Annotated[int, about("bits of controller.states.table.Operator")] = 0
 
 
 class FrameSample(msgspec.Struct, frozen=True, gc=False):
-    """/frames, one for each visual sample that the controller read. Names are those of frames.csv.
+    """/frames, one for each visual sample that the controller read. Names are those of frames.csv."""
 
-    cycle: the one that read it; received_s = cycle * cycle_s. started_cycle: n_i; started_s = n_i * cycle_s.
-    status: common.visual_sample.TrackingStatus. displacement_px is the image's x axis. restarted: the first of a
-    supervisor that was started anew, from which on displacements have another zero.
-    """
-
-    time_s: float
-    cycle: int
-    frame: int
-    received_s: float
-    started_s: float
-    started_cycle: int
-    status: int
-    displacement_px: float = nan
-    displacement_y_px: float = nan
-    rotation_rad: float = nan
-    variance_x_px2: float = nan
-    variance_y_px2: float = nan
-    covariance_xy_px2: float = nan
-    variance_rotation_rad2: float = nan
-    captured_s: float = nan
-    exposure_s: float = nan
-    features: int = 0
-    inliers: int = 0
-    restarted: bool = False
+    time_s: Time
+    cycle: Annotated[int, about("the one that read the sample")]
+    frame: Annotated[int, about("counts exposures or arrivals; -1: not counted")]
+    received_s: Annotated[float, about("when the controller read it: cycle * cycle_s")]
+    started_s: Annotated[float, about("n_i * cycle_s")]
+    started_cycle: Annotated[int, about("n_i; -1: not known")]
+    status: Annotated[int, about("common.visual_sample.TrackingStatus; 0: measured")]
+    displacement_px: Annotated[float, about("of the static scene, along the image's x axis")] = nan
+    displacement_y_px: Annotated[float, about("the same along its y axis")] = nan
+    rotation_rad: Annotated[float, about("of the scene, about the image's centre")] = nan
+    variance_x_px2: Annotated[float, about("of `displacement_px`")] = nan
+    variance_y_px2: Annotated[float, about("of `displacement_y_px`")] = nan
+    covariance_xy_px2: Annotated[float, about("of both")] = nan
+    variance_rotation_rad2: Annotated[float, about("of `rotation_rad`")] = nan
+    captured_s: Annotated[float, about("the camera's own stamp, as mid-exposure, on its own clock")] = nan
+    exposure_s: Annotated[float, about("exposure time")] = nan
+    features: Annotated[int, about("tracked features")] = 0
+    inliers: Annotated[int, about("of these, those that agree with one rigid displacement")] = 0
+    restarted: Annotated[bool, about("the first of a new supervisor: displacements have another zero")] = (
+        False
+    )
 
 
 class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     """/estimate, every cycle: the configured method's delay and deflection, and the damping part of the
     command.
-
-    deflection_m is that at time_s; predicted_deflection_m that at which the joint will answer (drive's lead).
-    delay_status, deflection_status: unestimated, estimated, held or invalid; estimate_reason: why, in words.
-    state: controller.states.table.State; reason: the Event behind it, empty where nothing is wrong. Both are empty in
-    recordings that are older than the states. trust: starting, settled or doubtful; empty in older recordings.
     """
 
-    time_s: float
-    cycle: int
-    delay_s: float
-    delay_std_s: float
-    delay_status: str
-    deflection_m: float
-    deflection_std_m: float
-    predicted_deflection_m: float
-    damping_rad_s: float
-    damping_status: str
-    state: str = ""
-    reason: str = ""
-    deflection_status: str = ""
-    estimate_reason: str = ""
-    trust: str = ""
+    time_s: Time
+    cycle: Cycle
+    delay_s: Annotated[float, about("capture delay")]
+    delay_std_s: Annotated[float, about("its standard deviation")]
+    delay_status: Annotated[str, about("unestimated, estimated, held or invalid")]
+    deflection_m: Annotated[float, about("of the tip, at time_s")]
+    deflection_std_m: Annotated[float, about("its standard deviation")]
+    predicted_deflection_m: Annotated[float, about("when the joint will answer: the drive's lead ahead")]
+    damping_rad_s: Annotated[float, about("the damping part of the command")]
+    damping_status: Annotated[str, about("active, or why the joint does not damp")]
+    state: Annotated[str, about("controller.states.table.State; empty in older recordings")] = ""
+    reason: Annotated[str, about("the Event behind the state; empty where nothing is wrong")] = ""
+    deflection_status: Annotated[str, about("as delay_status")] = ""
+    estimate_reason: Annotated[str, about("why, in words")] = ""
+    trust: Annotated[str, about("starting, settled or doubtful; empty in older recordings")] = ""
 
 
 class LinkSample(msgspec.Struct, frozen=True, gc=False):
     """/link, once a second: counts of the link since the start, the loop's cycles and its missed
     deadlines.
-
-    unproven, overdue: common.peer.LinkCounts. shed: datagrams that the kernel turned away in a flood, or had no
-    room for.
-    reference_*, drive_*: the same of the operator's and the drive's sockets; refused: all that was not taken.
-    values_refused: of the controller's input, as not plausible; the log names the fields.
-    supervisor_clock_*: the supervisor's monotonic clock minus this process's; round_trip_s: both ways, waits left out.
     """
 
-    time_s: float
-    cycle: int
-    accepted: int
-    lost: int
-    duplicate: int
-    late: int
-    malformed: int
-    forged: int
-    foreign_version: int
-    old_session: int
-    unexpected: int
-    sessions: int
-    deadline_misses: int
-    accelerometer_faults: int
-    recorder_lost: int
-    unproven: int = 0
-    overdue: int = 0
-    shed: int = 0
-    send_failures: int = 0
-    reference_refused: int = 0
-    drive_accepted: int = 0
-    drive_lost: int = 0
-    drive_refused: int = 0
-    drive_ignored: int = 0
-    recorder_alive: bool = True
-    values_refused: int = 0
-    supervisor_clock_offset_s: float = nan
-    supervisor_clock_offset_std_s: float = nan
-    supervisor_clock_skew: float = nan
-    round_trip_s: float = nan
+    time_s: Time
+    cycle: Cycle
+    accepted: Annotated[int, about("visual datagrams taken")]
+    lost: Annotated[int, about("net number of sequence numbers never seen")]
+    duplicate: Annotated[int, about("seen before")]
+    late: Annotated[int, about("overtaken by a newer one")]
+    malformed: Annotated[int, about("no datagram, or none of the table's messages")]
+    forged: Annotated[int, about("wrong tag")]
+    foreign_version: Annotated[int, about("of another version of the table")]
+    old_session: Annotated[int, about("of a session that was replaced, or answering another's timestamps")]
+    unexpected: Annotated[int, about("a message that this socket does not take")]
+    sessions: Annotated[int, about("supervisors so far")]
+    deadline_misses: Annotated[int, about("cycles that ended late")]
+    accelerometer_faults: Annotated[int, about("failed reads")]
+    recorder_lost: Annotated[int, about("messages for which the recorder's ring had no room")]
+    unproven: Annotated[int, about("well signed, but without an echo of this session")] = 0
+    overdue: Annotated[int, about("held up on their way for too long")] = 0
+    shed: Annotated[int, about("turned away by the kernel in a flood, or no room for them")] = 0
+    send_failures: Annotated[int, about("datagrams that could not be sent")] = 0
+    reference_refused: Annotated[int, about("all that the operator's socket did not take")] = 0
+    drive_accepted: Annotated[int, about("states of the drive taken")] = 0
+    drive_lost: Annotated[int, about("as `lost`")] = 0
+    drive_refused: Annotated[int, about("all that the drive's socket did not take")] = 0
+    drive_ignored: Annotated[int, about("states that are not finite")] = 0
+    recorder_alive: Annotated[bool, about("whether the recorder's process runs")] = True
+    values_refused: Annotated[
+        int, about("of the controller's input, as not plausible; the log names them")
+    ] = 0
+    supervisor_clock_offset_s: Annotated[float, about("its monotonic clock minus this process's")] = nan
+    supervisor_clock_offset_std_s: Annotated[float, about("its standard deviation")] = nan
+    supervisor_clock_skew: Annotated[float, about("rate of that clock against this one's, minus one")] = nan
+    round_trip_s: Annotated[float, about("both ways, without waits")] = nan
 
 
 class LoopSample(msgspec.Struct, frozen=True, gc=False):
@@ -136,38 +130,38 @@ class LoopSample(msgspec.Struct, frozen=True, gc=False):
     and of the time from wake-up to the command, microseconds.
     """
 
-    time_s: float
-    cycles: int
-    deadline_misses: int
-    wakeup_latency_us_p50: float
-    wakeup_latency_us_p99: float
-    wakeup_latency_us_p999: float
-    wakeup_latency_us_max: float
-    compute_us_p50: float
-    compute_us_p99: float
-    compute_us_p999: float
-    compute_us_max: float
+    time_s: Time
+    cycles: Annotated[int, about("of the whole run")]
+    deadline_misses: Annotated[int, about("cycles that ended late")]
+    wakeup_latency_us_p50: Annotated[float, about("lateness of the wake-up, median")]
+    wakeup_latency_us_p99: Annotated[float, about("99 %")]
+    wakeup_latency_us_p999: Annotated[float, about("99.9 %")]
+    wakeup_latency_us_max: Annotated[float, about("the largest")]
+    compute_us_p50: Annotated[float, about("from wake-up to command, median")]
+    compute_us_p99: Annotated[float, about("99 %")]
+    compute_us_p999: Annotated[float, about("99.9 %")]
+    compute_us_max: Annotated[float, about("the largest")]
 
 
 class LogLine(msgspec.Struct, frozen=True, gc=False):
     """/log, on change: what an operator should read, with its remedy."""
 
-    time_s: float
-    level: str
-    text: str
+    time_s: Time
+    level: Annotated[str, about("debug, info, warning or error")]
+    text: Annotated[str, about("one line")]
 
 
 class TrueState(msgspec.Struct, frozen=True):
     """/truth/state, every step of the simulated rig."""
 
-    time_s: float
-    joint_position_rad: float
-    joint_velocity_rad_s: float
-    joint_acceleration_rad_s2: float
-    deflection_m: float
-    tip_position_m: float
-    tip_acceleration_m_s2: float
-    modal_deflections_m: list[float]
+    time_s: RigTime
+    joint_position_rad: Annotated[float, about("of the joint")]
+    joint_velocity_rad_s: Annotated[float, about("of the joint")]
+    joint_acceleration_rad_s2: Annotated[float, about("of the joint")]
+    deflection_m: Annotated[float, about("of the tip: sum of the modes")]
+    tip_position_m: Annotated[float, about("transverse: length * joint position + deflection")]
+    tip_acceleration_m_s2: Annotated[float, about("its second derivative")]
+    modal_deflections_m: Annotated[list[float], about("one for each mode")]
 
 
 class TrueFrame(msgspec.Struct, frozen=True, gc=False):
@@ -175,73 +169,88 @@ class TrueFrame(msgspec.Struct, frozen=True, gc=False):
     over.
     """
 
-    time_s: float
-    frame: int
-    mid_exposure_s: float
-    delivered_s: float
+    time_s: RigTime
+    frame: Annotated[int, about("counts exposures")]
+    mid_exposure_s: Annotated[float, about("its true time")]
+    delivered_s: Annotated[float, about("when the image was handed over")]
 
 
 class ImageSample(msgspec.Struct, frozen=True, gc=False):
-    """/images, every frame, in the supervisor's own recording: the image, and what the tracker made of it.
+    """/images, every frame, in the supervisor's own recording: the image, and what the tracker made of it."""
 
-    time_s: the supervisor's monotonic clock. counter: the camera's own, -1 if it has none. data: a PNG in
-    base64.
-    """
-
-    time_s: float
-    counter: int
-    started_cycle: int
-    stamp_s: float
-    exposure_s: float
-    status: int
-    displacement_px: float
-    displacement_y_px: float
-    rotation_rad: float
-    features: int
-    inliers: int
-    format: str
-    data: str
+    time_s: Annotated[float, about("the supervisor's monotonic clock")]
+    counter: Annotated[int, about("the camera's own; -1: none")]
+    started_cycle: Annotated[int, about("n_i; -1: none")]
+    stamp_s: Annotated[float, about("the camera's stamp, on its own clock")]
+    exposure_s: Annotated[float, about("exposure time")]
+    status: Annotated[int, about("common.visual_sample.TrackingStatus")]
+    displacement_px: Annotated[float, about("along the image's x axis")]
+    displacement_y_px: Annotated[float, about("along its y axis")]
+    rotation_rad: Annotated[float, about("about its centre")]
+    features: Annotated[int, about("tracked features")]
+    inliers: Annotated[int, about("of these, those that agree")]
+    format: Annotated[str, about("png")]
+    data: Annotated[str, about("the image, in base64")]
 
 
 class PairSample(msgspec.Struct, frozen=True, gc=False):
     """/pair: imported data of one input and one output, in their own units."""
 
-    time_s: float
-    input: float
-    output: float
+    time_s: Annotated[float, about("row / rate")]
+    input: Annotated[float, about("in the file's own unit")]
+    output: Annotated[float, about("in the file's own unit")]
 
 
 class ForeignColumns(msgspec.Struct, frozen=True):
     """/fast/columns and /frames/columns: what an imported row held in columns that are not known, as it was
     given.
 
-    One message for each row of the file, in its order: a number, a text, or null for an empty field.
+    One message for each row of the file, in its order.
     """
 
-    time_s: float
-    columns: dict[str, float | str | None]
+    time_s: Time
+    columns: Annotated[dict[str, float | str | None], about("a number, a text, or null for an empty field")]
 
 
 class Topic(msgspec.Struct, frozen=True):
-    """A topic: its name in the file, its message type, and how often it comes."""
+    """A topic: its name in the file, its message type, how often it comes, and who writes it."""
 
     name: str
     message: type[msgspec.Struct]
     rate: str
+    source: str
+
+    @property
+    def every_cycle(self) -> bool:
+        """Whether the controller's loop makes one each cycle."""
+        return self.rate == _EVERY_CYCLE
+
+    @property
+    def short_name(self) -> str:
+        """The name in tables' files and telemetry: truth_state for /truth/state."""
+        return self.name.strip("/").replace("/", "_")
 
 
+_EVERY_CYCLE = "every cycle"
 TOPICS = (
-    Topic("/fast", FastSample, "every cycle"),
-    Topic("/frames", FrameSample, "every frame"),
-    Topic("/estimate", EstimateSample, "every cycle"),
-    Topic("/link", LinkSample, "1 Hz"),
-    Topic("/loop", LoopSample, "when the loop ends"),
-    Topic("/log", LogLine, "on change"),
-    Topic("/truth/state", TrueState, "every step of the rig"),
-    Topic("/truth/frames", TrueFrame, "every exposure"),
-    Topic("/images", ImageSample, "every frame, with --record-images"),
-    Topic("/pair", PairSample, "every sample"),
-    Topic("/fast/columns", ForeignColumns, "every row, where an imported fast.csv has unknown columns"),
-    Topic("/frames/columns", ForeignColumns, "every row, where an imported frames.csv has unknown columns"),
+    Topic("/fast", FastSample, _EVERY_CYCLE, "controller"),
+    Topic("/frames", FrameSample, "every frame", "controller"),
+    Topic("/estimate", EstimateSample, _EVERY_CYCLE, "controller"),
+    Topic("/link", LinkSample, "1 Hz", "controller"),
+    Topic("/loop", LoopSample, "when the loop ends", "controller"),
+    Topic("/log", LogLine, "on change", "controller, rig"),
+    Topic("/truth/state", TrueState, "every step of the rig", "rig"),
+    Topic("/truth/frames", TrueFrame, "every exposure", "rig"),
+    Topic("/images", ImageSample, "every frame, with --record-images", "supervisor"),
+    Topic("/pair", PairSample, "every sample", "import"),
+    Topic(
+        "/fast/columns", ForeignColumns, "every row, where an imported fast.csv has unknown columns", "import"
+    ),
+    Topic(
+        "/frames/columns",
+        ForeignColumns,
+        "every row, where an imported frames.csv has unknown columns",
+        "import",
+    ),
 )
 TOPIC_INDEX = {topic.name: index for index, topic in enumerate(TOPICS)}

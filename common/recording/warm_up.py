@@ -9,6 +9,7 @@ import io
 import msgspec
 
 from common.configuration import Telemetry
+from common.fields import plain_types
 from common.recording.header import RecordingHeader
 from common.recording.topics import TOPICS
 from common.recording.writer import RecordingWriter
@@ -39,5 +40,5 @@ def warm_up() -> None:
 
 def blank_message(kind: type[msgspec.Struct]) -> msgspec.Struct:
     """A message of that type whose required fields are zero or empty."""
-    fields = msgspec.structs.fields(kind)
-    return kind(*(_BLANK.get(field.type, {}) for field in fields if field.required))
+    types = plain_types(kind)
+    return kind(*(_BLANK.get(types[f.name], {}) for f in msgspec.structs.fields(kind) if f.required))

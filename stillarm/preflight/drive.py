@@ -5,7 +5,7 @@ from collections.abc import Callable
 from math import isnan
 
 from common.configuration import DriveDevice
-from common.datagram import Kind, encode
+from common.messages import DriveCommand, DriveState, Hello
 from common.model import Model
 from common.peer import Peer
 from common.udp import UdpSocket, new_session
@@ -47,18 +47,14 @@ def greet_gateway(
     Raises UserError when it does not answer, or the port is taken (a controller runs).
     """
     session = new_session()
-    peer = Peer(key, (Kind.DRIVE_STATE, Kind.HELLO), session)
+    peer = Peer(key, (DriveState, Hello), session)
     socket = UdpSocket((config.local_host, config.local_port), "drive.local_port")
     place = f"{config.gateway_host}:{config.gateway_port}"
-    greetings = sequence = 0
+    greetings = 0
     try:
         until = clock() + span_s
         while clock() < until:
-            sequence += 1
-            socket.send(
-                encode(key, Kind.DRIVE_COMMAND, session, sequence, (0.0,), echo=0),
-                (config.gateway_host, config.gateway_port),
-            )
+            socket.send(peer.encode(DriveCommand(0.0), echo=0), (config.gateway_host, config.gateway_port))
             sleep(_ASK_EVERY_S)
             for data in socket.drain(32):
                 greetings += peer.receive(data) is not None

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from common.datagram import BODY_FIELDS, DEMO_KEY, MAX_DATAGRAM_BYTES, Kind, decode, encode
+from common.datagram import DEMO_KEY, MAX_DATAGRAM_BYTES, Datagram, decode, encode
 from common.flood_filter import FloodGuard, Instruction, flood_program
+from common.messages import MESSAGES, Hello, Message, Visual
 from common.udp import UdpSocket, new_session
 
 OWN = new_session()
-KINDS = (Kind.VISUAL, Kind.HELLO)
+TAKES = (Visual, Hello)
 
 
 def let_through(program: list[Instruction], data: bytes) -> bool:
@@ -39,35 +40,35 @@ def let_through(program: list[Instruction], data: bytes) -> bool:
             at += if_true if holds[code] else if_false
 
 
-def body(kind: int) -> tuple[object, ...]:
-    return tuple(range(BODY_FIELDS[Kind(kind)]))
+def body(message: type[Message]) -> Message:
+    return message(*range(1, 1 + len(message.__struct_fields__)))
 
 
 @given(
-    st.sampled_from(list(Kind)), st.integers(1, 2**40), st.sampled_from([0, OWN, OWN + 1, OWN - (1 << 40), 5])
+    st.sampled_from(MESSAGES), st.integers(1, 2**40), st.sampled_from([0, OWN, OWN + 1, OWN - (1 << 40), 5])
 )
 def test_what_a_peer_sends_passes_and_nothing_of_another_kind_or_session(
-    kind: Kind, sequence: int, echo: int
+    message: type[Message], sequence: int, echo: int
 ) -> None:
-    data = encode(DEMO_KEY, kind, new_session(), sequence, body(kind), echo=echo)
-    assert let_through(flood_program(KINDS, OWN), data) == (kind in KINDS and echo in {0, OWN})
+    data = encode(DEMO_KEY, new_session(), sequence, body(message), echo=echo)
+    assert let_through(flood_program(TAKES, OWN), data) == (message in TAKES and echo in {0, OWN})
 
 
 @settings(max_examples=300)
 @given(st.binary(max_size=1400))
 def test_what_passes_has_the_beginning_of_a_datagram(data: bytes) -> None:
-    if let_through(flood_program(KINDS, OWN), data):
+    if let_through(flood_program(TAKES, OWN), data):
         assert 22 <= len(data) <= MAX_DATAGRAM_BYTES
         assert data[:5] == b"\xdc\x00\x17\x02\x02" or data[:3] == b"\x95\x02\x06"
 
 
 @given(st.integers(0, 120), st.binary(min_size=1, max_size=4))
 def test_what_the_process_would_take_is_never_turned_away(at: int, change: bytes) -> None:
-    data = bytearray(encode(DEMO_KEY, Kind.VISUAL, new_session(), 7, body(Kind.VISUAL), echo=OWN))
+    data = bytearray(encode(DEMO_KEY, new_session(), 7, body(Visual), echo=OWN))
     data[at : at + len(change)] = change
     got = decode(DEMO_KEY, bytes(data))
-    if getattr(got, "kind", 0) in KINDS and getattr(got, "echo", 0) == OWN:
-        assert let_through(flood_program(KINDS, OWN), bytes(data))
+    if isinstance(got, Datagram) and isinstance(got.body, TAKES) and got.echo == OWN:
+        assert let_through(flood_program(TAKES, OWN), bytes(data))
 
 
 @pytest.fixture
@@ -84,8 +85,8 @@ def test_a_flood_is_turned_away_in_the_kernel_and_the_peer_still_heard(
 ) -> None:
     """20 strangers' datagrams and one of the peer's before each look; a look takes 16 at the most."""
     receiver, sender = pair
-    receiver.guard(KINDS, OWN, 2)
-    good = encode(DEMO_KEY, Kind.HELLO, new_session(), 1, (), echo=OWN)
+    receiver.guard(TAKES, OWN, 2)
+    good = encode(DEMO_KEY, new_session(), 1, Hello(), echo=OWN)
     forged = bytes(range(80))
     read, heard = [], []
     for _ in range(300):
@@ -116,11 +117,11 @@ def test_a_backlog_after_a_pause_is_no_flood() -> None:
 
 def test_the_kernel_takes_every_program(pair: tuple[UdpSocket, socket.socket]) -> None:
     receiver, sender = pair
-    for kind in Kind:
-        receiver.guard((kind,), OWN, 0)
+    for message in MESSAGES:
+        receiver.guard((message,), OWN, 0)
         receiver._shield(True)
-        data = encode(DEMO_KEY, kind, new_session(), 3, body(kind), echo=OWN)
-        other = encode(DEMO_KEY, kind, new_session(), 3, body(kind), echo=OWN ^ 1)
+        data = encode(DEMO_KEY, new_session(), 3, body(message), echo=OWN)
+        other = encode(DEMO_KEY, new_session(), 3, body(message), echo=OWN ^ 1)
         sender.send(other)
         sender.send(data)
         assert receiver._socket.recv(2000) == data

@@ -4,18 +4,19 @@ import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from common.datagram import Kind, encode
+from common.datagram import encode
+from common.messages import Reference, Timestamp
 from common.peer import Peer
 
 KEY = b"0123456789abcdef"
 
 
 def timestamp(session: int, sequence: int, echo: int = 0) -> bytes:
-    return encode(KEY, Kind.TIMESTAMP, session, sequence, (sequence, 0.5), echo=echo)
+    return encode(KEY, session, sequence, Timestamp(sequence, 0.5), echo=echo)
 
 
-def peer() -> Peer:
-    return Peer(KEY, (Kind.TIMESTAMP,))
+def peer() -> Peer[Timestamp]:
+    return Peer(KEY, (Timestamp,))
 
 
 @settings(deadline=None)
@@ -71,7 +72,7 @@ def test_what_is_forged_malformed_or_of_another_kind_changes_nothing_but_a_count
     forged[-1] ^= 1
     assert taken.receive(bytes(forged)) is None
     assert taken.receive(b"x") is None
-    assert taken.receive(encode(KEY, Kind.REFERENCE, 3, 1, (0.0, True))) is None
+    assert taken.receive(encode(KEY, 3, 1, Reference(0.0, True))) is None
     assert (taken.session, taken.sequence) == (1, 1)
     assert (taken.counts.forged, taken.counts.malformed, taken.counts.unexpected) == (1, 1, 1)
     assert taken.receive(timestamp(1, 2)) is not None
@@ -81,7 +82,7 @@ OWN = 77
 
 
 def test_a_session_without_an_echo_of_ones_own_is_not_taken() -> None:
-    taken = Peer(KEY, (Kind.TIMESTAMP,), OWN)
+    taken = Peer(KEY, (Timestamp,), OWN)
     for echo in (0, 76):
         assert taken.receive(timestamp(1, 5, echo)) is None
         assert taken.greeting == 1
@@ -94,7 +95,7 @@ def test_a_session_without_an_echo_of_ones_own_is_not_taken() -> None:
 @given(st.lists(st.tuples(st.integers(1, 4), st.integers(1, 9), st.sampled_from([0, 50, 60])), max_size=30))
 def test_whatever_was_recorded_before_a_start_changes_nothing(played: list[tuple[int, int, int]]) -> None:
     """Datagrams of any session that echo no session or a former one: the link that stands goes on undisturbed."""
-    taken = Peer(KEY, (Kind.TIMESTAMP,), OWN)
+    taken = Peer(KEY, (Timestamp,), OWN)
     taken.receive(timestamp(9, 1, OWN))
     for sequence, datagram in enumerate(played, start=2):
         assert taken.receive(timestamp(*datagram)) is None
@@ -107,12 +108,11 @@ class End:
     """One end of a link: says what it echoes, hears the other."""
 
     def __init__(self, session: int) -> None:
-        self.session, self.sequence = session, 0
-        self.peer = Peer(KEY, (Kind.TIMESTAMP,), session)
+        self.session = session
+        self.peer = Peer(KEY, (Timestamp,), session)
 
     def say(self) -> bytes:
-        self.sequence += 1
-        return timestamp(self.session, self.sequence, self.peer.echo)
+        return self.peer.encode(Timestamp(5, 0.5))
 
 
 @settings(deadline=None)
@@ -149,7 +149,7 @@ def test_two_ends_find_each_other_again_after_any_restarts(data: st.DataObject) 
 
 
 def test_a_peer_that_restarts_without_end_is_refused_rather_than_remembered() -> None:
-    taken = Peer(KEY, (Kind.TIMESTAMP,), OWN)
+    taken = Peer(KEY, (Timestamp,), OWN)
     for session in range(1000, 1000 + Peer.MOST_SESSIONS + 2):
         taken.receive(timestamp(session, 1, OWN))
     assert taken.counts.sessions == Peer.MOST_SESSIONS + 1

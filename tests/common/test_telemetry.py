@@ -1,6 +1,7 @@
 """Telemetry as plain msgpack sees it: what PlotJuggler asks of a datagram, and the batching."""
 
 import math
+import re
 import socket
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from common.configuration import Telemetry
 from common.recording.header import RecordingHeader
 from common.recording.recorder_client import RecorderClient
 from common.recording.topics import TOPIC_INDEX, EstimateSample, FastSample, LogLine
-from common.telemetry import TelemetryBatches
+from common.telemetry import TELEMETRY_TOPICS, TelemetryBatches
 
 
 def fast(cycle: int) -> FastSample:
@@ -67,6 +68,12 @@ def test_each_nth_cycle_and_never_a_datagram_too_large() -> None:
     datagrams = batches.due(0.0)
     assert len(datagrams) > 3 and max(map(len, datagrams)) < 65507
     assert sum(len(msgpack.unpackb(d)) for d in datagrams) == 3000
+
+
+def test_the_document_names_the_topics_that_are_sent() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "telemetry.md").read_text(encoding="utf-8")
+    (row,) = (line for line in text.splitlines() if line.startswith("| the other key |"))
+    assert re.findall(r"`(\w+)`", row) == sorted(topic.short_name for topic in TELEMETRY_TOPICS)
 
 
 @pytest.mark.slow

@@ -5,12 +5,14 @@ from math import nan
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.datagram import DEMO_KEY, Kind, encode
+from common.datagram import DEMO_KEY, encode
+from common.messages import Reference
 from common.model import Model
 from common.operator_sender import OperatorSender
 from common.visual_sample import VisualSample
 from controller.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
 from supervisor.exchange import SupervisorExchange
+from tests.reference.plain_datagram import FIELDS, plain_datagram
 
 
 def sample(started: int, frame: int = 1) -> VisualSample:
@@ -68,10 +70,10 @@ def test_a_reference_lapses() -> None:
     """Held for a tenth of a second, then zero."""
     reference = ReferenceExchange(DEMO_KEY, 11)
     assert reference.reference(0.0) == (0.0, True)
-    reference.take([encode(DEMO_KEY, Kind.REFERENCE, 5, 1, (0.2, False), echo=11)], 1.0)
+    reference.take([encode(DEMO_KEY, 5, 1, Reference(0.2, False), echo=11)], 1.0)
     assert reference.reference(1.05) == (0.2, False)
     assert reference.reference(1.2) == (0.0, True)
-    reference.take([encode(DEMO_KEY, Kind.REFERENCE, 5, 2, (nan, True), echo=11)], 1.3)
+    reference.take([encode(DEMO_KEY, 5, 2, Reference(nan, True), echo=11)], 1.3)
     assert reference.reference(1.3) == (0.0, True)
 
 
@@ -94,7 +96,9 @@ def test_any_signed_body_is_survived(body: list[object]) -> None:
     """Signed nonsense of the right or the wrong length."""
     controller, supervisor = ControllerExchange(DEMO_KEY, 11), SupervisorExchange(DEMO_KEY, 22, 1)
     try:
-        forms = [encode(DEMO_KEY, kind, 7, 1, tuple(body), echo=echo) for kind in Kind for echo in (11, 22)]
+        forms = [
+            plain_datagram(DEMO_KEY, kind, 7, 1, body, echo=echo) for kind in FIELDS for echo in (11, 22)
+        ]
     except (OverflowError, ValueError):
         return
     controller.take(forms, 5)

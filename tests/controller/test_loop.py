@@ -15,11 +15,11 @@ import pytest
 
 from common.configuration import Controller as Settings
 from common.configuration import Regression
-from common.datagram import DEMO_KEY, Kind, encode
+from common.datagram import DEMO_KEY, encode
 from common.model import Arm, Model
 from common.recording.topics import TOPICS
 from common.shared_memory import SharedRing
-from common.visual_datagram import visual_body
+from common.visual_datagram import visual_message
 from common.visual_sample import VisualSample
 from controller.cycle_input import CycleInput
 from controller.exchange import ControllerExchange
@@ -221,8 +221,7 @@ def test_the_exchange_keeps_nothing_of_a_datagram() -> None:
             exchange.timestamp(cycle, cycle * 0.001)
             if cycle % 15 == 0:
                 sample = VisualSample(cycle, cycle, 0, 0.5, 0.0, 0.0, 0.1, 0.1, 0.0, 0.1, 0.5, 0.01, 9, 9)
-                body = visual_body(session, sample)
-                data = encode(DEMO_KEY, Kind.VISUAL, other, cycle + 1, body, echo=session)
+                data = encode(DEMO_KEY, other, cycle + 1, visual_message(session, sample), echo=session)
                 exchange.take([data], cycle, cycle * 0.001)
 
     exchange_for(range(30_000))

@@ -7,13 +7,15 @@ from pathlib import Path
 import pytest
 
 from common.configuration import Safety
-from common.datagram import DEMO_KEY, Kind, encode
+from common.datagram import DEMO_KEY, encode
+from common.messages import OperatorCommand, Reference
 from common.operator_sender import OperatorSender
 from common.stop_signal import SignalFlag
 from common.user_error import UserError
 from controller.exchange import ReferenceExchange
 from controller.operator_input import OperatorInput
 from controller.states.table import Operator
+from tests.reference.plain_datagram import OPERATOR_COMMAND, plain_datagram
 
 SESSION, SENDER = (1 << 62) + 5, (1 << 62) + 9
 
@@ -81,7 +83,7 @@ def test_a_datagram_counts_after_the_sender_has_heard_from_this_controller() -> 
 def test_a_datagram_that_is_no_command_is_ignored(value: object) -> None:
     """Well signed and in order all the same."""
     exchange, sender = ReferenceExchange(DEMO_KEY, SESSION), OperatorSender(DEMO_KEY, SENDER)
-    exchange.take([encode(DEMO_KEY, Kind.OPERATOR, SENDER, 1, (value,), echo=SESSION)], 0.0)
+    exchange.take([plain_datagram(DEMO_KEY, OPERATOR_COMMAND, SENDER, 1, (value,), echo=SESSION)], 0.0)
     assert exchange.asked() == 0
     assert exchange.hello() is None
     exchange.take([sender.command(1)], 0.0)
@@ -90,9 +92,9 @@ def test_a_datagram_that_is_no_command_is_ignored(value: object) -> None:
 def test_an_operator_does_not_end_a_reference() -> None:
     """Both come to one socket, each with a session of its own."""
     exchange = ReferenceExchange(DEMO_KEY, SESSION)
-    reference = encode(DEMO_KEY, Kind.REFERENCE, SENDER + 2, 1, (0.1, True), echo=SESSION)
-    later = encode(DEMO_KEY, Kind.REFERENCE, SENDER + 2, 2, (0.2, True), echo=SESSION)
-    command = encode(DEMO_KEY, Kind.OPERATOR, SENDER, 1, (2,), echo=SESSION)
+    reference = encode(DEMO_KEY, SENDER + 2, 1, Reference(0.1, True), echo=SESSION)
+    later = encode(DEMO_KEY, SENDER + 2, 2, Reference(0.2, True), echo=SESSION)
+    command = encode(DEMO_KEY, SENDER, 1, OperatorCommand(2), echo=SESSION)
     exchange.take([reference, command, later], 0.0)
     assert exchange.reference(0.0) == (0.2, True)
     assert exchange.asked() == Operator.DISARM

@@ -6,23 +6,31 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.datagram import Datagram, Kind, decode, encode
+from common.datagram import Datagram, Rejected, decode, encode
+from common.messages import DriveState, Hello
 from common.user_error import UserError
 from drivers.drive_gateway import DEAD_MAN_S, DriveGateway, GatewayStatus
 from drivers.drive_gateway_socket import DriveGatewaySocket
+from tests.reference.plain_datagram import DRIVE_COMMAND, plain_datagram
 
 KEY = b"a key of the tests' own"
 SESSION, OWN = 7, 70
 
 
 def command(velocity: object, sequence: int, session: int = SESSION, key: bytes = KEY) -> bytes:
-    return encode(key, Kind.DRIVE_COMMAND, session, sequence, (velocity,), echo=OWN)
+    return plain_datagram(key, DRIVE_COMMAND, session, sequence, (velocity,), echo=OWN)
+
+
+def state_of(gateway: DriveGateway) -> DriveState:
+    told = decode(KEY, gateway.state_datagram(0.5, -0.125))
+    assert not isinstance(told, Rejected) and isinstance(told.body, DriveState)
+    return told.body
 
 
 def test_holds_still_before_the_first_command() -> None:
     gateway = DriveGateway(KEY, OWN)
     assert gateway.velocity_command(0.0) == 0.0
-    assert decode(KEY, gateway.state_datagram(0.0, 0.0)).body[2:] == (GatewayStatus.IDLE, 0)
+    assert state_of(gateway) == DriveState(0.5, -0.125, GatewayStatus.IDLE, 0)
 
 
 def test_follows_until_the_dead_man_timer_and_again_after() -> None:
@@ -30,9 +38,9 @@ def test_follows_until_the_dead_man_timer_and_again_after() -> None:
     assert gateway.receive(command(0.3, 1), 10.0)
     assert gateway.velocity_command(10.0) == 0.3
     assert gateway.velocity_command(10.0 + 0.99 * DEAD_MAN_S) == 0.3
-    assert decode(KEY, gateway.state_datagram(0.0, 0.0)).body[2:] == (GatewayStatus.FOLLOWING, 1)
+    assert state_of(gateway) == DriveState(0.5, -0.125, GatewayStatus.FOLLOWING, 1)
     assert gateway.velocity_command(10.0 + 1.01 * DEAD_MAN_S) == 0.0
-    assert decode(KEY, gateway.state_datagram(0.0, 0.0)).body[2:] == (GatewayStatus.DEAD_MAN, 1)
+    assert state_of(gateway) == DriveState(0.5, -0.125, GatewayStatus.DEAD_MAN, 1)
     assert gateway.receive(command(-0.2, 2), 11.0)
     assert gateway.velocity_command(11.0) == -0.2
 
@@ -42,7 +50,8 @@ def test_ignores_what_is_no_finite_number_and_does_not_rewind_the_timer(velocity
     gateway = DriveGateway(KEY, OWN)
     gateway.receive(command(0.3, 1), 0.0)
     assert not gateway.receive(command(velocity, 2), 0.09)
-    assert gateway.ignored == 1
+    assert gateway.ignored + gateway.counts.malformed == 1
+    assert gateway.ignored == (type(velocity) is float)
     assert gateway.velocity_command(0.09) == 0.3
     assert gateway.velocity_command(0.11) == 0.0
 
@@ -52,7 +61,7 @@ def test_refuses_forged_repeated_and_older_commands() -> None:
     gateway.receive(command(0.1, 5), 0.0)
     for data in (command(0.5, 6, key=b"somebody else's key"), command(0.5, 5), command(0.5, 4)):
         assert not gateway.receive(data, 0.05)
-    state = encode(KEY, Kind.DRIVE_STATE, SESSION, 9, (0.5, 0.5, 1, 1))
+    state = encode(KEY, SESSION, 9, DriveState(0.5, 0.5, 1, 1))
     assert not gateway.receive(state, 0.05)
     assert gateway.velocity_command(0.05) == 0.1
     counts = gateway.counts
@@ -73,7 +82,7 @@ def test_state_counts_up_and_echoes_the_command() -> None:
     gateway.velocity_command(0.0)
     for sequence in (1, 2):
         state = decode(KEY, gateway.state_datagram(0.5, -0.125))
-        assert state == (Kind.DRIVE_STATE, OWN, sequence, (0.5, -0.125, GatewayStatus.FOLLOWING, 41), SESSION)
+        assert state == (OWN, SESSION, sequence, DriveState(0.5, -0.125, GatewayStatus.FOLLOWING, 41))
 
 
 @given(st.binary(max_size=1300))
@@ -106,12 +115,12 @@ def test_a_second_gateway_on_a_port_is_refused_in_one_line() -> None:
 
 def test_commands_of_another_life_of_the_gateway_are_not_followed_but_answered() -> None:
     """Recorded yesterday, played to the gateway of today; whoever commands today learns its session and is followed."""
-    yesterday = encode(KEY, Kind.DRIVE_COMMAND, SESSION, 5, (0.6,), echo=69)
+    yesterday = plain_datagram(KEY, DRIVE_COMMAND, SESSION, 5, (0.6,), echo=69)
     gateway = DriveGateway(KEY, OWN)
     assert not gateway.receive(yesterday, 0.0)
     hello = decode(KEY, gateway.hello() or b"")
     assert isinstance(hello, Datagram)
-    assert (hello.kind, hello.session, hello.echo) == (Kind.HELLO, OWN, SESSION)
+    assert (hello.body, hello.session, hello.echo) == (Hello(), OWN, SESSION)
     assert gateway.velocity_command(0.0) == 0.0
     assert gateway.receive(command(0.1, 1, session=8), 0.01)
     assert gateway.hello() is None

@@ -13,13 +13,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from common.configuration import DriveDevice, Link
-from common.datagram import DEMO_KEY, Kind, encode
+from common.datagram import DEMO_KEY, encode
 from common.link_key import load_key
+from common.messages import DriveCommand
 from common.user_error import UserError
 from drivers.drive_factory import open_drive
 from drivers.drive_gateway import DriveGateway, GatewayStatus
 from drivers.drive_gateway_socket import DriveGatewaySocket
 from drivers.udp_gateway_drive import UdpGatewayDrive
+from tests.reference.plain_datagram import DRIVE_STATE, plain_datagram
 
 KEY = b"a key of the tests' own"
 SESSION = 5
@@ -101,9 +103,7 @@ def test_answers_go_to_the_last_accepted_commander_only(pair: Pair) -> None:
     pair.socket.poll(0.0)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.bind(("127.0.0.1", 0))
-        stranger.sendto(
-            encode(b"the stranger's own key", Kind.DRIVE_COMMAND, 1, 1, (0.6,)), pair.socket.address
-        )
+        stranger.sendto(encode(b"the stranger's own key", 1, 1, DriveCommand(0.6)), pair.socket.address)
         pair.arrived_at_gateway()
         assert pair.socket.poll(0.01) == 0.25
     pair.socket.report(0.5, 0.0)
@@ -147,12 +147,14 @@ def test_close_commands_zero(pair: Pair) -> None:
     ],
 )
 def test_a_state_of_wrong_values_is_ignored_and_counted(pair: Pair, body: tuple[Any, ...]) -> None:
-    pair.send_to_drive(encode(KEY, Kind.DRIVE_STATE, SESSION, 1, body, echo=pair.drive.session))
+    pair.send_to_drive(plain_datagram(KEY, DRIVE_STATE, SESSION, 1, body, echo=pair.drive.session))
     state = pair.drive.state()
     assert isnan(state.position_rad)
     assert isnan(state.velocity_rad_s)
     assert state.age_s == inf
-    assert pair.drive.ignored == 1
+    finite_or_not = all(type(v) is float for v in body[:2]) and all(type(v) is int for v in body[2:])
+    assert pair.drive.ignored == finite_or_not
+    assert pair.drive.counts.malformed == (not finite_or_not)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=50)

@@ -6,11 +6,12 @@ from typing import Any
 
 from benchmarks.faults.flood import damping_share, refused_counts, verdict
 from benchmarks.faults.flood_sender import sent_by, start_flood
-from common.datagram import DEMO_KEY, Datagram, Kind, decode, encode
+from common.datagram import DEMO_KEY, Datagram, decode
 from common.recording.header import RecordingHeader
 from common.recording.reader import Recording, open_recording
 from common.recording.topics import EstimateSample, LinkSample
 from common.recording.writer import RecordingWriter
+from tests.reference.plain_datagram import VISUAL, plain_datagram
 
 HEADER = RecordingHeader(
     program_version="0",
@@ -25,7 +26,7 @@ HEADER = RecordingHeader(
 
 def test_the_flood_is_what_was_asked_for_and_nothing_of_it_is_true() -> None:
     """At most rate times duration datagrams; none of those that arrive holds a tag of the key."""
-    true = [encode(DEMO_KEY, Kind.VISUAL, 1 << 62, 1, tuple([0.0] * 22), echo=1 << 61)]
+    true = [plain_datagram(DEMO_KEY, VISUAL, 1 << 62, 1, [0.0] * 22, echo=1 << 61)]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
         listener.bind(("127.0.0.1", 0))
         listener.settimeout(0.2)

@@ -5,17 +5,18 @@ from collections.abc import Callable
 from functools import cache
 
 import msgpack
+import msgspec
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from benchmarks.fuzz.targets import TARGETS
 from common.configuration import default_configuration_path
-from common.datagram import DEMO_KEY, Kind, encode
+from common.datagram import DEMO_KEY, encode
 from common.recording.header import RecordingHeader
 from common.recording.topics import FastSample, FrameSample
 from common.recording.writer import RecordingWriter
-from common.visual_datagram import visual_body
+from common.visual_datagram import visual_message
 from common.visual_sample import VisualSample
 
 CONFIGS = default_configuration_path().parent
@@ -38,8 +39,10 @@ def _recording() -> bytes:
 def whole(target: str) -> bytes:
     """Something true for a decoder to read."""
     texts: dict[str, Callable[[], bytes]] = {
-        "datagram": lambda: encode(DEMO_KEY, Kind.VISUAL, 5, 6, visual_body(7, VisualSample(1, 2, 0)))[:-16],
-        "exchanges": lambda: msgpack.packb(list(visual_body(11, VisualSample(1, 2, 0, 0.5)))),
+        "datagram": lambda: encode(DEMO_KEY, 5, 6, visual_message(7, VisualSample(1, 2, 0)))[:-16],
+        "exchanges": lambda: msgpack.packb(
+            msgspec.structs.astuple(visual_message(11, VisualSample(1, 2, 0, 0.5)))
+        ),
         "configuration": (CONFIGS / "simulated_rig.toml").read_bytes,
         "model": (CONFIGS / "model.toml").read_bytes,
         "scenario": lambda: next(CONFIGS.glob("scenario_*.toml")).read_bytes(),
