@@ -17,9 +17,9 @@ answer, or exits with status 1 or 2 and one line on standard error that says wha
     stillarm: joint.mcap: no channel shows the arm (acceleration, displacement or deflection); record one of them while
     the arm moves
 
-The table lists every kind of recording that the tests generate from seeds ([tests/recordings](../tests/recordings)), and
-the response of each command. "yes" is an answer; other words quote the refusal; "-" means that there is no recording to
-work on. The tests fail if a cell differs, or if this page differs from the output of
+The table lists every kind of recording that the tests generate from seeds ([tests/recordings](../tests/recordings)),
+and the response of each command. "yes" is an answer; other words quote the refusal; "-" means that there is no
+recording to work on. The tests fail if a cell differs, or if this page differs from the output of
 `python -m tests.recordings.table`.
 
 - The diagnosis leaves out a channel that has too few values, and an arm's channel that never changes.
