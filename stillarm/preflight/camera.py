@@ -30,7 +30,7 @@ _CAUSES = {
     TrackingStatus.FROZEN: "the camera repeats the same image: restart it, check its cable",
     TrackingStatus.FEW_FEATURES: "too few features: focus the lens, put something with edges into view, or add light",
     TrackingStatus.JUMPED: "the scene is not found again from one image to the next: does the rig or the scene move?",
-    TrackingStatus.INCONSISTENT: "features do not move together: do people or machines move in view? point it elsewhere",
+    TrackingStatus.INCONSISTENT: "features do not move together: people or machines move in view? point it elsewhere",
     TrackingStatus.NO_IMAGE: "no image: check the camera's cable and power",
 }
 

@@ -152,7 +152,7 @@ def judge_link(facts: LinkFacts, link: Link) -> Verdict:
     if facts.round_trip_s > _LONG_ROUND_TRIP_S:
         return warn(
             "link",
-            f"round trip to {place} {1e3 * facts.round_trip_s:.1f} ms; use a direct cable, or a switch without sleep mode",
+            f"round trip to {place} {1e3 * facts.round_trip_s:.1f} ms; use a direct cable or a switch without sleep",
         )
     trip = "" if isnan(facts.round_trip_s) else f", round trip {1e3 * facts.round_trip_s:.2f} ms"
     who = "the supervisor answers" if facts.of_a_supervisor else "no supervisor runs; the ports are free"
