@@ -86,7 +86,7 @@ GROUNDS = (
     Ground(
         Event.NON_FINITE, True, Reaction.ZERO, 0.05, 0.04,
         "the estimate is not a finite number",
-        "start the controller again; keep the recording, and replay it to find the sample that did it",
+        "restart the controller; keep the recording, and replay it to find the sample that caused this",
     ),
     Ground(
         Event.GROWING, True, Reaction.FADE, 2.0, 0.1,
@@ -96,19 +96,19 @@ GROUNDS = (
     ),
     Ground(
         Event.SATURATED, True, Reaction.FADE, 5.0, 0.1,
-        "the damping has been at its limit for long and the vibration does not fall",
+        "the damping has been at its limit for a long time without reducing the vibration",
         "lower controller.damping.added_damping_ratio, or raise max_velocity_rad_s as far as the drive allows; "
         "then `stillarm operate clear` and `arm`",
     ),
     Ground(
         Event.DRIVE_LOST, True, Reaction.ZERO, 1.0, 0.04,
         "the drive has not reported for a second",
-        "check the gateway's power, cable and drive.gateway_host; it goes on from the preflight",
+        "check the gateway's power, cable and drive.gateway_host; operation resumes from the preflight",
     ),
     Ground(
         Event.DRIVE_SILENT, True, Reaction.ZERO, 0.05, 0.04,
         "the drive does not report",
-        "check the gateway's power and cable; motion comes back by itself with the reports",
+        "check the gateway's power and cable; motion resumes by itself with the reports",
     ),
     Ground(
         Event.LOOP_STALLED, True, Reaction.ZERO, 0.001, 0.04,
@@ -123,16 +123,16 @@ GROUNDS = (
     Ground(
         Event.VISION_STALE, False, Reaction.FADE, 0.1, 0.05,
         "no image has been measured for controller.damping.stale_after_s",
-        "check the supervisor, the camera's light and view, and the link; damping comes back with the images",
+        "check the supervisor, the camera's light and view, and the link; damping resumes with the images",
     ),
     Ground(
         Event.ACCELEROMETER_DEAD, False, Reaction.HOLD, 0.05, 0.0,
-        "the accelerometer gives no samples; damping goes on with the capture delay known last",
-        "check its bus and power; without it for long, set controller.method to one that needs none",
+        "the accelerometer delivers no samples; damping continues with the last known capture delay",
+        "check its bus and power; to run without it for long, set controller.method to one that needs none",
     ),
     Ground(
         Event.UNCOMMISSIONED, False, Reaction.ZERO, 0.001, 0.04,
-        "the model file was not identified on this rig: it is not damped",
+        "the model file was not identified on this rig, so the rig is not damped",
         "`stillarm commission --config FILE -o MODEL` identifies it; name MODEL as the configuration's model",
     ),
 )  # fmt: skip
