@@ -18,7 +18,7 @@ from common.priority import run_fifo
 
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4  # malloc.h
-PRIORITY = 60
+PRIORITY = 60  # SCHED_FIFO, above all other processes of the rig: docs/realtime.md, Other processes
 _CPU_LATENCY = Path("/dev/cpu_dma_latency")
 _UNIT = "in a systemd unit"
 

@@ -15,9 +15,9 @@ from common.visual_sample import TrackingStatus, VisualSample
 from controller.cycle_input import CycleInput
 from controller.step import Controller
 
-_CYCLES = 1200
+_CYCLES = 1200  # 60 ms of computing
 _STRUCK_AT = 700  # cycles
-_CYCLES_A_FRAME = 15
+_CYCLES_A_FRAME = 15  # 65 frames a second
 _AMPLITUDE_M = 0.005  # order of magnitude of damped vibrations
 _VARIANCE_PX2 = 0.0025
 

@@ -9,7 +9,7 @@ from typing import Protocol
 from common.configuration import CameraDevice
 from common.user_error import UserError
 
-_TOLERANCE = 0.01
+_TOLERANCE = 0.01  # relative difference from the requested value that is not reported
 _EXPOSURE = ("ExposureTime", "ExposureTimeAbs")
 _RATE = ("AcquisitionFrameRate", "AcquisitionFrameRateAbs")
 _GAIN = ("Gain", "GainRaw")

@@ -27,11 +27,11 @@ from drivers.i2c_set_up import (
 from drivers.i2c_transfer import StatusAndData
 from drivers.mounting import measured_direction
 
-_STALE_AFTER_READS = 5
-_LOST_AFTER_READS = 50
+_STALE_AFTER_READS = 5  # reads without new data, after which the last sample is no longer used
+_LOST_AFTER_READS = 50  # reads without new data, after which the device is set up again
 _LOOK_AGAIN_S = 0.010
 _LATE_S = 0.002  # two cycles: longer than any healthy transfer
-_LATE_IN_A_ROW = 3
+_LATE_IN_A_ROW = 3  # late transfers before the bus is left alone
 _LATE_SHARE = 0.05  # largest fraction of the time for late transfers
 _POLL_S = 0.001
 _NO_NUMBERS = (nan, nan, nan)

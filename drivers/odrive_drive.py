@@ -17,7 +17,7 @@ from drivers.odrive_lines import LineReader, checked_line
 from drivers.serial_port import PortLost, SerialPort, port_path
 
 WATCHDOG_S = 0.1
-_LEAST_BAUD = 460_800
+_LEAST_BAUD = 460_800  # for the 30 bytes out and 30 back of each 1 ms cycle: docs/hardware.md
 CLOSED_LOOP = 8  # axis state
 _IDLE = 1
 _VELOCITY_CONTROL, _PASSTHROUGH = 2, 1

@@ -22,7 +22,7 @@ _OPEN_TIMEOUT_MS = 5000
 _READ_TIMEOUT_MS = 500
 _RETRY_S = 0.02  # wait after a failed read, so that an unplugged camera does not occupy a core
 REOPEN_S = 2.0
-_MANUAL_EXPOSURE = 1.0
+_MANUAL_EXPOSURE = 1.0  # V4L2_EXPOSURE_MANUAL
 _EXPOSURE_UNIT_S = 1e-4
 
 

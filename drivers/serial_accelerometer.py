@@ -19,7 +19,7 @@ from drivers.serial_port import PTY_PREFIX, PortLost, SerialPort, port_path
 
 _KEY = "accelerometer.port"
 _MOST_BYTES = 1024  # per read: 40 ms of the densest stream; older data are useless to the loop
-_STALE_PERIODS = 3.0
+_STALE_PERIODS = 3.0  # sample periods of a slow device, after which its last sample is no longer used
 _STALE_S = 0.006
 _WATCHED_S, _ENOUGH = 0.5, 0.4  # s, fraction: tolerates half the rate, to avoid endless set-ups
 _LOOK_AGAIN_S = 0.25

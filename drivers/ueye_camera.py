@@ -12,7 +12,7 @@ from drivers.stream_camera import BUFFERS, BackendLost, Grab, missing_package, n
 _DEVICE_TICK_S = 1e-7  # of u64TimestampDevice
 _BITS = 8
 _REMEDY = "install the IDS Software Suite, then pip install 'stillarm[ueye]'"
-_TOLERANCE = 0.01
+_TOLERANCE = 0.01  # relative difference from the requested value that is not reported
 
 
 class UeyeBackend:

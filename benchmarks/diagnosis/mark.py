@@ -10,7 +10,7 @@ misnamed     a finding at a confidence of 0.5 or over that was not hidden: the f
 from statistics import median
 from typing import Any
 
-CONFIDENT = 0.5
+CONFIDENT = 0.5  # confidence from which a finding counts
 
 INSEPARABLE = {
     frozenset(pair)

@@ -10,7 +10,7 @@ CYCLE_S = 0.001
 DURATION_S = 40.0
 SETTLING_S = 2.0  # the time before is not scored
 AFTER_BLOW_S = 0.5  # after an impact, scored separately: no estimator can predict an impact
-NOISES = (0.1, 0.3, 1.0)
+NOISES = (0.1, 0.3, 1.0)  # of the accelerometer, as fractions of the amplitude's acceleration
 
 VARIATION_S = 0.0064
 DRIFT_TIME_S = 5.0

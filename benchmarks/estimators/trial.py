@@ -31,7 +31,7 @@ Mask = NDArray[np.bool_]
 LAST_S = 10.0
 LENGTH_M = 2.0
 SCALE_PX_PER_M = 800.0
-_ANSWERED_CYCLES = 20
+_ANSWERED_CYCLES = 20  # cycles within which a method dates a frame
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from controller.cycle_input import CycleInput
 from controller.recorded import estimate_sample, fast_sample
 from controller.step import Controller
 
-_CYCLES_A_FRAME = 15
-_DELAY_CYCLES = 74
+_CYCLES_A_FRAME = 15  # 65 frames a second
+_DELAY_CYCLES = 74  # the model's mean capture delay
 _AMPLITUDE_M = 0.006
 
 

@@ -7,8 +7,8 @@ were kept, impacts that always come at the same side of the vibration would bias
 from collections import deque
 from math import isfinite, nan, pi, sin
 
-_STDS, _OF_AMPLITUDE = 4.0, 0.5
-_SIZE_MEMORY_CYCLES = 1000.0
+_STDS, _OF_AMPLITUDE = 4.0, 0.5  # tolerance: deviations of the noise, plus a fraction of the amplitude
+_SIZE_MEMORY_CYCLES = 1000.0  # time constant of the mean amplitude
 _MOST_RUNNING = 40  # cycles: a longer deviation is not an impact
 
 

@@ -14,7 +14,7 @@ Correct = Callable[[Belief], Belief]
 
 _ODDS = 5.0  # nats: 150 to 1, since impacts are far more frequent than a moved zero
 _CLEAR_ODDS = 20.0  # nats: decides before the period's end
-_LEAST_IMAGES = 6
+_LEAST_IMAGES = 6  # fewest images for a decision
 _LARGEST_LOSS = 12.5  # nats, of one image, so that an outlier does not decide
 
 

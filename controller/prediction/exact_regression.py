@@ -17,7 +17,7 @@ from common.model import Mode
 _EVALUATIONS = 3  # at most two steps; a third would have no relevant effect
 _SETTLED = 0.02  # of the prior's spread
 _REACH = 3.0  # standard deviations of the prior
-_FEW = 6
+_FEW = 6  # samples: with fewer, their scatter is not estimated
 
 Values = NDArray[np.float64]
 

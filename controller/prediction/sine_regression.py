@@ -21,7 +21,7 @@ from controller.prediction.exact_regression import ExactFit, ExactRegression
 
 _CHANGE_STDS = 4.0  # one false alarm in some minutes at the frame rate; an impact exceeds it at once
 
-_FEW = 6
+_FEW = 6  # samples: with fewer, their scatter is not estimated
 
 
 class FreeVibration(NamedTuple):

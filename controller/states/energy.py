@@ -27,8 +27,10 @@ from math import exp, isfinite, pi, sqrt
 from common.model import Model
 from controller.states.felt_amplitude import LEAST_AMPLITUDE_M, FeltAmplitude
 
-_STRETCH_PERIODS = 1.5
-_SHARE = 0.5
+_STRETCH_PERIODS = 1.5  # of uninterrupted work before the test may fail
+_SHARE = 0.5  # of the present energy that the joint must have supplied
+# Consecutive periods, factor in each, factor over all of them, factor over the largest of the last minute. The false
+# alarms with these values are counted above.
 _RISES, _RISE, _IN_ALL, _OVER_RECENT = 4, 1.2, 3.5, 2.0
 _FELT_RISES = _RISES + 1
 _RECENT_S = 60.0

@@ -10,7 +10,7 @@ from math import pi, sqrt
 from common.model import Model
 
 LEAST_AMPLITUDE_M = 0.0005
-_NOISE_STDS = 5.0
+_NOISE_STDS = 5.0  # standard deviations of the amplitude by noise alone
 
 
 class FeltAmplitude:

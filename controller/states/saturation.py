@@ -3,9 +3,9 @@
 from math import exp, isfinite
 
 _OVER_S = 1.5
-_SHARE = 0.5
+_SHARE = 0.5  # of the cycles at the limit
 _LOOK_EVERY_S = 1.5
-_FALLEN = 0.9
+_FALLEN = 0.9  # of the amplitude at the last check: below it the damping has an effect
 
 
 class SaturationTest:

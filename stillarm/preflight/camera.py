@@ -17,9 +17,9 @@ from stillarm.preflight.verdict import Verdict, fail, ok, warn
 from supervisor.step import Supervisor
 
 _FEWEST_FRAMES = 5
-_RATE_OFF = 0.05
+_RATE_OFF = 0.05  # relative error of the frame rate
 _DARK, _BRIGHT = 20.0, 235.0  # mean grey levels
-_MEASURED_SHARE = 0.9
+_MEASURED_SHARE = 0.9  # of the images that must be tracked
 _WANDER = 3.0  # times the model's noise: beyond it the image is out of focus, or the rig rings
 _LONGER = 1.02  # an exposure that exceeds the period by this factor is refused
 _CAUSES = {

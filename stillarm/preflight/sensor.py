@@ -20,9 +20,9 @@ _SLOWEST_BUS_HZ = 300_000
 _READ_BITS = 93  # of a transfer of 7 bytes: 10 bytes of 9 bits, two starts, a stop
 _WRONG_SIZE = 0.08  # of gravity: zero-g offset plus scale error of the worst of the supported parts
 _TILT_M_S2 = 1.7  # 10 degrees
-_STUCK_READS = 50
+_STUCK_READS = 50  # fewest samples of a working sensor in the time of the check
 _QUIETEST = 0.02  # of the model's noise
-_LOUDEST, _LOUD = 4.0, 2.0
+_LOUDEST, _LOUD = 4.0, 2.0  # times the model's noise: fails, warns
 
 Values = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from supervisor.tracking.prepared_image import GreyImage
 
 Flags = NDArray[np.bool_]
 
-_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 12, 0.005)
-_BACK_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)
+_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 12, 0.005)  # iterations, px
+_BACK_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)  # iterations, px
 
 
 def possible_levels(shape: tuple[int, ...], window_px: int, levels: int) -> int:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 Vectors = NDArray[np.float64]
 ComplexVectors = NDArray[np.complex128]
 
-TUKEY = 4.6851
-MAD_TO_STD = 1.4826
+TUKEY = 4.6851  # c: 95 % efficiency for Gaussian residuals
+MAD_TO_STD = 1.4826  # 1 / Phi^-1(3/4), for Gaussian residuals
 SCALE_FLOOR_PX = 0.02
 _GOOD_START_PX = 0.5
 _ITERATIONS = 12
