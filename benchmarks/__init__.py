@@ -1,1 +1,4 @@
-"""The documentation's tables, made afresh beside floors and peers; `stillarm benchmark NAME` runs them."""
+"""The benchmarks that regenerate the documentation's tables; `stillarm benchmark NAME` runs them.
+
+Each subpackage is one benchmark, with its own judge. Begin with its `run.py`.
+"""

@@ -1,8 +1,8 @@
-"""Commissioning judged: rigs of random parameters in virtual time, of which the assumed model knows none.
+"""Benchmark of commissioning: rigs of random parameters in virtual time, of which the assumed model knows none.
 
-Drawn per rig, from the seed alone: frequency 1 to 8 Hz, damping ratio 0.2 to 3 %, participation, either sign of each
+Each rig is drawn from its seed: frequency 1 to 8 Hz, damping ratio 0.2 to 3 %, participation, either sign of each
 sensor, scales x 0.3 to x 3, bias, noise levels, capture delay 20 to 150 ms and its spread, the drive's bandwidth and
-dead time, the camera's frame rate. No frame can come before it is exposed: that bounds the spread of a short delay.
+dead time, the camera's frame rate. No frame can arrive before its exposure, which bounds the spread of a short delay.
 """
 
 import tempfile
@@ -29,7 +29,7 @@ from simulation.ring_down import envelope_m, settling_time_s
 from simulation.simulated_recording import default_simulation_configuration, write_simulated_recording
 
 _STREAM = 9117
-_NEED = {  # relative errors that the issue of commissioning allows
+_NEED = {  # allowed relative errors: the requirements on commissioning
     "arm.modes[0].frequency_hz": 0.005,
     "arm.modes[0].damping_ratio": 0.15,
     "accelerometer.scale": 0.02,
@@ -40,7 +40,7 @@ _STRUCK_M, _STRUCK_S, _DAMPED_S = 0.00625, 1.0, 12.0
 
 @dataclass(frozen=True)
 class Judged:
-    """One rig: errors over stated deviations, relative errors, and how the damping does with the model found."""
+    """One rig: errors over stated deviations, relative errors, and the damping with the identified model."""
 
     seed: int
     true: Model
@@ -53,7 +53,7 @@ class Judged:
 
     @property
     def signs_right(self) -> bool:
-        """Of both sensors and of the participation."""
+        """Whether the signs of both sensors and of the participation are right."""
         found, true = self.done.found.model, self.true
         return bool(
             np.sign(found.accelerometer.scale) == np.sign(true.accelerometer.scale)
@@ -63,12 +63,12 @@ class Judged:
 
     @property
     def within_need(self) -> bool:
-        """Frequency, damping ratio and scales within what is asked for."""
+        """Whether frequency, damping ratio and scales are within the allowed errors."""
         return all(abs(self.errors[key][1]) <= most for key, most in _NEED.items())
 
     @property
     def damps(self) -> bool:
-        """Settles as with the true model, or where neither settles, leaves as little."""
+        """Whether the arm settles as with the true model or, if neither settles, leaves as little vibration."""
         true, found = self.settling_true_s, self.settling_found_s
         if true is not None and found is not None:
             return found <= 1.25 * true + 0.2
@@ -76,7 +76,7 @@ class Judged:
 
 
 def assumed_model() -> Model:
-    """What all rigs are begun with: the model that comes with the program."""
+    """The starting model for all rigs, which comes with the program."""
     return load_model(default_simulation_configuration().with_name("model.toml"))
 
 
@@ -121,7 +121,7 @@ _EARLIEST_S = 0.0165  # half the exposure, transfer, tracking
 
 
 def simulated(true: Model, assumed: Model, scenario: Scenario, seed: int, folder: Path) -> tuple[Path, Path]:
-    """A scenario in virtual time; the recording's path and its truth's."""
+    """Run a scenario in virtual time. Returns the paths of the recording and of its truth file."""
     folder.mkdir(parents=True, exist_ok=True)
     names = {"true": model_text(true), "assumed": model_text(assumed)}
     names["scenario"] = tomli_w.dumps(msgspec.to_builtins(scenario))
@@ -140,7 +140,7 @@ def simulated(true: Model, assumed: Model, scenario: Scenario, seed: int, folder
 
 
 def commission_virtually(true: Model, assumed: Model, seed: int, folder: Path) -> Commissioning:
-    """The procedure on a rig in virtual time. Each part has noise of its own, from the seed."""
+    """Run the procedure on a rig in virtual time. Each part has independent noise, from the seed."""
 
     def record(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
         part = {"probe": 0, "moves": 1}[name]
@@ -151,7 +151,9 @@ def commission_virtually(true: Model, assumed: Model, seed: int, folder: Path) -
 
 
 def damped(true: Model, assumed: Model, seed: int, folder: Path) -> tuple[float | None, float]:
-    """Struck with damping on: settling time, s (None: not reached), and the last third's rms envelope over the blow."""
+    """Strike with damping on. Returns the settling time, s (None: not reached), and the rms envelope of the last third
+    over the struck amplitude.
+    """
     w = true.arm.modes[0].angular_frequency
     felt = abs(true.accelerometer.scale) * w * w
     struck = min(_STRUCK_M, 0.4 * true.accelerometer.range_m_s2 / felt)
@@ -203,7 +205,7 @@ def judge_rig(seed: int, folder: Path) -> Judged:
 
 
 def run(rigs: int, seed: int, progress: Callable[[float], None] = lambda done: None) -> dict[str, Any]:
-    """Commission rigs seed, seed + 1, ...; a rig that is refused counts against every figure."""
+    """Commission the rigs of seeds seed, seed + 1, ... A refused rig counts against every figure."""
     judged: list[Judged] = []
     refused: list[dict[str, Any]] = []
     for i in range(rigs):
@@ -217,7 +219,7 @@ def run(rigs: int, seed: int, progress: Callable[[float], None] = lambda done: N
 
 
 def summary(judged: list[Judged], refused: list[dict[str, Any]]) -> dict[str, Any]:
-    """The tables: by parameter, by rig, and the shares asked for."""
+    """The tables: by parameter, by rig, and the overall fractions."""
     total = len(judged) + len(refused)
     keys = list(truth_of(assumed_model()))
     parameters = []

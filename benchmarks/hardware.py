@@ -1,9 +1,8 @@
-"""What a read of each accelerometer costs the loop, against its emulator. `stillarm benchmark hardware` prints it.
+"""The cost of reading each accelerometer in the loop, with its emulator; for `stillarm benchmark hardware`.
 
-us_per_read is the median processor time of a read that brings a fresh sample, the emulator's part of it included: for
-I2C what stands for the kernel and the chip, for serial devices the system call on a pseudo terminal. bus_us is what the
-wire adds on real hardware, computed: 9 bits a byte on I2C at 400 kHz. The loop waits for an I2C transfer, not for a
-serial one.
+us_per_read is the median processor time of a read with a fresh sample. It includes the emulator's part: for I2C the
+stand-in for kernel and chip, for serial devices the system call on a pseudo terminal. bus_us is the computed time on
+the wire of real hardware: 9 bits a byte on I2C at 400 kHz. The loop waits for an I2C transfer, not for a serial one.
 """
 
 import os
@@ -26,11 +25,11 @@ _READS = 2000  # a trial
 _CYCLE_S = 0.001
 _FAST_MODE_HZ = 400_000.0
 _BITS_PER_BYTE = 9
-_HAND_OVER_S = 50e-6  # a pseudo terminal hands over in its own time
+_HAND_OVER_S = 50e-6  # delivery time of a pseudo terminal
 
 
 def run(trials: int, seed: int) -> dict[str, Any]:
-    """Rows of device, driver, rate_hz, delay_ms, us_per_read, us_per_read_p99, bus_us. The seed plays no part."""
+    """Rows of device, driver, rate_hz, delay_ms, us_per_read, us_per_read_p99, bus_us. The seed has no effect."""
     rows = [_row(name, trials * _READS) for name in (*TABLES, *SERIAL_DEVICES)]
     return {"rows": rows, "seed": seed}
 

@@ -1,8 +1,8 @@
-"""What each drive and camera costs, against its emulator. `stillarm benchmark hardware` prints it, too.
+"""The cost of each drive and camera, with its emulator; for `stillarm benchmark hardware`.
 
-us_per_cycle is the median processor time of a cycle's command and report in the driver's own thread; the emulator
-answers in between, outside the count. us_per_frame is that of a read of an image, waiting left out, and rate_hz what
-came, beside what was asked for; a camera whose package is not installed here has no row.
+us_per_cycle is the median processor time of a cycle's command and report in the driver's own thread, without the
+emulator's time. us_per_frame is the processor time to read an image, without waiting. rate_hz is the rate reached.
+A camera whose package is not installed has no row.
 """
 
 import importlib.util
@@ -26,7 +26,7 @@ from simulation.rig_drive import RigDrive, rig_drive
 
 _KEY = b"the key of the benchmark"
 _CYCLES = 2000  # a trial
-_WIRE_S = 60e-6  # a pseudo terminal and a socket hand over in their own time
+_WIRE_S = 60e-6  # delivery time of a pseudo terminal and a socket
 _FRAMES = 60
 _RATE_HZ = 50.0
 
@@ -48,7 +48,7 @@ def camera_rows() -> list[dict[str, Any]]:
     for name, against, device in _cameras():
         try:
             rows.append(_camera_row(name, against, device))
-        except UserError:  # not on this computer
+        except UserError:  # not available on this computer
             continue
     return rows
 
@@ -100,7 +100,7 @@ def _drive_row(driver: str, against: str, cycles: int) -> dict[str, Any]:
 
 
 def _start(drive: Drive, rig: RigDrive) -> None:
-    """The drive's set-up waits for answers: the rig gives them from a thread."""
+    """Start the drive. Its set-up waits for answers, which the rig gives from a thread."""
     done = threading.Event()
 
     def answer() -> None:

@@ -1,8 +1,8 @@
-"""Identification beside its peers, on the same data in one run: `stillarm benchmark identification`.
+"""Identification compared with its peers on the same data: `stillarm benchmark identification`.
 
 PySINDy (sparse regression of x' on monomials of y, y', u), SysIdentPy (polynomial NARX by forward regression) and ours
-see the same input and output, and are judged by the same error: simulated in free run where none of them was fitted.
-And the simulation itself beside scipy's solve_ivp. The peers: pip install stillarm[peers].
+use the same input and output, and are scored by the same error: a free run over data that none of them has fitted. The
+benchmark also compares the simulation with scipy's solve_ivp. Install the peers with pip install stillarm[peers].
 """
 
 import tempfile
@@ -25,8 +25,8 @@ from diagnosis.kernel import K, run
 Array = NDArray[np.float64]
 
 SILVERBOX_HZ = 1e7 / 2**14
-_GROWING = 40500  # samples: a noise of growing amplitude, held out
-_FITTED = 30000  # samples of multisines that follow it
+_GROWING = 40500  # samples: noise of growing amplitude, held out
+_FITTED = 30000  # samples of the multisines after it
 _DEGREE = 3
 _SINDY_THRESHOLDS = (0.0, 1e-4, 1e-3, 5e-3, 2e-2, 1e-1)  # of the speed's deviation
 _NARX = ((2, 8), (2, 14), (3, 14), (3, 24))  # lags, terms
@@ -47,7 +47,7 @@ class Pair:
 
 
 def silverbox(folder: Path) -> Pair | None:
-    """The electronic Duffing oscillator of Wigren and Schoukens (2013); None where the data are absent."""
+    """The electronic Duffing oscillator of Wigren and Schoukens (2013); None without the data."""
     file = folder / "silverbox" / "SNLS80mV.csv"
     if not file.is_file():
         return None
@@ -58,7 +58,7 @@ def silverbox(folder: Path) -> Pair | None:
 
 
 def compare(pair: Pair) -> list[dict[str, Any]]:
-    """A row for each method: what it returned, its held-out error in free run, and what it took."""
+    """A row for each method: its result, its held-out error in free run, and its time."""
     rows = []
     for name, method in (("stillarm", _ours), ("PySINDy", _pysindy), ("SysIdentPy", _sysidentpy)):
         began, spent = time.perf_counter(), time.process_time()
@@ -78,7 +78,7 @@ def compare(pair: Pair) -> list[dict[str, Any]]:
 def _row(
     pair: Pair, method: str, shown: Array | None, returned: str, seconds: float, cpu: float
 ) -> dict[str, Any]:
-    """shown: simulated output over the test span; not finite where the model ran away."""
+    """shown: simulated output over the test span; not finite if the model diverged."""
     row: dict[str, Any] = {"data": pair.name, "method": method, "error_rms": None, "nrmse": None}
     if shown is not None:
         y = pair.y[pair.test]
@@ -114,7 +114,7 @@ def _ours(pair: Pair) -> tuple[Array, str]:
 
 
 def _peak_hz(pair: Pair) -> float:
-    """Where the output is largest beside the input, over the training span: the resonance, as a user would read it."""
+    """Frequency of the largest output / input over the training span: the resonance, as a user would read it."""
     from scipy.signal import welch
 
     hz, out = welch(pair.y[pair.train], pair.rate_hz, nperseg=4096)
@@ -124,7 +124,7 @@ def _peak_hz(pair: Pair) -> float:
 
 
 def _pysindy(pair: Pair) -> tuple[Array, str]:
-    """Its threshold is the one whose free run is best over the last tenth of the training span."""
+    """Uses the threshold whose free run is best over the last tenth of the training span."""
     import pysindy as ps
     from scipy.interpolate import CubicSpline
 
@@ -158,13 +158,13 @@ def _tenth_off(span: slice) -> tuple[slice, slice]:
 
 
 def _miss(shown: Array, y: Array) -> float:
-    """Mean square error; infinite for a run that ran away."""
+    """Mean square error; infinite for a diverged run."""
     error = float(np.mean((shown - y) ** 2))
     return error if np.isfinite(error) else float("inf")
 
 
 def _free_run(weights: Array, powers: Array, u: Array, state: Array, dt: float) -> Array:
-    """x' = weights (monomials of x and u) by Runge and Kutta's fourth order, the input interpolated."""
+    """x' = weights (monomials of x and u) by fourth-order Runge-Kutta, with interpolated input."""
 
     def slope(x: Array, force: float) -> Array:
         found: Array = weights @ np.prod(np.array([x[0], x[1], force]) ** powers, axis=1)
@@ -186,7 +186,7 @@ def _free_run(weights: Array, powers: Array, u: Array, state: Array, dt: float) 
 
 
 def _sysidentpy(pair: Pair) -> tuple[Array, str]:
-    """Its lags and number of terms are those whose free run is best over the last tenth of the training span."""
+    """Uses the lags and the number of terms whose free run is best over the last tenth of the training span."""
     from sysidentpy.basis_function import Polynomial
     from sysidentpy.model_structure_selection import FROLS
 
@@ -210,7 +210,7 @@ def _sysidentpy(pair: Pair) -> tuple[Array, str]:
 
 
 def simulation_speed() -> dict[str, float]:
-    """60 s at 1 kHz with two modes: ours against the time simulated, and solve_ivp on a tenth of it."""
+    """60 s at 1 kHz with two modes: the time of our simulation, and of solve_ivp on a tenth of it."""
     from scipy.integrate import solve_ivp
 
     n, dt, length = 60_000, 0.001, 2.0
@@ -281,7 +281,7 @@ def run_all(data: Path | None, progress: Callable[[float], None] = lambda done: 
     pair = silverbox(data) if data is not None else None
     if data is not None and pair is None:
         raise UserError(
-            f"--data {data}: holds no silverbox/SNLS80mV.csv; leave --data out to measure the speed alone"
+            f"--data {data}: contains no silverbox/SNLS80mV.csv; omit --data to measure the speed alone"
         )
     rows = compare(pair) if pair is not None else []
     progress(1.0)

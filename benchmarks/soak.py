@@ -1,4 +1,4 @@
-"""The demo's processes for a long time: is memory flat, are descriptors kept, does the cycle keep to the clock?"""
+"""Runs the demo's processes for a long time: does memory grow, do descriptors leak, does the cycle drift?"""
 
 import contextlib
 import select
@@ -18,25 +18,25 @@ from common.user_error import UserError
 from simulation.demo.processes import DemoProcesses
 from simulation.demo.set_up import write_demo_configuration
 
-_START_SHARE = 0.2  # of the time, in which caches fill and pools grow
+_START_SHARE = 0.2  # of the time; caches fill and pools grow in it
 _SAMPLE_EVERY_S = 1.0
 _MOST_GROWTH_MB_PER_H = 4.0
-_MOST_GROWTH_MB = 1.0  # below what the allocator takes from the system at once, a slope says nothing
+_MOST_GROWTH_MB = 1.0  # the allocator's step size: below it a slope means nothing
 _MOST_DRIFT_S = 0.001
 _READY_WITHIN_S = 60.0
 
 
 class ProcessSamples:
-    """Memory and descriptors of one process over time; memory of its own, without what it shares (the rings)."""
+    """Private memory (without shared rings) and descriptors of one process over time."""
 
     def __init__(self) -> None:
-        """None yet."""
+        """Start without samples."""
         self.times_s: list[float] = []
         self.memory_mb: list[float] = []
         self.descriptors: list[int] = []
 
     def take(self, process: int, time_s: float) -> None:
-        """Look at a process; one that is gone gives no sample."""
+        """Sample a process. A process that has ended gives no sample."""
         with contextlib.suppress(OSError, ValueError, IndexError):
             status = Path(f"/proc/{process}/status").read_text()
             kilobytes = int(status.split("RssAnon:")[1].split()[0])
@@ -46,7 +46,7 @@ class ProcessSamples:
             self.descriptors.append(count)
 
     def result(self, from_s: float) -> dict[str, Any]:
-        """Growth from a time on."""
+        """The growth from a time on."""
         times = np.array(self.times_s)
         late = times >= from_s
         if np.count_nonzero(late) < 3:
@@ -66,7 +66,7 @@ class ProcessSamples:
 def run(
     duration_s: float, seed: int, progress: Callable[[float], None] = lambda done: None
 ) -> dict[str, Any]:
-    """Run the demo's three processes for `duration_s`; returns growth by process, drift, and what is wrong."""
+    """Run the demo's three processes for `duration_s`. Returns growth by process, drift, and problems."""
     with (
         tempfile.TemporaryDirectory(prefix="stillarm-soak-") as folder,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as telemetry,
@@ -110,7 +110,7 @@ def _watch(
     processes: DemoProcesses, telemetry: socket.socket, duration_s: float, progress: Callable[[float], None]
 ) -> tuple[dict[str, ProcessSamples], list[tuple[float, float]]]:
     samples: dict[str, ProcessSamples] = {}
-    lags: list[tuple[float, float]] = []  # time, and by how much the cycle's own time is behind it, s
+    lags: list[tuple[float, float]] = []  # time, and the lag of the cycle's own time behind it, s
     began = time.monotonic()
     next_s = began
     least = float("inf")

@@ -1,9 +1,8 @@
-"""Displacement from images: ours beside peers, on the same images, in turns. `stillarm benchmark vision`
-prints it.
+"""Displacement from images: our tracker and its peers on the same images; for `stillarm benchmark vision`.
 
-The scene is a random texture with a spectrum that falls with frequency as natural scenes do, blurred like a
-lens, and shifted exactly, by its Fourier phase, beyond the image's borders: 640x480, 3 px amplitude at 2.6
-Hz, 65 frames a second, sensor noise of 2 grey levels. error_px_rms is of x, y together, against the truth.
+The scene is a random texture whose spectrum falls with frequency, as in natural scenes. It is blurred like a lens, and
+shifted exactly by its Fourier phase, also beyond the image's borders: 640x480, 3 px amplitude at 2.6 Hz, 65 frames a
+second, sensor noise of 2 grey levels. error_px_rms is the error of x and y together against the truth.
 """
 
 import time
@@ -29,8 +28,8 @@ OCCLUDER = (160, 320)  # a sixth of the image
 
 
 def run(trials: int, seed: int) -> dict[str, Any]:
-    """The table of the contract: rows of method, error_px_rms, ms_per_frame; a frame not measured
-    makes it NaN.
+    """The table of the contract: rows of method, error_px_rms, ms_per_frame. An unmeasured frame
+    makes the error NaN.
     """
     cv2.setNumThreads(1)
     warm_up(Tracker(), WIDTH_PX, HEIGHT_PX)
@@ -63,7 +62,7 @@ def _recording(random: np.random.Generator, case: str) -> tuple[NDArray[np.float
     height, width = (
         HEIGHT_PX + 96,
         WIDTH_PX + 128,
-    )  # larger than the image: what leaves does not come in again
+    )  # larger than the image, so that what leaves does not wrap around
     fy, fx = np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width)[None, :]
     f2 = fx**2 + fy**2
     spectrum = (

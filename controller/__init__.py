@@ -1,1 +1,4 @@
-"""The 1 ms cycle: estimate the capture delay, predict the present deflection, damp it by the joint."""
+"""The controller's 1 ms cycle: estimates the capture delay, predicts the present deflection, damps it with the joint.
+
+Begin with `step.py`, then `loop.py`. No simulation belongs here, and the daemon imports neither scipy nor numba.
+"""

@@ -1,8 +1,8 @@
 """Composite control [7]: fast feedback of the oscillation, slow feedback of the image. Derived in docs/damping.md.
 
 Fast, on the estimated deflection and its rate: k (q + q' / b) with the drive's bandwidth b, which puts the closed
-loop's poles where an ideal drive would have them. Slow, on what the image shows besides the oscillation: the joint is
-brought to where the reference would have led it, as the camera sees it and not as the encoder does.
+loop's poles where an ideal drive would have them. Slow, on the part of the image that is not oscillation: it moves
+the joint to where the reference would have led it, as seen by the camera rather than the encoder.
 """
 
 from collections import deque
@@ -16,14 +16,14 @@ from controller.estimate import MOST_UNDATED, Estimate, Status
 from controller.history import CycleHistory
 from controller.joint_motion import HISTORY_S, JointMotion
 
-_ZERO_PERIODS = 3.0  # the image's zero is the mean over the first periods
-_JUMP_RAD = 0.02  # from one image to the next: the image has another zero
+_ZERO_PERIODS = 3.0  # image zero: the mean over the first periods
+_JUMP_RAD = 0.02  # from one image to the next: the image zero has changed
 _LONGEST_STEP_S = 0.1
 _STABLE = 2.0  # gain margin of the slow loop
 
 
 class CompositeControl:
-    """Both parts of the joint velocity, from values that the step hands in."""
+    """Both parts of the joint velocity, from values that the step provides."""
 
     def __init__(self, model: Model, length_m: float, gain: float, return_time_s: float) -> None:
         """gain: joint velocity for a deflection, rad/s per metre. return_time_s: time constant of the slow part."""
@@ -31,7 +31,7 @@ class CompositeControl:
         late_s = model.timing.capture_delay_s + 1.0 / mode.frequency_hz
         if return_time_s < _STABLE * 2.0 / pi * late_s:
             raise UserError(
-                f'controller.damping.return_time_s = {return_time_s:g}: with law = "composite" the image comes back '
+                f'controller.damping.return_time_s = {return_time_s:g}: with law = "composite" the image feedback is '
                 f"{late_s:.2g} s late, which makes so fast a return unstable; choose at least "
                 f"{_STABLE * 2.0 / pi * late_s:.2g}"
             )
@@ -56,7 +56,7 @@ class CompositeControl:
         self.restart()
 
     def restart(self) -> None:
-        """The image's zero is to be found (again)."""
+        """Forget the image zero, so that it is determined again."""
         self._zero_rad = self._zero_time_s = self._error_rad = 0.0
         self._zeroed = False
         self._seen = 0
@@ -69,7 +69,7 @@ class CompositeControl:
         samples: list[VisualSample],
         joint: JointMotion,
     ) -> None:
-        """Take in a cycle: where the reference alone would have the joint, the estimate, the samples read in it."""
+        """Process a cycle: the joint position by the reference alone, the estimate, and the samples read in it."""
         known = estimate.status in {Status.ESTIMATED, Status.HELD} and isfinite(estimate.deflection_m)
         self._oscillation.write(cycle, estimate.vibration_m if known else 0.0)
         self._commanded.write(cycle, commanded_position_rad)
@@ -79,7 +79,7 @@ class CompositeControl:
                 self._see(sample, read_s - delay_s, joint)
 
     def _dated(self, estimate: Estimate) -> list[tuple[VisualSample, float, float]]:
-        """The images whose delay is known by now: with the time at which they were read, and the delay."""
+        """The images whose delay is now known, with their reading time and delay."""
         if estimate.dated is None:
             ready = [(sample, read_s, estimate.delay.delay_s) for sample, read_s in self._undated]
             self._undated.clear()
@@ -92,7 +92,7 @@ class CompositeControl:
         ]
 
     def _see(self, sample: VisualSample, captured_s: float, joint: JointMotion) -> None:
-        """The slow part of one image: what is left without the oscillation, at its capture instant."""
+        """The slow part of one image: the rest without the oscillation, at its capture instant."""
         at = captured_s / self._cycle_s
         oscillation = self._rad_per_m * self._oscillation.at(at)
         slow = sample.displacement_x_px * self._rad_per_px - oscillation - self._commanded.at(at)
@@ -115,7 +115,7 @@ class CompositeControl:
             self._error_rad += gain * (self._zero_rad - slow - self._error_rad)
 
     def velocity_rad_s(self, estimate: Estimate, joint_error_rad: float) -> float:
-        """Fast and slow part together; joint_error_rad, by the encoder, stands in until the image's zero is known."""
+        """Sum of the fast and slow part. joint_error_rad, by the encoder, stands in until the image zero is known."""
         q, v = estimate.vibration_m, estimate.deflection_rate_m_s
         bend = -self._stiffness * q - self._decay * v
         ahead = self._dead_time_s

@@ -1,4 +1,4 @@
-"""What the controller reads in a cycle."""
+"""The controller's input of a cycle."""
 
 from dataclasses import dataclass, field
 from math import nan
@@ -8,14 +8,14 @@ from common.visual_sample import VisualSample
 
 @dataclass(slots=True)
 class CycleInput:
-    """What a cycle has read. Missing numbers are NaN.
+    """The input of a cycle. Missing numbers are NaN.
 
     joint_age_s: age of the drive's report; NaN for a drive that reports nothing
     reference_rad_s: the external joint velocity reference, as given
     damping_allowed: the operator's or schedule's permission
     samples: the visual samples read in this cycle, in order of arrival
-    deflection_m: measured directly, as by a strain gauge
-    operator: what the operator asked for, bits of controller.states.table.Operator
+    deflection_m: measured directly, for instance by a strain gauge
+    operator: the operator's requests, bits of controller.states.table.Operator
     """
 
     cycle: int

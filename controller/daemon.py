@@ -1,4 +1,4 @@
-"""The controller as a process: the loop around the step, with clock, devices and recorder at its edge."""
+"""The controller's process: the loop around the step, with clock, devices and recorder at its edge."""
 
 import os
 import secrets
@@ -26,8 +26,8 @@ from controller.statistics_process import start_statistics, stop_statistics, wai
 from controller.step import Controller
 from controller.warm_up import warm_up
 
-_LEAD_S = 0.2  # from when all is warm until cycle 0: the recording's file is opened meanwhile
-_EMPTIED_BEFORE_S = 0.005  # before cycle 0: what came until then is nobody's in this run
+_LEAD_S = 0.2  # from the end of the warm-up to cycle 0; the recorder opens its file in that time
+_EMPTIED_BEFORE_S = 0.005  # before cycle 0: datagrams until then do not belong to this run
 
 _NOT_ARMED = (
     "the joint stands still until `stillarm operate arm --config FILE`, as controller.arm_at_start is false"
@@ -37,7 +37,7 @@ _NOT_ARMED = (
 def run(
     configuration_path: Path, record: Path | None, duration_s: float | None, *, allow_non_realtime: bool
 ) -> None:
-    """Run until SIGTERM or SIGINT, or for `duration_s`. Raises UserError for what the user can mend."""
+    """Run until SIGTERM or SIGINT, or for `duration_s`. Raises UserError for a user's mistake."""
     configuration = load_configuration(configuration_path)
     _refuse_without_privileges(allow_non_realtime)
     model = load_assumed_model(configuration, configuration_path)
@@ -90,7 +90,7 @@ def run(
 
 
 def _refuse_without_privileges(allow_non_realtime: bool) -> None:
-    """Before anything is opened or made. Raises UserError that names what is missing and how to grant it."""
+    """Check the privileges before anything is opened. Raises UserError with the missing ones and their remedy."""
     missing = missing_privileges()
     if missing and not allow_non_realtime:
         raise UserError(

@@ -1,9 +1,10 @@
-"""Damping by the joint: a velocity proportional to the predicted deflection.
+"""Damping with the joint: a velocity proportional to the predicted deflection.
 
 With theta'' = k q', q'' + 2 zeta w q' + w^2 q = -p L theta'' becomes q'' + (2 zeta w + p L k) q' + w^2 q = 0: a joint
 velocity k q adds the damping ratio p L k / (2 w), for either sign of the participation p, and a little more if it
-trails q. docs/damping.md derives it, with the slow return to the commanded position that keeps an offset from making
-the joint creep. The law "composite" (composite.py) takes the rate into the fast part, and the image into the slow one.
+trails q. docs/damping.md derives it, with the slow return to the commanded position that prevents an offset from
+making the joint creep. The law "composite" (composite.py) adds the rate to the fast part, and uses the image for the
+slow part.
 """
 
 from enum import StrEnum
@@ -21,14 +22,14 @@ from controller.joint_motion import JointMotion
 from controller.states.health import DRIVE_SILENT_S
 
 _ENTRY_S = 0.2  # from no damping to full damping
-# Damping fades in on a prediction whose standard deviation, but for what the delay's own adds, is at most this share of
-# the vibration's amplitude, or would command at most this share of the drive's velocity. A fit to a quarter of a
-# period, its zero unknown, claims several times what is there, four or five times its own deviation.
+# Damping fades in if the prediction's standard deviation, without the delay's contribution, is at most this fraction of
+# the vibration's amplitude, or commands at most this fraction of the drive's velocity. A fit to a quarter of a period
+# with unknown zero claims several times the actual vibration, at four or five times its own deviation.
 _SURE_OF_AMPLITUDE, _SURE_OF_DRIVE = 0.15, 0.002
 
 
 def most_damping_lag_s(damping_ratio: float, angular_frequency: float) -> float:
-    """How late a joint damps most that damps a vibration to this ratio, up to 0.4; docs/damping.md."""
+    """The lag of the joint that damps most, for a total damping ratio up to 0.4; docs/damping.md."""
     return 2.0 * damping_ratio / (1.0 + 4.0 * damping_ratio * damping_ratio) / angular_frequency
 
 
@@ -43,7 +44,7 @@ class DampingStatus(StrEnum):
 
 
 class JointDamping:
-    """The damping part of the command. Zero whenever what it rests on is stale, absent or not finite."""
+    """The damping part of the command. Zero whenever its inputs are stale, absent or not finite."""
 
     def __init__(self, model: Model, settings: Damping, model_name: str) -> None:
         """Damp the first mode of `model` by `settings.added_damping_ratio`."""
@@ -58,10 +59,10 @@ class JointDamping:
         self._decay = 2.0 * mode.damping_ratio * w
         drive_lead = drive_lead_s(model.drive, w)
         self.lead_s = drive_lead - most_damping_lag_s(mode.damping_ratio + settings.added_damping_ratio, w)
-        """How far ahead the deflection is that the joint follows."""
+        """How far ahead of the present is the deflection that the joint follows."""
         self._weight = 0.0
         self.at_limit = False
-        """Whether the part returned last was cut down to settings.max_velocity_rad_s."""
+        """Whether the last returned value was limited to settings.max_velocity_rad_s."""
         self._last_measured_s = float("-inf")
         self._commanded = DriveModel(model.drive, model.timing.cycle_s)
         self._anchored = False
@@ -77,28 +78,28 @@ class JointDamping:
 
     @property
     def full(self) -> bool:
-        """Whether the damping is wholly faded in."""
+        """Whether the damping is fully faded in."""
         return self._weight == 1.0
 
     def cut(self) -> None:
-        """To zero at once, and in again gently."""
+        """Go to zero at once, and fade in again."""
         self._weight = 0.0
 
     def begin_anew(self) -> None:
-        """The image has another zero: out at once, and in gently when that is known."""
+        """The image zero has changed: go to zero at once, and fade in when the new zero is known."""
         self.cut()
         if self._composite is not None:
             self._composite.restart()
 
     def anchor(self, joint_position_rad: float) -> None:
-        """Where the joint is now is where the reference has led it: it was not moved by the reference so far."""
+        """Take the joint's present position as the position to which the reference has led it."""
         self._anchored = True
         self._commanded.rest_at(joint_position_rad)
         if self._composite is not None:
             self._composite.restart()
 
     def follow_reference(self, reference_rad_s: float, joint_position_rad: float, cycles: int) -> None:
-        """Carry along where the joint would be by the external reference alone."""
+        """Update the position that the external reference alone would give the joint."""
         if not self._anchored:
             self.anchor(joint_position_rad)
             return
@@ -110,19 +111,19 @@ class JointDamping:
     def see_cycle(
         self, cycle: int, estimate: Estimate, samples: list[VisualSample], joint: JointMotion
     ) -> None:
-        """What the composite law needs of a cycle, after follow_reference."""
+        """Pass a cycle to the composite law, after follow_reference."""
         if self._composite is not None:
             self._composite.see_cycle(cycle, self._commanded.position_rad, estimate, samples, joint)
 
     def predicted_m(self, estimate: Estimate) -> float:
-        """The deflection that the joint's answer follows: the present one, moved by `lead_s`."""
+        """The deflection that the joint follows: the present one, advanced by `lead_s`."""
         rate = estimate.deflection_rate_m_s
         bend = -self._w * self._w * estimate.vibration_m - self._decay * rate
         lead = self.lead_s
         return estimate.deflection_m + lead * rate + 0.5 * lead * lead * bend
 
     def _sure(self, estimate: Estimate) -> bool:
-        """Whether damping may fade in on a prediction; one that does not know its deviation is taken at its word."""
+        """Whether damping may fade in on a prediction. A prediction without a deviation is accepted."""
         std = estimate.deflection_std_m
         if not std * abs(self._gain) > self._sure_rad_s:
             return True
@@ -139,7 +140,7 @@ class JointDamping:
         vibration_m: float,
         wanted_rad_s: float,
     ) -> float:
-        """The motor's velocity across the play, so far as the damping's limit leaves room for it."""
+        """The motor's velocity across the play, within the damping's limit."""
         lead, w = self.lead_s, self._w
         rate = estimate.deflection_rate_m_s - w * w * lead * estimate.vibration_m
         across = crossing.velocity_rad_s(self._gain * vibration_m, self._gain * rate, play)
@@ -157,7 +158,7 @@ class JointDamping:
         joint_age_s: float,
         play: GearPlay | None = None,
     ) -> tuple[float, DampingStatus]:
-        """The damping part of the joint velocity, and why it is what it is.
+        """The damping part of the joint velocity, and its status.
 
         joint_age_s: age of the drive's report; NaN for a drive that reports nothing. play: between motor and joint.
         """
@@ -168,7 +169,7 @@ class JointDamping:
         predicted = self.predicted_m(estimate)
         vibration = (
             predicted - estimate.static_m
-        )  # a joint that followed what is held would creep, and damp nothing
+        )  # following a static deflection would make the joint creep and damp nothing
         grounds = True
         if not isfinite(predicted) or estimate.status in {Status.INVALID, Status.UNESTIMATED}:
             status, grounds = DampingStatus.NO_PREDICTION, False

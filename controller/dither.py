@@ -1,8 +1,8 @@
-"""A small motion of the joint that lets the camera be dated when the accelerometer has died.
+"""A small motion of the joint with which the camera can be dated when the accelerometer has died.
 
-The image sees the joint's own known motion as late as everything else. A slow sine, away from all modes, faded in and
-out over whole seconds so that it excites none of them; by the difference of two positions, so that whatever happens the
-joint's position is never further than the amplitude from where it was.
+The image shows the joint's known motion with the capture delay. The motion is a slow sine, away from all modes, which
+fades in and out over whole seconds so that it excites none of them. The command is the difference of two positions, so
+that the joint is never further than the amplitude from its position before.
 """
 
 from math import cos, pi, sin
@@ -16,7 +16,7 @@ _APART = 0.3  # of a mode's frequency
 
 
 class DitherState(NamedTuple):
-    """phase_rad: of the sine; weight: 0 (still) to 1; position_rad: how far the joint has been moved."""
+    """phase_rad: of the sine; weight: 0 (still) to 1; position_rad: present displacement of the joint."""
 
     phase_rad: float = 0.0
     weight: float = 0.0
@@ -27,7 +27,7 @@ STILL = DitherState()
 
 
 def check_dither(settings: Dither, model: Model) -> None:
-    """Raises UserError for a frequency near one of the modes', or for a velocity that the drive has not."""
+    """Raise UserError for a frequency near a mode's, or for a velocity beyond the drive's."""
     if not settings.enabled:
         return
     for mode in model.arm.modes:
@@ -45,16 +45,16 @@ def check_dither(settings: Dither, model: Model) -> None:
 
 
 def highest_velocity_rad_s(settings: Dither) -> float:
-    """What no command exceeds: that of the full sine, and of its fading."""
+    """Upper bound of the commands: that of the full sine, plus that of its fading."""
     return settings.amplitude_rad * (2.0 * pi * settings.frequency_hz + 0.5 * pi / settings.fade_s)
 
 
 def dither_on(
     state: DitherState, wanted: bool, elapsed_s: float, settings: Dither
 ) -> tuple[DitherState, float]:
-    """One cycle on: the new state, and the joint velocity of this cycle, rad/s.
+    """Advance by one cycle. Returns the new state, and the joint velocity of this cycle, rad/s.
 
-    Begins where the sine is zero; its amplitude rises and falls as a raised cosine over `fade_s`.
+    It begins where the sine is zero; its amplitude rises and falls as a raised cosine over `fade_s`.
     """
     if state.weight <= 0.0 and not wanted:
         return STILL, 0.0

@@ -1,6 +1,6 @@
-"""The joint as the model has it: what velocity, position and acceleration follow from the commands sent.
+"""The joint model: velocity, position and acceleration that follow from the commands sent.
 
-theta'' is taken from here, never by differencing an encoder: one count of noise in a rate, differenced over a
+theta'' comes from here, never from differentiating an encoder: one count of noise in a rate, differentiated over a
 millisecond, is metres per second squared at the tip.
 """
 
@@ -10,7 +10,7 @@ from math import atan, exp, expm1, pi
 from common.model import Drive
 
 STEPWISE_CYCLES = 300
-"""Of a pause: more are passed at once. 0.3 ms of computing; 35 lags of the default drive."""
+"""Cycles of a pause that are stepped one by one; the rest is passed at once. 0.3 ms; 35 lags of the default drive."""
 
 
 class DriveModel:
@@ -24,27 +24,30 @@ class DriveModel:
         self._stay = exp(-self._rate * cycle_s)
         whole = int(drive.dead_time_s / cycle_s)
         self._fraction = drive.dead_time_s / cycle_s - whole
-        self._waiting = deque([0.0] * (whole + 2), maxlen=whole + 2)  # commands under way, newest first
+        self._waiting = deque(
+            [0.0] * (whole + 2), maxlen=whole + 2
+        )  # commands in the dead time, newest first
         self.position_rad = position_rad
         self.velocity_rad_s = 0.0
         self.acceleration_rad_s2 = 0.0
         self.mean_acceleration_rad_s2 = 0.0
 
     def rest_at(self, position_rad: float) -> None:
-        """At rest there, with zero commands in the dead time."""
+        """Come to rest there, with zero commands in the dead time."""
         self._waiting.extend([0.0] * len(self._waiting))
         self.position_rad = position_rad
         self.velocity_rad_s = self.acceleration_rad_s2 = self.mean_acceleration_rad_s2 = 0.0
 
     def report(self, position_rad: float) -> None:
-        """What the encoder shows, rad."""
+        """Set the encoder's reading, rad."""
         self.position_rad = position_rad
 
     def advance(self, command_rad_s: float) -> None:
-        """Move on by one cycle during which `command_rad_s` is sent.
+        """Advance by one cycle during which `command_rad_s` is sent.
 
-        acceleration_rad_s2 is then that at the cycle's end; mean_acceleration_rad_s2 its mean over the cycle, which is
-        larger while the command ramps: theta'' jumps up with each step of the command and decays until the next.
+        acceleration_rad_s2 is then the value at the cycle's end; mean_acceleration_rad_s2 is the mean over the cycle.
+        The mean is larger while the command ramps: theta'' jumps with each step of the command and decays until the
+        next.
         """
         drive, waiting, cycle_s = self._drive, self._waiting, self._cycle_s
         top = drive.max_velocity_rad_s
@@ -64,8 +67,8 @@ class DriveModel:
         self.acceleration_rad_s2 = limit if acceleration > limit else max(acceleration, -limit)
 
     def advance_many(self, cycles: int, command_rad_s: float) -> None:
-        """Move on by many cycles at once, with `command_rad_s` arriving throughout: a pause that is longer than dead
-        time and ramp, of which `STEPWISE_CYCLES` have been stepped through.
+        """Advance by many cycles at once, with `command_rad_s` arriving throughout: the rest of a pause that is longer
+        than dead time and ramp, after `STEPWISE_CYCLES` single steps.
 
         mean_acceleration_rad_s2 is then the mean over all of them.
         """
@@ -92,5 +95,5 @@ class DriveModel:
 
 
 def drive_lead_s(drive: Drive, angular_frequency: float) -> float:
-    """How long the joint's velocity trails its command at a frequency: dead time plus the first-order lag's phase."""
+    """Delay of the joint's velocity behind its command at a frequency: dead time plus the first-order lag's phase."""
     return drive.dead_time_s + atan(angular_frequency / (2.0 * pi * drive.bandwidth_hz)) / angular_frequency

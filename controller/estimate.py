@@ -1,4 +1,4 @@
-"""What a method gets to see every cycle, and what it says."""
+"""The input and output of a method in every cycle."""
 
 from enum import StrEnum
 from math import nan
@@ -10,25 +10,25 @@ from common.visual_sample import VisualSample
 from controller.joint_motion import JointMotion
 
 MOST_UNDATED = 4
-"""Frames to be kept until a method dates them (Estimate.dated): the one that it was at work on, the last two of those
-that then come in one cycle (it looks at no more of them), and one to spare."""
+"""Number of frames to keep until a method dates them (Estimate.dated): the one in progress, the last two that arrive in
+one cycle (the method uses no more), and one to spare."""
 
 
 class Status(StrEnum):
-    """How far a delay or a prediction can be relied on."""
+    """Reliability of a delay or a prediction."""
 
-    UNESTIMATED = "unestimated"  # nothing measured yet: the model's prior stands in
+    UNESTIMATED = "unestimated"  # nothing measured yet; the model's prior stands in
     ESTIMATED = "estimated"
-    HELD = "held"  # cannot be seen at present: the last one stands, with growing uncertainty
+    HELD = "held"  # not observable at present; the last value is used, with growing uncertainty
     INVALID = "invalid"  # not to be used
 
 
 class Trust(StrEnum):
-    """Whether an estimate's stated deviation can be relied on."""
+    """Reliability of an estimate's stated deviation."""
 
-    STARTING = "starting"  # too little seen yet: the configured delay stands in
+    STARTING = "starting"  # too few data yet; the configured delay stands in
     SETTLED = "settled"
-    DOUBTFUL = "doubtful"  # measurements lie further off than was stated; the deviation is raised meanwhile
+    DOUBTFUL = "doubtful"  # errors exceed the stated deviation, which is raised in the meantime
 
 
 class DelayEstimate(NamedTuple):
@@ -40,17 +40,17 @@ class DelayEstimate(NamedTuple):
 
 
 class FrameDelay(NamedTuple):
-    """The delay of the frame of that number."""
+    """The delay of a frame, by its number."""
 
     frame: int
     delay: DelayEstimate
 
 
 class Observation(msgspec.Struct, gc=False):
-    """One cycle as every method sees it: raw measurements, and the joint's motion with its history.
+    """The input of every method in a cycle: raw measurements, and the joint's motion with its history.
 
-    acceleration_m_s2 is NaN where there was no sample; samples are the visual samples read in this cycle, in order.
-    deflection_m: measured directly, as by a strain gauge; NaN where it is not.
+    acceleration_m_s2 is NaN without a sample; samples are the visual samples read in this cycle, in order.
+    deflection_m: measured directly, for instance by a strain gauge; otherwise NaN.
     """
 
     cycle: int
@@ -62,15 +62,15 @@ class Observation(msgspec.Struct, gc=False):
 
 
 class Estimate(msgspec.Struct, frozen=True, gc=False):
-    """What a method says in a cycle.
+    """A method's output of a cycle.
 
-    deflection_m (sum of the modes, zero-mean) and deflection_rate_m_s at the observation's time; NaN when unknown.
-    deflection_std_m: its standard deviation. status: that of the deflection. reason: why the delay or the deflection is
-    no better than it is, or which sensor is at fault; empty for nothing to be said. accelerometer_lost: the method does
-    without it, as it is dead or shows no vibration. dated: the frames whose delay has been found in this cycle, some
-    cycles after they were read; None from a method that says it in the cycle of the frame. static_m: the part of
-    deflection_m that a lasting force holds, about which the arm vibrates: it cannot be damped. trust: whether the
-    method's own checks bear the deviations out; None from a method that has none.
+    deflection_m (sum of the modes, zero-mean) and deflection_rate_m_s at the observation's time; NaN if unknown.
+    deflection_std_m: its standard deviation. status: of the deflection. reason: what limits the delay or the
+    deflection, or which sensor is faulty; empty without a reason. accelerometer_lost: the method works without it,
+    since it is dead or shows no vibration. dated: the frames whose delay was determined in this cycle, some cycles
+    after they were read; None from a method that dates a frame in the cycle of its reading. static_m: the part of
+    deflection_m that a lasting force holds; the arm vibrates about it, and it cannot be damped. trust: result of the
+    method's own checks of its deviations; None from a method without such checks.
     """
 
     delay: DelayEstimate
@@ -86,19 +86,19 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
 
     @property
     def vibration_m(self) -> float:
-        """The deflection about the place at which a lasting force holds the tip."""
+        """The deflection without the part that a lasting force holds."""
         return self.deflection_m - self.static_m
 
     @property
     def trusted(self) -> Trust:
-        """The method's trust; of one that does not check itself, by the status of its delay."""
+        """The method's trust; for a method without checks it follows from the status of its delay."""
         if self.trust is not None:
             return self.trust
         return Trust.STARTING if self.delay.status is Status.UNESTIMATED else Trust.SETTLED
 
 
 class Method(Protocol):
-    """A way from measurements to delay and deflection. One call a cycle, in order, with no other state."""
+    """An estimator of delay and deflection. One call a cycle, in order, without other state."""
 
     def update(self, observation: Observation) -> Estimate:
-        """Take in one cycle and say what is known then."""
+        """Process one cycle and return the estimate."""

@@ -1,4 +1,4 @@
-"""Which cycle says the delay of a frame: the one that read it, or a later one where the method takes its time."""
+"""Collects the delays of frames, which a method may report in the cycle of the reading or in a later one."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -8,17 +8,17 @@ from controller.estimate import MOST_UNDATED, DelayEstimate, Estimate
 
 
 class FrameDelays:
-    """Counts the frames from 0 in the order in which they are read."""
+    """Counts the frames from 0 in the order of their reading."""
 
     def __init__(self) -> None:
-        """None read yet."""
+        """Start without frames."""
         self._count = 0
-        self._awaited: deque[tuple[int, int]] = deque(maxlen=MOST_UNDATED)  # place, frame
+        self._awaited: deque[tuple[int, int]] = deque(maxlen=MOST_UNDATED)  # index, frame
 
     def told(self, samples: Sequence[VisualSample], estimate: Estimate) -> list[tuple[int, DelayEstimate]]:
-        """Places of frames with the best that has been said of their delays yet; asked once a cycle.
+        """Indices of frames with their latest delays. Call it once a cycle.
 
-        samples: read in this cycle. A frame's place comes once with them, and once more when the estimate dates it.
+        samples: read in this cycle. A frame's index is returned once with them, and again when the estimate dates it.
         """
         said = []
         for sample in samples:

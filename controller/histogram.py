@@ -1,7 +1,7 @@
-"""Counts of durations for a whole run, at the cost of one increment each and with nothing that grows.
+"""Counts of durations for a whole run, with one increment for each and constant memory.
 
-Bins of a microsecond up to 2048, then 64 to each doubling (1.6 %), up to 16 s: fixed, so that they may lie in memory
-that another process reads.
+The bins are 1 us wide up to 2048 us, then 64 for each doubling (1.6 %), up to 16 s. They are fixed, so that they may
+lie in memory that another process reads.
 """
 
 from array import array
@@ -12,11 +12,11 @@ _PER_OCTAVE = 64
 _FIRST_OCTAVE, _OCTAVES = 11, 13  # 2048 us = 2^11 us
 BINS = _LINEAR + _PER_OCTAVE * _OCTAVES
 WORDS = BINS + 1
-"""8-byte words that a histogram takes: the greatest duration, ns, and the counts."""
+"""Size of a histogram in 8-byte words: the greatest duration, ns, and the counts."""
 
 
 def bin_of(microseconds: int) -> int:
-    """The bin of a duration; negative ones count as zero, and the last bin takes everything longer."""
+    """The bin of a duration. Negative ones count as zero; the last bin contains everything longer."""
     if microseconds < _LINEAR:
         return max(microseconds, 0)
     octave = microseconds.bit_length() - 1
@@ -33,7 +33,7 @@ def bin_start_us(index: int) -> int:
 
 
 def percentiles_us(counts: Sequence[int], shares: Sequence[float]) -> list[float]:
-    """For each share the bin below which at least that share of the durations lies, us; zeros when empty."""
+    """For each share, the bin that contains that percentile of the durations, us; zeros if empty."""
     total, seen, found = sum(counts), 0, [0.0] * len(shares)
     left = sorted(range(len(shares)), key=lambda place: -shares[place])
     for index, count in enumerate(counts):
@@ -44,10 +44,10 @@ def percentiles_us(counts: Sequence[int], shares: Sequence[float]) -> list[float
 
 
 class MicrosecondHistogram:
-    """Durations in such bins; the greatest is kept exactly."""
+    """A histogram of durations; the greatest is kept exactly."""
 
     def __init__(self, words: memoryview | None = None) -> None:
-        """Count in `words`, WORDS words of format "Q", or in memory of its own; goes on from what they hold."""
+        """Count in `words`, WORDS words of format "Q" whose contents are kept, or in private memory."""
         self._words = memoryview(array("Q", [0] * WORDS)) if words is None else words
 
     def add(self, duration_s: float) -> None:
@@ -65,14 +65,14 @@ class MicrosecondHistogram:
         return int(self._words[0])
 
     def forget_greatest(self) -> None:
-        """From now on the greatest is that of what comes."""
+        """Restart the search for the greatest duration."""
         self._words[0] = 0
 
     def counts(self) -> list[int]:
-        """The counts now."""
+        """The present counts."""
         return self._words[1:].tolist()
 
     def summary(self) -> tuple[float, float, float, float]:
-        """50th, 99th and 99.9th percentile, and the greatest, microseconds; zeros when empty."""
+        """50th, 99th and 99.9th percentile and the maximum, us; zeros if empty."""
         p50, p99, p999 = percentiles_us(self.counts(), (0.5, 0.99, 0.999))
         return p50, p99, p999, self._words[0] * 1e-3

@@ -1,4 +1,4 @@
-"""One number per cycle, the last few seconds of it: looked up at an instant between cycles, or as a run of lags."""
+"""The last few seconds of a signal with one value per cycle: interpolated at an instant, or as a range of lags."""
 
 from math import floor
 
@@ -7,24 +7,24 @@ from numpy.typing import NDArray
 
 
 class CycleHistory:
-    """A ring of the last `length` cycles of one signal, kept twice over so that any run of it is contiguous.
+    """A ring of the last `length` cycles of one signal, stored twice so that any range of it is contiguous.
 
-    Cycles are written in order; those that the loop skipped take the value of the cycle written next.
+    Cycles are written in order. Cycles that the loop skipped get the value of the next written cycle.
     """
 
     def __init__(self, length: int, initial: float = 0.0) -> None:
-        """Hold `length` cycles, all `initial` before the first write."""
+        """Store `length` cycles, all `initial` before the first write."""
         self._length = length
         self._twice = np.full(2 * length, initial, dtype=np.float64)
         self._cycle: int | None = None
 
     def clear(self) -> None:
-        """As before the first write, with zeros."""
+        """Reset to the state before the first write, with zeros."""
         self._twice[:] = 0.0
         self._cycle = None
 
     def write(self, cycle: int, value: float) -> None:
-        """Store the value of a cycle, which lies after the one written last."""
+        """Store the value of a cycle that is later than the last written one."""
         if self._cycle == cycle - 1:  # nearly always
             place = cycle % self._length
             self._twice[place] = self._twice[place + self._length] = value
@@ -35,13 +35,13 @@ class CycleHistory:
         self._cycle = cycle
 
     def fill(self, cycle: int, value: float) -> None:
-        """Store one value for all cycles after the one written last, up to `cycle`; none where there are none."""
+        """Store one value for all cycles after the last written one, up to `cycle`, if there are any."""
         if self._cycle is not None and cycle > self._cycle:
             self._fill(max(self._cycle + 1, cycle - self._length + 1), cycle, value)
             self._cycle = cycle
 
     def _fill(self, first: int, last: int, value: float) -> None:
-        """At most `length` cycles, in constant time however many they are."""
+        """Fill at most `length` cycles, in constant time."""
         twice, length = self._twice, self._length
         start, count = first % length, last - first + 1
         if count <= 0:
@@ -55,7 +55,7 @@ class CycleHistory:
             twice[start + length : start + length + count] = value
 
     def at(self, cycle: float) -> float:
-        """The value at a fractional cycle, linear in between; the nearest held one outside of what is held."""
+        """The value at a fractional cycle, by linear interpolation; outside the range, the nearest stored value."""
         if self._cycle is None:
             return float(self._twice[0])
         oldest, newest = self._cycle - self._length + 1, self._cycle

@@ -1,8 +1,8 @@
-"""What the joint's own known motion does to the sensors, so that it can be taken off them.
+"""The effect of the joint's known motion on the sensors, so that it can be subtracted from them.
 
-The image sees length * theta as it was at the capture instant; the accelerometer feels
-(1 - sum of participations) * length * theta'' beside the vibration; and the joint's acceleration bends the arm, by
-an amount that the model knows.
+The image shows length * theta at the capture instant. The accelerometer measures
+(1 - sum of participations) * length * theta'' in addition to the vibration. The joint's acceleration bends the arm by
+an amount that the model predicts.
 """
 
 from math import isfinite
@@ -18,14 +18,14 @@ HISTORY_S = 2.5
 
 
 class JointMotion:
-    """Joint position and the first mode's answer to it, over the last seconds, on the controller's clock."""
+    """Joint position and the first mode's response to it over the last seconds, on the controller's clock."""
 
     def __init__(self, model: Model, length_m: float, position_rad: float = 0.0) -> None:
-        """Everything at rest at the first position that is reported, or at `position_rad`."""
+        """Start at rest at the first reported position, or at `position_rad`."""
         self._cycle_s = model.timing.cycle_s
         drive, play = DriveModel(model.drive, self._cycle_s, position_rad), effect_of(model, "gear_backlash")
         self.play = GearPlay(drive, play["gap_rad"], play["behind_encoder"], self._cycle_s) if play else None
-        """Between motor and joint, where the model has one."""
+        """The play between motor and joint, if the model has one."""
         self._drive = self.play or drive
         self._response = ModalResponse(model.arm.modes[0], length_m, self._cycle_s)
         held = int(HISTORY_S / self._cycle_s) + 2
@@ -42,7 +42,7 @@ class JointMotion:
 
     @property
     def mean_acceleration_rad_s2(self) -> float:
-        """Mean of theta'' over the last cycle: what has bent the arm."""
+        """Mean of theta'' over the last cycle, which has bent the arm."""
         return self._drive.mean_acceleration_rad_s2
 
     @property
@@ -52,21 +52,21 @@ class JointMotion:
 
     @property
     def position_rad(self) -> float:
-        """theta now: reported where there is a report, else from the drive model."""
+        """theta now: from the drive's report, or else from the drive model."""
         return self._drive.position_rad
 
     @property
     def forced_deflection_m(self) -> float:
-        """The first mode's answer to the joint's motion, now."""
+        """The first mode's response to the joint's motion, now."""
         return self._response.deflection_m
 
     @property
     def forced_rate_m_s(self) -> float:
-        """Rate of the first mode's answer to the joint's motion, now."""
+        """Rate of the first mode's response to the joint's motion, now."""
         return self._response.rate_m_s
 
     def begin_cycle(self, cycle: int, reported_position_rad: float) -> None:
-        """Move on to `cycle` under the command sent last; take the drive's report where it is finite."""
+        """Advance to `cycle` with the last command; use the drive's report if it is finite."""
         if not self._started:
             self._started = True
             self._cycle = cycle - 1
@@ -84,7 +84,7 @@ class JointMotion:
         self._forced.write(cycle, self._response.deflection_m)
 
     def send(self, command_rad_s: float) -> None:
-        """Remember the command of this cycle; a missing one (an import without commands) counts as zero."""
+        """Store the command of this cycle; a missing one (an import without commands) counts as zero."""
         self._command = command_rad_s if isfinite(command_rad_s) else 0.0
 
     def position_at(self, time_s: float) -> float:
@@ -92,5 +92,5 @@ class JointMotion:
         return self._position.at(time_s / self._cycle_s)
 
     def forced_deflection_at(self, time_s: float) -> float:
-        """The first mode's answer to the joint's motion at an instant of the last seconds, m."""
+        """The first mode's response to the joint's motion at an instant of the last seconds, m."""
         return self._forced.at(time_s / self._cycle_s)

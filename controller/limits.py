@@ -1,13 +1,11 @@
-"""Position, velocity and acceleration limits of the joint, which hold whatever the command rests on."""
+"""Position, velocity and acceleration limits of the joint, which apply to every command."""
 
 from math import isfinite, pi, sqrt
 
 from common.model import Drive
 
-_BRAKING_SHARE = 0.5  # of the acceleration limit is counted on when stopping before a position limit
-_APPROACH_LAGS = (
-    4.0  # the last stretch is approached exponentially, this many times slower than the drive's lag
-)
+_BRAKING_SHARE = 0.5  # of the acceleration limit, assumed for stopping before a position limit
+_APPROACH_LAGS = 4.0  # time constant of the exponential approach to a limit, in lags of the drive
 
 
 class CommandLimits:
@@ -21,14 +19,14 @@ class CommandLimits:
         self._last = 0.0
 
     def restart(self) -> None:
-        """The drive has stopped by itself meanwhile: the command begins at zero again."""
+        """The drive has stopped by itself: restart the command at zero."""
         self._last = 0.0
 
     def bound(self, wanted_rad_s: float, joint_position_rad: float) -> float:
-        """The command nearest to the wanted one that keeps all limits; one that is not finite counts as zero.
+        """The command nearest to the wanted one within all limits; a command that is not finite counts as zero.
 
-        Near a position limit the velocity is at most what half the acceleration limit stops in time, seen from
-        where the joint will be when this command arrives. An unknown position lets no motion through.
+        Near a position limit the velocity is at most what half the acceleration limit can stop in time, from the
+        position of the joint when this command takes effect. If the position is unknown, the command is zero.
         """
         drive = self._drive
         wanted = wanted_rad_s if isfinite(wanted_rad_s) and isfinite(joint_position_rad) else 0.0
@@ -43,7 +41,7 @@ class CommandLimits:
         return bounded
 
     def _approach(self, left_rad: float) -> float:
-        """The greatest velocity towards a position limit that is `left_rad` away."""
+        """The largest velocity towards a position limit that is `left_rad` away."""
         left = max(0.0, left_rad)
         braking = _BRAKING_SHARE * self._drive.max_acceleration_rad_s2
         return min(sqrt(2.0 * braking * left), left / (_APPROACH_LAGS * self._lag_s))

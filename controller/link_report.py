@@ -1,7 +1,7 @@
-"""The once-a-second message about the link, gathered over several cycles.
+"""The message about the link, once a second, assembled over several cycles.
 
-Out of cold caches its parts take 130 us together: counters of the kernel, of each socket, of the estimate of the clock,
-and their encoding. One part a cycle keeps every cycle alike.
+With cold caches its parts take 130 us together: counters of the kernel, of each socket, of the clock estimate, and
+their encoding. With one part a cycle, all cycles take equally long.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,22 +18,22 @@ _LINK = TOPIC_INDEX["/link"]
 
 
 class LinkCounters(Protocol):
-    """The devices, as far as they are asked here."""
+    """The part of the devices' interface that is used here."""
 
     @property
     def link_counts(self) -> dict[str, int]:
         """Counts of the visual datagrams, by name."""
 
     def link_status(self) -> dict[str, float]:
-        """What else /link tells, by the names of its fields."""
+        """The other fields of /link, by name."""
 
     @property
     def accelerometer_faults(self) -> int:
-        """Reads of the accelerometer that gave no sample."""
+        """Number of reads of the accelerometer without a sample."""
 
 
 class LinkReport:
-    """Does one part in each cycle of those after a second has begun."""
+    """Does one part in each of the cycles after a second has begun."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class LinkReport:
         cycle_s: float,
         values_refused: Callable[[], int],
     ) -> None:
-        """Begins with the first cycle. values_refused: how many values the controller has refused so far."""
+        """Start with the first cycle. values_refused: number of values that the controller has refused so far."""
         self._values_refused = values_refused
         self._devices, self._block, self._clock, self._counters = devices, block, clock, counters
         self._cycle_s = cycle_s
@@ -53,7 +53,7 @@ class LinkReport:
         self._parts: Iterator[None] | None = None
 
     def advance(self, cycle: int, recorder: RecorderClient) -> None:
-        """Do the next part, if one is due. The message bears the cycle in which it is complete."""
+        """Do the next part, if one is due. The message has the number of the cycle in which it is complete."""
         self._cycle = cycle
         if self._parts is None:
             if cycle < self._next:
@@ -64,7 +64,7 @@ class LinkReport:
             self._parts = None
 
     def finish(self, recorder: RecorderClient) -> None:
-        """Complete the report that is under way, as the loop ends."""
+        """Complete the current report at the end of the loop."""
         if self._parts is not None:
             for _ in self._parts:
                 pass
@@ -72,7 +72,7 @@ class LinkReport:
 
     def _gather(self, recorder: RecorderClient) -> Iterator[None]:
         devices = self._devices
-        self._counters.moved()  # so that an overrun's counters are of the last second at most
+        self._counters.moved()  # so that an overrun's counters cover the last second at most
         yield
         faults = devices.accelerometer_faults
         self._block.note_accelerometer_faults(faults)

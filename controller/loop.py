@@ -1,7 +1,7 @@
 """The loop: read, update, write; then record and count. Once a cycle, on an absolute schedule.
 
-Nothing in it opens, formats, logs or grows: what it has to tell goes into shared memory, and other processes do the
-rest.
+The loop opens, formats and logs nothing, and no memory grows. It writes its reports into shared memory, and other
+processes do the rest.
 """
 
 import time
@@ -19,12 +19,12 @@ from controller.schedule import CycleClock
 from controller.states.table import GROUND_OF, Event, Operator, State
 from controller.step import Controller, CycleOutput
 
-_TOLD_EVERY_S = 1.0  # counts for the process that logs
-_LONGEST_STOP_S = 0.5  # the command has faded out long before
+_TOLD_EVERY_S = 1.0  # s: update of the counts for the process that logs
+_LONGEST_STOP_S = 0.5  # s: the command has faded out long before
 
 
 class Devices(Protocol):
-    """What the loop reads from and writes to: controller.live_devices.LiveDevices on a rig."""
+    """The devices that the loop reads and writes: controller.live_devices.LiveDevices on a rig."""
 
     def read(self, cycle: int) -> CycleInput:
         """Open a cycle."""
@@ -37,11 +37,11 @@ class Devices(Protocol):
         """Counts of the visual datagrams, by name."""
 
     def link_status(self) -> dict[str, float]:
-        """What else /link tells, by the names of its fields."""
+        """The other fields of /link, by name."""
 
     @property
     def accelerometer_faults(self) -> int:
-        """Reads of the accelerometer that gave no sample."""
+        """Number of reads of the accelerometer without a sample."""
 
 
 class Loop:
@@ -56,7 +56,7 @@ class Loop:
         clock: CycleClock,
         cycle_s: float,
     ) -> None:
-        """Nothing runs yet."""
+        """Start nothing; run() does."""
         self._controller = controller
         self._devices = devices
         self._recorder = recorder
@@ -72,7 +72,7 @@ class Loop:
         self._reason: Event | None = None
 
     def run(self, finished: Callable[[int], bool]) -> None:
-        """Cycle until `finished` holds, then disarm and go on until the command has faded out."""
+        """Cycle until `finished` returns True, then disarm and continue until the command has faded out."""
         clock, block, cycle_s, now = self._clock, self._block, self._cycle_s, time.monotonic
         devices, step = self._devices, self._controller.step
         origin_s = clock.origin_s
@@ -145,7 +145,7 @@ class Loop:
 
 
 def said_of(state: State, reason: Event | None) -> tuple[str, str]:
-    """Level and text of what an operator is told of a state: one of a fixed set, made before the loop begins."""
+    """Level and text of the message for a state, from a fixed set that is made before the loop begins."""
     return _SAID[state, reason]
 
 

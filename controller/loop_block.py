@@ -1,7 +1,7 @@
-"""What the loop tells of itself in shared memory: counters, histograms, the last overruns and changes of state.
+"""The loop's report in shared memory: counters, histograms, the last overruns and changes of state.
 
-One process writes, any others read: each word is stored whole. A reader of the rings may meet an entry that is just
-being written; it is a report for people, and the next one is right.
+One process writes, others read; each word is stored atomically. A reader of the rings may find an entry that is being
+written. That is acceptable in a report for people; the next reading is right.
 """
 
 from typing import NamedTuple
@@ -46,10 +46,10 @@ class Change(NamedTuple):
 
 
 class LoopBlock:
-    """The block, from either side. The writer counts; readers take lists and numbers."""
+    """The block, for the writer and for readers."""
 
     def __init__(self, name: str, *, create: bool) -> None:
-        """Make or open the block `name`. Raises UserError when that cannot be."""
+        """Make or open the block `name`. Raises UserError on failure."""
         self.name = name
         self._block = SharedBlock(name, _SIZE, create=create)
         self.words = self._block.buffer.cast("Q")
@@ -86,7 +86,7 @@ class LoopBlock:
         spent_s: tuple[float, float, float, float],
         moved: tuple[int, int, int, int, int],
     ) -> None:
-        """Keep an overrun. spent_s: cycle_s, late_s, device_s, computing_s; moved: ThreadCounters.moved()."""
+        """Store an overrun. spent_s: cycle_s, late_s, device_s, computing_s; moved: ThreadCounters.moved()."""
         words = self.words
         at = _OVERRUN_AT + words[_OVERRUNS] % _RING * _OVERRUN_WORDS
         words[at], words[at + 1] = cycle, missed
@@ -98,55 +98,55 @@ class LoopBlock:
         words[_OVERRUNS] += 1
 
     def note_accelerometer_faults(self, faults: int) -> None:
-        """Keep the count of reads that gave no sample."""
+        """Store the number of reads without a sample."""
         self.words[_FAULTS] = faults
 
     def note_refused(self, counts: list[int]) -> None:
-        """Keep how many values of the input were refused since the start, by Field."""
+        """Store the number of input values refused since the start, by Field."""
         for place, count in enumerate(counts, _REFUSED_AT):
             self.words[place] = count
 
     def begin(self, origin_s: float) -> None:
-        """The loop's cycle 0 is due at `origin_s` of the monotonic clock."""
+        """Set the time of cycle 0, on the monotonic clock."""
         self.words[_ORIGIN] = int(origin_s * _NS)
 
     def end(self) -> None:
-        """The loop has ended in order."""
+        """Set that the loop has ended in order."""
         self.words[_ENDED] = 1
 
     @property
     def origin_s(self) -> float:
-        """When cycle 0 is due, on the monotonic clock; 0 before the loop begins."""
+        """Time of cycle 0 on the monotonic clock; 0 before the loop begins."""
         return int(self.words[_ORIGIN]) / _NS
 
     @property
     def cycle(self) -> int:
-        """The number of the cycle that was run last."""
+        """Number of the last cycle."""
         return int(self.words[_CYCLE])
 
     @property
     def cycles(self) -> int:
-        """Cycles that were run: the counter that moves while the loop does."""
+        """Number of cycles run. It moves as long as the loop runs."""
         return int(self.words[_CYCLES])
 
     @property
     def misses(self) -> int:
-        """Cycles that were not run."""
+        """Number of missed cycles."""
         return int(self.words[_MISSES])
 
     @property
     def samples(self) -> int:
-        """Visual samples taken."""
+        """Number of visual samples received."""
         return int(self.words[_SAMPLES])
 
     @property
     def accelerometer_faults(self) -> int:
-        """Reads of the accelerometer that gave no sample."""
+        """Number of reads of the accelerometer without a sample."""
         return int(self.words[_FAULTS])
 
     @property
     def refused(self) -> list[int]:
-        """Values of the input that were refused since the start, by Field."""
+        """Number of input values refused since the start, by Field."""
         counts: list[int] = self.words[_REFUSED_AT : _REFUSED_AT + len(Field)].tolist()
         return counts
 
@@ -156,7 +156,7 @@ class LoopBlock:
         return bool(self.words[_ENDED])
 
     def overruns(self, since: int) -> tuple[int, list[Overrun]]:
-        """How many there were so far, and those after the first `since` that are still held."""
+        """Number of overruns so far, and those after the first `since` that are still stored."""
         words, count = self.words, int(self.words[_OVERRUNS])
         found = []
         for number in range(max(since, count - _RING), count):
@@ -184,7 +184,7 @@ class LoopBlock:
         return count, found
 
     def changes(self, since: int) -> tuple[int, list[Change]]:
-        """How many changes of state there were so far, and those after the first `since` that are still held."""
+        """Number of changes of state so far, and those after the first `since` that are still stored."""
         words, count = self.words, int(self.words[_CHANGES])
         found = []
         for number in range(max(since, count - _RING), count):
@@ -194,11 +194,11 @@ class LoopBlock:
         return count, found
 
     def remove(self) -> None:
-        """Remove the name: whoever made the block is gone."""
+        """Remove the name, since the process that made the block is gone."""
         self._block.path.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Release the memory, and the name where this side made it; may be called twice."""
+        """Release the memory, and the name if this side made it; may be called twice."""
         self.lateness, self.compute = MicrosecondHistogram(), MicrosecondHistogram()
         self.words.release()
         self._block.close()

@@ -1,4 +1,4 @@
-"""The table of methods: what `controller.method` and `replay --method` may name."""
+"""The table of methods for `controller.method` and `replay --method`."""
 
 import difflib
 from collections.abc import Callable
@@ -55,7 +55,7 @@ METHODS: dict[str, Callable[[Model, Controller, str], Method]] = {
 
 
 def make_method(name: str, model: Model, settings: Controller, model_name: str) -> Method:
-    """The method of that name, fresh. Raises UserError for an unknown one. `model_name` stands for the model file."""
+    """A new method by name. Raises UserError for an unknown one. model_name: name of the model file, for messages."""
     if name not in METHODS:
         near = difflib.get_close_matches(name, METHODS, n=1, cutoff=0.0)[0]
         raise UserError(f"method {name!r}: unknown; use one of {', '.join(METHODS)} (nearest: {near})")

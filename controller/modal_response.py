@@ -1,4 +1,4 @@
-"""How a bending mode answers to the joint's acceleration, exactly, for an acceleration constant over the cycle."""
+"""A bending mode's exact response to a joint acceleration that is constant over each cycle."""
 
 from math import cos, exp, sin, sqrt
 
@@ -9,7 +9,7 @@ class ModalResponse:
     """q'' + 2 zeta w q' + w^2 q = - participation * length * theta'', from rest."""
 
     def __init__(self, mode: Mode, length_m: float, cycle_s: float) -> None:
-        """The mode's transition over one cycle."""
+        """Compute the mode's transition over one cycle."""
         w, zeta = mode.angular_frequency, mode.damping_ratio
         self._w, self._zeta, self._cycle_s = w, zeta, cycle_s
         self._qq, self._qv, self._vq, self._vv = self._transition(cycle_s)
@@ -19,7 +19,7 @@ class ModalResponse:
         self.rate_m_s = 0.0
 
     def _transition(self, elapsed_s: float) -> tuple[float, float, float, float]:
-        """Deflection and rate after a time by those before it: qq, qv, vq, vv."""
+        """Transition of deflection and rate over a time: qq, qv, vq, vv."""
         w, zeta = self._w, self._zeta
         damped = w * sqrt(1.0 - zeta * zeta)
         decay, c, s = exp(-zeta * w * elapsed_s), cos(damped * elapsed_s), sin(damped * elapsed_s)
@@ -27,17 +27,15 @@ class ModalResponse:
         return decay * (c + zeta * w / damped * s), qv, -w * w * qv, decay * (c - zeta * w / damped * s)
 
     def advance_many(self, cycles: int, mean_acceleration_rad_s2: float) -> None:
-        """Move on by many cycles at once, over which the joint's acceleration is constant."""
+        """Advance by many cycles at once, with constant acceleration of the joint."""
         qq, qv, vq, vv = self._transition(cycles * self._cycle_s)
         rest = self._load * mean_acceleration_rad_s2 * self._static
         q, v = self.deflection_m - rest, self.rate_m_s
         self.deflection_m, self.rate_m_s = qq * q + qv * v + rest, vq * q + vv * v
 
     def advance(self, mean_acceleration_rad_s2: float) -> None:
-        """Move on by one cycle, over which the joint's acceleration has this mean."""
-        rest = (
-            self._load * mean_acceleration_rad_s2 * self._static
-        )  # deflection in balance with a constant load
+        """Advance by one cycle with this mean acceleration of the joint."""
+        rest = self._load * mean_acceleration_rad_s2 * self._static  # static deflection under a constant load
         q, v = self.deflection_m - rest, self.rate_m_s
         self.deflection_m = self._qq * q + self._qv * v + rest
         self.rate_m_s = self._vq * q + self._vv * v

@@ -1,7 +1,7 @@
-"""The external reference on its way to the joint: shaped, and let through as far as motion is permitted.
+"""Shapes the external reference, and passes it to the joint as far as motion is permitted.
 
-Entry and exit are without a bump. Where the joint may move again while a reference is already there, it fades in; where
-it may no longer, what is left of the reference, the shaper's tail included, fades out, or is cut where it must be.
+Entry and exit are smooth. If the joint may move again while a reference is present, the reference fades in. If the
+joint may no longer move, the rest of the reference, including the shaper's tail, fades out, or is cut if required.
 """
 
 from typing import Literal
@@ -19,7 +19,7 @@ FADE_S = 0.1
 
 
 class Motion:
-    """The shaper, and the weight with which its output counts."""
+    """The shaper, and the weight of its output."""
 
     def __init__(self, model: Model, shaping: Literal["none", "zv", "zvd"]) -> None:
         """At rest."""
@@ -38,9 +38,7 @@ class Motion:
         damping: JointDamping,
         joint: JointMotion,
     ) -> float:
-        """The reference that is let through in a cycle, rad/s; brings limits and damping into line where motion begins
-        or ends.
-        """
+        """The reference that is passed on in a cycle, rad/s. Resets limits and damping when motion begins or ends."""
         if elapsed * self._cycle_s > DEAD_MAN_S:  # the drive has stopped by itself
             limits.restart()
         if not permission.may_move:

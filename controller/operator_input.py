@@ -1,4 +1,4 @@
-"""What the operator asks for: by signal, by a switch, by datagram; as bits of controller.states.table.Operator."""
+"""The operator's requests, by signal, switch or datagram, as bits of controller.states.table.Operator."""
 
 import os
 
@@ -9,7 +9,7 @@ from controller.states.table import Operator
 
 
 class EmergencyInput:
-    """A file whose first byte is an emergency switch, such as a GPIO's value. What cannot be read stops."""
+    """A file whose first byte is an emergency switch, such as a GPIO's value. An unreadable file counts as a stop."""
 
     def __init__(self, safety: Safety) -> None:
         """Opens nothing; start() does."""
@@ -31,7 +31,7 @@ class EmergencyInput:
             ) from None
 
     def pressed(self) -> bool:
-        """Whether the switch stops now."""
+        """Whether the switch requests a stop now."""
         if not self._path:
             return False
         try:
@@ -48,10 +48,10 @@ class EmergencyInput:
 
 
 class OperatorInput:
-    """The switch and the signal together; datagrams come with the reference's socket."""
+    """The switch and the signal; datagrams arrive at the reference's socket."""
 
     def __init__(self, safety: Safety, signalled: SignalFlag | None) -> None:
-        """signalled: an emergency stop by signal, where the process takes one."""
+        """signalled: the emergency stop by signal, if the process has one."""
         self._input = EmergencyInput(safety)
         self._signalled = signalled
 
@@ -60,7 +60,7 @@ class OperatorInput:
         self._input.start()
 
     def asked(self) -> int:
-        """What is asked for in this cycle."""
+        """The requests of this cycle."""
         if self._input.pressed() or (self._signalled is not None and self._signalled.take()):
             return int(Operator.EMERGENCY_STOP)
         return 0

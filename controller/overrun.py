@@ -1,7 +1,7 @@
-"""Why a cycle was missed, as far as cheap counters can tell.
+"""The likely cause of a missed cycle, from cheap counters.
 
-The loop reads them only when it has missed a cycle; what has no counter at the loop (the processor's clock and its
-throttling) the statistics process adds.
+The loop reads the counters only after it has missed a cycle. The statistics process adds data without a counter in the
+loop (the processor's clock and its throttling).
 """
 
 import os
@@ -31,11 +31,11 @@ REMEDY = {
 
 
 class OverrunCounters(NamedTuple):
-    """One overrun: what its cycle took, and what the counters moved by since they were read last.
+    """One overrun: the times of its cycle, and the increments of the counters since their last reading.
 
-    late_s: from when the cycle was due until it began. device_s, computing_s: parts of the cycle.
-    run_delay_s: ready to run, but waiting for a processor. throttled: whether the processor was slowed down meanwhile.
-    stolen_s: for how long the machine that runs this one took the processor away, in the second around it.
+    late_s: from the due time of the cycle to its start. device_s, computing_s: parts of the cycle.
+    run_delay_s: ready to run, but waiting for a processor. throttled: whether the processor was slowed down.
+    stolen_s: time that the hypervisor took the processor away, in the second around the overrun.
     """
 
     cycle_s: float
@@ -54,13 +54,12 @@ class OverrunCounters(NamedTuple):
 def overrun_cause(seen: OverrunCounters) -> Cause:
     """The likely cause, the most certain evidence first.
 
-    1. A page that had to come from a disk, or more new pages than a quarter of the missed time needs at 0.5 us each.
-    2. A wake-up that came more than half a cycle late, or half of the missed time spent waiting for a processor, or a
-       processor that was taken away for half of it, or a switch away from the thread during its own computing: somebody
-       else had the processor.
-    3. Most of the cycle went into the devices.
-    4. The processor ran slower than it can.
-    5. What is left: we took too long.
+    1. Page fault: a page from a disk, or new pages that took a quarter of the missed time at 0.5 us each.
+    2. No CPU: a wake-up more than half a cycle late, half of the missed time spent waiting for a processor, a processor
+       taken away for half of it, or preemption during the computing.
+    3. Slow bus: the devices took most of the cycle.
+    4. Throttling: the processor ran below its maximum clock.
+    5. Otherwise: our own computing took too long.
     """
     missed_s = max(seen.late_s + seen.device_s + seen.computing_s, seen.cycle_s)
     if seen.major_faults > 0 or seen.minor_faults * 0.5e-6 > 0.25 * missed_s:
@@ -78,7 +77,7 @@ class ThreadCounters:
     """This thread's counters, as differences from one reading to the next; 3 us each."""
 
     def __init__(self) -> None:
-        """Opens /proc/thread-self/schedstat where the kernel offers it."""
+        """Open /proc/thread-self/schedstat if the kernel has it."""
         try:
             self._schedstat = os.open("/proc/thread-self/schedstat", os.O_RDONLY)
         except OSError:

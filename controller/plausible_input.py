@@ -1,8 +1,8 @@
-"""The one place where the values of a cycle are checked, before anything computes with them.
+"""Checks all values of a cycle in one place, before anything computes with them.
 
-Bounds come from the model: what the device can say, what the joint can do, what the scene can show, each with room for
-a model that is off by a factor. A value beyond them is refused, counted, and treated as missing. A value within them is
-left as it is: the estimators judge the outliers that are possible.
+The bounds come from the model: the device's range, the joint's motion, the scene's motion, each with a margin for a
+model that is wrong by a factor. A value beyond them is refused, counted, and treated as missing. A value within them is
+kept: the estimators judge possible outliers.
 """
 
 from dataclasses import replace
@@ -19,28 +19,28 @@ from controller.plausible_steps import PlausibleSteps
 from controller.states.table import Operator
 
 PAUSE_S = 1.0
-"""After a longer pause nothing that was known of the motion holds, and the histories end: all begins anew."""
+"""After a longer pause the known motion is no longer valid and the histories are too short: everything restarts."""
 
-MOST_CYCLE = 1 << 40  # 35 years of milliseconds; the time of a cycle is then known to 0.2 us
-MOST_SAMPLES = 16  # in a cycle, after a hold-up of a quarter of a second; each costs up to 0.1 ms
-_OLDEST_SAMPLE_S = 2.5  # controller.joint_motion.HISTORY_S: nothing is known of the joint before
+MOST_CYCLE = 1 << 40  # 35 years of milliseconds; the resolution of the time is then 0.2 us
+MOST_SAMPLES = 16  # per cycle: a backlog of a quarter of a second; each costs up to 0.1 ms
+_OLDEST_SAMPLE_S = 2.5  # controller.joint_motion.HISTORY_S: length of the joint's history
 _MOST_FRAME = 1 << 63
 _MOST_STAMP_S = 1e12  # a camera's clock in s since any epoch; its resolution is then 0.1 ms
-_OLDEST_REPORT_S = 1e6  # of a drive that never reported, as controller.live_devices has it
-_RANGES = 2.0  # an accelerometer says no more than its range; the model's may be off
+_OLDEST_REPORT_S = 1e6  # for a drive that never reported, as in controller.live_devices
+_RANGES = 2.0  # an accelerometer is limited to its range, but the model's range may be wrong
 _SPANS, _TURNS_RAD = 1.5, 12.6  # of the joint's range to either side of its middle; at least two turns
-_LEAST_SCENE_PX = 4096.0  # an image's width, where the model's scale says less
-_BENDING = 0.5  # of the arm's length: no beam bends further
+_LEAST_SCENE_PX = 4096.0  # at least an image's width, if the model's scale gives less
+_BENDING = 0.5  # of the arm's length: upper bound of a beam's bending
 _VELOCITIES, _REFERENCES = 10.0, 100.0  # of the drive's greatest velocity
 _STEP_SPANS = 0.05  # of the joint's range, from one report to the next
-_STEP_VELOCITIES = 2.0
-_STEP_SCENE = 0.02  # of what the scene can move in all, from one image to the next
+_STEP_VELOCITIES = 2.0  # of the drive's greatest velocity, from one report to the next
+_STEP_SCENE = 0.02  # of the scene's total motion, from one image to the next
 _CONFIRMED_IMAGES, _CONFIRMED_S = 3, 0.05  # images, and time of reports, that agree on another level
 _SWING = 0.05  # of the arm's length: amplitude of a large vibration
 
 
 class Field(IntEnum):
-    """What may be refused."""
+    """The values that may be refused."""
 
     CYCLE = 0
     ACCELERATION = 1
@@ -62,8 +62,8 @@ class Field(IntEnum):
 class Admitted(NamedTuple):
     """A cycle with plausible values only. elapsed: cycles since the last one, at least 1.
 
-    begin_anew: the loop has paused for longer than PAUSE_S, the cycle number has gone back, or the joint's reports have
-    another zero.
+    begin_anew: the loop paused for longer than PAUSE_S, the cycle number went back, or the zero of the joint's reports
+    has changed.
     """
 
     read: CycleInput
@@ -74,11 +74,11 @@ class Admitted(NamedTuple):
 class PlausibleInput:
     """Checks each cycle against the model and against the cycles before.
 
-    refused: how many values were refused since the start, by Field.
+    refused: number of values refused since the start, by Field.
     """
 
     def __init__(self, model: Model, length_m: float) -> None:
-        """length_m: the arm's."""
+        """length_m: length of the arm."""
         self._cycle_s = cycle_s = model.timing.cycle_s
         self.refused = [0] * len(Field)
         self._pause_cycles = round(PAUSE_S / cycle_s)
@@ -107,7 +107,7 @@ class PlausibleInput:
         self._frame = -1
 
     def admit(self, read: CycleInput) -> Admitted:
-        """The cycle with what is not plausible made missing; the same object where all is plausible."""
+        """The cycle with implausible values made missing; the same object if all values are plausible."""
         cycle, elapsed, begin_anew = self._follow(read.cycle)
         if begin_anew:
             self._begin_anew()
@@ -150,7 +150,7 @@ class PlausibleInput:
         return nan
 
     def _follow(self, cycle: int) -> tuple[int, int, bool]:
-        """The cycle's number, the cycles since the last one, and whether all begins anew."""
+        """The cycle's number, the cycles since the last one, and whether everything restarts."""
         last = self._cycle
         if type(cycle) is not int or not 0 <= cycle <= MOST_CYCLE:
             self._refuse(Field.CYCLE)
@@ -159,7 +159,7 @@ class PlausibleInput:
         if last is None:
             return cycle, 1, False
         elapsed = cycle - last
-        if elapsed <= 0:  # for how long it stood still is unknown
+        if elapsed <= 0:  # the length of the pause is unknown
             self._refuse(Field.CYCLE)
             return cycle, self._pause_cycles + 1, True
         return cycle, elapsed, elapsed > self._pause_cycles
@@ -173,7 +173,7 @@ class PlausibleInput:
         return within and self._position_steps.accepts(position_rad, time_s)
 
     def _aged(self, age_s: float, elapsed: int) -> float:
-        """The report's age. A missing or impossible one grows from the last: a drive that has reported is silent."""
+        """The report's age. A missing or impossible age grows from the last one: the drive counts as silent."""
         if 0.0 <= age_s <= _OLDEST_REPORT_S:
             self._age_s = age_s
             return age_s
@@ -226,7 +226,7 @@ class PlausibleInput:
             displacement, steps = sample.displacement_x_px, self._image_steps
             if not (abs(displacement) <= self._scene_px and steps.accepts(displacement, time_s)):
                 changes["displacement_x_px"] = self._refuse(Field.DISPLACEMENT)
-            elif steps.moved:  # further than the tip can have moved: the displacement has another zero
+            elif steps.moved:  # further than the tip can have moved: the zero of the displacement has changed
                 changes["restarted"] = True
         variance = sample.variance_x_px2
         if not 0.0 <= variance <= self._scene_px**2 and not _missing(variance):

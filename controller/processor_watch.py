@@ -1,20 +1,20 @@
-"""What the kernel tells of the processors beside the loop: slowed down, or taken away by the machine below.
+"""The kernel's data on the processors: slowed down, or taken away by a hypervisor.
 
-For the statistics process: files are read, so it is nothing for the loop.
+For the statistics process only, since it reads files.
 """
 
 import os
 from pathlib import Path
 
-_SLOW = 0.7  # of the highest clock: slowed down
-_STEAL = 8  # column of /proc/stat (proc(5)), the processor's name being column 0
+_SLOW = 0.7  # of the maximum clock: below it the processor counts as slowed down
+_STEAL = 8  # column of /proc/stat (proc(5)); column 0 is the processor's name
 
 
 class Throttling:
-    """Whether a processor was slowed down: by its count of thermal events, or by its present clock."""
+    """Detects a slowed-down processor by its thermal events or its present clock."""
 
     def __init__(self, root: Path = Path("/sys/devices/system/cpu")) -> None:
-        """Processors without such files are taken for never slowed down."""
+        """Processors without such files count as never slowed down."""
         self._counts = sorted(root.glob("cpu[0-9]*/thermal_throttle/core_throttle_count"))
         self._clocks = sorted(root.glob("cpu[0-9]*/cpufreq"))
         self._last = self._events()
@@ -23,7 +23,7 @@ class Throttling:
         return sum(_number(path) for path in self._counts)
 
     def seen(self) -> bool:
-        """Since the last call, or now."""
+        """Whether a processor was slowed down since the last call, or is now."""
         events = self._events()
         risen, self._last = events > self._last, events
         slow = any(
@@ -34,10 +34,10 @@ class Throttling:
 
 
 class Stolen:
-    """How long the processors of a process were ready but not run by the machine below: "steal" of /proc/stat."""
+    """Time that a hypervisor took the processors of a process away: "steal" of /proc/stat."""
 
     def __init__(self, process: int, stat: Path = Path("/proc/stat")) -> None:
-        """Where the kernel tells nothing, nothing was stolen."""
+        """Without data from the kernel the time is zero."""
         self._process, self._stat = process, stat
         self._tick_s = 1.0 / os.sysconf("SC_CLK_TCK")
         self._last = self._ticks()
@@ -51,7 +51,7 @@ class Stolen:
         return {row[0]: int(row[_STEAL]) for row in rows if len(row) > _STEAL}
 
     def passed_s(self) -> float:
-        """Since the last call, of the one of its processors that lost most."""
+        """The time since the last call, of the processor that lost most."""
         ticks, before = self._ticks(), self._last
         self._last = ticks
         try:

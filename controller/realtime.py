@@ -1,8 +1,8 @@
-"""What makes an ordinary Linux process keep a 1 ms cycle, as far as its privileges reach.
+"""Makes an ordinary Linux process keep a 1 ms cycle, as far as its privileges allow.
 
-One thread, pinned, under SCHED_FIFO; memory locked and kept by the allocator; the collector frozen; the processors kept
-from the sleep states out of which they wake slowly. Processes that are started later are ordinary ones again, but are
-pinned, too: start them before.
+The measures: one pinned thread under SCHED_FIFO; memory locked and kept by the allocator; the collector frozen; the
+processors kept from sleep states with a slow wake-up. Processes started later have ordinary priority again, but are
+also pinned: start them before.
 """
 
 import ctypes
@@ -18,13 +18,13 @@ from common.priority import run_fifo
 
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4  # malloc.h
-PRIORITY = 60
+PRIORITY = 60  # SCHED_FIFO, above all other processes of the rig: docs/realtime.md, Other processes
 _CPU_LATENCY = Path("/dev/cpu_dma_latency")
 _UNIT = "in a systemd unit"
 
 
 class Missing(NamedTuple):
-    """A privilege that is not there, and how to grant it."""
+    """A missing privilege, and the way to grant it."""
 
     what: str
     grant: str
@@ -56,7 +56,7 @@ THREADS = Missing(
 
 
 def missing_privileges() -> list[Missing]:
-    """What enter_realtime() could not do now; changes nothing, so that a daemon may refuse before it begins."""
+    """The privileges that enter() would lack. Changes nothing, so that a daemon can refuse before it begins."""
     missing = []
     try:
         before = os.sched_getscheduler(0), os.sched_getparam(0)
@@ -72,7 +72,7 @@ def missing_privileges() -> list[Missing]:
 
 
 def _may_lock_memory() -> bool:
-    """Whether all that is there and all that comes may be locked: without limit, or by capability."""
+    """Whether all present and future memory may be locked: without limit, or by capability."""
     if resource.getrlimit(resource.RLIMIT_MEMLOCK)[0] == resource.RLIM_INFINITY:
         return True
     libc = ctypes.CDLL(None, use_errno=True)
@@ -89,7 +89,7 @@ class RealTime:
         self._latency = -1
 
     def enter(self) -> list[Missing]:
-        """Take every measure that is allowed; returns those that are not, an empty list when all of it holds.
+        """Apply every allowed measure. Returns those that are not allowed; an empty list if all are in force.
 
         Call it last, after all processes and imports.
         """
@@ -98,15 +98,15 @@ class RealTime:
         gc.freeze()
         gc.disable()
         libc = ctypes.CDLL(None, use_errno=True)
-        if hasattr(libc, "mallopt"):  # what was freed is kept, and large blocks come from there, too
+        if hasattr(libc, "mallopt"):  # keep freed memory, and use it for large blocks, too
             libc.mallopt(_M_TRIM_THRESHOLD, ctypes.c_int(2**31 - 1))
             libc.mallopt(_M_MMAP_MAX, 0)
         if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) != 0:
             missing.append(MEMORY)
         try:
             self._latency = os.open(_CPU_LATENCY, os.O_RDWR)
-            os.write(self._latency, (0).to_bytes(4, "little"))  # microseconds, for as long as it is open
-        except FileNotFoundError:  # a kernel without: nothing to hold
+            os.write(self._latency, (0).to_bytes(4, "little"))  # us, in force while the file is open
+        except FileNotFoundError:  # a kernel without this file
             pass
         except OSError:
             missing.append(CPU_LATENCY)
@@ -121,7 +121,7 @@ class RealTime:
         return missing
 
     def leave(self) -> None:
-        """Be an ordinary process again but for scheduling and place; may be called twice."""
+        """Undo the measures except scheduling and pinning; may be called twice."""
         gc.enable()
         gc.unfreeze()
         ctypes.CDLL(None, use_errno=True).munlockall()

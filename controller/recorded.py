@@ -1,4 +1,4 @@
-"""Between the controller's step and the recording's topics, both ways, exactly."""
+"""Exact conversion between the controller's step and the recording's topics, in both directions."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -14,7 +14,7 @@ from controller.step import CycleOutput
 
 
 def fast_sample(read: CycleInput, answered: CycleOutput, cycle_s: float) -> FastSample:
-    """What a cycle read, and the command it gave."""
+    """The input of a cycle, and its command."""
     return FastSample(
         time_s=read.cycle * cycle_s,
         cycle=read.cycle,
@@ -31,7 +31,7 @@ def fast_sample(read: CycleInput, answered: CycleOutput, cycle_s: float) -> Fast
 
 
 def estimate_sample(cycle: int, answered: CycleOutput, cycle_s: float) -> EstimateSample:
-    """What a cycle estimated and predicted."""
+    """The estimate and prediction of a cycle."""
     estimate = answered.estimate
     return EstimateSample(
         cycle * cycle_s,
@@ -78,7 +78,7 @@ def frame_sample(sample: VisualSample, cycle: int, cycle_s: float) -> FrameSampl
 
 
 def visual_sample(frame: FrameSample) -> VisualSample:
-    """The visual sample that a recorded frame holds."""
+    """The visual sample of a recorded frame."""
     return VisualSample(
         frame.frame,
         frame.started_cycle,
@@ -102,10 +102,10 @@ _NEVER = 2**63
 
 
 class RecordedCycle(NamedTuple):
-    """One recorded cycle: what the step read, the command that was given, and the rows that it came from.
+    """One recorded cycle: the step's input, the command, and the recorded rows.
 
-    command_rad_s: NaN where none was recorded. row: None for a cycle of which only frames are recorded. Times in the
-    rows are as recorded, which an import may not have on the cycle's grid.
+    command_rad_s: NaN if none was recorded. row: None for a cycle with frames only. Times in the rows are as recorded;
+    those of an import need not lie on the cycle's grid.
     """
 
     read: CycleInput
@@ -115,7 +115,7 @@ class RecordedCycle(NamedTuple):
 
 
 def earliest_cycle(fast: Iterable[FastSample], frames: Iterable[FrameSample]) -> int:
-    """The first cycle that a recording knows of: of a row, or of when a frame was begun; 0 where it holds none."""
+    """The first cycle in a recording, of a row or of a frame's start; 0 if it has none."""
     begun = (frame.started_cycle for frame in frames if isfinite(frame.started_s))
     return min(min((row.cycle for row in fast), default=0), min(begun, default=_NEVER))
 
@@ -123,10 +123,10 @@ def earliest_cycle(fast: Iterable[FastSample], frames: Iterable[FrameSample]) ->
 def recorded_cycles(
     fast: Iterable[FastSample], frames: Iterable[FrameSample], first_cycle: int = 0
 ) -> Iterator[RecordedCycle]:
-    """The recorded cycles as the step saw them, counted from `first_cycle`.
+    """The recorded cycles as the step received them, counted from `first_cycle`.
 
-    A frame whose cycle has no row (an import at a lower rate; a row that was lost) is read in that cycle, without the
-    other measurements. Of two rows in one cycle, or after a clock that stepped back, the first counts.
+    A frame whose cycle has no row (an import at a lower rate; a lost row) is read in that cycle, without other
+    measurements. Of two rows in one cycle, or after a clock that stepped back, the first counts.
     """
     waiting = deque(sorted(frames, key=lambda frame: frame.cycle))
     last = None
@@ -143,7 +143,7 @@ def recorded_cycles(
 
 
 def _frames_of(waiting: deque[FrameSample], up_to_cycle: int) -> list[FrameSample]:
-    """Take the frames up to a cycle off the queue."""
+    """Remove the frames up to a cycle from the queue."""
     seen = []
     while waiting and waiting[0].cycle <= up_to_cycle:
         seen.append(waiting.popleft())

@@ -1,4 +1,4 @@
-"""Recorded data through the same step functions that ran live."""
+"""Runs the step functions on recorded data, as they ran live."""
 
 import tomllib
 from collections.abc import Callable, Iterator
@@ -30,7 +30,7 @@ _REPORT_EVERY = 1000  # cycles
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """A recording read into memory, with the configuration and the model that it holds."""
+    """A recording in memory, with its configuration and model."""
 
     name: str
     configuration: Configuration
@@ -45,13 +45,13 @@ class RecordedRun:
         return self.model.timing.cycle_s
 
     def cycles(self, first_cycle: int = 0) -> Iterator[RecordedCycle]:
-        """The cycles as the step saw them, counted from `first_cycle`."""
+        """The cycles as the step received them, counted from `first_cycle`."""
         return recorded_cycles(self.fast, self.frames, first_cycle)
 
 
 @dataclass
 class MethodRun:
-    """What one method said: in each cycle, and for each frame; times as recorded."""
+    """One method's estimates, by cycle and by frame; times as recorded."""
 
     method: str
     times_s: list[float] = field(default_factory=list)
@@ -63,7 +63,7 @@ class MethodRun:
 
 @dataclass
 class LiveComparison:
-    """How a replay of the recorded controller compares with what it did: cycles, and the differences among them."""
+    """Comparison of a replayed controller with its recording: number of cycles, and of those that differ."""
 
     cycles: int = 0
     different: int = 0
@@ -71,12 +71,12 @@ class LiveComparison:
 
     @property
     def identical(self) -> bool:
-        """Whether every number is the same."""
+        """Whether all numbers are identical."""
         return self.different == 0
 
 
 def read_run(recording: Recording) -> RecordedRun:
-    """Read a recording's messages, configuration and model. Raises UserError for what does not fit."""
+    """Read a recording's messages, configuration and model. Raises UserError for invalid contents."""
     header, name = recording.header, str(recording.path)
     text = header.configuration or default_configuration_path().read_text()
     configuration = parse_toml(text, Configuration, f"{name} (configuration)")
@@ -94,10 +94,10 @@ def _says_arm_at_start(configuration_text: str) -> bool:
 
 
 def _with_permission_as_recorded(run: RecordedRun) -> RecordedRun:
-    """The run with controller.arm_at_start as it was live. The key's default was true once, and is false now.
+    """The run with controller.arm_at_start as it was live. The key's default was true in the past, and is false now.
 
-    It was true where the joint might move before an operator armed it. Recordings older than the states have none:
-    then, the joint might always move.
+    It was true if the joint could move before an operator armed it. In recordings older than the states, the joint
+    could always move.
     """
     asked = next((row.cycle for row in run.fast if row.operator & Operator.ARM), None)
     moved = next((estimate.cycle for estimate in run.estimates if estimate.state in _PERMITTED), None)
@@ -112,10 +112,10 @@ _PERMITTED = ("", State.ARMED, State.DAMPING, State.DEGRADED)
 def replay_method(
     run: RecordedRun, method: str, progress: Callable[[float], None] = lambda done: None
 ) -> MethodRun:
-    """Run a method over recorded measurements and commands. Raises UserError for an unknown method or no length.
+    """Run a method on recorded measurements and commands. Raises UserError for an unknown method or a missing length.
 
-    The method counts from the recording's first cycle: a clock that counts from 1970, or from below zero, is the same
-    to it as one that starts with the recording.
+    The method counts from the recording's first cycle, so that a clock that starts in 1970, or below zero, makes no
+    difference.
     """
     name = f"{run.name} (model)"
     model = declared(run.model)
@@ -149,13 +149,13 @@ def replay_method(
 
 
 def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = None) -> LiveComparison:
-    """Run the recorded controller again and compare every estimate, prediction and command with what it did."""
+    """Run the recorded controller again, and compare every estimate, prediction and command with the recording."""
     refused = any(estimate.reason == Event.UNCOMMISSIONED for estimate in run.estimates)
     controller = Controller(
         run.model,
         settings or run.configuration.controller,
         f"{run.name} (model)",
-        identified_only=refused,  # as it was live: older recordings of a rig were not
+        identified_only=refused,  # as it was live; in older recordings of a rig it was not
     )
     comparison = LiveComparison()
     recorded = {estimate.cycle: estimate for estimate in run.estimates}
@@ -181,7 +181,7 @@ def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = No
 def _numbers(was: object, now: msgspec.Struct) -> Iterator[tuple[str, object, object]]:
     # time_s follows from the cycle, unless a simulated clock stepped; before there were states, none was recorded
     passed = {"time_s", "state", "reason"} if getattr(was, "state", None) == "" else {"time_s"}
-    if getattr(was, "trust", None) == "":  # recorded before estimates told it
+    if getattr(was, "trust", None) == "":  # recorded before estimates had a trust
         passed.add("trust")
     for key in now.__struct_fields__:
         if key not in passed:

@@ -1,4 +1,4 @@
-"""The long tables that a replay writes: one row for each frame and method, one for each cycle and method."""
+"""Writes the long tables of a replay: one row for each frame and method, and one for each cycle and method."""
 
 import csv
 from math import isfinite, nan
@@ -16,9 +16,9 @@ TRUST_COLUMNS = ("time_s", "method", "trust", "reason")
 
 
 def write_tables(runs: list[MethodRun], directory: Path) -> None:
-    """Write frames.csv, estimates.csv, and trust.csv, which has a row where a method's trust in itself changes.
+    """Write frames.csv, estimates.csv, and trust.csv, which has a row for each change of a method's trust.
 
-    A number that is not there is an empty field.
+    A missing number is an empty field.
     """
     with (directory / "frames.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
@@ -57,7 +57,7 @@ def write_tables(runs: list[MethodRun], directory: Path) -> None:
 def replay_summary(
     recording: str, runs: list[MethodRun], comparison: LiveComparison | None
 ) -> dict[str, Any]:
-    """What a replay found, as plain values for summary.json."""
+    """The results of a replay, as plain values for summary.json."""
     return {
         "recording": recording,
         "live": None

@@ -1,6 +1,6 @@
-"""A method across restarts: of the supervisor, whose displacements then have another zero, and of the method itself.
+"""Restarts a method with the supervisor, whose displacements then have another zero, and after a numerical failure.
 
-Images of two zeros in one fit look like a large vibration, and would be damped as one.
+In one fit, images with two zeros look like a large vibration, and would be damped as one.
 """
 
 from collections.abc import Callable
@@ -15,14 +15,14 @@ _KNOWN = (Status.ESTIMATED, Status.HELD)
 
 
 class MethodAcrossRestarts:
-    """Begins anew with the first sample of a supervisor that was started anew. 5 to 200 us, once, for the making.
+    """Restarts the method at the first sample of a restarted supervisor, which takes 5 to 200 us once.
 
-    A method whose numbers have left the range of floats would never come back by itself: it begins anew as well.
-    failures: how often that has happened.
+    A method whose numbers have left the range of floats would never recover by itself, and is restarted as well.
+    failures: number of such restarts.
     """
 
     def __init__(self, make: Callable[[], Method]) -> None:
-        """`make` gives a fresh method each time."""
+        """make: returns a new method."""
         self._make = make
         self._method = make()
         self.failures = 0
@@ -33,7 +33,7 @@ class MethodAcrossRestarts:
         for place in range(len(samples) - 1, -1, -1):
             if samples[place].restarted:
                 self._method = self._make()
-                if place:  # of the supervisor before
+                if place:  # samples of the previous supervisor
                     observation = msgspec.structs.replace(observation, samples=samples[place:])
                 break
         try:

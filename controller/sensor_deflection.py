@@ -1,4 +1,4 @@
-"""What each sensor says of the arm's deflection, once the joint's own motion is taken off it."""
+"""The arm's deflection by each sensor, after the joint's own motion is subtracted."""
 
 from math import sin
 
@@ -17,7 +17,7 @@ class SensorDeflection:
     """The contract's sensor equations solved for the deflection of the first mode."""
 
     def __init__(self, model: Model, length_m: float) -> None:
-        """For the model's scales and participations."""
+        """Use the model's scales and participations."""
         w = model.arm.modes[0].angular_frequency
         slope = tip_slopes_per_m(length_m, 1)[0]
         camera, accelerometer = model.camera, model.accelerometer
@@ -31,7 +31,7 @@ class SensorDeflection:
         self.noise_std_m = abs(self._per_px) * camera.noise_std_px
 
     def of_image(self, displacement_px: float, joint_position_rad: float) -> float:
-        """Deflection and an unknown constant, m, from the image and the joint as it was when that was taken."""
+        """Deflection plus an unknown constant, m, from the image and the joint position at its capture instant."""
         return (displacement_px + self._px_per_rad * joint_position_rad) * self._per_px
 
     def of_acceleration(self, acceleration_m_s2: float, joint: JointMotion) -> float:

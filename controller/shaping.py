@@ -1,13 +1,12 @@
 """Input shaping of the external joint reference [5, 6], so that a move does not excite the first mode.
 
-ZV (zero vibration): the reference is replaced by a sum of two of its copies half a damped period apart, in the
-proportion 1 : K with K = exp(-zeta pi / sqrt(1 - zeta^2)). What the first excites, the second cancels. ZVD (its
-derivative by the frequency zero as well) is ZV applied twice: 1 : 2K : K^2 (Singer and Seering, J. Dyn. Syst. Meas.
-Control 112, 1990).
+ZV (zero vibration) replaces the reference by the sum of two copies half a damped period apart, in the proportion 1 : K
+with K = exp(-zeta pi / sqrt(1 - zeta^2)). The second copy cancels the vibration from the first. ZVD (zero derivative by
+the frequency as well) is ZV applied twice: 1 : 2K : K^2 (Singer and Seering, J. Dyn. Syst. Meas. Control 112, 1990).
 
-Half a period is no whole number of cycles. The second copy is therefore split between the cycles before and after it,
-with the amplitudes for which the vibration is zero exactly and not merely nearly: the filter has a zero at exp(s
-cycle_s), s the mode's pole (Murphy and Watanabe, J. Guidance, Control and Dynamics 15, 1992).
+Half a period is not a whole number of cycles. The second copy is therefore split between the cycles before and after
+it, with amplitudes that make the vibration exactly zero: the filter has a zero at exp(s cycle_s), s the mode's pole
+(Murphy and Watanabe, J. Guidance, Control and Dynamics 15, 1992).
 """
 
 from cmath import exp
@@ -46,10 +45,10 @@ def zvd_taps(mode: Mode, cycle_s: float) -> list[Tap]:
 
 
 class ReferenceShaper:
-    """Shapes one signal, cycle by cycle. Causal: it answers at once, and ends half a period (ZVD: a period) later."""
+    """Shapes one signal, cycle by cycle. Causal: it responds at once, and ends half a period (ZVD: a period) later."""
 
     def __init__(self, shaping: Literal["none", "zv", "zvd"], mode: Mode, cycle_s: float) -> None:
-        """For the mode that is not to be excited; "none" hands the reference through."""
+        """mode: must not be excited; the shaping "none" passes the reference through."""
         taps: list[Tap] = [(0, 1.0)]
         if shaping != "none":
             taps = zv_taps(mode, cycle_s) if shaping == "zv" else zvd_taps(mode, cycle_s)
@@ -58,13 +57,13 @@ class ReferenceShaper:
         self._history = CycleHistory(taps[-1][0] + 1)
 
     def restart(self) -> None:
-        """Forget what is still to come: the reference before the next cycle counts as zero."""
+        """Forget pending copies: the reference before the next cycle counts as zero."""
         self._history.clear()
 
     def shape(self, cycle: int, reference: float) -> float:
         """The shaped reference of a cycle. The reference before the first cycle counts as zero.
 
-        Cycles that the loop skipped count with the reference of the cycle after them.
+        Skipped cycles count with the reference of the cycle after them.
         """
         if not self._taps:
             return reference

@@ -1,4 +1,4 @@
-"""The paper's method, for any estimator of the delay: date the samples by it, fit a sine, evaluate at the present."""
+"""The paper's method with any delay estimator: date the samples, fit a sine, evaluate it at the present."""
 
 from math import inf, nan, sqrt
 from typing import Protocol
@@ -15,27 +15,27 @@ from controller.prediction.sine_regression import SineRegression
 from controller.sensor_deflection import SensorDeflection
 
 _LONGEST_GAP_S = 0.25  # between two frames of one window
-_REFILLED = 6  # samples of a window that was cut: a fit to fewer is as bad as any
-_AGAIN_PERIODS = 1.5  # two blows are hardly ever that near each other
+_REFILLED = 6  # samples after a cut of the window: a fit to fewer is useless
+_AGAIN_PERIODS = 1.5  # two impacts are hardly ever so close
 
 
 class DelayEstimator(Protocol):
-    """Says how old each visual sample is when it is read."""
+    """Estimates the age of each visual sample at its reading."""
 
     estimate: DelayEstimate
 
     def see_cycle(self, cycle: int, vibration: float) -> None:
-        """Take in the deflection that the accelerometer shows in a cycle, m; NaN where it shows none."""
+        """Process the accelerometer's deflection in a cycle, m; NaN without a sample."""
 
     def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
-        """Take in a visual sample read in `cycle`, and the deflection it shows, m (with an unknown constant)."""
+        """Process a visual sample read in `cycle` and its deflection, m (plus an unknown constant)."""
 
 
 class SineMethod:
     """Delay estimator and sine regression in series (the paper's Fig. 1)."""
 
     def __init__(self, model: Model, regression: Regression, delay: DelayEstimator, model_name: str) -> None:
-        """Predict the first mode of `model` from samples that `delay` dates."""
+        """Predict the first mode of `model` from samples dated by `delay`."""
         length = length_of(model, model_name)
         mode = model.arm.modes[0]
         self._cycle_s = model.timing.cycle_s
@@ -57,7 +57,7 @@ class SineMethod:
         )
 
     def update(self, observation: Observation) -> Estimate:
-        """One cycle: dates new samples, fits when there are any, predicts always."""
+        """Process one cycle: date new samples, fit if there are any, and predict."""
         joint, sensors = observation.joint, self._sensors
         self.delay.see_cycle(observation.cycle, sensors.of_acceleration(observation.acceleration_m_s2, joint))
         for sample in observation.samples:
@@ -81,7 +81,7 @@ class SineMethod:
         self._offset.add(captured, free)
 
     def _broken(self, captured: float, samples: int) -> None:
-        """A sample has broken with the fit to `samples`: a blow; soon again, the zero has moved as well."""
+        """A sample contradicts the fit to `samples`: an impact. If this repeats soon, the zero has moved as well."""
         again = captured - self._broken_s < _AGAIN_PERIODS * self._period_s and samples >= _REFILLED
         self._offset.forget_vibration()
         if again:

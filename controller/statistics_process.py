@@ -1,6 +1,6 @@
-"""The loop's statistics, once a second, from a process of its own: it reads the shared block and writes to the log.
+"""The loop's statistics, once a second: a separate process reads the shared block and writes to the log.
 
-Start it with start_statistics(). It ends with the loop, however that came to its end.
+Start it with start_statistics(). It ends with the loop, however the loop ends.
 """
 
 import contextlib
@@ -24,12 +24,12 @@ from controller.plausible_input import Field
 from controller.processor_watch import Stolen, Throttling
 
 RECORDER_ENDED = (
-    "damping goes on; nothing more is recorded or sent as telemetry until the controller starts again; "
-    "mend the recording with `stillarm recover`"
+    "damping continues; nothing more is recorded or sent as telemetry until the controller restarts; "
+    "repair the recording with `stillarm recover`"
 )
 REFUSED_REMEDY = (
-    "they counted as missing; look for the device or the link that sends them, and compare the model's [accelerometer] "
-    "range_m_s2, [drive] limits and [camera] scales, which say what is plausible, with the rig"
+    "they count as missing; look for the device or the link that sends them, and compare the model's [accelerometer] "
+    "range_m_s2, [drive] limits and [camera] scales, which define what is plausible, with the rig"
 )
 _PERIOD_S = 1.0
 _POLL_S = 0.1
@@ -39,9 +39,9 @@ _LOADED_WITHIN_S = 20.0
 
 
 def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
-    """Start it for the block that this process has made; in a session of its own, where no Ctrl-C reaches it.
+    """Start it for this process's block, in a separate session that Ctrl-C does not reach.
 
-    recorder: the number of the recorder's process, whose end it tells.
+    recorder: process id of the recorder, whose end it reports.
     """
     return start_module(
         "controller.statistics_process",
@@ -55,9 +55,9 @@ def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
 
 
 def wait_until_loaded(process: subprocess.Popen[bytes]) -> None:
-    """Wait until it has warmed up, so that its start takes no processor from the first cycles.
+    """Wait until it has warmed up, so that its start takes no processor time from the first cycles.
 
-    One that ends instead has said why; the loop goes on without it.
+    If it ends instead, it has reported why, and the loop continues without it.
     """
     next_line(process, _LOADED_WITHIN_S)
     assert process.stdout is not None
@@ -65,15 +65,15 @@ def wait_until_loaded(process: subprocess.Popen[bytes]) -> None:
 
 
 def stop_statistics(process: subprocess.Popen[bytes], timeout_s: float = 3.0) -> None:
-    """Ask it to end, and see that it does; may be called twice."""
+    """Ask it to end, and wait for it; may be called twice."""
     stop_process(process, timeout_s)
 
 
 class Statistics:
-    """The differences from one second to the next. Pure: a block and the throttling in, fields out."""
+    """The differences from one second to the next. Pure: takes a block and the throttling, returns fields."""
 
     def __init__(self, block: LoopBlock) -> None:
-        """Begin with what the block holds now."""
+        """Start from the present contents of the block."""
         self._block = block
         self._lateness, self._compute = block.lateness.counts(), block.compute.counts()
         self._cycles, self._misses, self._samples = block.cycles, block.misses, block.samples
@@ -83,7 +83,7 @@ class Statistics:
         self._refused = block.refused
 
     def line(self) -> dict[str, object]:
-        """The fields of one line: counts since the last one, and percentiles of the cycles since then."""
+        """The fields of one line: counts and percentiles since the last line."""
         block = self._block
         lateness, compute = block.lateness.counts(), block.compute.counts()
         late = [now - was for now, was in zip(lateness, self._lateness, strict=True)]
@@ -107,9 +107,9 @@ class Statistics:
         return fields
 
     def overruns(self, throttled: bool, stolen_s: float) -> dict[str, object] | None:
-        """The fields of a warning about the overruns since the last call; None where there were none.
+        """The fields of a warning about the overruns since the last call; None without overruns.
 
-        throttled, stolen_s: what befell the processor meanwhile. Of very many, the causes are those of the last ones.
+        throttled, stolen_s: state of the processor in that time. Of very many overruns, only the last have causes.
         """
         count, found = self._block.overruns(self._overruns)
         if not found:
@@ -136,7 +136,7 @@ class Statistics:
         }
 
     def refused(self) -> dict[str, object] | None:
-        """The fields of a warning about the values refused since the last call; None where there were none."""
+        """The fields of a warning about the values refused since the last call; None without refused values."""
         counts, before = self._block.refused, self._refused
         self._refused = counts
         new = {
@@ -153,7 +153,7 @@ def _percentiles(counts: list[int]) -> dict[str, float]:
 
 
 def _runs(process: int) -> bool:
-    """Whether a process is there and has not ended."""
+    """Whether a process exists and has not ended."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
     except (OSError, IndexError):
@@ -161,7 +161,7 @@ def _runs(process: int) -> bool:
 
 
 def _still_records(recorder: int, block: LoopBlock, loop_process: int) -> bool:
-    """Whether the recorder runs; says so when it does not, though the loop does: after the loop it ends by itself."""
+    """Whether the recorder runs. Logs an error if it has ended before the loop; after the loop it ends by itself."""
     if _runs(recorder) or block.ended or os.getppid() != loop_process:
         return True
     log(_PROCESS, "error", "the recorder's process has ended", remedy=RECORDER_ENDED)
@@ -169,12 +169,12 @@ def _still_records(recorder: int, block: LoopBlock, loop_process: int) -> bool:
 
 
 def _warm_up(block: LoopBlock, throttling: Throttling, stolen: Stolen) -> None:
-    """Make one line and one warning of what the block holds now, and drop them; then say that all is loaded."""
+    """Make one line and one warning from the block and discard them; then report that everything is loaded."""
     statistics = Statistics(block)
     log_line(_PROCESS, "info", "loop", time.time(), **statistics.line())
     statistics.overruns(throttling.seen(), stolen.passed_s())
     gc.freeze()
-    with contextlib.suppress(OSError):  # nobody need wait for it
+    with contextlib.suppress(OSError):  # nobody may be waiting
         print(_LOADED, flush=True)
 
 
@@ -189,7 +189,7 @@ def main(block_name: str, loop_process: int, recorder: int) -> int:
         log(_PROCESS, "error", str(error))
         return 1
     statistics, throttling, stolen = Statistics(block), Throttling(), Stolen(loop_process)
-    watchdog = Watchdog()  # besides the recorder's: that one may be lost without harm to the damping
+    watchdog = Watchdog()  # in addition to the recorder's, which may be lost without harm to the damping
     _warm_up(block, throttling, stolen)
     due = time.monotonic() + _PERIOD_S
     recording = True

@@ -1,6 +1,6 @@
-"""The controller's one step function: what the sensors gave in a cycle, and the command that answers it.
+"""The controller's step function: takes a cycle's sensor values, returns the command.
 
-It runs live, in virtual time and in replay; it knows no clock, no socket, no device, no file.
+It runs live, in virtual time and in replay, and uses no clock, socket, device or file.
 """
 
 from dataclasses import dataclass
@@ -25,10 +25,10 @@ from controller.states.table import Event, State
 
 @dataclass(slots=True)
 class CycleOutput:
-    """What a cycle answers: the command for the joint, and the estimate that it rests on.
+    """The output of a cycle: the command for the joint, and the estimate behind it.
 
-    predicted_deflection_m: the deflection at which the joint will answer (the drive's lead after the cycle)
-    reason: what is missing or brought the state about; None where nothing is wrong
+    predicted_deflection_m: the deflection at the time of the joint's response (the drive's lead after the cycle)
+    reason: the missing ground or the cause of the state; None if nothing is wrong
     """
 
     command_rad_s: float
@@ -41,7 +41,7 @@ class CycleOutput:
 
 
 class Controller:
-    """Takes off the joint's own motion, estimates, asks what is allowed, predicts, damps, limits: once a cycle."""
+    """Subtracts the joint's motion, estimates, checks permission, predicts, damps and limits, once a cycle."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class Controller:
         *,
         identified_only: bool = False,
     ) -> None:
-        """For a model of the rig. identified_only: damp by no model but one that the rig itself has given.
+        """model: of the rig. identified_only: damp only with a commissioned model.
 
         Raises UserError for an unknown method or a model without length.
         """
@@ -67,7 +67,7 @@ class Controller:
         self._begin(0.0)
 
     def _begin(self, joint_position_rad: float) -> None:
-        """Nothing measured yet, at rest. joint_position_rad: where the joint is until it is reported."""
+        """Start at rest, without measurements. joint_position_rad: position of the joint until it is reported."""
         model, settings, model_name = self._model, self._settings, self._model_name
         self.joint = JointMotion(model, self._length, joint_position_rad)
         self.method: Method = MethodAcrossRestarts(
@@ -79,13 +79,13 @@ class Controller:
 
     @property
     def refused(self) -> list[int]:
-        """How many values of the input were refused since the start, by controller.plausible_input.Field."""
+        """Number of input values refused since the start, by controller.plausible_input.Field."""
         return self._input.refused
 
     def step(self, read: CycleInput) -> CycleOutput:
-        """One cycle. Cycle numbers increase; those that the loop skipped never come.
+        """Process one cycle. Cycle numbers increase; skipped cycles are never passed.
 
-        Values that are not plausible count as missing. After a long pause all but state and permission begins anew.
+        Implausible values count as missing. After a long pause everything restarts except state and permission.
         """
         read, elapsed, begin_anew = self._input.admit(read)
         time_s = read.cycle * self._cycle_s
@@ -147,7 +147,7 @@ class Controller:
         )
 
     def _dither_rad_s(self, wanted: bool, elapsed: int, may_move: bool) -> float:
-        """The dither's part of the command. Where the joint may not move it ends at once."""
+        """The dither's part of the command. It ends at once if the joint may not move."""
         if not may_move:
             self._dither = STILL
             return 0.0

@@ -1,8 +1,8 @@
-"""Runs the step on a made-up vibration before the first cycle.
+"""Runs the step on a synthetic vibration before the first cycle.
 
-What is made on first use (numpy's dispatch tables, the linear algebra's buffers, the interpreter's inline caches)
-is made then, not in the first cycles that count: 60 ms, once, before memory is locked. The vibration is one that the
-model allows, seen by late images and struck again half-way, so that fit, impact and damping all run.
+Structures that are made on first use (numpy's dispatch tables, buffers of the linear algebra, the interpreter's inline
+caches) are then ready before the first real cycle. This takes 60 ms once, before memory is locked. The vibration is
+plausible for the model, with late images and an impact half-way, so that fit, impact and damping all run.
 """
 
 from math import cos, pi
@@ -15,17 +15,17 @@ from common.visual_sample import TrackingStatus, VisualSample
 from controller.cycle_input import CycleInput
 from controller.step import Controller
 
-_CYCLES = 1200
+_CYCLES = 1200  # 60 ms of computing
 _STRUCK_AT = 700  # cycles
-_CYCLES_A_FRAME = 15
-_AMPLITUDE_M = 0.005  # of the order of the vibrations that are damped
+_CYCLES_A_FRAME = 15  # 65 frames a second
+_AMPLITUDE_M = 0.005  # order of magnitude of damped vibrations
 _VARIANCE_PX2 = 0.0025
 
 
 def warm_up(model: Model, settings: ControllerSettings, model_name: str) -> None:
-    """Step a controller of its own through a vibration; nothing of it remains.
+    """Step a temporary controller through a vibration.
 
-    That controller is armed whatever the settings say: it moves nothing, and is to run what an armed one runs.
+    That controller is always armed: it moves nothing, and must run the same code as an armed one.
     """
     controller = Controller(model, msgspec.structs.replace(settings, arm_at_start=True), model_name)
     mode, cycle_s = model.arm.modes[0], model.timing.cycle_s

@@ -1,19 +1,19 @@
-"""The accelerometer that the configuration names."""
+"""Opens the accelerometer that the configuration names."""
 
 from common.configuration import AccelerometerDevice
 from drivers.accelerometer import Accelerometer
 
-_ENOUGH = 0.99  # of the loop's rate: a device's clock may be off by as much
+_ENOUGH = 0.99  # of the loop's rate: allowed error of a device's clock
 
 
 def open_accelerometer(config: AccelerometerDevice, *, wait_s: float = 10.0) -> Accelerometer | None:
     """The configured accelerometer, not yet started; None for "none". Raises UserError for settings it does not have.
 
-    wait_s: how long start() may wait for an emulator to appear, and for a sample; 0 where nothing moves meanwhile.
+    wait_s: how long start() may wait for an emulator and for a sample; 0 if nothing advances during start().
     """
     if config.driver == "none":
         return None
-    # Each imports what it needs only where it is named: the daemons start sooner.
+    # Only the named driver is imported, so that the daemons start faster.
     if config.driver == "iio":
         from drivers.iio_accelerometer import IioAccelerometer
 
@@ -30,17 +30,17 @@ def open_accelerometer(config: AccelerometerDevice, *, wait_s: float = 10.0) -> 
 
 
 def held_samples_statement(accelerometer: Accelerometer, cycle_s: float) -> str | None:
-    """One line for a device that is slower than the loop: what that costs; None for one that is not."""
+    """A line about the cost of a device that is slower than the loop; None for a faster one."""
     rate_hz = accelerometer.rate_hz
     if not rate_hz < _ENOUGH / cycle_s:
         return None
     return (
-        f"accelerometer: {rate_hz:g} samples a second for {1.0 / cycle_s:g} cycles: a sample stands for up to "
+        f"accelerometer: {rate_hz:g} samples a second for {1.0 / cycle_s:g} cycles: each sample is used for up to "
         f"{1e3 / rate_hz:.1f} ms, {1e3 * mean_hold_s(accelerometer, cycle_s):.1f} ms on average"
     )
 
 
 def mean_hold_s(accelerometer: Accelerometer, cycle_s: float) -> float:
-    """How much older than necessary a sample is on average because it stands until the next one comes, s."""
+    """Mean additional age of a sample, because it is used until the next one arrives, s."""
     rate_hz = accelerometer.rate_hz
     return max(0.0, 0.5 * (1.0 / rate_hz - cycle_s)) if rate_hz > 0.0 else 0.0

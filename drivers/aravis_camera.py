@@ -1,4 +1,4 @@
-"""GigE Vision and USB3 Vision cameras through Aravis (LGPL), without their makers' software; "Fake_1" is its own."""
+"""GigE Vision and USB3 Vision cameras through Aravis (LGPL), without vendor software; "Fake_1" is Aravis's fake."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ class AravisBackend:
         self._exposure_s: float | None = None
 
     def open(self) -> list[str]:
-        """Open the camera by its identifier, serial number or place. Raises UserError."""
+        """Open the camera by its identifier, serial number or index. Raises UserError."""
         try:
             import gi
 
@@ -109,7 +109,7 @@ class AravisBackend:
         if camera is not None:
             try:
                 camera.stop_acquisition()
-            except self._error:  # it is gone already
+            except self._error:  # already gone
                 return
 
 
@@ -117,11 +117,11 @@ class AravisFeatures:
     """drivers.camera_features.Features for an Aravis device."""
 
     def __init__(self, camera: Any, error: type[Exception]) -> None:
-        """error: what Aravis raises."""
+        """error: the exception type of Aravis."""
         self._device, self._error = camera.get_device(), error
 
     def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; integers where it is one."""
+        """Set a feature; as an integer if it is one."""
         device = self._device
         try:
             if not device.is_feature_available(name):

@@ -1,4 +1,4 @@
-"""Basler's cameras, and others that pylon drives, through pypylon; with PYLON_CAMEMU=1 set, its emulator's."""
+"""Basler's cameras, and others that pylon supports, through pypylon; with PYLON_CAMEMU=1, pylon's emulator."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from drivers.stream_camera import BUFFERS, BackendLost, Grab, chosen, missing_pa
 
 _TRIGGER_WAIT_MS = 50
 _NO_BLOCK_ID = 2**64 - 1
-_TICKS_PER_S = 1e9  # of USB cameras, and of GigE ones that do not say otherwise
+_TICKS_PER_S = 1e9  # of USB cameras, and of GigE cameras that do not state another rate
 
 
 class BaslerBackend:
@@ -27,7 +27,7 @@ class BaslerBackend:
         self._ticks_per_s = _TICKS_PER_S
 
     def open(self) -> list[str]:
-        """Open the camera by serial number or place. Raises UserError."""
+        """Open the camera by serial number or index. Raises UserError."""
         try:
             from pypylon import genicam, pylon
         except ImportError:
@@ -64,7 +64,7 @@ class BaslerBackend:
         return notes
 
     def grab(self, timeout_s: float) -> Grab | None:
-        """The next image in order of arrival. Raises BackendLost when the camera is gone."""
+        """The next image in order of arrival. Raises BackendLost if the camera is gone."""
         if self._camera is None:
             raise BackendLost
         try:
@@ -98,7 +98,7 @@ class BaslerBackend:
         try:
             if camera.WaitForFrameTriggerReady(_TRIGGER_WAIT_MS, self._pylon.TimeoutHandling_Return):
                 camera.ExecuteSoftwareTrigger()
-        except self._error:  # it is gone: the next grab tells
+        except self._error:  # gone: the next grab reports it
             return
 
     def close(self) -> None:
@@ -108,7 +108,7 @@ class BaslerBackend:
             try:
                 camera.StopGrabbing()
                 camera.Close()
-            except self._error:  # it is gone already
+            except self._error:  # already gone
                 return
 
 
@@ -116,11 +116,11 @@ class PylonFeatures:
     """drivers.camera_features.Features for pylon's node map."""
 
     def __init__(self, node_map: Any, error: type[Exception]) -> None:
-        """error: what pylon raises."""
+        """error: the exception type of pylon."""
         self._map, self._error = node_map, error
 
     def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; integers where it is one."""
+        """Set a feature; as an integer if it is one."""
         try:
             node = self._map.GetNode(name)
             if isinstance(value, bool | str):

@@ -1,4 +1,4 @@
-"""The one interface behind which every camera stands: live, file, simulated."""
+"""The interface of every camera: live, file or simulated."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -11,7 +11,7 @@ GreyImage = NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One image as it came from the camera.
+    """One image as the camera delivered it.
 
     image: grey values, shape (height, width), uint8; only valid until the next call of read()
     counter: the camera's own frame counter, counting exposures; None if it has none
@@ -37,7 +37,7 @@ class Camera(Protocol):
         """Open the device and begin to stream."""
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame in order of arrival; None when none came in time. Raises EndOfStream at a file's end."""
+        """The next frame in order of arrival; None if none arrived in time. Raises EndOfStream at a file's end."""
 
     def close(self) -> None:
         """Stop streaming and release the device; may be called twice."""

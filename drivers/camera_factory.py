@@ -1,4 +1,4 @@
-"""The camera that a configuration names. Only the named driver is imported, and only it its vendor's package."""
+"""Opens the camera that a configuration names. Only the named driver and its vendor's package are imported."""
 
 import importlib
 
@@ -17,9 +17,7 @@ BACKENDS = {
 
 
 def open_camera(config: CameraDevice, in_flight: int = 1) -> Camera:
-    """The camera of section [camera], with `in_flight` images asked for ahead. Opens nothing yet:
-    start() does.
-    """
+    """The camera of section [camera], with `in_flight` images requested ahead. Opens nothing; start() does."""
     if config.driver in BACKENDS:
         module, name = BACKENDS[config.driver]
         backend = getattr(importlib.import_module(f"drivers.{module}"), name)

@@ -1,7 +1,7 @@
-"""Setting a camera by the names of GenICam's Standard Features Naming Convention: Basler, GenICam, Aravis, IDS peak.
+"""Sets a camera by the names of GenICam's Standard Features Naming Convention: Basler, GenICam, Aravis, IDS peak.
 
-Each value is written, read back, and said in one line where the camera took another. Older cameras have other names for
-the same: ExposureTimeAbs, AcquisitionFrameRateAbs, GainRaw.
+Each value is written and read back; a deviation is reported in one line. Older cameras have other names for the same
+features: ExposureTimeAbs, AcquisitionFrameRateAbs, GainRaw.
 """
 
 from typing import Protocol
@@ -9,7 +9,7 @@ from typing import Protocol
 from common.configuration import CameraDevice
 from common.user_error import UserError
 
-_TOLERANCE = 0.01
+_TOLERANCE = 0.01  # relative difference from the requested value that is not reported
 _EXPOSURE = ("ExposureTime", "ExposureTimeAbs")
 _RATE = ("AcquisitionFrameRate", "AcquisitionFrameRateAbs")
 _GAIN = ("Gain", "GainRaw")
@@ -19,17 +19,17 @@ class Features(Protocol):
     """A camera's features by name."""
 
     def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; False where the camera does not have it, or refuses the value."""
+        """Set a feature. Returns False if the camera does not have it, or refuses the value."""
 
     def number(self, name: str) -> float | None:
-        """A feature's number; None where the camera does not have it."""
+        """A feature's number; None if the camera does not have it."""
 
 
 def set_features(features: Features, config: CameraDevice) -> list[str]:
-    """Set what the configuration asks for; returns a line for whatever the camera refused.
+    """Set the configured values. Returns a line for each that the camera refused.
 
-    Raises UserError for an image size that it does not take, and a trigger that it does not have: the rest it can do
-    without.
+    Raises UserError for an image size that it refuses and for a trigger that it does not have; all other settings are
+    optional.
     """
     for key, name, size in (
         ("width_px", "Width", config.width_px),
@@ -41,12 +41,12 @@ def set_features(features: Features, config: CameraDevice) -> list[str]:
             if given is not None and round(given) != size:
                 raise UserError(
                     f"camera.{key} = {size}: camera {config.device!r} gives {given:g} instead; "
-                    "set that, or 0 for its own"
+                    "set that, or 0 for its default"
                 )
     notes = []
     if not features.write("PixelFormat", "Mono8"):
         notes.append(
-            "camera: it does not give 8-bit grey images; they are converted here, which takes time and bandwidth"
+            "camera: it does not deliver 8-bit grey images; converting them takes time and bandwidth"
         )
     features.write("ExposureAuto", "Off")
     features.write("GainAuto", "Off")
@@ -64,7 +64,7 @@ def set_features(features: Features, config: CameraDevice) -> list[str]:
 
 
 def exposure_s(features: Features) -> float | None:
-    """The exposure in use; None where the camera does not tell."""
+    """The exposure in use; None if the camera does not report it."""
     for name in _EXPOSURE:
         microseconds = features.number(name)
         if microseconds is not None and microseconds > 0.0:
@@ -73,7 +73,7 @@ def exposure_s(features: Features) -> float | None:
 
 
 def frame_rate_hz(features: Features) -> float | None:
-    """The rate in use; None where the camera does not tell."""
+    """The rate in use; None if the camera does not report it."""
     for name in ("ResultingFrameRate", "ResultingFrameRateAbs", *_RATE):
         rate = features.number(name)
         if rate is not None and rate > 0.0:
@@ -87,8 +87,8 @@ def _set(features: Features, names: tuple[str, ...], value: float, unit: float, 
             given = features.number(name)
             if given is None or abs(given - value) <= _TOLERANCE * abs(value):
                 return []
-            return [f"camera.{key}: the camera took {given * unit:g} instead; set that, or 0 for its own"]
-    return [f"camera.{key}: the camera has no such setting; leave it out"]
+            return [f"camera.{key}: the camera took {given * unit:g} instead; set that, or 0 for its default"]
+    return [f"camera.{key}: the camera has no such setting; omit it"]
 
 
 def _set_trigger(features: Features, config: CameraDevice) -> None:

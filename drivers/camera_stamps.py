@@ -1,18 +1,18 @@
-"""What a camera's time stamp dates, and its conversion to mid-exposure: here, for every camera.
+"""The instant that a camera's time stamp refers to, and its conversion to mid-exposure, for every camera.
 
-| backend | reference | whose word |
+| backend | reference | source |
 |---|---|---|
-| V4L2 through OpenCV | start of exposure | USB video class; others differ, and OpenCV hides the flag that tells |
+| V4L2 through OpenCV | start of exposure | USB video class; others differ, and OpenCV hides the flag that says so |
 | Basler | start of exposure | Basler, for its ace cameras; a chunk's stamp may be chosen |
-| GenICam, Aravis | start of exposure | the standard leaves it open: most cameras latch at the exposure's start |
-| IDS peak | start of exposure | IDS, for uEye+ U3 and GV; not fit for exact timing: XCP, XLE, XLS |
+| GenICam, Aravis | start of exposure | not standardised; most cameras latch at the start of exposure |
+| IDS peak | start of exposure | IDS, for uEye+ U3 and GV; XCP, XLE, XLS are unsuitable for exact timing |
 | IDS uEye, USB 2 | end of transfer | IDS; the paper's camera |
 | IDS uEye, USB 3 and GigE | end of exposure | IDS: start of read-out, in freerun |
 | libcamera | start of exposure | of the first row; its own sources disagree: calibrate |
 | simulated | mid-exposure | ours |
 
-Whatever is left is a constant, which the estimators do not rely on; camera.stamp_reference says otherwise where the
-table does not hold.
+The remaining error is a constant, on which no estimator relies. Set camera.stamp_reference if the table is wrong for a
+camera.
 """
 
 from enum import StrEnum
@@ -22,7 +22,7 @@ MAX_AGE_S = 5.0
 
 
 class StampReference(StrEnum):
-    """The instant that a stamp dates."""
+    """The instant that a stamp refers to."""
 
     EXPOSURE_START = "exposure_start"
     MID_EXPOSURE = "mid_exposure"
@@ -34,20 +34,17 @@ _EXPOSURES_TO_MID = {
     StampReference.EXPOSURE_START: 0.5,
     StampReference.MID_EXPOSURE: 0.0,
     StampReference.EXPOSURE_END: -0.5,
-    StampReference.TRANSFER_END: -0.5,  # and the transfer, which nobody tells: a constant
+    StampReference.TRANSFER_END: -0.5,  # plus the transfer, an unknown constant
 }
 
 
 def mid_exposure_s(stamp_s: float, reference: StampReference, exposure_s: float | None) -> float:
-    """The instant of mid-exposure on the stamp's own clock; an unknown exposure counts as zero, which is off by half
-    of it.
-    """
+    """The instant of mid-exposure on the stamp's clock. An unknown exposure counts as zero, an error of half of it."""
     return stamp_s + _EXPOSURES_TO_MID[reference] * (exposure_s or 0.0)
 
 
 class StampGate:
-    """Passes stamps that lie on the monotonic clock, shortly before they are read, each later than the one
-    before."""
+    """Accepts stamps on the monotonic clock that precede their reading shortly and increase."""
 
     def __init__(self) -> None:
         """Nothing has been seen yet."""
@@ -66,14 +63,14 @@ class StampGate:
 
 
 class DeviceStampGate:
-    """Passes the stamps of a camera's own clock: above zero, and each later than the one before."""
+    """Accepts stamps of a camera's own clock that are above zero and increase."""
 
     def __init__(self) -> None:
         """Nothing has been seen yet."""
         self._last = 0.0
 
     def accept(self, stamp_s: float | None) -> float | None:
-        """The stamp, s, if it can be one; None otherwise. A clock that was set back counts from there on."""
+        """The stamp, s, if it is valid; otherwise None. After a clock was set back, stamps count from there on."""
         if stamp_s is None or not isfinite(stamp_s) or stamp_s <= 0.0:
             return None
         rising = stamp_s > self._last

@@ -1,7 +1,7 @@
-"""A CiA 402 drive on a CAN bus: set up by SDO once, then raw messages only.
+"""A CiA 402 drive on a CAN bus: set up once by SDO, then driven with raw messages only.
 
 Each command is RPDO1 (control word, target velocity) and a SYNC, which the drive answers with status word, position and
-velocity; every 20 ms a heartbeat. The state machine is walked in passing: each status word gives the next control word.
+velocity. A heartbeat follows every 20 ms. Each status word determines the next control word.
 """
 
 import struct
@@ -22,17 +22,18 @@ _VELOCITY = struct.Struct("<i")
 _INT32 = 2**31 - 1
 _HEARTBEAT_S = 0.02
 _OPERATIONAL = b"\x05"
-_MAX_MESSAGES = 32  # of whoever speaks on the bus
+_MAX_MESSAGES = 32  # per read, from any node on the bus
 _ENABLE_S = 2.0
 _POLL_S = 0.002
 _RETRY_S = 0.5
 
 
 class Cia402Drive:
-    """Commands a joint's velocity and hears its state; implements drivers.drive.Drive.
+    """Commands a joint's velocity and receives its state; implements drivers.drive.Drive.
 
-    A drive that leaves 'operation enabled' (its dead man, a fault) is led back there, but only while the command is
-    zero. One that lost its settings with its power answers no SYNC: it stays away until the program is started again.
+    A drive that leaves 'operation enabled' (dead-man timer, fault) is enabled again, but only while the command is
+    zero. A drive that lost its settings with its power does not answer SYNC; it stays absent until the program
+    restarts.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class Cia402Drive:
         self.drive_state = DriveState.UNKNOWN
         self.identity = ""
         self.refused = 0
-        """Commands that were no finite number; zero was sent in their place."""
+        """Commands that were not finite; zero was sent instead."""
         self.send_failures = 0
 
     def start(self) -> None:
@@ -78,11 +79,11 @@ class Cia402Drive:
             code = f", fault code {fault_code(self._config):#06x}" if state == DriveState.FAULT else ""
             raise UserError(
                 f"drive.cia402.node = {self._config.node}: the drive stays in {state.value!r}{code}; look "
-                "that up in its manual; check its power stage, enable input and brake"
+                "it up in its manual; check its power stage, enable input and brake"
             )
 
     def command(self, velocity_rad_s: float) -> None:
-        """Send the joint velocity command; what is no finite number is sent as zero, and counted."""
+        """Send the joint velocity command. A command that is not finite is counted and sent as zero."""
         if not self._running:
             raise RuntimeError("command() before start()")
         if not isfinite(velocity_rad_s):
@@ -105,7 +106,7 @@ class Cia402Drive:
             self._send(0x700 + MASTER, _OPERATIONAL)
 
     def state(self) -> JointState:
-        """The newest report; never blocks. Before the first: NaN, NaN and an infinite age."""
+        """The newest report; never blocks. Before the first one: NaN, NaN and an infinite age."""
         if not self._running:
             raise RuntimeError("state() before start()")
         if self._bus is not None:
@@ -120,7 +121,7 @@ class Cia402Drive:
         return JointState(self._position, self._velocity, self._clock() - self._good_s)
 
     def probe(self, span_s: float) -> DriveProbe:
-        """Read identity, state and position by SDO, commanding and enabling nothing. Raises UserError."""
+        """Read identity, state and position by SDO, without commanding or enabling. Raises UserError."""
         until, reports, name, status, position = self._clock() + span_s, 0, "", 0, 0
         while not reports or self._clock() < until:
             name, status, position = look(self._config)
@@ -183,4 +184,4 @@ class Cia402Drive:
         try:
             self._bus.send(self._message(arbitration_id=identifier, data=data, is_extended_id=False))
         except self._can_errors:
-            self.send_failures += 1  # a full queue, or a bus that is off: the state's age tells
+            self.send_failures += 1  # the queue is full or the bus is off: the state's age shows it

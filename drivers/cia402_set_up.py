@@ -1,8 +1,8 @@
-"""Setting a CiA 402 drive up by SDO: identity, mode, dead man, PDO mapping. Before the loop only: SDOs take time.
+"""Sets up a CiA 402 drive by SDO: identity, mode, dead-man timer, PDO mapping. Before the loop, since SDOs take time.
 
 The mapping: RPDO1 = 6040 control word, 60FF target velocity; TPDO1 = 6041 status word, 6064 position; TPDO2 = 606C
-velocity; the TPDOs answer every SYNC. The dead man is what the drive offers of two: it listens for this program's
-heartbeat (1016), and it watches RPDO1 (its event timer, 1400:05); what it does then is a quick stop (6007 = 3).
+velocity; the TPDOs answer every SYNC. Each drive uses the dead-man timers that it supports: it monitors this
+program's heartbeat (1016), and RPDO1 (event timer, 1400:05). The reaction is a quick stop (6007 = 3).
 """
 
 import contextlib
@@ -13,7 +13,7 @@ from typing import Any
 from common.configuration import Cia402Device
 from common.user_error import UserError
 
-MASTER = 127  # this program's node number, whose heartbeat the drive listens for
+MASTER = 127  # this program's node number, whose heartbeat the drive monitors
 DEAD_MAN_MS = 100
 _ON_SYNC = 1
 _OFF = 0x8000_0000
@@ -22,7 +22,7 @@ _REMEDY = "pip install 'stillarm[can]'"
 
 
 def can_package() -> Any:
-    """The package python-can. Raises UserError with the remedy where it is absent."""
+    """The package python-can. Raises UserError with the remedy if it is absent."""
     try:
         import can
     except ImportError:
@@ -41,7 +41,7 @@ def open_can(config: Cia402Device) -> Any:
             interface=config.interface,
             channel=config.channel,
             bitrate=config.bitrate,
-            # Elsewhere python-can filters by itself, and then recv(0) gives None for every message that it turns away.
+            # For other interfaces python-can filters by itself; recv(0) then returns None for each filtered message.
             can_filters=_filters(config.node) if config.interface == "socketcan" else None,
         )
     except (can.CanError, OSError, ValueError, NotImplementedError) as error:
@@ -59,14 +59,14 @@ def _filters(node: int) -> list[dict[str, int | bool]]:
 
 @contextlib.contextmanager
 def remote_node(config: Cia402Device) -> Iterator[Any]:
-    """The drive as a canopen node, for SDOs, on a bus of its own. Raises UserError where canopen is absent."""
+    """The drive as a canopen node for SDOs, on a separate bus object. Raises UserError if canopen is absent."""
     try:
         import canopen
     except ImportError:
         raise UserError(f"drive.driver = 'cia402': the package canopen is not installed; {_REMEDY}") from None
-    logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what it has to say, the driver says in one line
+    logging.getLogger("canopen").setLevel(logging.CRITICAL)  # the driver reports its errors in one line
     network = canopen.Network(open_can(config))
-    network.NOTIFIER_CYCLE = 0.02  # how long a disconnect waits for its thread, s
+    network.NOTIFIER_CYCLE = 0.02  # time that a disconnect waits for its thread, s
     try:
         network.connect()
         node = network.add_node(config.node, canopen.ObjectDictionary())  # type: ignore[no-untyped-call]
@@ -80,14 +80,14 @@ def remote_node(config: Cia402Device) -> Iterator[Any]:
     except canopen.SdoAbortedError as error:
         raise UserError(
             f"drive.cia402.node = {config.node}: the drive refuses a setting ({' '.join(str(error).lower().split())}); "
-            "see its object dictionary, or take another drive.cia402.mode"
+            "see its object dictionary, or choose another drive.cia402.mode"
         ) from None
     finally:
         network.disconnect()
 
 
 def identity(node: Any) -> str:
-    """Device type, vendor and product as the drive tells them. Raises canopen's errors."""
+    """Device type, vendor and product of the drive. Raises canopen's errors."""
     device_type = _read(node, 0x1000, 0)
     return (
         f"CiA {device_type & 0xFFFF}, vendor {_read(node, 0x1018, 1):#x}, product {_read(node, 0x1018, 2):#x}"
@@ -95,9 +95,9 @@ def identity(node: Any) -> str:
 
 
 def set_up(config: Cia402Device) -> str:
-    """Check that the node is a CiA 402 drive and set it up, operational, not enabled; returns its identity.
+    """Check that the node is a CiA 402 drive and set it up: operational, not enabled. Returns its identity.
 
-    Raises UserError with a remedy: nobody answers, another device, a setting refused, no dead man.
+    Raises UserError with a remedy: no answer, another device, a refused setting, no dead-man timer.
     """
     with remote_node(config) as node:
         device_type = _read(node, 0x1000, 0) & 0xFFFF
@@ -124,14 +124,14 @@ def fault_code(config: Cia402Device) -> int:
 
 
 def look(config: Cia402Device) -> tuple[str, int, int]:
-    """Identity, status word and position, by SDO, changing nothing. Raises UserError."""
+    """Identity, status word and position, by SDO, without changes. Raises UserError."""
     with remote_node(config) as node:
         position = int.from_bytes(node.sdo.upload(0x6064, 0), "little", signed=True)
         return identity(node), _read(node, 0x6041, 0), position
 
 
 def _dead_man(node: Any, config: Cia402Device) -> None:
-    """Have the drive stop when this program falls silent. Raises UserError for one that does neither."""
+    """Make the drive stop when this program falls silent. Raises UserError if it supports neither timer."""
     import canopen
 
     kept = 0
@@ -144,17 +144,17 @@ def _dead_man(node: Any, config: Cia402Device) -> None:
             kept += 1
     if not kept:
         raise UserError(
-            f"drive.cia402.node = {config.node}: the drive watches neither heartbeat (1016) nor RPDO1 (1400:05): it "
-            "would run on when commands cease; take another drive, or put a gateway with a dead-man timer before it"
+            f"drive.cia402.node = {config.node}: the drive monitors neither heartbeat (1016) nor RPDO1 (1400:05): it "
+            "would run on when commands cease; use another drive, or a gateway with a dead-man timer in front of it"
         )
-    with contextlib.suppress(canopen.SdoAbortedError):  # without it the drive does what it does by itself
+    with contextlib.suppress(canopen.SdoAbortedError):  # without it the drive keeps its default
         _write(node, 0x6007, 0, _QUICK_STOP_ON_LOSS, 2)
 
 
 def _map(
     node: Any, communication: int, mapping: int, identifier: int, kind: int, objects: tuple[int, ...]
 ) -> None:
-    """Map objects into a PDO: switched off meanwhile, as CiA 301 wants it."""
+    """Map objects into a PDO, which is switched off in the meantime, as CiA 301 requires."""
     _write(node, communication, 1, _OFF | identifier, 4)
     _write(node, communication, 2, kind, 1)
     _write(node, mapping, 0, 0, 1)

@@ -1,4 +1,4 @@
-"""The state machine of CiA 402 drives, as values: a status word in, the control word that leads on out (CiA 402-2)."""
+"""The state machine of CiA 402 drives as values: takes a status word, returns the next control word (CiA 402-2)."""
 
 from enum import StrEnum
 
@@ -41,14 +41,14 @@ _ON = {
 
 
 def drive_state(status_word: int) -> DriveState:
-    """The state that a status word (6041) tells."""
+    """The state that a status word (6041) encodes."""
     return _BY_6F.get(status_word & 0x6F) or _BY_4F.get(status_word & 0x4F, DriveState.UNKNOWN)
 
 
 def next_control_word(state: DriveState, last: int) -> int:
-    """The control word (6040) that leads a drive on towards operation enabled; last: the one sent before.
+    """The control word (6040) that leads a drive towards operation enabled. last: the previous control word.
 
-    A fault is reset by bit 7's rising edge, so that it goes down in between. A quick stop is left by way of
+    The rising edge of bit 7 resets a fault, so that the bit must fall in between. The exit from a quick stop is by
     'switch on disabled', which every drive allows.
     """
     if state == DriveState.FAULT:

@@ -1,13 +1,13 @@
-"""The one interface behind which every drive stands: it takes a joint velocity command and reports the joint."""
+"""The interface of every drive: it accepts a joint velocity command and reports the joint."""
 
 from typing import NamedTuple, Protocol
 
 
 class JointState(NamedTuple):
-    """What the drive last reported. NaN where it reports nothing.
+    """The last report of the drive. NaN for quantities that it does not report.
 
-    age_s: since the drive last said that it follows commands. A drive that is away, disarmed or in a fault of its own
-    grows old, whatever else it reports; infinite before the first time; NaN for one that never says anything.
+    age_s: time since the drive last confirmed that it follows commands. It grows while the drive is absent, disarmed or
+    in a fault of its own, whatever else it reports; infinite before the first report; NaN for a drive without reports.
     """
 
     position_rad: float
@@ -24,7 +24,7 @@ class Drive(Protocol):
     def command(self, velocity_rad_s: float) -> None:
         """Send the joint velocity command. The drive's own dead-man timer stops it when commands cease.
 
-        Never blocks, and never raises for a fault of the device: that shows as the age of its state.
+        Never blocks, and never raises for a fault of the device, which shows up as the age of its state.
         """
 
     def state(self) -> JointState:
@@ -35,10 +35,10 @@ class Drive(Protocol):
 
 
 class DriveProbe(NamedTuple):
-    """What a look at a drive found, which commanded nothing but zero, and armed nothing.
+    """Result of a query of a drive, which commanded only zero and armed nothing.
 
-    identity: what it says it is; reports: how many came in span_s, at an age of at most 50 ms each where that is known;
-    notes: what is not as it should be, each with its remedy.
+    identity: as the drive states it; reports: number received in span_s, each at most 50 ms old if its age is known;
+    notes: problems, each with its remedy.
     """
 
     identity: str

@@ -1,4 +1,4 @@
-"""The drive that the configuration names. Only the named driver is imported."""
+"""Opens the drive that the configuration names. Only the named driver is imported."""
 
 from common.configuration import DriveDevice
 from common.datagram import DEMO_KEY
@@ -11,7 +11,7 @@ from drivers.udp_gateway_drive import UdpGatewayDrive
 def open_drive(config: DriveDevice, key: bytes) -> Drive | None:
     """The configured drive, not yet started; None for "none".
 
-    Raises UserError for a gateway on another computer under the demo key, which everybody knows.
+    Raises UserError for a gateway on another computer with the demo key, which is public.
     """
     if config.driver == "none":
         return None

@@ -1,8 +1,8 @@
 """Frames from files: a video, a folder of images in natural order, or raw high-speed video (.cih with .mraw).
 
-Files have no clock: a frame's counter is its place in the file, from 0. Frames come as fast as they are
-asked for; whoever wants the recorded rate keeps time. A video's stamp is its play time, which is not when it
-was taken, and is left out.
+Files have no clock: a frame's counter is its index in the file, from 0. Frames are delivered as fast as they are
+requested; a caller that needs the recorded rate must keep time. A video's stamp is its play time, not the time of its
+exposure, and is left out.
 """
 
 import re
@@ -32,7 +32,7 @@ class FileCamera:
         self.notes: list[str] = []
 
     def start(self) -> None:
-        """Open the file and read its first frame. Raises UserError when there is nothing to read."""
+        """Open the file and read its first frame. Raises UserError if there is nothing to read."""
         self.close()
         if not self._path.exists():
             raise UserError(
@@ -49,7 +49,7 @@ class FileCamera:
         self._first = next(self._images, None)
         if self._first is None:
             raise UserError(
-                f"camera.device = {str(self._path)!r}: holds no frame that can be read; give a video "
+                f"camera.device = {str(self._path)!r}: contains no readable frame; give a video "
                 "whose codec OpenCV knows (convert it: ffmpeg -i IN -c:v mjpeg OUT.avi), a folder of images, "
                 "or a .cih with its .mraw"
             )

@@ -1,21 +1,21 @@
-"""A camera's frame counter as a number that only grows: wraps undone, restarts and nonsense bridged."""
+"""A camera's frame counter as an increasing number: undoes wraps, and bridges restarts and invalid values."""
 
-_LARGEST_STEP = 10_000  # frames; minutes without one are a restart
+_LARGEST_STEP = 10_000  # frames: a larger step counts as a restart
 
 
 class FrameCounter:
-    """Turns raw counts into increasing ones. `wrong` counts those that could not follow the one before."""
+    """Converts raw counts into increasing ones. `wrong` counts those that could not follow their predecessor."""
 
     def __init__(self, modulus: int = 0) -> None:
-        """modulus: how many values the raw counter has before it repeats itself (65535 for GigE Vision's 16-bit block
-        number, which leaves out 0); 0 for one that does not wrap.
+        """modulus: number of values before the raw counter repeats (65535 for GigE Vision's 16-bit block number, which
+        skips 0); 0 for a counter that does not wrap.
         """
         self._modulus = modulus
         self._raw = self._count = -1
         self.wrong = 0
 
     def accept(self, raw: int) -> int:
-        """The count of a frame with a raw count; a repeated, reversed or absurd one counts as the next."""
+        """The count of a frame from its raw count. A repeated, reversed or absurd one counts as the next number."""
         if self._raw < 0:
             self._count = raw
         else:

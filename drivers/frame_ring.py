@@ -2,11 +2,11 @@
 
 Layout of the payload: width, height, number of slots (8 bytes each, padded to 64), then the slots. A slot is
 64 bytes of sequence lock, frame index, frame counter (-1: none), stamp_s and exposure_s (NaN: none), then
-the image row by row, padded to 64. In the block's header, the word at 8 counts the frames published, that at
-16 the frames asked for.
+the image row by row, padded to 64. In the block's header, the word at 8 counts the published frames, that at
+16 the requested frames.
 
-The writer never waits. When the reader falls behind by more frames than the ring holds, the oldest are lost
-(GenICam calls this OldestFirstOverwrite): for control an old image is worth less than a new one.
+The writer never waits. If the reader falls behind by more frames than the ring has slots, the oldest are lost
+(GenICam's OldestFirstOverwrite): for control, an old image is worth less than a new one.
 """
 
 import struct
@@ -31,11 +31,11 @@ def _slot_bytes(width: int, height: int) -> int:
 
 
 class FrameRingWriter:
-    """The camera's end of the ring. Keeps the last `slots` frames for a reader, whatever that does."""
+    """The camera's end of the ring. Always keeps the last `slots` frames for a reader."""
 
     def __init__(self, name: str, width: int, height: int, slots: int) -> None:
-        """Make the ring `name`, replacing one that is there; images have shape (height, width)."""
-        held = slots + 1  # the one that is being overwritten holds nothing
+        """Make the ring `name`, replacing an existing one. Images have shape (height, width)."""
+        held = slots + 1  # the slot that is being overwritten does not count
         self._block = SharedBlock(name, _SHAPE.size + 40 + held * _slot_bytes(width, height), create=True)
         self._images = _images(self._block.buffer, width, height, held)
         self._shape = (height, width)
@@ -43,13 +43,13 @@ class FrameRingWriter:
         self._sequences = _sequences(self._block.buffer, width, height, held)
         shape = self._block.buffer[: _SHAPE.size].cast("Q")
         shape[0], shape[1] = width, height
-        shape[2] = held  # last: readers wait for it
+        shape[2] = held  # written last, since readers wait for it
         shape.release()
 
     def publish(
         self, image: GreyImage, counter: int | None, stamp_s: float | None, exposure_s: float | None
     ) -> None:
-        """Hand over the next frame. image: shape (height, width), uint8; it is copied."""
+        """Publish the next frame. image: shape (height, width), uint8; it is copied."""
         if image.shape != self._shape or image.dtype != np.uint8:
             raise ValueError(f"image of {image.shape} {image.dtype}: the ring takes {self._shape} uint8")
         slot = self._published % len(self._images)
@@ -71,7 +71,7 @@ class FrameRingWriter:
         self._block.words[_PUBLISHED] = self._published
 
     def requested(self) -> int:
-        """How many frames the reader has asked for since the ring was made; freerun takes no heed of it."""
+        """Number of frames that the reader has requested since the ring was made; freerun ignores it."""
         return int(self._block.words[_REQUESTED])
 
     def close(self) -> None:
@@ -87,10 +87,9 @@ class FrameRingReader:
     """The consumer's end of the ring: takes the frames in order, skipping those already overwritten."""
 
     def __init__(self, name: str, *, wait_s: float = 0.0, from_newest: bool = False) -> None:
-        """Open the ring `name`, waiting up to `wait_s` for it. `from_newest`: pass over the frames already
-        there.
+        """Open the ring `name`, waiting up to `wait_s` for it. from_newest: skip the frames that are already there.
 
-        Raises UserError when there is none.
+        Raises UserError if there is none.
         """
         deadline = time.monotonic() + wait_s
         self._block = SharedBlock(name, create=False, wait_s=wait_s)
@@ -109,9 +108,9 @@ class FrameRingReader:
         self.lost = 0
 
     def take(self) -> Frame | None:
-        """The next frame; None when there is none yet. Its image is a copy, valid until the next call.
+        """The next frame; None if there is none yet. Its image is a copy, valid until the next call.
 
-        Frames overwritten before they could be read, or meanwhile, are counted in `lost`.
+        `lost` counts frames that were overwritten before or during the read.
         """
         buffer, slots = self._block.buffer, len(self._images)
         while self._next < (published := self._published()):
@@ -138,20 +137,20 @@ class FrameRingReader:
 
     @property
     def waiting(self) -> int:
-        """How many frames there are to take; those already overwritten among them."""
+        """Number of frames to take, including those already overwritten."""
         return self._published() - self._next
 
     def pass_over(self, frames: int) -> None:
-        """Leave the next frames out; they count as lost."""
+        """Skip the next frames; they count as lost."""
         self._next += frames
         self.lost += frames
 
     def request(self, frames: int) -> None:
-        """Ask for `frames` more exposures: what a triggered camera waits for."""
+        """Request `frames` more exposures, for which a triggered camera waits."""
         self._block.words[_REQUESTED] += frames
 
     def replaced(self) -> bool:
-        """Whether the ring was removed or made anew: the camera's process restarted."""
+        """Whether the ring was removed or replaced because the camera's process restarted."""
         return self._block.replaced()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Any GenICam camera through harvesters and the transport layer (.cti) that its maker supplies: camera.producer."""
+"""Any GenICam camera through harvesters and its vendor's transport layer (.cti, camera.producer)."""
 
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ class GenicamBackend:
     """drivers.stream_camera.Backend for harvesters."""
 
     reference = StampReference.EXPOSURE_START
-    counter_modulus = 65535  # GigE Vision's block number; others do not get there within a step
+    counter_modulus = 65535  # GigE Vision's block number; other counters never step so far at once
 
     def __init__(self, config: CameraDevice) -> None:
         """Opens nothing."""
@@ -29,7 +29,7 @@ class GenicamBackend:
         self._exposure_s: float | None = None
 
     def open(self) -> list[str]:
-        """Open the camera by serial number or place. Raises UserError."""
+        """Open the camera by serial number or index. Raises UserError."""
         try:
             from genicam.gentl import TimeoutException
             from harvesters.core import Harvester
@@ -58,7 +58,7 @@ class GenicamBackend:
             )
         try:
             self._acquirer = self._harvester.create(place)
-        except Exception as error:  # harvesters passes on whatever the maker's library raises
+        except Exception as error:  # harvesters passes on any exception of the vendor's library
             self.close()
             text = " ".join(str(error).split())
             raise no_camera(
@@ -72,7 +72,7 @@ class GenicamBackend:
         return notes
 
     def grab(self, timeout_s: float) -> Grab | None:
-        """The next image in order of arrival. Raises BackendLost when the transport layer fails."""
+        """The next image in order of arrival. Raises BackendLost if the transport layer fails."""
         if self._acquirer is None:
             raise BackendLost
         try:
@@ -88,7 +88,7 @@ class GenicamBackend:
                 )
         except self._timeout:
             return None
-        except Exception:  # whatever the maker's library raises: the camera is opened anew
+        except Exception:  # any exception of the vendor's library: the camera is reopened
             raise BackendLost from None
 
     def trigger(self) -> None:
@@ -115,12 +115,12 @@ class NodeFeatures:
         self._map = node_map
 
     def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; integers where it is one."""
+        """Set a feature; as an integer if it is one."""
         try:
             node = getattr(self._map, name)
             whole = isinstance(node.value, int) and not isinstance(value, bool | str)
             node.value = round(float(value)) if whole else value
-        except Exception:  # GenApi has a type for each way of refusing
+        except Exception:  # GenApi has an exception type for each kind of refusal
             return False
         return True
 
@@ -133,7 +133,7 @@ class NodeFeatures:
 
 
 def _image(component: Any) -> Any:
-    """The pixels, copied: the buffer goes back to the camera."""
+    """A copy of the pixels, since the buffer returns to the camera."""
     width, height, data = component.width, component.height, component.data
     channels, rest = divmod(data.size, width * height)
     if rest or channels not in _CHANNELS:
@@ -145,7 +145,7 @@ def _image(component: Any) -> Any:
 def _optional(buffer: Any, name: str) -> int | None:
     try:
         return int(getattr(buffer, name))
-    except Exception:  # NotAvailableException and others of the maker's
+    except Exception:  # NotAvailableException and others of the vendor's
         return None
 
 

@@ -1,4 +1,4 @@
-"""Any image that OpenCV hands over, as uint8 grey."""
+"""Converts any OpenCV image to uint8 grey."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Opening an I2C bus by its name in the configuration."""
+"""Opens an I2C bus by its name in the configuration."""
 
 import contextlib
 import fcntl
@@ -9,18 +9,17 @@ from common.user_error import UserError
 
 MEMORY_PREFIX = "memory:"
 _I2C_TIMEOUT = 0x0702
-_TIMEOUT_10_MS = 1  # the kernel counts it in tens of milliseconds
+_TIMEOUT_10_MS = 1  # unit of the kernel's timeout: 10 ms
 
 
 def open_bus(name: str, *, wait_s: float = 0.0, key: str = "accelerometer.bus") -> smbus2.SMBus:
-    """Open /dev/i2c-N, or "memory:NAME": the emulator's registers NAME in memory shared with the simulated
-    rig.
+    """Open /dev/i2c-N, or "memory:NAME": the emulator's registers NAME in memory shared with the simulated rig.
 
-    wait_s: how long to wait for an emulator's registers to appear; a real bus is there or not. key: the
-    configuration's key, for the message. Raises UserError.
+    wait_s: how long to wait for an emulator's registers; a real bus either exists or not. key: the configuration's
+    key, for the message. Raises UserError.
     """
     if name.startswith(MEMORY_PREFIX):
-        from drivers.emulation.memory_bus import open_memory_bus  # on hardware no emulator is loaded
+        from drivers.emulation.memory_bus import open_memory_bus  # no emulator is loaded on real hardware
 
         try:
             return open_memory_bus(name, wait_s)
@@ -31,7 +30,9 @@ def open_bus(name: str, *, wait_s: float = 0.0, key: str = "accelerometer.bus") 
             ) from None
     try:
         bus = smbus2.SMBus(name)
-        with contextlib.suppress(OSError):  # an adapter that cannot tell keeps its own, often a second
+        with contextlib.suppress(
+            OSError
+        ):  # an adapter without this setting keeps its default, often a second
             fcntl.ioctl(int(bus.fd or 0), _I2C_TIMEOUT, _TIMEOUT_10_MS)
         return bus
     except FileNotFoundError:

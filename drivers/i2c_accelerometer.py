@@ -1,7 +1,7 @@
 """The driver of every I2C accelerometer: it reads a table of drivers/accelerometer_tables.
 
-Status and data come in one transfer, by messages that are made once. A device that goes away is looked for and set up
-again by one small transfer a read, and less often where the bus is slow to fail, so that the loop keeps its cycle.
+One transfer with prepared messages reads status and data. If the device disappears, the driver probes for it and sets
+it up again with one small transfer a read, and less often if the bus is slow to fail, so that the loop keeps its cycle.
 """
 
 import time
@@ -27,12 +27,12 @@ from drivers.i2c_set_up import (
 from drivers.i2c_transfer import StatusAndData
 from drivers.mounting import measured_direction
 
-_STALE_AFTER_READS = 5
-_LOST_AFTER_READS = 50
+_STALE_AFTER_READS = 5  # reads without new data, after which the last sample is no longer used
+_LOST_AFTER_READS = 50  # reads without new data, after which the device is set up again
 _LOOK_AGAIN_S = 0.010
-_LATE_S = 0.002  # twice a cycle: longer than any healthy transfer
-_LATE_IN_A_ROW = 3
-_LATE_SHARE = 0.05  # of the time, at most, goes into transfers that are late
+_LATE_S = 0.002  # two cycles: longer than any healthy transfer
+_LATE_IN_A_ROW = 3  # late transfers before the bus is left alone
+_LATE_SHARE = 0.05  # largest fraction of the time for late transfers
 _POLL_S = 0.001
 _NO_NUMBERS = (nan, nan, nan)
 
@@ -51,8 +51,8 @@ class I2cAccelerometer:
     ) -> None:
         """Opens nothing. Raises UserError for a range, filter or address that the part does not have.
 
-        wait_s: how long start() waits for an emulated bus to appear, and then for a first sample. With 0, as where
-        nothing moves during start(), it waits for neither.
+        wait_s: how long start() waits for an emulated bus, and then for a first sample. With 0 it waits for neither;
+        use 0 if nothing advances during start().
         """
         full_scale, chosen = choose_full_scale(table, config), choose_filter(table, config)
         self.delay_s = chosen.delay_s
@@ -84,10 +84,10 @@ class I2cAccelerometer:
         self._not_before_s = 0.0
 
     def start(self) -> None:
-        """Open the bus, check the identity, set rate and range, wait until samples come.
+        """Open the bus, check the identity, set rate and range, wait for samples.
 
-        Raises UserError with a remedy: for a bus that cannot be opened, a device that does not answer,
-        another device, or one that gives no samples.
+        Raises UserError with a remedy for a bus that cannot be opened, a device that does not answer, another device,
+        or a device without samples.
         """
         self.close()
         self._bus = open_bus(self._config.bus, wait_s=self._wait_s)
@@ -106,8 +106,8 @@ class I2cAccelerometer:
         except WrongIdentity as wrong:
             self.close()
             raise UserError(
-                f"{self._place}: the device says 0x{wrong.found.hex()} in register "
-                f"0x{self._table.identity_register:02x}, a {self._table.name} says 0x{self._table.identity.hex()}; "
+                f"{self._place}: the device returns 0x{wrong.found.hex()} in register "
+                f"0x{self._table.identity_register:02x}, a {self._table.name} returns 0x{self._table.identity.hex()}; "
                 "correct accelerometer.driver or accelerometer.address"
             ) from None
         except UserError:
@@ -116,7 +116,7 @@ class I2cAccelerometer:
         self.faults = 0
 
     def identify(self) -> str:
-        """The part and its identity as read now. Raises RuntimeError before start(), OSError without answer."""
+        """The part and its identity, read now. Raises RuntimeError before start(), OSError without an answer."""
         table = self._table
         identity = read_registers(
             self._opened(), self._address, table.identity_register | table.auto_increment, len(table.identity)
@@ -125,11 +125,11 @@ class I2cAccelerometer:
         return f"{kind} at 0x{self._address:02x} on {self._config.bus}, identity 0x{identity.hex()}"
 
     def read(self) -> float:
-        """The newest acceleration along the configured axis, m/s^2; NaN (and counted) where there is none.
+        """The newest acceleration along the configured axis, m/s^2; NaN (and counted) if there is none.
 
-        There is none when the bus does not answer, when the bytes cannot be samples, or when no data became
-        ready in more than 5 reads; up to then the last sample stands. After 50 reads without data the device is set
-        up again, a transfer a read: it may have lost its power. Raises RuntimeError before start().
+        There is none if the bus does not answer, if the bytes cannot be samples, or if no data became ready in more
+        than 5 reads; until then the last sample is used. After 50 reads without data the device may have lost its
+        power, and is set up again, one transfer a read. Raises RuntimeError before start().
         """
         bus = self._opened()
         now = self._read_s = self._clock()
@@ -154,7 +154,7 @@ class I2cAccelerometer:
         return Reading(xyz, self._status, self._device_status, self._read_s, nan)
 
     def start_blocks(self) -> None:
-        """Switch the FIFO on. Raises UserError where the part has none, OSError where the bus fails."""
+        """Switch the FIFO on. Raises UserError if the part has none, OSError if the bus fails."""
         self._fifo().start()
 
     def read_block(self) -> list[tuple[float, float, float]]:
@@ -213,7 +213,7 @@ class I2cAccelerometer:
         return nan
 
     def _look_for_it(self, bus: smbus2.SMBus, now: float) -> float:
-        """One step of finding the device and setting it up; the read after the last step is an ordinary one."""
+        """One step of finding the device and setting it up. The read after the last step is an ordinary one."""
         try:
             if self._set_up.advance(bus, now):
                 self._lost, self._without_data = False, 0
@@ -223,7 +223,7 @@ class I2cAccelerometer:
         return self._missing(SampleStatus.SETTING_UP)
 
     def _spare_the_loop(self, started_s: float) -> None:
-        """After transfers that took too long, leave the bus alone for a while; one may be this process's own delay."""
+        """After several transfers that took too long, leave the bus alone for a while. A single one may be our own."""
         took = self._clock() - started_s
         self._late_in_a_row = self._late_in_a_row + 1 if took > _LATE_S else 0
         if self._late_in_a_row >= _LATE_IN_A_ROW:
@@ -247,11 +247,11 @@ class I2cAccelerometer:
 
     def _await_sample(self) -> None:
         for _ in range(round(self._wait_s / _POLL_S)):
-            if self.read() == self._last:  # a number: NaN equals nothing
+            if self.read() == self._last:  # True for a number only: NaN differs from itself
                 return
             self._sleep(_POLL_S)
         raise UserError(
             f"{self._place}: the {self._table.name} gives no samples "
             f"{self._wait_s:g} s after its set-up; "
-            "switch its power off and on, and check that the simulated rig runs where there is one"
+            "switch its power off and on; with a simulated rig, check that it runs"
         )

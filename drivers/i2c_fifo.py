@@ -1,4 +1,4 @@
-"""Reading an accelerometer's FIFO in blocks: for logging, since a block of N samples is N sample periods old."""
+"""Reads an accelerometer's FIFO in blocks. For logging only: a block of N samples is N sample periods old."""
 
 import time
 from collections.abc import Callable
@@ -23,7 +23,7 @@ class I2cFifo:
         table: RegisterTable,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Does nothing yet. Raises UserError where the part has no FIFO."""
+        """Accesses nothing yet. Raises UserError if the part has no FIFO."""
         if table.fifo is None:
             raise UserError(f"accelerometer.driver: the {table.name} has no FIFO; read it sample by sample")
         self._fifo: Fifo = table.fifo
@@ -33,16 +33,16 @@ class I2cFifo:
         self._sleep = sleep
 
     def start(self) -> None:
-        """Switch it on, empty. Raises OSError."""
+        """Empty the FIFO and switch it on. Raises OSError."""
         self._write(start=True)
         self.read()
 
     def stop(self) -> None:
-        """Switch it off. Raises OSError."""
+        """Switch the FIFO off. Raises OSError."""
         self._write(start=False)
 
     def read(self) -> list[Counts]:
-        """The whole samples in it, oldest first, in counts. Raises OSError."""
+        """The whole samples in the FIFO, oldest first, in counts. Raises OSError."""
         fifo = self._fifo
         held = read_registers(
             self._bus, self._address, fifo.count_register | self._increment, fifo.count_length
@@ -55,7 +55,7 @@ class I2cFifo:
         return [fifo.decode(data[at : at + size]) for at in self._beginnings(data)]
 
     def _beginnings(self, data: bytes) -> range:
-        """Where samples begin; behind a marker where the FIFO has one, because an overrun may leave half a sample."""
+        """Offsets of the samples. A FIFO with a marker starts at it, because an overrun may leave half a sample."""
         size, marker = self._fifo.sample_length, self._fifo.marker
         first = 0
         if marker is not None:

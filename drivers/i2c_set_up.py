@@ -1,4 +1,4 @@
-"""Setting an I2C accelerometer up, one transfer at a time: all of it at the start, a step a cycle after a loss."""
+"""Sets up an I2C accelerometer, one transfer at a time: all at the start, and one step a cycle after a loss."""
 
 import smbus2
 
@@ -8,7 +8,7 @@ from drivers.accelerometer_tables.register_table import FilterSetting, FullScale
 
 
 class WrongIdentity(Exception):
-    """Another device answers. found: the bytes that it gave."""
+    """Another device answered. found: the bytes that it returned."""
 
     def __init__(self, found: bytes) -> None:
         super().__init__(found.hex())
@@ -16,12 +16,12 @@ class WrongIdentity(Exception):
 
 
 class SetUp:
-    """Makes the identity visible, checks it, writes every register with the chosen range and filter, waits."""
+    """Makes the identity visible and checks it, writes every register with the chosen range and filter, and waits."""
 
     def __init__(
         self, table: RegisterTable, address: int, full_scale: FullScale, chosen: FilterSetting
     ) -> None:
-        """Does nothing yet."""
+        """Accesses nothing yet."""
         self._table = table
         self._address = address
         writes = [_with_bits(write, full_scale, chosen) for write in table.set_up]
@@ -30,12 +30,12 @@ class SetUp:
         self._not_before_s = 0.0
 
     def restart(self, now_s: float, wait_s: float = 0.0) -> None:
-        """Begin anew, after `wait_s`."""
+        """Start again after `wait_s`."""
         self._next = 0
         self._not_before_s = now_s + wait_s
 
     def advance(self, bus: smbus2.SMBus, now_s: float) -> bool:
-        """Take the next step if its time has come; True when all is done. Raises OSError and WrongIdentity."""
+        """Take the next step if it is due. Returns True when all is done. Raises OSError and WrongIdentity."""
         if now_s < self._not_before_s:
             return False
         if self._next == len(self._steps):
@@ -65,7 +65,7 @@ class SetUp:
 
 
 def read_registers(bus: smbus2.SMBus, address: int, register: int, length: int) -> bytes:
-    """Read `length` bytes from a register on, in one transfer. Raises OSError."""
+    """Read `length` bytes, starting at a register, in one transfer. Raises OSError."""
     answer = smbus2.i2c_msg.read(address, length)
     bus.i2c_rdwr(smbus2.i2c_msg.write(address, [register]), answer)
     return bytes(answer)
@@ -82,7 +82,7 @@ def choose_full_scale(table: RegisterTable, device: AccelerometerDevice) -> Full
 
 
 def choose_filter(table: RegisterTable, device: AccelerometerDevice) -> FilterSetting:
-    """The configured filter, the part's default for a bandwidth of 0. Raises UserError."""
+    """The configured filter, or the part's default for a bandwidth of 0. Raises UserError."""
     if device.bandwidth_hz == 0.0:
         return table.filters[0]
     for setting in table.filters:
@@ -95,7 +95,7 @@ def choose_filter(table: RegisterTable, device: AccelerometerDevice) -> FilterSe
 
 
 def choose_address(table: RegisterTable, device: AccelerometerDevice) -> int:
-    """The configured address, the part's usual one for 0. Raises UserError for one that I2C reserves."""
+    """The configured address, or the part's usual one for 0. Raises UserError for an address that I2C reserves."""
     address = device.address or table.addresses[0]
     if address < 0x03:
         raise UserError(

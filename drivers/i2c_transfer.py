@@ -1,4 +1,4 @@
-"""Status and data of an accelerometer in one I2C transfer, by messages that are made once."""
+"""Reads status and data of an accelerometer in one I2C transfer, with prepared messages."""
 
 from ctypes import POINTER, c_char, cast, create_string_buffer
 
@@ -8,15 +8,15 @@ from drivers.accelerometer_tables.register_table import RegisterTable
 
 _READ = 0x0001  # I2C_M_RD
 _ONE_SPAN_GAP = (
-    3  # registers between status and data up to which reading them costs less than a second address
+    3  # registers between status and data: up to this many, reading them costs less than a second address
 )
 
 
 class StatusAndData:
-    """The transfer. Where status and data lie apart, it reads two spans after a repeated start each."""
+    """The transfer. If status and data are far apart, it reads two spans, each after a repeated start."""
 
     def __init__(self, table: RegisterTable, address: int) -> None:
-        """Makes the messages; sends nothing."""
+        """Prepare the messages; sends nothing."""
         gap = table.data_register - table.status_register
         together = 0 < gap <= _ONE_SPAN_GAP + 1
         spans = (
@@ -27,7 +27,7 @@ class StatusAndData:
         self._data_at = gap if together else 1
         self._buffer = create_string_buffer(self._data_at + table.data_length)
         self._messages = []
-        self.bytes_on_bus = 0  # with the address byte before each message
+        self.bytes_on_bus = 0  # including the address byte of each message
         at = 0
         for register, length in spans:
             increment = table.auto_increment if length > 1 else 0

@@ -1,4 +1,4 @@
-"""IDS's uEye+ cameras through ids_peak. It needs IDS peak's transport layer beside the Python packages."""
+"""IDS's uEye+ cameras through ids_peak, which needs IDS peak's transport layer besides the Python packages."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ class IdsPeakBackend:
         self._exposure_s: float | None = None
 
     def open(self) -> list[str]:
-        """Open the camera by serial number or place. Raises UserError."""
+        """Open the camera by serial number or index. Raises UserError."""
         try:
             from ids_peak import ids_peak
         except ImportError:
@@ -72,7 +72,7 @@ class IdsPeakBackend:
         return notes
 
     def grab(self, timeout_s: float) -> Grab | None:
-        """The next image in order of arrival. Raises BackendLost when the camera is gone."""
+        """The next image in order of arrival. Raises BackendLost if the camera is gone."""
         if self._stream is None:
             raise BackendLost
         peak = self._peak
@@ -112,7 +112,7 @@ class IdsPeakBackend:
                 stream.Flush(self._peak.DataStreamFlushMode_DiscardAll)
                 for buffer in stream.AnnouncedBuffers():
                     stream.RevokeBuffer(buffer)
-            except self._peak.Exception:  # it is gone already
+            except self._peak.Exception:  # already gone
                 return
 
 
@@ -120,11 +120,11 @@ class PeakFeatures:
     """drivers.camera_features.Features for ids_peak's node map."""
 
     def __init__(self, nodes: Any, error: type[Exception]) -> None:
-        """error: what ids_peak raises."""
+        """error: the exception type of ids_peak."""
         self._nodes, self._error = nodes, error
 
     def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; entries of enumerations by name, integers where it is one."""
+        """Set a feature; enumeration entries by name, as an integer if it is one."""
         try:
             node = self._nodes.FindNode(name)
             if isinstance(value, str):
@@ -149,7 +149,7 @@ class PeakFeatures:
 
 
 def _grey(peak: Any, buffer: Any, width: int, height: int) -> Any:
-    """The pixels of an 8-bit grey buffer, copied: the buffer goes back to the camera."""
+    """A copy of the pixels of an 8-bit grey buffer, since the buffer returns to the camera."""
     size = buffer.Size()
     if size < width * height:
         return None

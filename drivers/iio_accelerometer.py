@@ -1,7 +1,7 @@
-"""An accelerometer that the Linux kernel drives (industrial I/O): its files in sysfs, and its buffer as a device file.
+"""An accelerometer with a Linux kernel driver (industrial I/O): files in sysfs, and a buffer as a device file.
 
-With a buffer the kernel samples by its trigger and a read takes what has come; without one each read asks the device
-itself, which takes as long as its bus does. After the kernel's ABI document sysfs-bus-iio.
+With a buffer the kernel samples by its trigger, and a read takes the samples that have arrived. Without a buffer each
+read queries the device itself, which takes as long as its bus needs. Source: the kernel's ABI document sysfs-bus-iio.
 """
 
 import os
@@ -21,7 +21,7 @@ _KEY = "accelerometer.device"
 _AXES = ("in_accel_x", "in_accel_y", "in_accel_z")
 _BUFFERED_RECORDS = 64
 _STALE_S = 0.006
-_STALE_PERIODS = 3.0
+_STALE_PERIODS = 3.0  # sample periods of a slow device, after which its last sample is no longer used
 _LOOK_AGAIN_S = 0.25
 _POLL_S = 0.001
 _NO_NUMBERS = (nan, nan, nan)
@@ -40,7 +40,7 @@ class IioAccelerometer:
         sleep: Callable[[float], None] = time.sleep,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Opens nothing; range, filter and rate are the kernel driver's, as set in its files."""
+        """Opens nothing. Range, filter and rate are those set in the kernel driver's files."""
         self.delay_s = 0.0  # until the kernel states a bandwidth
         self.rate_hz = nan
         self.range_m_s2 = nan
@@ -62,7 +62,7 @@ class IioAccelerometer:
         self._status = SampleStatus.SETTING_UP
 
     def start(self) -> None:
-        """Find the device, switch its buffer on where it has one, wait for a sample. Raises UserError with a remedy."""
+        """Find the device, switch on its buffer if it has one, wait for a sample. Raises UserError with a remedy."""
         self.close()
         self._started = True
         try:
@@ -81,14 +81,14 @@ class IioAccelerometer:
         self.faults = 0
 
     def identify(self) -> str:
-        """The kernel's name of the device, and how it is read. Raises UserError where it is gone."""
+        """The kernel's name of the device, and how it is read. Raises UserError if it is gone."""
         folder = self._folder()
         return (
             f"{_text(folder / 'name')} ({folder.name}), {'buffered' if self._record else 'read one by one'}"
         )
 
     def read(self) -> float:
-        """The newest acceleration along the configured axis, m/s^2; NaN (and counted) where there is none."""
+        """The newest acceleration along the configured axis, m/s^2; NaN (and counted) if there is none."""
         if not self._started:
             raise RuntimeError("read() before start()")
         now = self._read_s = self._clock()
@@ -131,7 +131,7 @@ class IioAccelerometer:
             data = os.read(self._files[0], _BUFFERED_RECORDS * size)
         except BlockingIOError:
             return False
-        if not data:  # a buffer that ended: the device is gone
+        if not data:  # the buffer has ended: the device is gone
             raise OSError("end of the buffer")
         data = self._rest + data
         whole = len(data) // size * size
@@ -198,12 +198,14 @@ class IioAccelerometer:
         for folder in sorted(self._sysfs.glob("iio:device*")):
             if wanted in (folder.name, _text(folder / "name")):
                 if not (folder / "in_accel_x_raw").exists() and not (folder / "scan_elements").is_dir():
-                    raise UserError(f"{_KEY} = {wanted!r}: {folder.name} is no accelerometer; name another")
+                    raise UserError(
+                        f"{_KEY} = {wanted!r}: {folder.name} is not an accelerometer; name another device"
+                    )
                 return folder
         found = ", ".join(f"{f.name} ({_text(f / 'name')})" for f in sorted(self._sysfs.glob("iio:device*")))
         raise UserError(
             f"{_KEY} = {wanted!r}: no such industrial I/O device; "
-            + (f"there are {found}" if found else "there is none: load the sensor's kernel driver")
+            + (f"there are {found}" if found else "there are none: load the sensor's kernel driver")
         )
 
     def _missing(self, status: SampleStatus) -> float:
@@ -223,7 +225,7 @@ class IioAccelerometer:
                 return
             self._sleep(_POLL_S)
         raise UserError(
-            f"{_KEY} = {self._config.device!r}: no sample came in {self._wait_s:g} s; "
+            f"{_KEY} = {self._config.device!r}: no sample arrived in {self._wait_s:g} s; "
             "set a trigger (trigger/current_trigger) and a sampling frequency"
         )
 

@@ -1,7 +1,6 @@
-"""One record of an industrial I/O buffer: where each channel lies in it, and what its bits mean.
+"""Layout of a record in an industrial I/O buffer: the position of each channel and the meaning of its bits.
 
-The kernel puts the enabled channels in the order of their index, each aligned to its own size, and the record to the
-largest.
+The kernel orders the enabled channels by index. It aligns each to its own size, and the record to the largest.
 """
 
 import re
@@ -19,7 +18,7 @@ _TIMESTAMP = "in_timestamp"
 
 @dataclass(frozen=True)
 class Channel:
-    """A number in a record: `bits` of it, `shift` from the right, in `size` bytes at `at`."""
+    """A number in a record: `bits` wide, shifted by `shift` from the right, in `size` bytes at offset `at`."""
 
     at: int
     size: int
@@ -37,7 +36,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class IioRecord:
-    """A record's size, its three axes, and the kernel's time stamp where it is enabled."""
+    """A record's size, its three axes, and the kernel's time stamp if it is enabled."""
 
     size: int
     axes: tuple[Channel, ...]
@@ -55,7 +54,7 @@ class IioRecord:
 
 
 def read_layout(elements: Path, axes: tuple[str, ...]) -> IioRecord:
-    """The layout that the folder scan_elements describes. Raises UserError for one that is not as the ABI says."""
+    """The layout that the folder scan_elements describes. Raises UserError if it does not follow the ABI."""
     enabled = {}
     for switch in elements.glob("*_en"):
         name = switch.name.removesuffix("_en")
@@ -83,5 +82,5 @@ def read_layout(elements: Path, axes: tuple[str, ...]) -> IioRecord:
         largest = max(largest, size)
     missing = [axis for axis in axes if axis not in channels]
     if missing:
-        raise UserError(f"{elements}: no channel {missing[0]} to be had; name another accelerometer.device")
+        raise UserError(f"{elements}: no channel {missing[0]}; name another accelerometer.device")
     return IioRecord(at + -at % largest, tuple(channels[axis] for axis in axes), channels.get(_TIMESTAMP))

@@ -1,4 +1,4 @@
-"""A Raspberry Pi's camera through picamera2 and libcamera. Its stamp is CLOCK_BOOTTIME's, of the first row."""
+"""A Raspberry Pi's camera through picamera2 and libcamera. Its stamp refers to the first row, on CLOCK_BOOTTIME."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ class LibcameraBackend:
         self._size = _DEFAULT_SIZE
 
     def open(self) -> list[str]:
-        """Open the camera by its place. Raises UserError."""
+        """Open the camera by its index. Raises UserError."""
         try:
             from picamera2 import Picamera2
         except ImportError:
@@ -72,7 +72,7 @@ class LibcameraBackend:
         return []
 
     def grab(self, timeout_s: float) -> Grab | None:
-        """The next image. Raises BackendLost when libcamera gives up."""
+        """The next image. Raises BackendLost if libcamera gives up."""
         if self._camera is None:
             raise BackendLost
         try:
@@ -96,7 +96,7 @@ class LibcameraBackend:
             request.release()
 
     def trigger(self) -> None:
-        """libcamera has none."""
+        """Do nothing: libcamera has no trigger."""
 
     def close(self) -> None:
         """Release the camera; may be called twice."""

@@ -1,8 +1,8 @@
-"""A motor amplifier behind a Microchip MCP4725, a 12-bit DAC on I2C: a voltage for a velocity (datasheet DS22039D).
+"""A motor amplifier behind a Microchip MCP4725, a 12-bit DAC on I2C: voltage for velocity (datasheet DS22039D).
 
-Nothing comes back: theta is the drive model's, and the state has no position. Its age counts since the DAC last
-acknowledged a command. The DAC holds its voltage for ever: it has no dead man, so that the amplifier's enable input
-needs one of its own, such as a retriggerable monostable on the bus's clock line (docs/hardware.md).
+There is no feedback: theta comes from the drive model, and the state has no position. Its age is the time since the DAC
+last acknowledged a command. The DAC holds its voltage forever and has no dead-man timer. The amplifier's enable input
+therefore needs its own, such as a retriggerable monostable on the bus's clock line (docs/hardware.md).
 """
 
 import time
@@ -20,7 +20,7 @@ _CODES = 4096
 _READ = 0x0001  # I2C_M_RD
 _ANSWER_BYTES = 5
 _POWER_DOWN = 0x06
-_LARGEST_ZERO_ERROR = 8  # codes; what the model's limits lose by it is nothing
+_LARGEST_ZERO_ERROR = 8  # codes: negligible against the model's limits
 _RETRY_S = 0.002
 
 
@@ -35,7 +35,7 @@ class Mcp4725Drive:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Opens nothing. wait_s: how long to wait for an emulated bus to appear."""
+        """Opens nothing. wait_s: how long to wait for an emulated bus."""
         self._config = config.mcp4725
         self._codes_per_v = _CODES / self._config.supply_v
         turns_s_per_rad_s = config.gear_ratio / (2.0 * pi)
@@ -49,15 +49,15 @@ class Mcp4725Drive:
         self.faults = 0
         """Commands that the DAC did not acknowledge."""
         self.refused = 0
-        """Commands that were no finite number; zero was sent in their place."""
+        """Commands that were not finite; zero was sent instead."""
 
     @property
     def zero_code(self) -> int:
-        """The DAC's code at which the motor stands."""
+        """The DAC's code for standstill."""
         return min(max(round(self._config.zero_v * self._codes_per_v), 0), _CODES - 1)
 
     def code(self, velocity_rad_s: float) -> int:
-        """The DAC's code for a joint velocity, within what it can give."""
+        """The DAC's code for a joint velocity, clipped to its range."""
         volts = self._config.zero_v + velocity_rad_s * self._v_per_rad_s
         return min(max(round(volts * self._codes_per_v), 0), _CODES - 1)
 
@@ -65,7 +65,7 @@ class Mcp4725Drive:
         """Open the bus, command zero and read it back. Raises UserError with a remedy."""
         if self._config.turns_s_per_v == 0.0:
             raise UserError(
-                "drive.mcp4725.turns_s_per_v = 0: the motor's turns a second for each volt are needed"
+                "drive.mcp4725.turns_s_per_v = 0: the motor's speed in turns a second per volt is needed"
             )
         self.close()
         self._bus = open_bus(self._config.bus, wait_s=self._wait_s, key="drive.mcp4725.bus")
@@ -78,12 +78,12 @@ class Mcp4725Drive:
         if code != self.zero_code:
             self._release()
             raise UserError(
-                f"{self._place}: the device there does not keep what is written to it (code {code} instead of "
-                f"{self.zero_code}): it is no MCP4725, or another program writes to it; correct the address"
+                f"{self._place}: the device does not keep what is written to it (code {code} instead of "
+                f"{self.zero_code}): it is not an MCP4725, or another program writes to it; correct the address"
             )
 
     def command(self, velocity_rad_s: float) -> None:
-        """Set the voltage; what is no finite number is sent as zero, and counted. 3 bytes on the bus."""
+        """Set the voltage. A command that is not finite is counted and sent as zero. 3 bytes on the bus."""
         bus = self._bus
         if bus is None:
             raise RuntimeError("command() before start()")
@@ -107,7 +107,7 @@ class Mcp4725Drive:
         return JointState(nan, nan, self._clock() - self._good_s)
 
     def probe(self, span_s: float) -> DriveProbe:
-        """Read the DAC, writing nothing. Raises UserError when it does not answer."""
+        """Read the DAC without writing. Raises UserError if it does not answer."""
         self.close()
         self._bus = open_bus(self._config.bus, wait_s=self._wait_s, key="drive.mcp4725.bus")
         try:
@@ -119,10 +119,10 @@ class Mcp4725Drive:
                 self._sleep(_RETRY_S)
         finally:
             self._release()
-        notes = ["it has no dead man: give the amplifier's enable input one (docs/hardware.md)"]
+        notes = ["it has no dead-man timer: give the amplifier's enable input one (docs/hardware.md)"]
         if abs(power_up - self.zero_code) > _LARGEST_ZERO_ERROR:
             notes.append(
-                f"its EEPROM holds code {power_up}, which moves the motor when power comes; write code "
+                f"its EEPROM holds code {power_up}, which moves the motor at power-up; write code "
                 f"{self.zero_code} there, or correct drive.mcp4725.zero_v"
             )
         return DriveProbe(f"DAC at code {code}", reports, span_s, nan, tuple(notes))
@@ -140,7 +140,7 @@ class Mcp4725Drive:
         )
 
     def _read(self) -> tuple[int, int]:
-        """The code that the DAC gives, and the one that its EEPROM holds for power-up. Raises UserError."""
+        """The DAC's present code, and its power-up code in the EEPROM. Raises UserError."""
         answer = smbus2.i2c_msg.read(self._config.address, _ANSWER_BYTES)
         assert self._bus is not None
         try:

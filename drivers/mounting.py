@@ -1,4 +1,4 @@
-"""How an accelerometer is mounted: from the sensor's three axes to the one that is measured."""
+"""The mounting of an accelerometer: from the sensor's three axes to the measured axis."""
 
 from math import cos, radians, sin
 
@@ -11,16 +11,18 @@ Vector = tuple[float, float, float]
 def measured_direction(device: AccelerometerDevice) -> Vector:
     """The weights of the sensor's x, y, z in the measured acceleration: sign times a row of the mounting's rotation.
 
-    The rotation takes the sensor's axes to the arm's: R = Rz Ry Rx, of the angles in rotation_deg.
+    The rotation maps the sensor's axes to the arm's: R = Rz Ry Rx, with the angles in rotation_deg.
     """
     row = _rotation(device.rotation_deg)["xyz".index(device.axis)]
     return device.sign * row[0], device.sign * row[1], device.sign * row[2]
 
 
 def sensed_axes(acceleration_m_s2: float, device: AccelerometerDevice) -> Vector:
-    """What a sensor mounted as configured feels on its own (x, y, z), m/s^2, for a reading of `acceleration_m_s2`.
+    """The acceleration along the sensor's own (x, y, z), m/s^2, for a reading of `acceleration_m_s2` when mounted as
+    configured.
 
-    Of the arm's two other axes one is horizontal, feeling nothing, and one (z, or y where z is measured) feels gravity.
+    Of the arm's two other axes one is horizontal with zero acceleration. The other (z, or y if z is measured) has
+    gravity.
     """
     arm = [0.0, 0.0, 0.0]
     arm["yz".index("y" if device.axis == "z" else "z") + 1] = STANDARD_GRAVITY_M_S2

@@ -1,8 +1,8 @@
 """An ODrive over its ASCII protocol on a serial port (docs.odriverobotics.com; firmware's ascii_protocol.cpp).
 
-A cycle writes `v AXIS turn/s` and `f AXIS`, and now and then `u AXIS`, which feeds the drive's watchdog (also where a
-firmware does not take `v` for a sign of life), and reads its state. What has arrived is read without waiting: a report
-has two numbers, an answer to a read one.
+A cycle writes `v AXIS turn/s` and `f AXIS`, at intervals also `u AXIS`, which feeds the drive's watchdog (some firmware
+does not accept `v` as a sign of life) and reads its state. Available lines are read without waiting: a report has two
+numbers, the answer to a read has one.
 """
 
 import os
@@ -17,11 +17,11 @@ from drivers.odrive_lines import LineReader, checked_line
 from drivers.serial_port import PortLost, SerialPort, port_path
 
 WATCHDOG_S = 0.1
-_LEAST_BAUD = 460_800
+_LEAST_BAUD = 460_800  # for the 30 bytes out and 30 back of each 1 ms cycle: docs/hardware.md
 CLOSED_LOOP = 8  # axis state
 _IDLE = 1
 _VELOCITY_CONTROL, _PASSTHROUGH = 2, 1
-_HOUSEKEEPING_EVERY = 10  # commands: far more often than the watchdog needs
+_HOUSEKEEPING_EVERY = 10  # commands: far more often than the watchdog requires
 _ANSWER_S = 1.0
 _ARM_S = 2.0
 _RETRY_S = 0.5
@@ -30,10 +30,10 @@ _POLL_S = 0.002
 
 
 class OdriveDrive:
-    """Commands a joint's velocity and hears its state; implements drivers.drive.Drive.
+    """Commands a joint's velocity and receives its state; implements drivers.drive.Drive.
 
-    When the port vanishes it is opened again as soon as it is back. An axis that is not under closed-loop control any
-    more (its watchdog, an error) is cleared and armed again, but only while the command is zero.
+    If the port disappears, it is reopened as soon as it is back. An axis that has left closed-loop control (watchdog,
+    error) is cleared and armed again, but only while the command is zero.
     """
 
     def __init__(
@@ -59,16 +59,16 @@ class OdriveDrive:
         self._running = False
         self.reports = 0
         self.refused = 0
-        """Commands that were no finite number; zero was sent in their place."""
+        """Commands that were not finite; zero was sent instead."""
         self.reopened = 0
 
     @property
     def corrupt_lines(self) -> int:
-        """Lines that were ignored because of their checksum."""
+        """Number of lines that were ignored for their checksum."""
         return self._lines.corrupt
 
     def start(self) -> None:
-        """Open the port, see that an ODrive answers, arm it at zero velocity. Raises UserError with a remedy."""
+        """Open the port, check that an ODrive answers, arm it at zero velocity. Raises UserError with a remedy."""
         self._connect()
         self._running = True
         try:
@@ -82,12 +82,12 @@ class OdriveDrive:
             self.close()
             raise UserError(
                 f"{self._place}: axis {self._axis} does not enter closed-loop control (it stays in state {state}); "
-                "`odrivetool` and dump_errors() tell why; calibrate motor and encoder first"
+                "`odrivetool` and dump_errors() show why; calibrate motor and encoder first"
             )
         self.state()
 
     def command(self, velocity_rad_s: float) -> None:
-        """Send the joint velocity command; what is no finite number is sent as zero, and counted."""
+        """Send the joint velocity command. A command that is not finite is counted and sent as zero."""
         if not self._running:
             raise RuntimeError("command() before start()")
         if not isfinite(velocity_rad_s):
@@ -106,14 +106,14 @@ class OdriveDrive:
             self._arm_again()
 
     def state(self) -> JointState:
-        """The newest report; never blocks. Before the first: NaN, NaN and an infinite age."""
+        """The newest report; never blocks. Before the first one: NaN, NaN and an infinite age."""
         if not self._running:
             raise RuntimeError("state() before start()")
         self._read()
         return JointState(self._position, self._velocity, self._clock() - self._good_s)
 
     def probe(self, span_s: float) -> DriveProbe:
-        """Ask for identity and reports without arming or commanding. Raises UserError when nothing answers."""
+        """Ask for identity and reports without arming or commanding. Raises UserError without an answer."""
         self._connect()
         try:
             identity = next((line for line in self._heard if line.startswith("Hardware")), "ODrive")
@@ -125,7 +125,7 @@ class OdriveDrive:
                 self._read()
             errors = [line for line in self._heard if line.isdigit() and int(line) != 0]
             notes = tuple(
-                f"axis {self._axis} reports error {int(error):#x}; `odrivetool` and dump_errors() tell what it is"
+                f"axis {self._axis} reports error {int(error):#x}; `odrivetool` and dump_errors() explain it"
                 for error in errors
             )
             return DriveProbe(
@@ -145,7 +145,7 @@ class OdriveDrive:
         self._drop()
 
     def _too_slow(self) -> tuple[str, ...]:
-        """A note for a UART that cannot carry a cycle's lines; over USB (ttyACM) the rate has no meaning."""
+        """A note if the UART is too slow for a cycle's lines; over USB (ttyACM) the rate has no effect."""
         uart = (
             "ttyACM" not in os.path.realpath(port_path(self._config.port)) and "pty" not in self._config.port
         )
@@ -165,7 +165,7 @@ class OdriveDrive:
         self._port = SerialPort(self._config.port, self._config.baud, "drive.odrive.port")
         self._lines = LineReader()
         self._heard = []
-        self._write(b"\n")  # ends what somebody else may have begun
+        self._write(b"\n")  # ends a line that another program may have begun
         self._await(lambda: any("ersion" in line for line in self._heard), _ANSWER_S, "i")
         if not any("ersion" in line for line in self._heard):
             self._drop()
@@ -175,7 +175,7 @@ class OdriveDrive:
             )
 
     def _await(self, condition: Callable[[], bool], within_s: float, ask: str) -> None:
-        """Ask and listen until the condition holds or the time is over."""
+        """Ask and read until the condition holds or the time is over."""
         until = self._clock() + within_s
         asked_s = -inf
         while not condition() and self._clock() < until:
@@ -186,7 +186,7 @@ class OdriveDrive:
             self._read()
 
     def _arm(self) -> None:
-        """Clear errors; velocity control at zero, watched by the drive's watchdog."""
+        """Clear errors, and enter velocity control at zero, with the drive's watchdog."""
         axis = f"axis{self._axis}"
         for text in (
             "sc",
@@ -214,7 +214,7 @@ class OdriveDrive:
         except UserError:
             return  # not back yet
         self._lines = LineReader()
-        self._axis_state = _IDLE  # so it must be taken to be
+        self._axis_state = _IDLE  # must be assumed
         self.reopened += 1
 
     def _read(self) -> None:

@@ -1,7 +1,7 @@
 """The lines of ODrive's ASCII protocol, each with its checksum: N = xor of all bytes before the '*'.
 
-After the firmware's communication/ascii_protocol.cpp: a line that comes with a checksum is ignored where that is wrong,
-and its answer carries one as well; lines end with CR or LF.
+Source: the firmware's communication/ascii_protocol.cpp. A line with a wrong checksum is ignored; the answer to a line
+with a checksum has one as well; lines end with CR or LF.
 """
 
 from functools import reduce
@@ -11,13 +11,13 @@ _LONGEST = 256  # bytes; the firmware's own limit
 
 
 def checked_line(text: str) -> bytes:
-    """A command as it goes out: "u 0" becomes b"u 0 *69\\n"."""
+    """A command as it is sent: "u 0" becomes b"u 0 *69\\n"."""
     body = f"{text} ".encode("ascii")
     return b"%s*%d\n" % (body, reduce(xor, body))
 
 
 def line_text(line: bytes) -> str | None:
-    """The text of a line without its end; None where the checksum is absent or wrong, or it is no ASCII."""
+    """The text of a line without its end; None if the checksum is absent or wrong, or the line is not ASCII."""
     body, star, check = line.rpartition(b"*")
     if not star or not check.isdigit() or len(check) > 3 or int(check) != reduce(xor, body, 0):
         return None
@@ -28,7 +28,7 @@ def line_text(line: bytes) -> str | None:
 
 
 class LineReader:
-    """Cuts what arrives into lines and keeps those whose checksum holds."""
+    """Splits incoming bytes into lines and keeps those with a valid checksum."""
 
     def __init__(self) -> None:
         """Nothing has arrived yet."""
@@ -38,7 +38,7 @@ class LineReader:
         """Lines without a checksum, with a wrong one, or too long."""
 
     def feed(self, data: bytes) -> list[str]:
-        """The texts of the lines that are complete now, oldest first."""
+        """The texts of the lines that are now complete, oldest first."""
         *lines, self._rest = (self._rest + data).replace(b"\r", b"\n").split(b"\n")
         texts = []
         for line in lines:

@@ -1,10 +1,9 @@
 """A live camera through OpenCV: a device number, a device path or a stream's URL.
 
-Reads run in the calling thread: a thread in between would hold a frame more, which is older by then. A
-stalled device does not hang the caller for ever, but for how long is the backend's matter: V4L2 and FFmpeg
-take CAP_PROP_READ_TIMEOUT_MSEC where it is supported, else give up by themselves after 10 s (V4L2) or 30 s
-(FFmpeg). A device that gives nothing for REOPEN_S is closed and opened again, so that a camera that was
-unplugged comes back.
+Reads run in the calling thread: a thread in between would hold one more frame, which would be older by then. A stalled
+device blocks the caller for a limited time, which the backend determines: V4L2 and FFmpeg use
+CAP_PROP_READ_TIMEOUT_MSEC if it is supported, and otherwise give up after 10 s (V4L2) or 30 s (FFmpeg). A device that
+delivers nothing for REOPEN_S is closed and opened again, so that an unplugged camera comes back.
 """
 
 import time
@@ -21,9 +20,9 @@ from drivers.grey_image import grey_image
 
 _OPEN_TIMEOUT_MS = 5000
 _READ_TIMEOUT_MS = 500
-_RETRY_S = 0.02  # after a failed read, so that an unplugged camera does not take a core
+_RETRY_S = 0.02  # wait after a failed read, so that an unplugged camera does not occupy a core
 REOPEN_S = 2.0
-_MANUAL_EXPOSURE = 1.0
+_MANUAL_EXPOSURE = 1.0  # V4L2_EXPOSURE_MANUAL
 _EXPOSURE_UNIT_S = 1e-4
 
 
@@ -34,10 +33,10 @@ class Capture(Protocol):
         """Whether the device is open."""
 
     def set(self, propId: int, value: float) -> bool:
-        """Set a property; False when the backend does not have it."""
+        """Set a property. Returns False if the backend does not have it."""
 
     def get(self, propId: int) -> float:
-        """A property's value; 0 when the backend does not have it."""
+        """A property's value; 0 if the backend does not have it."""
 
     def read(self) -> tuple[bool, Any]:
         """The next image; may block."""
@@ -46,13 +45,13 @@ class Capture(Protocol):
         """Close."""
 
     def getBackendName(self) -> str:
-        """Which of OpenCV's backends it is."""
+        """Name of the OpenCV backend."""
 
 
 def set_capture(capture: Capture, config: CameraDevice) -> tuple[list[str], float | None]:
-    """Set exposure, gain, rate and buffers; returns a line for each that was refused, and the exposure in use, s.
+    """Set exposure, gain, rate and buffers. Returns a line for each refused value, and the exposure in use, s.
 
-    Only V4L2 says what its exposure means: 100 us a unit (V4L2_CID_EXPOSURE_ABSOLUTE), manual being mode 1.
+    Only V4L2 defines the unit of its exposure: 100 us (V4L2_CID_EXPOSURE_ABSOLUTE); manual exposure is mode 1.
     """
     notes = []
 
@@ -61,7 +60,7 @@ def set_capture(capture: Capture, config: CameraDevice) -> tuple[list[str], floa
         given = capture.get(prop) * unit
         if abs(given - wanted) > 0.02 * abs(wanted):
             notes.append(
-                f"camera.{key} = {wanted:g}: the camera took {given:g} instead; set that, or 0 for its own"
+                f"camera.{key} = {wanted:g}: the camera took {given:g} instead; set that, or 0 for its default"
             )
 
     v4l2 = capture.getBackendName() == "V4L2"
@@ -71,8 +70,8 @@ def set_capture(capture: Capture, config: CameraDevice) -> tuple[list[str], floa
         ask("exposure_s", config.exposure_s, cv2.CAP_PROP_EXPOSURE, round(units), _EXPOSURE_UNIT_S)
     elif config.exposure_s:
         notes.append(
-            f"camera.exposure_s = {config.exposure_s:g}: OpenCV's {capture.getBackendName()} does not say what its "
-            "exposure means; set it with the camera's own program, and leave this at 0"
+            f"camera.exposure_s = {config.exposure_s:g}: OpenCV's {capture.getBackendName()} does not define the unit "
+            "of its exposure; set it with the camera's own program, and leave this at 0"
         )
     if config.gain >= 0.0:
         ask("gain", config.gain, cv2.CAP_PROP_GAIN, config.gain, 1.0)
@@ -85,7 +84,7 @@ def set_capture(capture: Capture, config: CameraDevice) -> tuple[list[str], floa
 
 
 def open_capture(device: str) -> Capture:
-    """cv2.VideoCapture of a device number, path or URL, with time-outs where the backend knows them."""
+    """cv2.VideoCapture of a device number, path or URL, with time-outs if the backend supports them."""
     timeouts = [
         cv2.CAP_PROP_OPEN_TIMEOUT_MSEC,
         _OPEN_TIMEOUT_MS,
@@ -100,7 +99,7 @@ def open_capture(device: str) -> Capture:
 
 
 class OpenCvCamera:
-    """A live camera. Its frames carry no counter, and a stamp where that is plausible as monotonic time."""
+    """A live camera. Its frames have no counter, and a stamp if that is plausible as monotonic time."""
 
     def __init__(
         self,
@@ -113,8 +112,8 @@ class OpenCvCamera:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """width_px, height_px: 0 leaves the camera's own. config: exposure, gain, rate and buffers, where they are
-        to be set. Opens nothing yet.
+        """width_px, height_px: 0 keeps the camera's default. config: exposure, gain, rate and buffers to set. Opens
+        nothing yet.
         """
         self._settings = config or CameraDevice()
         self._reference = (
@@ -132,12 +131,12 @@ class OpenCvCamera:
         self._capture: Capture | None = None
         self._stamps = StampGate()
         self._good_s = 0.0  # when the device last worked, or was last opened
-        self.buffer_frames = 0.0  # as read back; 0 where the backend does not say
+        self.buffer_frames = 0.0  # as read back; 0 if the backend does not report it
         self.failed_reads = 0
         self.reopened = 0
 
     def start(self) -> None:
-        """Open the device, set size and one buffer, read both back. Raises UserError when it cannot."""
+        """Open the device, set size and one buffer, read both back. Raises UserError on failure."""
         capture = self._opener(self._device)
         if not capture.isOpened():
             capture.release()
@@ -158,7 +157,7 @@ class OpenCvCamera:
                 capture.release()
                 raise UserError(
                     f"camera.{key} = {size}: camera {self._device!r} gives {given} instead; "
-                    "set that, or 0 for its own"
+                    "set that, or 0 for its default"
                 )
         self.notes, self._exposure_s = set_capture(capture, self._settings)
         self.buffer_frames = capture.get(cv2.CAP_PROP_BUFFERSIZE)
@@ -166,7 +165,7 @@ class OpenCvCamera:
         self._good_s = self._clock()
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame, or None when none came: within the time as far as the backend keeps to one."""
+        """The next frame, or None if none arrived in time, as far as the backend supports time-outs."""
         capture = self._capture
         if capture is None:
             self._reopen()
@@ -202,4 +201,4 @@ class OpenCvCamera:
         try:
             self.start()
         except UserError:
-            self._good_s = self._clock()  # not back yet: try again in REOPEN_S
+            self._good_s = self._clock()  # still absent: try again in REOPEN_S

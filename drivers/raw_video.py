@@ -1,10 +1,8 @@
-"""Raw high-speed video of Photron cameras: a text header (.cih) and bare frames (.mraw), as their manual
-lays it out.
+"""Raw high-speed video of Photron cameras: a text header (.cih) and bare frames (.mraw), as their manual defines.
 
-The .cih is a line for each key, "Key : value". Color Bit is what a pixel takes in the file: 8, 12 (two
-pixels in three bytes, the first pixel's high bits first) or 16 (little-endian). EffectiveBit Depth and
-EffectiveBit Side say which of these hold the
-value: Lower, the value itself; Higher, the value shifted up to the top. Only mono is read.
+The .cih has a line "Key : value" for each key. Color Bit is the size of a pixel in the file: 8, 12 (two pixels in three
+bytes, the first pixel's high bits first) or 16 (little-endian). EffectiveBit Depth and EffectiveBit Side say which of
+these bits contain the value: Lower, the value itself; Higher, the value shifted up to the top. Only mono is read.
 """
 
 from collections.abc import Iterator
@@ -22,10 +20,10 @@ _PIXEL_BITS = (8, 12, 16)
 
 @dataclass(frozen=True, slots=True)
 class RawVideo:
-    """width, height: px; frames: how many; pixel_bits: bits a pixel takes; value_bits: bits that count, from
-    bit 0;
+    """Header of a raw video.
 
-    rate_hz: frames a second, 0 if not stated.
+    width, height: px; frames: number of frames; pixel_bits: bits per pixel in the file; value_bits: significant bits,
+    from bit 0; rate_hz: frames a second, 0 if not stated.
     """
 
     width: int
@@ -42,7 +40,7 @@ class RawVideo:
 
 
 def read_header(path: Path) -> RawVideo:
-    """Read a .cih. Raises UserError naming file and key."""
+    """Read a .cih. Raises UserError with file and key."""
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
@@ -62,7 +60,7 @@ def read_header(path: Path) -> RawVideo:
     if pixel_bits not in _PIXEL_BITS or values.get("Color Type", "Mono") != "Mono":
         raise UserError(
             f"{path}: Color Bit = {pixel_bits}, Color Type = {values.get('Color Type', 'Mono')}: "
-            "only mono of 8, 12 or 16 bit is read; export as such, or as a video"
+            "only mono with 8, 12 or 16 bit is supported; export as such, or as a video"
         )
     depth = positive("EffectiveBit Depth") if "EffectiveBit Depth" in values else pixel_bits
     lower = values.get("EffectiveBit Side", "Lower") == "Lower"
@@ -81,15 +79,15 @@ def read_header(path: Path) -> RawVideo:
 
 
 def raw_video_frames(header_path: Path) -> Iterator[GreyImage]:
-    """The frames of a .cih with the .mraw beside it, uint8. Raises UserError when a file is absent or cut."""
+    """The frames of a .cih with its .mraw in the same folder, uint8. Raises UserError if a file is absent or cut."""
     video = read_header(header_path)
     path = header_path.with_suffix(".mraw")
     if not path.exists():
-        raise UserError(f"{path}: not there; the .cih needs its .mraw beside it")
+        raise UserError(f"{path}: missing; the .cih needs its .mraw in the same folder")
     held = path.stat().st_size // video.frame_bytes if video.frame_bytes else 0
     if held < video.frames:
         raise UserError(
-            f"{path}: holds {held} frames of the {video.frames} that the .cih states; copy it again"
+            f"{path}: contains {held} of the {video.frames} frames that the .cih states; copy it again"
         )
     with path.open("rb") as file:
         for _ in range(video.frames):

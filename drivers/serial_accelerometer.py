@@ -1,7 +1,7 @@
 """The driver of every serial accelerometer: it reads a table of drivers/serial_devices.
 
-In a cycle it takes what has arrived, never more than 1 KiB, and gives the newest sample. A port that goes away is
-looked for and opened again; a device that falls silent, or slow, is set up again, one command a read.
+In each cycle the driver reads at most 1 KiB of the bytes that have arrived, and returns the newest sample. It reopens a
+port that disappears, and sets up a silent or slow device again, one command a read.
 """
 
 import time
@@ -18,10 +18,10 @@ from drivers.serial_devices import SerialDevice
 from drivers.serial_port import PTY_PREFIX, PortLost, SerialPort, port_path
 
 _KEY = "accelerometer.port"
-_MOST_BYTES = 1024  # a read: 40 ms of the longest stream; what is older is of no use to the loop
-_STALE_PERIODS = 3.0
+_MOST_BYTES = 1024  # per read: 40 ms of the densest stream; older data are useless to the loop
+_STALE_PERIODS = 3.0  # sample periods of a slow device, after which its last sample is no longer used
 _STALE_S = 0.006
-_WATCHED_S, _ENOUGH = 0.5, 0.4  # a device of half the rate is not set up over and over
+_WATCHED_S, _ENOUGH = 0.5, 0.4  # s, fraction: tolerates half the rate, to avoid endless set-ups
 _LOOK_AGAIN_S = 0.25
 _POLL_S = 0.001
 _NO_NUMBERS = (nan, nan, nan)
@@ -39,9 +39,9 @@ class SerialAccelerometer:
         sleep: Callable[[float], None] = time.sleep,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Opens nothing. wait_s: how long start() waits for an emulated port to appear, and then for a sample.
+        """Opens nothing. wait_s: how long start() waits for an emulated port, and then for a sample.
 
-        With 0, as where nothing moves during start(), it waits for neither; the reads then set the device up.
+        With 0 it waits for neither, and the reads set up the device; use 0 if nothing advances during start().
         """
         self.delay_s = device.delay_s
         self.rate_hz = device.rate_hz
@@ -66,7 +66,7 @@ class SerialAccelerometer:
         self._stale_s = max(_STALE_S, _STALE_PERIODS / device.rate_hz)
 
     def start(self) -> None:
-        """Open the port, set the device up, wait until samples come. Raises UserError with a remedy."""
+        """Open the port, set up the device, wait for samples. Raises UserError with a remedy."""
         self.close()
         self._await_port()
         self._started = True
@@ -80,17 +80,17 @@ class SerialAccelerometer:
         self.faults = 0
 
     def identify(self) -> str:
-        """What frames have come so far. Raises RuntimeError before start()."""
+        """The number of frames so far, in words. Raises RuntimeError before start()."""
         self._check_started()
         return (
-            f"{self._device.name} on {self._config.port}: {self._decoder.frames} frames came, "
-            f"{self._decoder.rejected} beginnings of frames did not hold"
+            f"{self._device.name} on {self._config.port}: {self._decoder.frames} frames received, "
+            f"{self._decoder.rejected} false starts of frames"
         )
 
     def read(self) -> float:
-        """The newest acceleration along the configured axis, m/s^2; NaN (and counted) where there is none.
+        """The newest acceleration along the configured axis, m/s^2; NaN (and counted) if there is none.
 
-        There is none when the port is gone or no sample has come for 6 ms, or three periods of a slow device. Raises
+        There is none if the port is gone or no sample has arrived for 6 ms, or three periods of a slow device. Raises
         RuntimeError before start().
         """
         self._check_started()
@@ -151,7 +151,7 @@ class SerialAccelerometer:
         return samples
 
     def _watch_rate(self, samples: int, now: float) -> None:
-        """Set the device up again when it gives too few of its samples: it lost its power, and its settings."""
+        """Set up the device again if it delivers too few samples, as after a loss of power and settings."""
         if self._commands_left:
             self._watched_samples = 0
             return
@@ -165,7 +165,7 @@ class SerialAccelerometer:
         self._watched_since_s, self._watched_samples = now, 0
 
     def _open(self) -> None:
-        """Open the port; what lies in it from before is thrown away, read by read. Raises UserError."""
+        """Open the port. Old data in it are discarded, read by read. Raises UserError."""
         self._port = SerialPort(self._config.port, self._config.baud or self._device.baud, _KEY)
         self._decoder.clear()
         self._newest = None
@@ -216,10 +216,10 @@ class SerialAccelerometer:
         device, place = self._device, f"{_KEY} = {self._config.port!r}"
         if self._bytes and not self._decoder.frames:
             raise UserError(
-                f"{place}: {self._bytes} bytes came, but no frame of a {device.name}; correct "
+                f"{place}: {self._bytes} bytes arrived, but no frame of a {device.name}; correct "
                 f"accelerometer.driver, or accelerometer.baud (now {self._config.baud or device.baud})"
             )
         raise UserError(
             f"{place}: the {device.name} gives no samples {self._wait_s:g} s after its set-up; "
-            "check its cable and power, and accelerometer.baud, and that the simulated rig runs where there is one"
+            "check its cable, its power and accelerometer.baud; with a simulated rig, check that it runs"
         )

@@ -1,7 +1,7 @@
-"""The serial accelerometers, as tables: frames, what switches them on, rate, range, delay.
+"""The serial accelerometers as tables: frames, start commands, rate, range, delay.
 
-What switches a device on is sent at every start, and is not saved in the device. A serial line adds the time that a
-frame takes on it to the filter's delay; both are in delay_s, at the usual baud.
+The start commands are sent at every start and are not saved in the device. delay_s is the filter's delay plus the time
+of a frame on the serial line at the usual baud rate.
 """
 
 from dataclasses import dataclass
@@ -58,7 +58,7 @@ _WITMOTION = SerialDevice(
     framing=WITMOTION,
     baud=115200,
     rate_hz=200.0,
-    # Its 188 Hz filter is the MPU-6050's, 2.0 ms; as it comes it is set to 20 Hz.
+    # Its 188 Hz filter is the MPU-6050's, 2.0 ms; the factory setting is 20 Hz.
     delay_s=2.0e-3 + _on_line_s(11, 115200),
     range_m_s2=16.0 * STANDARD_GRAVITY_M_S2,
     resolution_m_s2=16.0 * STANDARD_GRAVITY_M_S2 / 32768.0,
@@ -76,7 +76,7 @@ _XSENS = SerialDevice(
     framing=XSENS,
     baud=921600,
     rate_hz=1000.0,
-    # No filter delay is stated for the high-rate output: the line's alone, for a measurement to correct.
+    # No filter delay is stated for the high-rate output. This is the line's alone; measure and correct it.
     delay_s=_on_line_s(32, 921600),
     range_m_s2=10.0 * STANDARD_GRAVITY_M_S2,
     resolution_m_s2=0.0,
@@ -94,7 +94,7 @@ _VECTORNAV = SerialDevice(
     framing=VECTORNAV,
     baud=921600,
     rate_hz=800.0,
-    # The accelerometer's stated bandwidth of 260 Hz, taken as a first-order lag's, and the line.
+    # A first-order lag of the accelerometer's stated bandwidth of 260 Hz, plus the line.
     delay_s=first_order_delay_s(260.0) + _on_line_s(26, 921600),
     range_m_s2=16.0 * STANDARD_GRAVITY_M_S2,
     resolution_m_s2=0.0,

@@ -1,4 +1,4 @@
-"""A serial port for a loop that must not wait: reads what has arrived, writes what fits, tells when it is gone.
+"""A serial port for a loop that must not wait: reads what has arrived, writes what fits, detects its loss.
 
 A name is a device (/dev/ttyACM0), a stable link (/dev/serial/by-id/...), or "pty:NAME": an emulator's pseudo terminal.
 """
@@ -19,7 +19,7 @@ _READ_BYTES = 4096
 
 
 def port_path(name: str) -> str:
-    """The path behind a port's name."""
+    """The path of a port's name."""
     return str(block_path(f"{name.removeprefix(PTY_PREFIX)}.pty")) if name.startswith(PTY_PREFIX) else name
 
 
@@ -45,10 +45,10 @@ class SerialPort:
         """Bytes that did not fit into the port's buffer."""
 
     def read(self) -> bytes:
-        """What has arrived, up to 4096 bytes; empty when nothing has. Raises PortLost.
+        """The bytes that have arrived, up to 4096; empty if there are none. Raises PortLost.
 
-        Asked first how much that is: a read of an empty port, though it does not block, waits until the kernel's
-        worker, which has no real-time priority, has handed over what is on its way; that took milliseconds.
+        Asks for their number first: a non-blocking read of an empty port still waits until the kernel's worker, which
+        has no real-time priority, has handed over pending data. That took milliseconds.
         """
         try:
             fcntl.ioctl(self._descriptor, termios.FIONREAD, self._arrived, True)
@@ -64,7 +64,7 @@ class SerialPort:
         return data
 
     def write(self, data: bytes) -> None:
-        """Send what fits into the port's buffer; the rest is dropped, and counted. Raises PortLost."""
+        """Send what fits into the port's buffer; drop and count the rest. Raises PortLost."""
         try:
             written = os.write(self._descriptor, data)
         except BlockingIOError:
@@ -80,7 +80,7 @@ class SerialPort:
 
 
 def _tell_empty_from_gone(descriptor: int) -> None:
-    """With VMIN = 0, as pyserial sets it, a read of nothing and a read of a port that hung up look the same."""
+    """Raise PortLost if the port hung up. With VMIN = 0, as pyserial sets it, a read does not show the difference."""
     attributes = termios.tcgetattr(descriptor)
     attributes[6][termios.VMIN] = 1
     termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
@@ -91,7 +91,7 @@ def _remedy(name: str, error: Exception) -> str:
     if number is None and error.args and isinstance(error.args[0], int):
         number = error.args[0]
     if number in (11, 16):
-        return "in use by another process; stop that (ModemManager grabs new ports: disable it)"
+        return "in use by another process; stop that process (ModemManager grabs new ports: disable it)"
     if name.startswith(PTY_PREFIX):
         return (
             "no process offers this port; start it (the simulated rig: `stillarm rig`), or name a real port"

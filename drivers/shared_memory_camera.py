@@ -8,17 +8,17 @@ from drivers.camera import Frame
 from drivers.frame_ring import FrameRingReader
 
 _POLL_S = 0.0004
-_LOOK_FOR_RESTART_S = 0.1  # a look at the file system is dearer than one at the ring
-_TOO_FAR_BEHIND = 3  # frames: fewer than that come together by chance
-ASK_AGAIN_S = 1.0  # a request that went unanswered for so long is lost
+_LOOK_FOR_RESTART_S = 0.1  # checking the file system is costlier than checking the ring
+_TOO_FAR_BEHIND = 3  # frames: fewer may arrive together by chance
+ASK_AGAIN_S = 1.0  # a request without an answer for this time counts as lost
 
 
 class SharedMemoryCamera:
     """Frames from another process; implements drivers.camera.Camera.
 
-    When the provider restarts, its new ring is opened as soon as it is there, and read from its first frame
-    on; while it is away or stalled, read() times out. A triggered provider is asked for one frame for each
-    one taken, so that `in_flight` requests are open at any time.
+    If the provider restarts, its new ring is opened as soon as it exists, and read from its first frame on. While the
+    provider is absent or stalled, read() times out. A triggered provider gets one request for each frame taken, so that
+    `in_flight` requests are always open.
     """
 
     def __init__(
@@ -45,11 +45,11 @@ class SharedMemoryCamera:
 
     @property
     def lost(self) -> int:
-        """How many frames were overwritten before they were read."""
+        """Number of frames that were overwritten before they were read."""
         return self._lost_before + (self._ring.lost if self._ring is not None else 0)
 
     def start(self) -> None:
-        """Open the ring; frames already in it are passed over. Raises UserError when it does not appear."""
+        """Open the ring and skip the frames already in it. Raises UserError if it does not appear."""
         try:
             ring = FrameRingReader(self._name, wait_s=self._wait_s, from_newest=True)
         except UserError:
@@ -61,7 +61,7 @@ class SharedMemoryCamera:
         self._started = True
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame in order; None when none came within `timeout_s`. Its image lasts until the next."""
+        """The next frame in order; None if none arrived within `timeout_s`. Its image is valid until the next call."""
         if not self._started:
             raise RuntimeError("read() before start()")
         deadline = self._clock() + timeout_s
@@ -83,7 +83,7 @@ class SharedMemoryCamera:
             self._sleep(min(_POLL_S, deadline - now))
 
     def _take(self) -> tuple[Frame | None, int]:
-        """The next frame, and how many were passed over for it: who is behind works on what is newest."""
+        """The next frame, and the number of skipped frames: a consumer that is behind continues with the newest."""
         ring = self._ring
         if ring is None:
             return None, 0
@@ -103,7 +103,7 @@ class SharedMemoryCamera:
         if self._ring is None:
             try:
                 self._use(FrameRingReader(self._name))
-            except UserError:  # not there yet: the read times out, and looks again later
+            except UserError:  # still absent: the read times out, and checks again later
                 return
 
     def _use(self, ring: FrameRingReader) -> None:

@@ -1,4 +1,4 @@
-"""A camera of any vendor: what their drivers have in common stands here, what is the vendor's own in a backend."""
+"""A camera of any vendor: the common part of the drivers; a backend contains the vendor's part."""
 
 import time
 from collections.abc import Callable
@@ -18,7 +18,7 @@ BUFFERS = 4
 
 @dataclass(frozen=True, slots=True)
 class Grab:
-    """An image as the vendor's package hands it over. whole: False for one that arrived with holes.
+    """An image as the vendor's package delivers it. whole: False for an image with holes.
 
     stamp_s: on the camera's clock, of the instant that the backend's reference names; None, or 0, if there is none.
     """
@@ -41,23 +41,23 @@ class Backend(Protocol):
     counter_modulus: int
 
     def open(self) -> list[str]:
-        """Open, set up and stream; returns a line for each setting that was refused. Raises UserError."""
+        """Open, set up and stream. Returns a line for each refused setting. Raises UserError."""
 
     def grab(self, timeout_s: float) -> Grab | None:
-        """The next image; None when none came in time. Raises BackendLost."""
+        """The next image; None if none arrived in time. Raises BackendLost."""
 
     def trigger(self) -> None:
-        """Expose once, where the configuration asks for a software trigger."""
+        """Expose once, if the configuration asks for a software trigger."""
 
     def close(self) -> None:
         """Stop and release; may be called twice."""
 
 
 class StreamCamera:
-    """Frames of a backend: grey, counted upwards, dated at mid-exposure; implements drivers.camera.Camera.
+    """Frames of a backend: grey, with increasing counts, dated at mid-exposure; implements drivers.camera.Camera.
 
-    A camera that is gone, or gives nothing for REOPEN_S, is closed and opened again. An image with holes, or of another
-    size than the first, is left out and counted. With a software trigger, `in_flight` exposures are under way.
+    A camera that disappears, or delivers nothing for REOPEN_S, is closed and opened again. An image with holes, or of
+    another size than the first, is skipped and counted. With a software trigger, `in_flight` exposures are pending.
     """
 
     def __init__(
@@ -88,18 +88,18 @@ class StreamCamera:
 
     @property
     def wrong_counters(self) -> int:
-        """Frame counts that could not follow the one before."""
+        """Number of frame counts that could not follow their predecessor."""
         return self._counter.wrong
 
     def start(self) -> None:
-        """Open the camera and let it stream. Raises UserError with a remedy."""
+        """Open the camera and start streaming. Raises UserError with a remedy."""
         self.notes = self._backend.open()
         self._open = True
         self._good_s = self._clock()
         self._trigger(self._in_flight)
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame, or None when none came in time."""
+        """The next frame, or None if none arrived in time."""
         if not self._open:
             self._reopen(timeout_s)
             return None
@@ -113,7 +113,7 @@ class StreamCamera:
             if now - self._good_s > REOPEN_S:
                 self._close()
             else:
-                self._trigger(1)  # one that came while the camera was not ready is lost
+                self._trigger(1)  # a trigger is lost if the camera was not ready
             return None
         self._trigger(1)
         grey = grey_image(grab.image) if grab.whole else None
@@ -152,7 +152,7 @@ class StreamCamera:
         try:
             self._backend.open()
         except UserError:
-            self._good_s = self._clock()  # not back yet: try again in REOPEN_S
+            self._good_s = self._clock()  # still absent: try again in REOPEN_S
             return
         self._open = True
         self._good_s = self._clock()
@@ -160,18 +160,18 @@ class StreamCamera:
 
 
 def missing_package(driver: str, package: str, remedy: str) -> UserError:
-    """The one line for a vendor's package that is not there."""
+    """The error for a missing vendor package."""
     return UserError(f"camera.driver = {driver!r}: the package {package} is not installed; {remedy}")
 
 
 def no_camera(config: CameraDevice, found: list[str], remedy: str) -> UserError:
-    """The one line for a camera that is not there."""
+    """The error for a missing camera."""
     there = f"found: {', '.join(found)}" if found else "none found"
     return UserError(f"camera.device = {config.device!r}: no such camera ({there}); {remedy}")
 
 
 def chosen(config: CameraDevice, serials: list[str]) -> int | None:
-    """Which of the cameras that were found the configuration means: by serial number, else by its place."""
+    """Index of the configured camera among those found: by serial number, or else by index."""
     if config.device in serials:
         return serials.index(config.device)
     place = int(config.device) if config.device.isdigit() else -1

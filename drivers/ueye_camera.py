@@ -12,7 +12,7 @@ from drivers.stream_camera import BUFFERS, BackendLost, Grab, missing_package, n
 _DEVICE_TICK_S = 1e-7  # of u64TimestampDevice
 _BITS = 8
 _REMEDY = "install the IDS Software Suite, then pip install 'stillarm[ueye]'"
-_TOLERANCE = 0.01
+_TOLERANCE = 0.01  # relative difference from the requested value that is not reported
 
 
 class UeyeBackend:
@@ -31,7 +31,7 @@ class UeyeBackend:
         self._exposure_s: float | None = None
 
     def open(self) -> list[str]:
-        """Open the camera by its device number (0: the first that is free). Raises UserError."""
+        """Open the camera by its device number (0: the first free one). Raises UserError."""
         try:
             from pyueye import ueye
         except (ImportError, RuntimeError, OSError):
@@ -60,7 +60,7 @@ class UeyeBackend:
         return notes
 
     def grab(self, timeout_s: float) -> Grab | None:
-        """The next image in order of arrival. Raises BackendLost when the camera is gone."""
+        """The next image in order of arrival. Raises BackendLost if the camera is gone."""
         ueye, camera = self._ueye, self._camera
         if camera is None:
             raise BackendLost
@@ -68,7 +68,7 @@ class UeyeBackend:
         code = ueye.is_WaitForNextImage(camera, max(1, round(timeout_s * 1e3)), memory, number)
         if code == ueye.IS_TIMED_OUT:
             return None
-        if code == ueye.IS_CAPTURE_STATUS:  # a transfer failed: the picture is lost, the camera is not
+        if code == ueye.IS_CAPTURE_STATUS:  # a transfer failed: the image is lost, the camera is still there
             ueye.is_CaptureStatus(camera, ueye.IS_CAPTURE_STATUS_INFO_CMD_RESET, None, 0)
             return Grab(None, whole=False)
         if code != ueye.IS_SUCCESS:
@@ -123,8 +123,8 @@ class UeyeBackend:
             area.s32Width, area.s32Height = ueye.INT(width), ueye.INT(height)
             if ueye.is_AOI(camera, ueye.IS_AOI_IMAGE_SET_AOI, area, ueye.sizeof(area)) != ueye.IS_SUCCESS:
                 raise UserError(
-                    f"camera.width_px = {width}, camera.height_px = {height}: camera {config.device!r} takes no such "
-                    "part of its image; try multiples of 16, or 0 for all"
+                    f"camera.width_px = {width}, camera.height_px = {height}: camera {config.device!r} refuses this "
+                    "image size; try multiples of 16, or 0 for the whole image"
                 )
         self._shape = (height, width)
         for _ in range(max(3, config.buffers or BUFFERS)):
@@ -144,7 +144,7 @@ class UeyeBackend:
         return notes
 
     def _set_timing(self) -> list[str]:
-        """Rate first: it bounds the exposure."""
+        """Set the rate first, since it bounds the exposure."""
         ueye, camera, config = self._ueye, self._camera, self._config
         notes = []
         if config.frame_rate_hz and config.trigger == "freerun":
@@ -168,7 +168,7 @@ class UeyeBackend:
 
 
 def _reference(sensor_name: str) -> StampReference:
-    """After the model: UI-1xxx and UI-2xxx are USB 2 (UI122x, UI-1220...), UI-3xxx USB 3, UI-5xxx and UI-6xxx GigE."""
+    """By model: UI-1xxx and UI-2xxx are USB 2 (UI122x, UI-1220...), UI-3xxx USB 3, UI-5xxx and UI-6xxx GigE."""
     digits = [c for c in sensor_name if c.isdigit()]
     return StampReference.EXPOSURE_END if digits and digits[0] in "3456" else StampReference.TRANSFER_END
 
@@ -176,4 +176,4 @@ def _reference(sensor_name: str) -> StampReference:
 def _refusal(key: str, wanted: float, given: float) -> list[str]:
     if abs(given - wanted) <= _TOLERANCE * wanted:
         return []
-    return [f"camera.{key} = {wanted:g}: the camera took {given:g} instead; set that, or 0 for its own"]
+    return [f"camera.{key} = {wanted:g}: the camera took {given:g} instead; set that, or 0 for its default"]

@@ -1,4 +1,4 @@
-"""Kinds of arguments that several commands take; each refuses in one line."""
+"""Argument types that several commands use. Each refuses a wrong value in one line."""
 
 import argparse
 from math import isfinite, nan
@@ -7,7 +7,7 @@ LARGEST_SEED = 2**63 - 1
 
 
 def seed(text: str) -> int:
-    """A seed: a whole number from 0 to 2^63 - 1, which every generator and every recording's header takes."""
+    """A seed: a whole number from 0 to 2^63 - 1, which all generators and recording headers accept."""
     try:
         value = int(text)
     except ValueError:
@@ -18,7 +18,7 @@ def seed(text: str) -> int:
 
 
 def seconds(text: str) -> float:
-    """A length of time above zero."""
+    """A duration above zero, s."""
     try:
         value = float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""What an identification has found: its numbers on the terminal, its model in a file."""
+"""Output of an identification: the parameters on the terminal, the model in a file."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,13 +11,13 @@ if TYPE_CHECKING:
 
 
 def print_parameters(parameters: Mapping[str, tuple[float, float]]) -> None:
-    """A line each: name, value, standard deviation."""
+    """Print one line per parameter: name, value, standard deviation."""
     for key, (value, std) in parameters.items():
         print(f"  {key:<34} {value:>12.6g} +- {std:.2g}")
 
 
 def write_model(model: "Model", path: Path) -> None:
-    """Write the model file. Raises UserError where that cannot be."""
+    """Write the model file. Raises UserError if it cannot be written."""
     from diagnosis.diagnose import model_text
 
     try:

@@ -1,4 +1,4 @@
-"""The command `stillarm`: finds the subcommand, runs it, and turns what a user can mend into one line."""
+"""The command `stillarm`: finds the subcommand, runs it, and prints a user's mistake in one line."""
 
 import argparse
 import importlib
@@ -13,32 +13,32 @@ from common.user_error import UserError
 COMMANDS = {
     "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",
     "controller": "the 1 ms cycle, as a daemon",
-    "latency": "wake-up and compute latency of this machine's loop, beside a floor",
+    "latency": "wake-up latency and computing time of this machine's loop, compared with a floor",
     "check": "preflight of the machine and the rig; moves nothing",
     "operate": "arm, disarm, clear or stop a running controller",
     "supervisor": "frame capture and tracking, as a daemon",
     "rig": "the simulated rig that stands in for the hardware, as a daemon",
     "simulate": "rig, supervisor and controller in virtual time",
     "replay": "run the estimators on recorded data",
-    "commission": "move the rig a little, watched, and identify its model file",
+    "commission": "identify the rig's model file from small, supervised moves",
     "calibrate": "identify the model's parameters from a recording, with uncertainties",
-    "diagnose": "show what the simulation gets wrong in measured data, name the cause, extend the model",
+    "diagnose": "find where the simulation differs from measured data, name the cause, extend the model",
     "import": "read measured data (a CSV bundle, or one file with --map) into a recording",
     "export": "write a recording as CSV or Parquet",
-    "recover": "mend a cut recording",
-    "benchmark": "make the documentation's tables afresh",
+    "recover": "repair a cut recording",
+    "benchmark": "regenerate the documentation's tables",
 }
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, with the command that explains."""
+    """Reports a mistake in one line, with the command that explains the arguments."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {' '.join(message.split())}; see `{self.prog} --help`\n")
 
 
 def parser(command: str | None = None) -> argparse.ArgumentParser:
-    """The command line's parser; only the named command's own arguments are filled in, so that start-up stays short."""
+    """The command line's parser. Only the named command gets its arguments, so that the start stays fast."""
     top = _Parser(
         prog="stillarm", description="Stills the vibration of flexible robot arms through a late camera."
     )
@@ -58,10 +58,10 @@ def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    # SIGINT too: a shell that starts a command behind itself (`&`) has it ignored.
+    # SIGINT too: a shell that starts a command in the background (`&`) sets it to be ignored.
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _interrupt)
-    if not sys.warnoptions:  # standard error is for what a user can mend; developers ask with python -W
+    if not sys.warnoptions:  # standard error is for users' mistakes; developers can use python -W
         warnings.simplefilter("ignore")
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if word in COMMANDS), None)
@@ -73,7 +73,7 @@ def main(arguments: list[str] | None = None) -> int:
     except UserError as error:
         print(f"stillarm: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:  # Ctrl-C, or SIGTERM: what was started is stopped on the way here
+    except KeyboardInterrupt:  # Ctrl-C or SIGTERM; the `finally` clauses have stopped what was started
         print("stillarm: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
@@ -81,7 +81,7 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         where = f"{error.filename}: " if error.filename is not None else ""
         reason = (error.strerror or str(error)).lower()
-        print(f"stillarm: {where}{reason}; mend that, and start again", file=sys.stderr)
+        print(f"stillarm: {where}{reason}; correct that, and start again", file=sys.stderr)
         return 1
     except MemoryError:
         print("stillarm: not enough memory; free some, or take a shorter recording", file=sys.stderr)

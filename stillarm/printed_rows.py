@@ -4,7 +4,7 @@ from typing import Any
 
 
 def print_rows(rows: list[dict[str, Any]]) -> None:
-    """A table with a column for each key of the first row."""
+    """Print a table with a column for each key of the first row."""
     keys = list(rows[0])
     texts = [[_text(row.get(key)) for key in keys] for row in rows]
     widths = [max(len(key), *(len(text[i]) for text in texts)) for i, key in enumerate(keys)]
@@ -20,7 +20,7 @@ def _text(value: object) -> str:
 
 
 def brief_estimator_row(row: dict[str, Any]) -> dict[str, Any]:
-    """The columns that fit a terminal, under short names; the file of --json holds them all."""
+    """The columns that fit a terminal, under short names; the file of --json has all columns."""
     row = row | {f"{name}_error": error for name, error in row.get("standard_errors", {}).items()}
     brief = {short: row[name] for name, short in _SHORT.items() if name in row}
     return brief if row["failure"] is None else brief | {"trials": f"{brief['trials']}: {row['failure']}"}

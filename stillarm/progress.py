@@ -1,4 +1,4 @@
-"""A progress bar on standard error, gone when done; nothing where that is no terminal."""
+"""A progress bar on standard error that disappears when done; nothing if that is not a terminal."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """Give a function that takes the fraction done, 0 to 1."""
+    """Yield a function that accepts the fraction done, 0 to 1."""
     if not sys.stderr.isatty():
         yield lambda done: None
         return

@@ -1,4 +1,4 @@
-"""The supervisor as a process: the loop around the step, with camera, socket and recorder at its edge."""
+"""The supervisor's process: the loop around the step, with camera, socket and recorder at its edge."""
 
 import time
 from pathlib import Path
@@ -28,27 +28,29 @@ from supervisor.start_up import discard_queued, warm_up_recording
 from supervisor.step import Supervisor
 from supervisor.tracking.tracker import warm_up
 
-_NICENESS = -5  # before whatever else this computer does
-_PRIORITY = 30  # SCHED_FIFO: below the controller's loop, above all that has no deadline
-_FRAME_TIMEOUT_S = 0.1  # then the controller is told that there is no image
+_NICENESS = -5  # ahead of ordinary programs on this computer
+_PRIORITY = 30  # SCHED_FIFO: below the controller's loop, above everything without a deadline
+_FRAME_TIMEOUT_S = 0.1  # then the controller is informed that there is no image
 _TIMESTAMPS_AT_ONCE = 256
 _TIMESTAMPS_EXPECTED = 60  # between two frames
-_RING_BYTES = 64 << 20  # seconds of images, should the disk stall
+_RING_BYTES = 64 << 20  # holds seconds of images while the disk stalls
 _IMAGES = TOPIC_INDEX["/images"]
 
 
 def run(configuration_path: Path, record_images: Path | None = None) -> None:
-    """Run until SIGTERM or SIGINT, or until a file has no more frames. Raises UserError for what the user can mend."""
+    """Run until SIGTERM or SIGINT, or until a file has no more frames. Raises UserError for a user's mistake."""
     configuration = load_configuration(configuration_path)
     hold_instance("supervisor", configuration.link.supervisor_port)
     raise_priority(_NICENESS)
     if is_loopback(configuration.link.controller_host):
         leave_it_to_the_loop()
-    cv2.setNumThreads(1)  # a second thread gains a fifth, and takes a core from the controller
-    # What OpenCV warns of, the camera's driver says in one line, with the remedy.
+    cv2.setNumThreads(1)  # a second thread would gain a fifth and take a core from the controller
+    # The camera's driver reports in one line, with a remedy, what OpenCV would warn about.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
     width, height = configuration.camera.width_px or 640, configuration.camera.height_px or 480
-    warm_up(configuration.supervisor.tracker, width, height)  # before the camera: no frame waits for it
+    warm_up(
+        configuration.supervisor.tracker, width, height
+    )  # before the camera opens, so that no frame waits for it
     camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)
     recorder = None
     if record_images is not None:
@@ -68,7 +70,7 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
             settle_memory()
             if (
                 configuration.camera.driver != "file"
-            ):  # a file is read as fast as it can be: it has no deadline
+            ):  # a file is read as fast as possible: it has no deadline
                 run_fifo(_PRIORITY)
                 loop.begin_fresh()
             loop.run(stop)
@@ -82,7 +84,7 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
 
 
 class _Loop:
-    """Take the timestamp, capture, track, send: once a frame."""
+    """Takes the timestamp, captures, tracks and sends, once a frame."""
 
     def __init__(self, configuration: Configuration, camera: Camera, recorder: RecorderClient | None) -> None:
         link = configuration.link
@@ -99,11 +101,11 @@ class _Loop:
         self._frames = self._measured = self._rounds = 0
 
     def start(self) -> None:
-        """Open the camera. Raises UserError with a remedy: what cannot start says no more than that."""
+        """Open the camera. Raises UserError with a remedy, which is all that is printed if the start fails."""
         self._camera.start()
 
     def begin_fresh(self) -> None:
-        """Take out of the camera's queue what gathered while it was opened; call it last before run()."""
+        """Discard the frames that queued while the camera was opened. Call this last before run()."""
         discard_queued(self._camera)
 
     def run(self, stop: StopSignal) -> None:

@@ -18,14 +18,14 @@ class Started(NamedTuple):
 
 
 class SupervisorExchange:
-    """Keeps only the latest timestamp; answers with visual data that carry the one its cycle began with.
+    """Keeps only the latest timestamp, and answers with visual data that carry the timestamp at the cycle's start.
 
-    A cycle begins when an image is asked for and ends when its data are sent. With several buffers queued at the
-    camera, `cycles_in_flight` of them overlap; images come back in the order in which they were asked for.
+    A cycle begins when an image is requested and ends when its data are sent. With several buffers queued at the
+    camera, `cycles_in_flight` cycles overlap. Images arrive in the order of their requests.
     """
 
     def __init__(self, key: bytes, session: int, cycles_in_flight: int) -> None:
-        """Sign with `key`; `session` is this process's own, never used before."""
+        """key: signs all datagrams. session: a number of this process that was never used before."""
         self._in_flight = cycles_in_flight
         self._begun: deque[Started] = deque()
         self._peer = Peer(key, (Timestamp,), session)
@@ -38,7 +38,7 @@ class SupervisorExchange:
         return self._peer.counts
 
     def take(self, datagrams: list[bytes], received_s: float = nan) -> None:
-        """Read what has arrived, keeping the latest timestamp. received_s: this clock's time."""
+        """Read the datagrams that have arrived and keep the latest timestamp. received_s: this clock's time."""
         for data in datagrams:
             datagram = self._peer.receive(data)
             if datagram is not None:
@@ -46,7 +46,7 @@ class SupervisorExchange:
                 self._sent_s, self._received_s = datagram.body.sent_s, received_s
 
     def begin_cycles(self) -> int:
-        """Begin as many cycles as may be in flight, with the latest timestamp as their n_i; returns how many."""
+        """Begin as many cycles as may be in flight, with the latest timestamp as n_i. Returns their number."""
         new = self._in_flight - len(self._begun)
         self._begun.extend([self.latest] * new)
         return new
@@ -56,7 +56,7 @@ class SupervisorExchange:
         return self._begun[0]
 
     def end_cycle(self, sample: VisualSample, answered_s: float = nan) -> bytes:
-        """End the oldest cycle: the datagram with its visual data and its n_i. answered_s: this clock's time."""
+        """End the oldest cycle. Returns the datagram with its visual data and n_i. answered_s: this clock's time."""
         started = self._begun.popleft()
         times = LinkTimes(self._sent_s, self._received_s, answered_s)
         return self._peer.encode(visual_message(started.session, sample, times))

@@ -1,4 +1,4 @@
-"""Images with the tracker's results, as messages of the supervisor's own recording, and the replay of them."""
+"""Images with the tracker's results, as messages of the supervisor's recording, and their replay."""
 
 import base64
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _FAST_PNG = [cv2.IMWRITE_PNG_COMPRESSION, 1]
 
 @dataclass
 class ImageComparison:
-    """How a replay of recorded images compares with what the live tracker made of them."""
+    """Comparison of a replay of recorded images with the results of the live tracker."""
 
     frames: int = 0
     different: int = 0
@@ -63,7 +63,7 @@ def recorded_frame(message: ImageSample) -> Frame:
 
 
 def compare_with_live(recording: Recording) -> ImageComparison:
-    """Track the recorded images again, and compare every number with what was found live."""
+    """Track the recorded images again, and compare every number with the live result."""
     text, name = recording.header.configuration, f"{recording.path} (configuration)"
     supervisor = Supervisor(parse_toml(text, Configuration, name).supervisor.tracker)
     comparison = ImageComparison()

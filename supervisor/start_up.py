@@ -1,4 +1,4 @@
-"""Before the first frame is announced: nothing waits in the camera's queue, and nothing is done for the first time."""
+"""Preparations before the first frame is announced: empty the camera's queue, and run every slow first call."""
 
 import time
 from collections.abc import Callable
@@ -9,17 +9,17 @@ from common.visual_sample import VisualSample
 from drivers.camera import Camera, Frame
 from supervisor.recorded_images import image_sample
 
-_QUEUED_WITHIN_S = 0.002  # a frame that read() gives sooner had been waiting: a camera's period is longer
-_MOST_QUEUED = 64  # more than any driver holds; a camera that is faster than that is not waited for
+_QUEUED_WITHIN_S = 0.002  # a frame that read() returns sooner was queued: a camera's period is longer
+_MOST_QUEUED = 64  # more than any driver queues; do not wait for a camera that delivers faster
 _FRAME_TIMEOUT_S = 0.1
 
 
 def discard_queued(camera: Camera, clock: Callable[[], float] = time.monotonic) -> int:
-    """Take frames until one had to be waited for, so that the next one is fresh; returns how many were taken.
+    """Take frames until a read has to wait, so that the next frame is fresh. Returns the number of frames taken.
 
-    While a driver starts and the tracker warms up, frames gather in the driver's queue. Announced, each of them
-    would be older than any frame after it, and the estimate of the capture delay would begin with them. Not for
-    files, which hold no frame twice. Raises EndOfStream.
+    While a driver starts and the tracker warms up, frames gather in the driver's queue. If they were announced, the
+    estimate of the capture delay would begin with frames that are older than any later one. Do not use it on files,
+    which deliver each frame once. Raises EndOfStream.
     """
     for taken in range(_MOST_QUEUED):
         asked = clock()

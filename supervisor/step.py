@@ -12,7 +12,7 @@ from supervisor.tracking.tracker import FeatureTracker
 
 
 class Supervisor:
-    """Turns frames into visual samples. Pure: knows no clock, no camera, no socket."""
+    """Turns frames into visual samples. Pure: uses no clock, camera or socket."""
 
     def __init__(self, config: Tracker) -> None:
         """config: section [supervisor.tracker] of the configuration."""
@@ -23,7 +23,7 @@ class Supervisor:
         """Track one frame. started_cycle: n_i, the controller's timestamp when this cycle began; -1 if none
         yet.
 
-        The sample's frame is the camera's counter; without one, the count of arrivals, from 0.
+        The sample's frame is the camera's counter, or the count of arrivals from 0 if the camera has no counter.
         """
         counter = self._arrived if frame.counter is None else frame.counter
         self._arrived += 1

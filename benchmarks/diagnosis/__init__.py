@@ -1,1 +1,1 @@
-"""Does the diagnosis find what is hidden? Blind trials, made by tests/hidden_world, which it does not know."""
+"""Blind trials: does the diagnosis find what tests/hidden_world, an independent simulation, has hidden?"""

@@ -1,4 +1,4 @@
-"""What a user would do with a bundle of measured data: `stillarm import`, then `stillarm diagnose`."""
+"""Diagnose a bundle of measured data as a user would: `stillarm import`, then `stillarm diagnose`."""
 
 import json
 import time
@@ -11,11 +11,11 @@ LONGEST_S = 600.0
 
 
 def ask(bundle: Path, work: Path, hold_out: list[list[float]], user: Warm) -> dict[str, Any]:
-    """{"seconds", "cpu_s", "answer": the content of diagnosis.json, or None and "error"}; `work` takes the files.
+    """Returns {"seconds", "cpu_s", "answer": the content of diagnosis.json, or None and "error"}.
 
-    hold_out: [from, to] in s, chosen by the judge, so that the gain can be held against the true model's on the same
-    samples. seconds, cpu_s: wall clock and processor time of `stillarm diagnose --no-use`, its imports not counted
-    after the first.
+    work: folder for the files. hold_out: [from, to] in s, chosen by the judge, so that the gain can be compared with
+    the true model's on the same samples. seconds, cpu_s: wall clock and processor time of
+    `stillarm diagnose --no-use`, without its imports after the first.
     """
     recording, out = work / "recording.mcap", work / "out"
     imported = _told(user, "import", str(bundle), "-o", str(recording))

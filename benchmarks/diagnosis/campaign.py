@@ -1,4 +1,4 @@
-"""Blind trials, on every core one, each kept in a file of its own so that a campaign can be resumed.
+"""Blind trials, one per core at a time, each kept in a separate file so that a campaign can be resumed.
 
 `--trials N`: N recordings with one cause hidden (every cause in turn), half as many with nothing, a fifth with an
 effect that the catalogue does not have, a fifth with two causes.
@@ -24,7 +24,7 @@ Trial = Callable[[str, int, int], Row]
 
 
 def schedule(trials: int) -> list[tuple[str, int]]:
-    """(kind, number) of every trial, the kinds mixed evenly, so that a campaign cut short says something of each."""
+    """(kind, number) of every trial, with the kinds mixed evenly, so that an interrupted campaign covers each kind."""
     counts = {"one": trials, "none": -(-trials // 2), "unknown": -(-trials // 5), "two": -(-trials // 5)}
     all_of_them = [((k + 0.5) / count, kind, k) for kind, count in counts.items() for k in range(count)]
     return [(kind, k) for _, kind, k in sorted(all_of_them)]
@@ -37,11 +37,11 @@ def run(
     progress: Callable[[float], None] = lambda done: None,
     trial: Trial | None = None,
 ) -> dict[str, Any]:
-    """Run, or go on with, a campaign; returns the content of the result file. folder: keeps rows and the pictures.
+    """Run or resume a campaign. Returns the content of the result file. folder: for rows and pictures.
 
-    trial: instead of the processes that make, ask and mark (for tests), one after the other.
+    trial: for tests, runs one trial after another in place of the processes that make, ask and mark.
     """
-    hidden_world()  # says at once where it is missing
+    hidden_world()  # reports at once if it is missing
     if folder is not None:
         _claim(folder, trials, seed)
     plan = schedule(trials)
@@ -67,7 +67,7 @@ def _one_by_one(
 
 
 def _side_by_side(keys: list[tuple[str, int]], seed: int) -> Iterator[tuple[tuple[str, int], Row]]:
-    """Rows as they are done: on each core a process that makes and marks, and one that it asks."""
+    """Yield each row as it completes. On each core, one process makes and marks trials, and another answers them."""
     if not keys:
         return
     lanes: queue.SimpleQueue[Warm] = queue.SimpleQueue()
@@ -84,8 +84,8 @@ def _side_by_side(keys: list[tuple[str, int]], seed: int) -> Iterator[tuple[tupl
             return made
         except Lost as lost:
             raise UserError(
-                f"benchmark diagnosis: trial {key[0]} {key[1]} of seed {seed} was not done: {lost}; what it said "
-                "stands above. --resume FOLDER goes on with the others"
+                f"benchmark diagnosis: trial {key[0]} {key[1]} of seed {seed} failed: {lost}; see its "
+                "output above. --resume FOLDER continues with the others"
             ) from None
         finally:
             lanes.put(lane)
@@ -107,7 +107,7 @@ def _kept(folder: Path | None, key: tuple[str, int]) -> Row | None:
 
 
 def _keep(folder: Path, key: tuple[str, int], row: Row) -> None:
-    """Whole or not at all."""
+    """Write the row completely or not at all."""
     kept = _file(folder, key)
     partly = kept.with_suffix(".part")
     partly.write_text(json.dumps(row, indent=1) + "\n")
@@ -119,16 +119,16 @@ def _file(folder: Path, key: tuple[str, int]) -> Path:
 
 
 def _claim(folder: Path, trials: int, seed: int) -> None:
-    """Note which campaign a folder holds; refuse to mix two seeds."""
+    """Note which campaign a folder contains; refuse to mix two seeds."""
     note = folder / "campaign.json"
     if note.is_file():
         had = json.loads(note.read_text())
         if had.get("seed") != seed:
             raise UserError(
-                f"--resume {folder}: holds a campaign of seed {had.get('seed')}, not {seed}; "
+                f"--resume {folder}: contains a campaign of seed {had.get('seed')}, not {seed}; "
                 f"give --seed {had.get('seed')} or another folder"
             )
     elif folder.exists() and any(folder.iterdir()):
-        raise UserError(f"--resume {folder}: holds other files; name a new folder, or that of a campaign")
+        raise UserError(f"--resume {folder}: contains other files; name a new folder, or that of a campaign")
     folder.mkdir(parents=True, exist_ok=True)
     note.write_text(json.dumps({"seed": seed, "trials": trials}) + "\n")

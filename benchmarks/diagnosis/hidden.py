@@ -1,4 +1,4 @@
-"""The hidden world lies with the tests, not in the installed program: found in the source tree, or said so."""
+"""Finds the hidden world, which belongs to the tests and exists in the source tree only."""
 
 import importlib
 import sys
@@ -11,16 +11,16 @@ _ROOT = Path(__file__).resolve().parents[2]
 
 
 class Prepare(Protocol):
-    """tests.hidden_world.blind.prepare: writes trial `number` of a kind and a seed, returns what is hidden in it."""
+    """tests.hidden_world.blind.prepare: writes trial `number` of a kind and a seed; returns what is hidden in it."""
 
     def __call__(self, kind: str, number: int, seed: int, folder: Path) -> dict[str, Any]: ...
 
 
 def hidden_world() -> Prepare:
-    """Its one function. Raises UserError where the source tree is not there."""
+    """The hidden world's one function. Raises UserError without the source tree."""
     if not (_ROOT / "tests" / "hidden_world" / "blind.py").is_file():
         raise UserError(
-            "benchmark diagnosis: tests/hidden_world is not there: it is no part of the installed program; "
+            "benchmark diagnosis: tests/hidden_world is missing: it is not part of the installed program; "
             "run this from a source tree (git clone, then `make test` sets it up)"
         )
     if str(_ROOT) not in sys.path:

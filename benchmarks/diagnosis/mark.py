@@ -1,16 +1,16 @@
-"""One trial marked: what was hidden beside what was answered.
+"""Marks one trial: compares the answer with what was hidden.
 
 right        kind one: the cause is the first finding, or the first finding names it as the one other cause that it
-             cannot be told from, and the pair is one of those that the contract calls hard or impossible to tell apart
+             cannot be distinguished from, and the contract lists the pair as hard or impossible to distinguish
              kind two: both are among the findings, each in that sense
              kind none: verdict `none` and no finding; kind unknown: verdict `unexplained` and no finding at 0.5 or over
-misnamed     a finding at a confidence of 0.5 or over that is not hidden there, first (one, unknown) or anywhere (two)
+misnamed     a finding at a confidence of 0.5 or over that was not hidden: the first (one, unknown) or any (two)
 """
 
 from statistics import median
 from typing import Any
 
-CONFIDENT = 0.5
+CONFIDENT = 0.5  # confidence from which a finding counts
 
 INSEPARABLE = {
     frozenset(pair)
@@ -21,8 +21,8 @@ INSEPARABLE = {
         ("stale_frame_buffer", "clock_step"),
     )
 }
-"""Pairs of causes that a class of two may hold. The contract also pairs causes with what is no cause (participation,
-sag, a step of the delay); those need no entry. A step of received_s is a step of the delay."""
+"""Pairs of causes that may form a class of two. The contract also pairs causes with other effects (participation, sag,
+a step of the delay); those need no entry. A step of received_s is a step of the delay."""
 
 _GAIN_CHANNELS = {
     "acceleration_m_s2": ("accel",),
@@ -73,7 +73,7 @@ def mark(truth: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
 
 
 def covers(finding: dict[str, Any], cause: str) -> bool:
-    """Whether a finding names a cause, or a class of two that holds it and that the contract allows."""
+    """Whether a finding names a cause, or an allowed class of two that contains it."""
     if finding["cause"] == cause:
         return True
     others = finding.get("indistinguishable_from") or []
@@ -101,7 +101,7 @@ def _sure(finding: dict[str, Any]) -> bool:
 
 
 def _measured(truth: dict[str, Any], answer: dict[str, Any]) -> dict[str, Any]:
-    """Errors of the parameters, and of the gain, where the cause itself was named."""
+    """Errors of the parameters and of the gain, if the cause itself was named."""
     hidden, finding = truth["hidden"][0], answer["findings"][0]
     if finding["cause"] != hidden["cause"]:
         return {}
@@ -118,7 +118,7 @@ def _measured(truth: dict[str, Any], answer: dict[str, Any]) -> dict[str, Any]:
 
 
 def _gain_ratio(truth: dict[str, Any], answer: dict[str, Any]) -> float | None:
-    """Of the variance that the true model takes off the channel that shows it most, the part that was taken off."""
+    """Fraction of the true model's variance reduction that was reached, in the channel that shows the cause most."""
     column = truth["strongest"]
     if column not in _GAIN_CHANNELS or truth["hidden"][0]["law"]:
         return None
@@ -133,6 +133,6 @@ def _gain_ratio(truth: dict[str, Any], answer: dict[str, Any]) -> float | None:
 
 
 def median_of(rows: list[dict[str, Any]], key: str) -> float | None:
-    """Median over the rows that have the value."""
+    """Median over the rows that contain the value."""
     values = [row[key] for row in rows if row.get(key) is not None]
     return float(median(values)) if values else None

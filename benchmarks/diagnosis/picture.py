@@ -1,4 +1,4 @@
-"""A campaign's pictures."""
+"""Draws a campaign's pictures."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -41,7 +41,7 @@ def draw_confusion(confusion: dict[str, dict[str, int]], path: Path) -> None:
 
 
 def draw_sizes(by_nats: list[dict[str, Any]], by_cause: dict[str, dict[str, Any]], path: Path) -> None:
-    """Detected and named against size, with Wilson's intervals; each cause's least size from which 80 % are named."""
+    """Rates of detection and naming against size, with Wilson's intervals, and the size from which 80 % are named."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -53,13 +53,13 @@ def draw_sizes(by_nats: list[dict[str, Any]], by_cause: dict[str, dict[str, Any]
     for unit, marker in (("nats", "o"), ("over_noise", "s")):
         sizes = [by_cause[name][f"least_{unit}_80_percent"] for name in names]
         known = [(size, i) for i, size in enumerate(sizes) if size]
-        shown = "nats" if unit == "nats" else "rms over the noise's, where it shows most"
+        shown = "nats" if unit == "nats" else "rms / noise rms in the strongest channel"
         right.plot([s for s, _ in known], [i for _, i in known], marker, label=shown)
     counts = [f"{name}  {by_cause[name]['named']}/{by_cause[name]['trials']}" for name in names]
     right.set_yticks(range(len(names)), counts, fontsize=8)
-    if right.dataLim.x1 > 0.0:  # without any size there is nothing to scale
+    if right.dataLim.x1 > 0.0:  # without any size there is no scale
         right.set_xscale("log")
-    right.set_xlabel("least size from which on 80 % were named")
+    right.set_xlabel("size from which 80 % were named")
     right.grid(axis="x", alpha=0.3)
     right.legend(fontsize=8, loc="lower right")
     figure.savefig(path, dpi=130)
@@ -75,6 +75,6 @@ def _rates(axes: "Axes", by_nats: list[dict[str, Any]]) -> None:
     axes.set_xscale("log")
     axes.set_ylim(0.0, 1.05)
     axes.set_xlabel("size, nats")
-    axes.set_ylabel("part of the trials")
+    axes.set_ylabel("fraction of trials")
     axes.grid(alpha=0.3)
     axes.legend()

@@ -1,4 +1,4 @@
-"""All marked trials in the numbers that the contract names, with Wilson intervals."""
+"""Summarises the marked trials in the figures of the contract, with Wilson intervals."""
 
 from itertools import pairwise
 from math import sqrt
@@ -6,8 +6,8 @@ from typing import Any
 
 from benchmarks.diagnosis.mark import median_of
 
-_BINS = (50.0, 100.0, 200.0, 400.0, 800.0, float("inf"))
-_LEAST_TRIALS = 3
+_BINS = (50.0, 100.0, 200.0, 400.0, 800.0, float("inf"))  # sizes, nats
+_LEAST_TRIALS = 3  # for a size from which 80 % are named
 Rows = list[dict[str, Any]]
 
 
@@ -85,8 +85,8 @@ def _by_nats(rows: Rows) -> list[dict[str, Any]]:
 
 
 def _by_cause(rows: Rows) -> dict[str, dict[str, Any]]:
-    """For each cause: how often named, and the size from which on 80 % of at least three trials are named (None: there
-    is none), in nats and as rms over the noise's in the channel that shows it most."""
+    """For each cause: how often it was named, and the size from which 80 % of at least three trials are named (None if
+    there is none), in nats and as rms over the noise rms in the channel that shows it most."""
     out = {}
     for cause in sorted({r["hidden"][0]["cause"] for r in rows}):
         here = sorted(

@@ -1,4 +1,4 @@
-"""A campaign's result in lines for people."""
+"""Prints a campaign's result."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -20,7 +20,7 @@ _MEDIANS = {
 
 
 def lines(result: dict[str, Any]) -> Iterator[str]:
-    """Rates with their intervals, medians, naming against size, every miss with its number."""
+    """Yield lines: rates with their intervals, medians, naming against size, and every miss with its number."""
     for key, (words, wanted) in _RATES.items():
         if result[key] is None:
             continue
@@ -37,9 +37,9 @@ def lines(result: dict[str, Any]) -> Iterator[str]:
     for name, row in result["by_cause"].items():
         least, noise = row["least_nats_80_percent"], row["least_over_noise_80_percent"]
         if least is not None:
-            from_on = f"80 % from {least:.0f} nats on ({noise:.2g} of the noise)"
+            from_on = f"80 % from {least:.0f} nats ({noise:.2g} of the noise)"
         else:
-            from_on = "at no size 80 %" if row["trials"] > 2 else "too few to tell from what size on"
+            from_on = "80 % at no size" if row["trials"] > 2 else "too few trials for a size"
         yield f"{name:<34} {row['named']} of {row['trials']} named, {row['detected']} detected; {from_on}"
     for miss in result["misses"]:
         hidden = ", ".join(miss["hidden"]) or "nothing"

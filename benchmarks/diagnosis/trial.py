@@ -1,4 +1,4 @@
-"""`python -m benchmarks.diagnosis.trial`: makes, asks and marks, one trial a line: [kind, number, seed] to its row."""
+"""`python -m benchmarks.diagnosis.trial`: makes, asks and marks one trial per line: [kind, number, seed] to a row."""
 
 import shutil
 import tempfile
@@ -17,7 +17,7 @@ Ask = Callable[[Path, Path, list[list[float]]], dict[str, Any]]
 
 
 def trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> dict[str, Any]:
-    """One trial's row. The bundle's folder has the same name whatever it holds, and is gone afterwards."""
+    """One trial's row. The bundle's folder always has the same name, and is removed afterwards."""
     work = Path(tempfile.mkdtemp(prefix="stillarm_trial_"))
     began = time.process_time()
     try:
@@ -29,7 +29,7 @@ def trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> d
 
 
 def main() -> None:
-    """Answer until nobody asks any more."""
+    """Answer until standard input ends."""
     with Warm("benchmarks.diagnosis.user") as user:
         prepare = hidden_world()
 

@@ -1,6 +1,6 @@
-"""`python -m benchmarks.diagnosis.user`: runs `stillarm` commands, one a line, as a user would, without starting anew.
+"""`python -m benchmarks.diagnosis.user`: runs `stillarm` commands, one per line, as a user would, without restarts.
 
-This process sees a bundle's folder and nothing else: what is hidden in it is known only to the one that asks.
+This process sees only a bundle's folder. Only the process that asks knows what is hidden in it.
 """
 
 import contextlib
@@ -21,7 +21,7 @@ def _run(words: list[str]) -> dict[str, Any]:
             status = main(words)
     except SystemExit as end:
         status = int(end.code) if isinstance(end.code, int) else 1
-    except Exception as fault:  # what a user would see as a traceback is a miss, and its last line is kept
+    except Exception as fault:  # a traceback counts as a miss; its last line is kept
         status = 1
         error.write(f"\n{type(fault).__name__}: {fault}\n")
     after = os.times()

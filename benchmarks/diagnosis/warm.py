@@ -1,4 +1,4 @@
-"""A process that stays, asked in lines of JSON: its imports and compiled code are loaded once for many trials."""
+"""A persistent process that answers lines of JSON, so that many trials share its imports and compiled code."""
 
 import json
 import os
@@ -16,20 +16,20 @@ _ONE_THREAD = dict.fromkeys(BLAS_THREADS, "1")
 
 
 class Lost(Exception):
-    """The process died, or did not answer in time; the next question starts another."""
+    """The process died, or did not answer in time. The next question starts another one."""
 
 
 class Warm:
-    """`python -m MODULE`, started when first asked. Not for several threads at once."""
+    """`python -m MODULE`, started by the first question. Not thread-safe."""
 
     def __init__(self, module: str, own_group: bool = False) -> None:
-        """Start nothing yet. module: one that calls `serve`. own_group: Ctrl-C does not reach it, and what it has
-        started ends with it."""
+        """Start nothing yet. module: one that calls `serve`. own_group: Ctrl-C does not reach the process, and its
+        children end with it."""
         self._module, self._own_group = module, own_group
         self._process: subprocess.Popen[bytes] | None = None
 
     def ask(self, question: Any, longest_s: float) -> Any:
-        """The answer. Raises Lost."""
+        """Ask, and return the answer. Raises Lost."""
         process = self._running()
         assert process.stdin is not None and process.stdout is not None
         try:
@@ -78,7 +78,7 @@ class Warm:
 
 
 def serve(answer: Callable[[Any], Any]) -> None:
-    """In the process: answer each line until whoever asks is gone. What else is printed goes to standard error."""
+    """Inside the process: answer each line until standard input ends. Other output goes to standard error."""
     with os.fdopen(os.dup(1), "w", encoding="utf-8") as out:
         os.dup2(2, 1)
         for line in sys.stdin:

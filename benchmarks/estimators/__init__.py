@@ -1,1 +1,1 @@
-"""Delay estimators and predictors, judged on data from a generator of their own; docs/benchmark-estimators.md."""
+"""Scores delay estimators and predictors on data from an independent generator; docs/benchmark-estimators.md."""

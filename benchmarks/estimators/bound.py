@@ -1,7 +1,7 @@
-"""How well anybody could know the delay and the deflection: the Bayesian Cramer-Rao bound along a trial.
+"""The least possible errors of delay and deflection: the Bayesian Cramer-Rao bound along a trial.
 
-The unknowns are those that the generator draws; each measurement is linearised at the truth, so that the posterior
-covariance of a Gaussian problem follows from a Riccati recursion over the frames, in the order in which they are read
+The unknowns are the generator's random quantities. Each measurement is linearised at the truth, so that the posterior
+covariance of a Gaussian problem follows from a Riccati recursion over the frames in the order of their reading
 (van Trees, Detection, Estimation, and Modulation Theory, part I, 2.4; Tichavsky, Muravchik and Nehorai, Posterior
 Cramer-Rao bounds for discrete-time nonlinear filtering, 1998). docs/benchmark-estimators.md derives it.
 """
@@ -17,30 +17,30 @@ from benchmarks.estimators.regimes import CYCLE_S, DRIFT_TIME_S, FRAME_S, Regime
 
 Values = NDArray[np.float64]
 
-# The unknowns, as departures from the truth. The mode's state is that of free motion carried back to time zero, so
-# that it is constant between blows; the second one is that from before the last blow, for frames exposed then.
+# The unknowns, as deviations from the truth. The mode's state is expressed at time zero by free motion, so that it is
+# constant between impacts. The second state is that from before the last impact, for frames exposed before it.
 _NOW, _BEFORE = slice(0, 2), slice(2, 4)
-_ZERO = 4  # the image's zero, m
-_EXPOSED = 5  # mid-exposure of the frame at hand, s
+_ZERO = 4  # image zero, m
+_EXPOSED = 5  # mid-exposure of the present frame, s
 _BASE, _SKEW, _WALK_OF_EXPOSURE = 6, 7, 8  # frame clock; slow part of the exposure's irregularity
 _MEAN, _WALK_OF_DELAY = 9, 10  # of the delay
-_AHEAD = 11  # by how much n_i precedes mid-exposure
+_AHEAD = 11  # time from n_i to mid-exposure
 _STAMP_ZERO, _STAMP_RATE = 12, 13
 _STATES = 14
 _STEP_S = 1e-5  # of a difference quotient
-_WIDE_S = 0.1  # against milliseconds: nothing is known beforehand
+_WIDE_S = 0.1  # wide against milliseconds: no prior knowledge
 
 
 @dataclass(frozen=True)
 class Bound:
-    """Posterior standard deviations when each frame has just been read: its delay, the deflection. Shape (frames,)."""
+    """Posterior standard deviations of delay and deflection just after each frame is read. Shape (frames,)."""
 
     delay_std_s: Values
     deflection_std_m: Values
 
 
 def bound(data: Data) -> Bound:
-    """The bound for each frame of a trial, from all that was measured up to its reading."""
+    """The bound for each frame of a trial, from all measurements up to its reading."""
     regime, frames, blows = data.regime, data.frames, data.motion.blows_s
     covariance = _prior(data)
     sums = _acceleration_information(data)
@@ -124,8 +124,8 @@ def _frame_step(regime: Regime) -> tuple[Values, Values]:
 def _time_measurements(regime: Regime, exposed_s: float) -> list[tuple[Values, float]]:
     """Rows and variances of the arrival, of n_i and of the camera's stamp.
 
-    Of a busy computer's queue the bound is told how long each image waited: more than anybody can know, and what is
-    left of the delay is Gaussian. n_i is the time of an earlier image's end, and adds nothing.
+    For a busy computer the bound knows how long each image waited in the queue. No estimator can know that; the rest of
+    the delay is Gaussian. n_i is then the end of an earlier image, and adds nothing.
     """
     rounding = CYCLE_S**2 / 12.0
     arrival, started, stamp = np.zeros((3, _STATES))
@@ -139,7 +139,7 @@ def _time_measurements(regime: Regime, exposed_s: float) -> list[tuple[Values, f
 
 
 def _free_motion(data: Data, time_s: Values) -> Values:
-    """Deflection and rate at those times per deflection and rate at time zero: shape (times, 2, 2)."""
+    """Transition of deflection and rate from time zero to those times, shape (times, 2, 2)."""
     w, zeta = data.arm.angular_frequency, data.arm.damping_ratio
     damped = w * sqrt(1.0 - zeta * zeta)
     decay, c, s = np.exp(-zeta * w * time_s), np.cos(damped * time_s), np.sin(damped * time_s)
@@ -149,9 +149,9 @@ def _free_motion(data: Data, time_s: Values) -> Values:
 
 
 def _acceleration_information(data: Data) -> Values:
-    """Fisher information on the mode's state in the cycles before each one, summed: shape (cycles + 1, 2, 2).
+    """Cumulative Fisher information on the mode's state before each cycle, shape (cycles + 1, 2, 2).
 
-    What the sensor shows during a blow tells of the blow (_struck), and is left out here.
+    Samples during an impact inform about the impact (_struck) and are left out here.
     """
     arm = data.arm
     w = arm.angular_frequency
@@ -166,7 +166,7 @@ def _acceleration_information(data: Data) -> Values:
 
 
 def _informed(covariance: Values, information: Values) -> Values:
-    """The covariance after `information`, shape (2, 2), about the present state."""
+    """The covariance after adding `information`, shape (2, 2), on the present state."""
     across = covariance[:, _NOW]
     inner = np.linalg.inv(np.eye(2) + information @ covariance[_NOW, _NOW])
     reduced = covariance - across @ inner @ information @ across.T
@@ -174,10 +174,10 @@ def _informed(covariance: Values, information: Values) -> Values:
 
 
 def _struck(covariance: Values, data: Data, blow: int) -> Values:
-    """The covariance behind a blow, which the accelerometer has shown while it lasted.
+    """The covariance after an impact that the accelerometer has measured while it lasted.
 
-    Its samples give the size, to the noise of their sum. The instant they give to a cycle at best: a constant force
-    that lasts a whole number of cycles may begin anywhere within one without any sample being another.
+    The samples determine its size to the noise of their sum, and its instant to a cycle at best: a constant force that
+    lasts a whole number of cycles may begin anywhere within a cycle without changing any sample.
     """
     copy = np.eye(_STATES)
     copy[_BEFORE, _BEFORE], copy[_BEFORE, _NOW] = 0.0, np.eye(2)
@@ -194,7 +194,7 @@ def _struck(covariance: Values, data: Data, blow: int) -> Values:
 
 
 def _kick(data: Data, time_s: float) -> Values:
-    """What a unit of velocity added at that time is to the state at time zero, shape (2,)."""
+    """Change of the state at time zero by a unit of velocity added at that time, shape (2,)."""
     return np.asarray(np.linalg.inv(_free_motion(data, np.array([time_s]))[0])[:, 1])
 
 

@@ -1,12 +1,12 @@
-"""How late a busy computer hands images over: a hard earliest moment, a queue, stalls, and a start that is behind.
+"""How late a busy computer delivers images: an earliest moment, a queue, stalls, and a start with a backlog.
 
 Frame k is handed over at h_k = e_k + max(earliest, delay + slow_k) + scheduling_k. One process tracks and sends the
 images in turn (a queue with one server: D. V. Lindley, Proc. Cambridge Phil. Soc. 48, 1952):
 
     done_k = max(h_k, done_{k-1}, end of a stall) + service_k
 
-At the start the process is behind and serves at the rate at which images come: the queue does not shrink before service
-becomes faster, and then drains by the difference at each image.
+At the start the process has a backlog and serves images at the rate of their arrival. The queue does not shrink before
+service becomes faster; then it drains by the difference at each image.
 """
 
 from math import exp
@@ -23,9 +23,9 @@ Counts = NDArray[np.int64]
 def passed_on(
     law: Busy, exposed_s: Values, delay_s: float, slow_s: Values, random: np.random.Generator
 ) -> tuple[Counts, Values, Values]:
-    """Of the frames that are not lost: their places, when each is done, and its n_i as a time. Shapes (kept,).
+    """The frames that are not lost: indices, the time at which each is done, and its n_i as a time. Shapes (kept,).
 
-    delay_s: mean of done - exposed where the process keeps up. slow_s: slow part of the delay, shape (frames,).
+    delay_s: mean of done - exposed while the process keeps up. slow_s: slow part of the delay, shape (frames,).
     """
     count = len(exposed_s)
     mean = delay_s + law.mean_std_s * random.standard_normal()
@@ -58,7 +58,7 @@ def passed_on(
 
 
 def _service_s(law: Busy, count: int, random: np.random.Generator) -> Values:
-    """Of each frame: at first of the mean FRAME_S and as irregular as it can be, later short."""
+    """Service time of each frame: at first FRAME_S on average with exponential spread, later short."""
     warm = int(random.integers(*law.warm_frames))
     cold = np.array([1.0 if k < warm else exp(-(k - warm) / law.warm_up_frames) for k in range(count)])
     tail = law.service_tail_s + cold * (FRAME_S - law.service_s - law.service_tail_s)
@@ -66,6 +66,6 @@ def _service_s(law: Busy, count: int, random: np.random.Generator) -> Values:
 
 
 def _stalls_s(law: Busy, until_s: float, random: np.random.Generator) -> list[tuple[float, float]]:
-    """From when to when the process does not run."""
+    """Intervals in which the process does not run."""
     starts = np.sort(random.uniform(0.0, until_s, random.poisson(law.stalls_per_s * until_s)))
     return [(float(start), float(start + random.uniform(*law.stall_s))) for start in starts]

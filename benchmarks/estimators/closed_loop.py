@@ -1,4 +1,4 @@
-"""A run with the loop closed: the benchmark's plant and camera around the controller's own step."""
+"""A closed-loop run: the benchmark's plant and camera with the controller's own step."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,16 +19,16 @@ from controller.frame_delays import FrameDelays
 from controller.step import Controller
 
 Values = NDArray[np.float64]
-ORACLE = "oracle"  # knows deflection and rate of the moment, exactly
+ORACLE = "oracle"  # knows the momentary deflection and rate exactly
 NO_DAMPING = "no damping"
 
 
 @dataclass(frozen=True)
 class Course:
-    """What happens in a run. Functions of time: joint reference rad/s, damping allowed.
+    """What happens in a run. Functions of time: joint reference, rad/s, and whether damping is allowed.
 
-    strikes: by time, the amplitude in m that the arm has behind each one. force_std_m_s2: of a random force, drawn
-    anew at each cycle.
+    strikes: by time, the arm's amplitude after each one, m. force_std_m_s2: of a random force, independent in each
+    cycle.
     """
 
     duration_s: float
@@ -40,7 +40,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Run:
-    """What happened, shape (cycles,), and by frame, shape (frames,)."""
+    """Results of a run by cycle, shape (cycles,), and by frame, shape (frames,)."""
 
     deflection_m: Values
     amplitude_m: Values
@@ -52,7 +52,7 @@ class Run:
 
 
 class _Oracle:
-    """The method that sees the plant."""
+    """The method that reads the plant's state."""
 
     def __init__(self, plant: Plant, delay_s: float) -> None:
         self._plant = plant
@@ -63,7 +63,7 @@ class _Oracle:
 
 
 def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], course: Course) -> Run:
-    """One run under method `name`, ORACLE, or NO_DAMPING; the same disturbances and errors for each, from `seed`."""
+    """Run method `name`, ORACLE or NO_DAMPING. `seed` gives all of them the same disturbances and errors."""
     arm, model = Arm(), assumed_model(regime, noise)
     random = np.random.default_rng(seed)
     mode, drive = model.arm.modes[0], model.drive
@@ -126,14 +126,14 @@ def _controller(name: str, model: Model, plant: Plant) -> Controller:
 
 
 def _strike(plant: Plant, arm: Arm, amplitude_m: float, share: float) -> None:
-    """Bring the arm to an amplitude; where the arm stands, `share` (0 to 1) says how the blow adds to what is there."""
+    """Bring the arm to an amplitude. `share` (0 to 1) determines the direction of the impact."""
     sign = 1.0 if share > 0.5 else -1.0
     turn = arm.angular_frequency * max(0.0, amplitude_m**2 - plant.deflection**2) ** 0.5
     plant.strike(sign * turn - plant.rate)
 
 
 def _between(position: Values, rate: Values, time_s: float, newest: int) -> float:
-    """The tip between two cycles, by the cubic through both positions and rates (Hermite)."""
+    """The tip's position between two cycles, by the cubic through both positions and rates (Hermite)."""
     low = min(max(floor(time_s / CYCLE_S), 0), newest - 1)
     x = time_s / CYCLE_S - low
     a, b = float(position[low]), float(position[low + 1])

@@ -1,4 +1,4 @@
-"""A departure from what the methods are told, as the third table's rows are made of."""
+"""A condition of the third table: a difference between the world and the methods' model."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True)
 class Condition:
-    """What differs. from_s: scored from then on; duration_s: of the trial.
+    """The difference. from_s: start of scoring; duration_s: of the trial.
 
-    excite: what keeps the arm moving, None: blows. change_data: what befalls the measurements, given the trial and a
-    source of chance. during: from when to when the figures *_during are taken, given the trial; none where it is None.
+    excite: excitation of the arm; None: impacts. change_data: change of the measurements, given the trial and a random
+    generator. during: intervals of the figures *_during, given the trial; None: no such figures.
     """
 
     arm: Arm = _AS_TOLD

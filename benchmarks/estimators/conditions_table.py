@@ -1,4 +1,4 @@
-"""The third table: what the methods were not told, what they lose, and what moves."""
+"""The third table: conditions that the methods do not know, losses, and motion."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
@@ -56,7 +56,7 @@ def _stick(data: Data, random: np.random.Generator) -> Data:
 
 
 def _drift_away(data: Data, random: np.random.Generator) -> Data:
-    """The scene comes 20 % nearer, in 20 s from 10 s on."""
+    """The scene comes 20 % nearer within 20 s, from 10 s on."""
     nearer = 1.0 + 0.2 * np.clip((data.frames.exposed_s - 0.5 * ONSET_S) / ONSET_S, 0.0, 1.0)
     return replace(data, seen_m=data.seen_m * nearer)
 
@@ -96,12 +96,12 @@ CLOSED_LOOP: dict[str, Course] = {
     "joint moving": _course(reference=_moves),
     "damping on": _course(damping=lambda time_s: time_s >= SETTLING_S),
 }
-# New ones come last: a condition's place is part of its trials' seeds.
+# Append new ones: a condition's index is part of its trials' seeds.
 CONDITIONS = (*OPEN_LOOP, *CLOSED_LOOP, *OPEN_STARTS, *CLOSED_STARTS)
 
 
 def regimes_of(condition: str) -> tuple[str, ...]:
-    """In which regimes a condition is tried."""
+    """The regimes in which a condition runs."""
     return REGIMES_STARTED if condition in OPEN_STARTS or condition in CLOSED_STARTS else REGIMES_CHANGED
 
 
@@ -118,7 +118,7 @@ class ConditionJob:
 
 @dataclass(frozen=True)
 class Withstood:
-    """What came of it, by method; during: of conditions that ask for it."""
+    """Results of a job by method. during: for conditions that define it."""
 
     job: ConditionJob
     scores: dict[str, Score]
@@ -138,7 +138,7 @@ def withstand(job: ConditionJob) -> Withstood:
             scores[name], begun = judge(name)
             if begun is not None:
                 during[name] = begun
-        except Exception as failure:  # whatever it raises is this method's result and no other's
+        except Exception as failure:  # an exception is the result of this method alone
             failures[name] = f"{type(failure).__name__}: {failure}"
     return Withstood(job, scores, failures, during)
 
@@ -222,7 +222,7 @@ def condition_rows(withstood: Iterable[Withstood]) -> list[dict[str, Any]]:
 
 
 def _during(begun: Iterable[During]) -> dict[str, float | None]:
-    """Means over the trials; None where a condition has no such figures."""
+    """Means over the trials; None if a condition has no such figures."""
     rows = [asdict(one) for one in begun]
     row: dict[str, float | None] = {}
     for figure in FIGURES:

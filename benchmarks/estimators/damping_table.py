@@ -1,4 +1,4 @@
-"""The second table: the loop closed, with each method, with an oracle, and without damping."""
+"""The second table: closed loop with each method, with an oracle, and without damping."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from benchmarks.estimators.tables import failure_of
 REGIMES_DAMPED = ("freerun drift", "triggered jitter")
 NOISE = 0.3
 SETTLED = 0.1  # of the struck amplitude
-DISTURBED = 0.3  # rms deflection that the steady random force keeps up without damping, of the amplitude
-_ON_S = 5.0  # until then the arm rings freely: the methods find the delay
+DISTURBED = 0.3  # rms deflection under the steady random force without damping, over the amplitude
+_ON_S = 5.0  # until then the arm rings freely, while the methods estimate the delay
 _STRIKES_S = (8.0, 12.0, 16.0, 20.0)
 _RING_S, _DISTURBED_S = 24.0, 40.0
 _STEADY_S = 10.0
@@ -33,7 +33,7 @@ class DampingJob:
 
 @dataclass(frozen=True)
 class Damped:
-    """What came of it, by method: settling time, s (NaN: did not settle); residual rms deflection / amplitude."""
+    """Results by method: settling time, s (NaN: did not settle); residual rms deflection / amplitude."""
 
     job: DampingJob
     settling_s: dict[str, float]
@@ -42,7 +42,7 @@ class Damped:
 
 
 def damp(job: DampingJob) -> Damped:
-    """Strike, and disturb, under every method."""
+    """Run strikes, and a random disturbance, with every method."""
     arm, regime = Arm(), REGIMES[job.regime]
     unit, force = arm.amplitude_m, steady_force_m_s2(arm)
     struck = Course(_RING_S, dict.fromkeys((0.0, *_STRIKES_S), unit), damping=lambda t: t >= _ON_S)
@@ -55,21 +55,21 @@ def damp(job: DampingJob) -> Damped:
             run = run_closed(name, regime, NOISE, (job.seed, job.trial, 2), disturbed)
             steady = run.deflection_m[round(_STEADY_S / CYCLE_S) :]
             residual[name] = float(np.sqrt(np.mean(steady**2))) / unit
-        except Exception as failure:  # whatever it raises is this method's result and no other's
+        except Exception as failure:  # an exception is the result of this method alone
             failures[name] = f"{type(failure).__name__}: {failure}"
     return Damped(job, settling, residual, failures)
 
 
 def steady_force_m_s2(arm: Arm) -> float:
-    """Standard deviation of the random force, drawn anew each cycle, that keeps up DISTURBED of the amplitude.
+    """Standard deviation of the random force, independent in each cycle, that sustains DISTURBED of the amplitude.
 
-    A white force of density S keeps up a variance of S / (4 zeta w^3); held over a cycle, S = variance * cycle.
+    A white force of density S sustains a variance of S / (4 zeta w^3). Held over a cycle, S = variance * cycle.
     """
     return DISTURBED * arm.amplitude_m * sqrt(4.0 * arm.damping_ratio * arm.angular_frequency**3 / CYCLE_S)
 
 
 def settling_time_s(run: Run, struck_m: float) -> float:
-    """Mean time from strike until the amplitude stays below SETTLED of the struck one; NaN if once it did not."""
+    """Mean time from a strike until the amplitude stays below SETTLED of the struck one; NaN if it once did not."""
     times = []
     for strike, until in zip(_STRIKES_S, (*_STRIKES_S[1:], _RING_S), strict=True):
         first, last = round(strike / CYCLE_S), round(until / CYCLE_S)
@@ -79,7 +79,7 @@ def settling_time_s(run: Run, struck_m: float) -> float:
 
 
 def damping_rows(damped: Iterable[Damped]) -> list[dict[str, Any]]:
-    """A row for each regime and method, means over the trials, with the ratio to the oracle; None: did not settle."""
+    """A row for each regime and method: means over the trials, and ratios to the oracle; None: did not settle."""
     cells: dict[str, list[Damped]] = {}
     for one in damped:
         cells.setdefault(one.job.regime, []).append(one)

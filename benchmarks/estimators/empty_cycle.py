@@ -1,4 +1,4 @@
-"""What a cycle costs that estimates nothing: the timestamp out, the visual datagrams in."""
+"""The cost of a cycle without an estimate: it sends the timestamp and receives visual datagrams."""
 
 from time import perf_counter_ns
 
@@ -14,7 +14,7 @@ _KEY, _SESSION, _PEER_SESSION = bytes(32), 1, 2
 
 
 def empty_cycle_us(cycles: int = 10_000) -> dict[str, float]:
-    """Mean and median of a cycle that only exchanges the datagrams, microseconds, a sample each frame."""
+    """Mean and median time of a cycle that only exchanges the datagrams, us, with a sample in each frame period."""
     exchange = ControllerExchange(_KEY, _SESSION)
     every = round(FRAME_S / CYCLE_S)
     datagrams = {cycle: [_visual(cycle, cycle // every)] for cycle in range(every, cycles, every)}

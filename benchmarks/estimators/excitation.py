@@ -1,7 +1,7 @@
-"""What moves the arm besides blows as usual: a pull aside that is let go, a push by hand, one blow after rest.
+"""Excitations other than repeated impacts: a pull that is released, a push by hand, a single impact after rest.
 
-A hand is a force on the mode. While it holds, the image shows the deflection force / w^2, and the accelerometer, which
-feels q'' only, shows nothing of it.
+A hand is a force on the mode. While the force is constant, the image shows the deflection force / w^2. The
+accelerometer measures q'' only and does not show it.
 """
 
 from itertools import pairwise
@@ -20,23 +20,23 @@ from benchmarks.estimators.generator import (
 )
 from benchmarks.estimators.regimes import Arm
 
-FIRST_S = 2.5  # an arm at rest stays so until then
-LET_GO_S = 0.002  # fingers that open
-_KNOT_S = 0.02  # between such knots a hand's force is a straight line
+FIRST_S = 2.5  # the arm is at rest until then
+LET_GO_S = 0.002  # time in which fingers open
+_KNOT_S = 0.02  # spacing of the knots of a hand's force, with straight lines between them
 _GROWS_S, _HELD_S = (0.6, 1.2), (0.5, 1.5)
 _SLOWLY_S, _LONG_S = (2.0, 3.0), (1.0, 3.0)
 _RING_S = (4.5, 5.5)
 _PUSH_S = (0.15, 0.3)  # a period lasts 0.385 s: longer pushes hardly excite
 _PUSH_EVERY_S = (3.0, 4.0)
 _SIZE = (1.0, 1.5)  # of the static deflection, in amplitudes
-_STILL_S = 1.0  # after the last blow, before a pull
+_STILL_S = 1.0  # from the last impact to a pull
 
 Force = list[tuple[float, float]]
 """Knots (time, s; force, m/s^2), with straight lines between them; zero before and after."""
 
 
 def released_again(arm: Arm, duration_s: float, random: np.random.Generator) -> Motion:
-    """An arm at rest is pulled aside, held and let go; it rings, and is pulled again."""
+    """An arm at rest is pulled aside, held and released. It rings and is pulled again."""
     pulls: list[Force] = []
     at = FIRST_S
     while at < duration_s:
@@ -46,7 +46,7 @@ def released_again(arm: Arm, duration_s: float, random: np.random.Generator) -> 
 
 
 def pushed_again(arm: Arm, duration_s: float, random: np.random.Generator) -> Motion:
-    """An arm at rest is pushed by hand to either side, again and again."""
+    """An arm at rest is repeatedly pushed by hand to either side."""
     pushes: list[Force] = []
     at = FIRST_S
     while at < duration_s:
@@ -60,14 +60,14 @@ def pushed_again(arm: Arm, duration_s: float, random: np.random.Generator) -> Mo
 
 
 def struck_once(arm: Arm, duration_s: float, random: np.random.Generator) -> Motion:
-    """An arm at rest is struck, and rings on."""
+    """An arm at rest is struck once and rings."""
     at = FIRST_S + random.uniform()
     force = random.uniform(*arm.blow_to) * arm.angular_frequency * arm.amplitude_m / arm.blow_s
     return _forced(_at_rest(arm), arm, [[(at, force), (at + arm.blow_s, force)]])
 
 
 def pulled_slowly_at(from_s: float) -> Excitation:
-    """Blows as usual until shortly before `from_s`; then a slow pull that is held and let go."""
+    """Repeated impacts until shortly before `from_s`; then a slow pull that is held and released."""
 
     def excite(arm: Arm, duration_s: float, random: np.random.Generator) -> Motion:
         struck = strike_again(arm, from_s - _STILL_S, random)
@@ -102,7 +102,7 @@ def _pull(
 
 
 def _swell(at_s: float, lasts_s: float, size: float) -> Force:
-    """From nothing to `size`, as a squared sine."""
+    """A rise from zero to `size`, as a squared sine."""
     steps = np.linspace(0.0, 1.0, max(2, round(lasts_s / _KNOT_S)) + 1)
     return [(at_s + lasts_s * float(x), size * sin(0.5 * pi * float(x)) ** 2) for x in steps]
 
@@ -122,7 +122,7 @@ def _forced(
     blows: list[float] | None = None,
     velocities: list[float] | None = None,
 ) -> Motion:
-    """The motion of `pieces` under further forces, in order. The end of each counts as a blow, of unknown velocity."""
+    """The motion of `pieces` under further forces, in order. Each end counts as an impact of unknown velocity."""
     pole = pole_of(arm)
     ends = [force[-1][0] for force in forces]
     for force in forces:

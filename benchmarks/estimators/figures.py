@@ -1,4 +1,4 @@
-"""The pictures: the paper's Fig. 7 for every method, and errors against noise with the bound drawn in."""
+"""Draws the pictures: the paper's Fig. 7 for every method, and errors against noise with the bound."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ _MARKERS = "osv^DP*X<>"
 
 
 def draw_predictions(methods: Sequence[str], seed: int, path: Path) -> None:
-    """As the paper's Fig. 7: prediction over truth, and below it their difference; the same trial for each method."""
+    """The paper's Fig. 7: prediction and truth, and below it their difference, on the same trial for each method."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -30,7 +30,7 @@ def draw_predictions(methods: Sequence[str], seed: int, path: Path) -> None:
     figure = Figure(figsize=(11.0, 0.8 + 2.4 * len(methods)), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(
-        f"{_SHOWN_REGIME}, accelerometer noise {_SHOWN_NOISE} of the amplitude (blows: dotted)", fontsize=11
+        f"{_SHOWN_REGIME}, accelerometer noise {_SHOWN_NOISE} of the amplitude (impacts: dotted)", fontsize=11
     )
     panels = figure.subplots(
         2 * len(methods), 1, sharex=True, squeeze=False, height_ratios=[1.6, 1.0] * len(methods)
@@ -44,14 +44,14 @@ def draw_predictions(methods: Sequence[str], seed: int, path: Path) -> None:
         over.plot(time_s, truth, color="0.55", lw=2.5, label="truth")
         try:
             predicted = run_method(name, data, assumed_model(regime, _SHOWN_NOISE)).deflection_m[shown] / unit
-        except Exception as failure:  # the picture of the others must not fail with it
+        except Exception as failure:  # the other methods must still be drawn
             over.set_title(f"{name}: {failure}", fontsize=9, loc="left")
             continue
         over.plot(time_s, predicted, color="tab:blue", lw=1.0, label="prediction")
         over.set_ylim(-1.6, 1.6)
         error = 100.0 * (predicted - truth)
         mean = np.nanmean(np.abs(error[scored]))
-        over.set_title(f"{name}: mean error {mean:.2f} % away from blows", fontsize=9, loc="left")
+        over.set_title(f"{name}: mean error {mean:.2f} % away from impacts", fontsize=9, loc="left")
         over.set_ylabel("q / amplitude", fontsize=8)
         below.plot(time_s, error, color="tab:red", lw=0.8)
         reach = max(1.0, float(np.nanpercentile(np.abs(error), 95.0)) * 1.5)
@@ -66,7 +66,7 @@ def draw_predictions(methods: Sequence[str], seed: int, path: Path) -> None:
 def draw_errors_against_noise(
     rows: Sequence[dict[str, Any]], figure_name: str, bound_name: str, label: str, path: Path
 ) -> None:
-    """A panel for each regime: every method against the accelerometer's noise, and the bound as a dashed line."""
+    """One panel for each regime: every method against the accelerometer's noise, and the bound as a dashed line."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -1,7 +1,7 @@
-"""The benchmark's data: an arm in closed form, a camera that is late, sensors that are noisy.
+"""The benchmark's data: an arm in closed form, a late camera, noisy sensors.
 
-Written apart from controller/ and simulation/, so that an error in the estimators' model of the world does not
-cancel itself out. With l = -zeta w + i w sqrt(1 - zeta^2) and z = q' - conj(l) q, the mode's equation
+This module is independent of controller/ and simulation/, so that an error in the estimators' model of the world does
+not cancel. With l = -zeta w + i w sqrt(1 - zeta^2) and z = q' - conj(l) q, the mode's equation
 q'' + 2 zeta w q' + w^2 q = f is z' = l z + f: under a force f = f0 + f1 t, z + f / l + f1 / l^2 turns and decays as
 exp(l t), exactly.
 """
@@ -28,8 +28,8 @@ class Motion:
     """Deflection of one mode, piece by piece: each row starts at start_s from (deflection_m, rate_m_s).
 
     pole: l of the piece, 1/s; force_m_s2, force_rate_m_s3: the force at the piece's start, and its slope. blows_s:
-    middle of each blow, or end of another force. Shapes (pieces,), (blows,). forced_s: from when to when each force
-    lasts that is no blow, shape (forces, 2).
+    middle of each impact, or end of another force. Shapes (pieces,), (impacts,). forced_s: interval of each force that
+    is not an impact, shape (forces, 2).
     """
 
     start_s: Values
@@ -43,11 +43,11 @@ class Motion:
     forced_s: Values
 
     def piece_at(self, time_s: Values) -> Counts:
-        """Which piece each of those times lies in."""
+        """The piece that contains each of those times."""
         return np.maximum(np.searchsorted(self.start_s, time_s, side="right") - 1, 0)
 
     def at(self, time_s: Values) -> tuple[Values, Values, Values]:
-        """Deflection, rate and acceleration at those times, each of their shape."""
+        """Deflection, rate and acceleration at those times, each of the same shape."""
         row = self.piece_at(time_s)
         since = time_s - self.start_s[row]
         pole, slope = self.pole[row], self.force_rate_m_s3[row]
@@ -79,7 +79,7 @@ class Frames:
         return self.read_cycle * CYCLE_S - self.exposed_s
 
     def without(self, lost: NDArray[np.bool_]) -> "Frames":
-        """Those frames that are not lost."""
+        """The frames that are not lost."""
         kept = ~lost
         return Frames(*(getattr(self, name)[kept] for name in self.__dataclass_fields__))
 
@@ -88,7 +88,7 @@ class Frames:
 class Data:
     """One trial. Shapes (cycles,) for what happens at cycle * CYCLE_S, (frames,) for frames.
 
-    acceleration_m_s2: of the tip, with noise. seen_m: deflection that a frame shows, with noise, less that of the
+    acceleration_m_s2: of the tip, with noise. seen_m: deflection that a frame shows, with noise, minus that of the
     first frame.
     """
 
@@ -125,7 +125,7 @@ Excitation = Callable[[Arm, float, np.random.Generator], Motion]
 
 @dataclass(frozen=True)
 class Change:
-    """The mode from onset_s on, as factors of what it was."""
+    """Change of the mode from onset_s on, as factors of its earlier values."""
 
     onset_s: float
     frequency: float = 1.0
@@ -140,9 +140,9 @@ def generate(
     change: Change | None = None,
     excite: Excitation | None = None,
 ) -> Data:
-    """Draw one trial. noise: of the accelerometer, as a fraction of the amplitude's acceleration, at each cycle.
+    """Draw one trial. noise: of the accelerometer in each cycle, as a fraction of the amplitude's acceleration.
 
-    excite: what keeps the arm moving; None: blows, and `change`.
+    excite: excitation of the arm; None: impacts, and `change`.
     """
     random = np.random.default_rng(seed)
     motion = (
@@ -168,10 +168,10 @@ def vision_errors(arm: Arm, frames: int, random: np.random.Generator) -> Values:
 def strike_again(
     arm: Arm, duration_s: float, random: np.random.Generator, change: Change | None = None
 ) -> Motion:
-    """A vibration that decays freely and is struck now and then: constant force for blow_s, at any phase.
+    """A freely decaying vibration with repeated impacts: constant force for blow_s, at any phase.
 
-    A blow's size is drawn so that the amplitude behind it lies in blow_to, by the smaller of the two velocities that
-    do so.
+    An impact's size is drawn so that the amplitude after it lies in blow_to. Of the two velocities with that effect it
+    uses the smaller.
     """
     w, unit = arm.angular_frequency, arm.amplitude_m
     phase = random.uniform(0.0, 2.0 * np.pi)
@@ -201,7 +201,7 @@ def strike_again(
 
 
 Piece = tuple[float, float, float, complex, float] | tuple[float, float, float, complex, float, float]
-"""Of a Motion: start, deflection, rate, pole, force, and where the force is not constant its slope."""
+"""A row of Motion: start, deflection, rate, pole, force, and the slope of the force if it is not constant."""
 
 
 def motion_of(
@@ -228,7 +228,7 @@ def motion_of(
 
 
 def reach(pieces: list[Piece], time_s: float) -> tuple[float, float]:
-    """Deflection and rate at a time of the last piece."""
+    """Deflection and rate at a time within the last piece."""
     deflection, rate, _ = motion_of(pieces[-1:], [], []).at(np.array([time_s]))
     return float(deflection[0]), float(rate[0])
 
@@ -240,7 +240,7 @@ def pole_of(arm: Arm) -> complex:
 
 
 def expose(regime: Regime, duration_s: float, random: np.random.Generator) -> Frames:
-    """When frames are exposed, stamped and read; those read after the end are left out."""
+    """The times at which frames are exposed, stamped and read. Frames read after the end are left out."""
     count = ceil(duration_s / FRAME_S)
     k = np.arange(count, dtype=np.float64)
     skew = 1e-6 * random.uniform(-regime.skew_ppm, regime.skew_ppm)
@@ -258,7 +258,7 @@ def expose(regime: Regime, duration_s: float, random: np.random.Generator) -> Fr
         started = np.maximum(np.floor(begun / CYCLE_S), 0.0).astype(np.int64)
         frames = Frames(k[kept].astype(np.int64), exposed[kept], read, started, np.full(len(read), np.nan))
         return frames.without(read >= round(duration_s / CYCLE_S))
-    # Half a cycle less: waiting for the next cycle adds it, so that the delay at reading has the mean delay_s.
+    # Half a cycle less, which the wait for the next cycle adds, so that the delay at reading has the mean delay_s.
     arrival = exposed + regime.delay_s - 0.5 * CYCLE_S + _variation(regime, count, random)
     read = np.ceil(np.maximum.accumulate(arrival) / CYCLE_S).astype(np.int64)
     offset = 0.5 * FRAME_S + random.uniform(-regime.started_offset_s, regime.started_offset_s)

@@ -1,4 +1,4 @@
-"""What the world of the benchmark is drawn from: one table of laws, for the generator and for the bound."""
+"""The distributions of the benchmark's world: one table for the generator and the bound."""
 
 from dataclasses import dataclass
 from math import pi
@@ -8,24 +8,24 @@ from common.user_error import UserError
 FRAME_S = 1.0 / 65.0
 CYCLE_S = 0.001
 DURATION_S = 40.0
-SETTLING_S = 2.0  # what happens before is not scored
-AFTER_BLOW_S = 0.5  # what happens so soon after a blow is scored apart: nobody can foresee a blow
-NOISES = (0.1, 0.3, 1.0)
+SETTLING_S = 2.0  # the time before is not scored
+AFTER_BLOW_S = 0.5  # after an impact, scored separately: no estimator can predict an impact
+NOISES = (0.1, 0.3, 1.0)  # of the accelerometer, as fractions of the amplitude's acceleration
 
 VARIATION_S = 0.0064
 DRIFT_TIME_S = 5.0
 
-# What `stillarm commission` states of the two sensors' scales (docs/commission.md): relative standard deviations.
+# Relative standard deviations that `stillarm commission` states for the two sensors' scales (docs/commission.md).
 CAMERA_SCALE_STD = 0.001
 ACCELEROMETER_SCALE_STD = 0.002
 
 
 @dataclass(frozen=True)
 class Arm:
-    """The true arm: one mode, and how it is kept vibrating.
+    """The true arm: one mode and its excitation.
 
-    amplitude_m is the unit of all noises. Blows come blow_every_s apart and bring the amplitude to blow_to of it;
-    with damping_ratio = 0.01 and 2.6 Hz it stays within 0.64 to 1.25. blow_s: how long a blow pushes.
+    amplitude_m is the unit of all noises. Impacts come blow_every_s apart and bring the amplitude to blow_to of it;
+    with damping_ratio = 0.01 and 2.6 Hz it stays within 0.64 to 1.25. blow_s: duration of an impact.
     """
 
     frequency_hz: float = 2.6
@@ -44,46 +44,44 @@ class Arm:
 
     @property
     def blow_std_m_s(self) -> float:
-        """Spread of the velocity that a blow adds, given to the bound as its prior (checked by a test)."""
+        """Spread of the velocity that an impact adds, the prior of the bound (a test checks it)."""
         return 0.63 * self.angular_frequency * self.amplitude_m
 
 
 @dataclass(frozen=True)
 class Busy:
-    """How a busy computer passes images on: busy_computer.py tells the law, docs/benchmark-estimators.md its origin.
+    """How a busy computer delivers images: busy_computer.py has the equations, docs/benchmark-estimators.md the origin.
 
-    Figures are those of 15 runs of `stillarm demo` in real time on a machine of two cores, half of them beside a second
-    demo. Times in seconds.
+    The figures come from 15 runs of `stillarm demo` in real time on a machine with two cores, half of them next to a
+    second demo. Times in seconds.
     """
 
-    earliest_s: float = (
-        0.050  # no image is handed over sooner after mid-exposure: exposure, read-out, transfer
-    )
-    mean_std_s: float = 0.005  # of a trial's mean delay about delay_s
-    scheduling_s: float = 0.004  # mean of what scheduling adds to each image, gamma of shape 2
-    service_s: float = 0.004  # tracking and network: least time from one image to the next
-    service_tail_s: float = 0.001  # mean of what comes on top, exponential
+    earliest_s: float = 0.050  # earliest delivery after mid-exposure: exposure, read-out, transfer
+    mean_std_s: float = 0.005  # of a trial's mean delay around delay_s
+    scheduling_s: float = 0.004  # mean scheduling delay of each image, gamma of shape 2
+    service_s: float = 0.004  # tracking and network: shortest time from one image to the next
+    service_tail_s: float = 0.001  # mean of the additional time, exponential
     stalls_per_s: float = (
-        0.2  # the process does not run at all: 0.11 a second in the quiet runs, 1.1 in the others
+        0.2  # intervals without processor time: 0.11 per second in the quiet runs, 1.1 in the others
     )
     stall_s: tuple[float, float] = (0.02, 0.09)
-    started_behind_s: tuple[float, float] = (0.025, 0.1)  # by how much the first image waits
-    warm_frames: tuple[int, int] = (8, 25)  # the first images, served at the rate at which they come
-    warm_up_frames: float = 8.0  # then service becomes faster, with this constant
-    buffers: int = 6  # images that wait; more are lost
-    in_flight: int = 4  # n_i is the time at which the image this many earlier was done
+    started_behind_s: tuple[float, float] = (0.025, 0.1)  # wait of the first image
+    warm_frames: tuple[int, int] = (8, 25)  # the first images, served at the rate of their arrival
+    warm_up_frames: float = 8.0  # time constant, in frames, with which service then becomes faster
+    buffers: int = 6  # waiting images; more are lost
+    in_flight: int = 4  # n_i is the end of the image this many frames earlier
 
 
 @dataclass(frozen=True)
 class Regime:
-    """How frames are exposed and how late they come. All times in seconds; laws are Gaussian unless said otherwise.
+    """How frames are exposed and delayed. All times in seconds; distributions are Gaussian unless stated otherwise.
 
-    Exposure (mid) of frame k: e_k = t0 + k T (1 + skew) + sum of k steps of trigger_walk_s + u_k; u_k follows the
-    law of the delay where the camera is triggered and is zero in freerun. Delay at reading: delay_s + slow part
+    Exposure (mid) of frame k: e_k = t0 + k T (1 + skew) + sum of k steps of trigger_walk_s + u_k; u_k has the
+    distribution of the delay if the camera is triggered and is zero in freerun. Delay at reading: delay_s + slow part
     (first-order Gauss-Markov, drift_s, DRIFT_TIME_S) + white part (jitter_s), frames kept in order, read in the next
     cycle. started = e_k - half a frame - offset - white part (offset_s uniform over half a frame, once a trial), kept
     within the frame before mid-exposure. stamped: the camera's own clock, unknown offset and rate, noise stamp_s.
-    busy: replaces the laws of delay and n_i by those of a busy computer, but for the slow part of the delay.
+    busy: replaces the distributions of delay and n_i by those of a busy computer, except the slow part of the delay.
     """
 
     name: str
@@ -92,7 +90,7 @@ class Regime:
     triggered: bool = False
     stamped: bool = False
     delay_s: float = 0.074
-    delay_prior_s: float = VARIATION_S  # how well the mean delay is known beforehand, for the bound
+    delay_prior_s: float = VARIATION_S  # prior standard deviation of the mean delay, for the bound
     skew_ppm: float = 100.0  # largest, uniform; of the frame clock and of the stamps
     trigger_walk_s: float = 0.0
     started_white_s: float = FRAME_S / 4.0
@@ -124,11 +122,11 @@ REGIMES: dict[str, Regime] = {
 }
 REGIMES["live"] = Regime(
     "live", drift_s=0.005, busy=Busy()
-)  # last: a regime's place is part of its trials' seeds
+)  # last, since a regime's index is part of its trials' seeds
 
 
 def regimes_named(names: list[str] | None) -> list[Regime]:
-    """The regimes of those names, all of them for None. Raises UserError for an unknown one."""
+    """The regimes with those names, or all for None. Raises UserError for an unknown name."""
     for name in names or ():
         if name not in REGIMES:
             raise UserError(f"regime {name!r}: unknown; use one of {', '.join(REGIMES)}")

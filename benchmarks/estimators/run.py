@@ -1,4 +1,4 @@
-"""`stillarm benchmark estimators`: the three tables, trial by trial on all cores, and the pictures."""
+"""`stillarm benchmark estimators`: computes the three tables, with trials on all cores, and draws the pictures."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -34,7 +34,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Campaign:
-    """What is to be run. tables: some of TABLES; conditions: of the third table."""
+    """What to run. tables: some of TABLES; conditions: of the third table."""
 
     trials: int
     seed: int
@@ -76,7 +76,7 @@ class Campaign:
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the whole to be run; None: all of it. rows: conditions of the third table."""
+    """A part of the benchmark; None: everything. rows: conditions of the third table."""
 
     methods: Sequence[str] | None = None
     regimes: Sequence[str] | None = None
@@ -88,8 +88,8 @@ class Part:
 def campaign(trials: int, seed: int, part: Part = Part(), quick: bool = False) -> Campaign:
     """The whole campaign or a part of it; `quick`: the first table's middle noise in three regimes, 12 s a trial.
 
-    Rows ask for the third table, regimes or noises without tables for the first. Raises UserError for an unknown name
-    or for no trials.
+    Rows select the third table; regimes or noises without tables select the first. Raises UserError for an unknown
+    name or for no trials.
     """
     if trials < 1:
         raise UserError(f"--trials {trials}: at least 1")
@@ -115,9 +115,9 @@ def campaign(trials: int, seed: int, part: Part = Part(), quick: bool = False) -
 
 
 def run(what: Campaign, progress: Progress = lambda done: None, workers: int | None = None) -> dict[str, Any]:
-    """Run it; the result of the contract, with the tables `damping` and `conditions`, and `comparisons`, beside `rows`.
+    """Run a campaign. Returns `rows` of the contract, with the tables `damping` and `conditions`, and `comparisons`.
 
-    Its numbers do not depend on `workers` (default: one a core), but for the microseconds.
+    The results do not depend on `workers` (default: one per core), except the microseconds.
     """
     regimes_named(list(what.regimes))
     results = _run_all(what.jobs(), progress, workers or os.cpu_count() or 1)
@@ -148,19 +148,19 @@ def _run_all(jobs: list[AnyJob], progress: Progress, workers: int) -> list[AnyRe
                 results[futures[future]] = future.result()
                 progress(done / len(jobs))
         finally:
-            pool.shutdown(cancel_futures=True)  # an interrupted campaign ends with the trials under way
+            pool.shutdown(cancel_futures=True)  # an interrupted campaign ends with the running trials
     return [results[index] for index in range(len(jobs))]
 
 
 def run_job(job: AnyJob) -> AnyResult:
-    """One trial of whichever table."""
+    """Run one trial of any table."""
     if isinstance(job, Job):
         return judge(job)
     return damp(job) if isinstance(job, DampingJob) else withstand(job)
 
 
 def draw(result: dict[str, Any], what: Campaign, folder: Path) -> list[Path]:
-    """Write the pictures into `folder`; returns their paths."""
+    """Write the pictures into `folder`. Returns their paths."""
     from benchmarks.estimators.figures import draw_errors_against_noise, draw_predictions
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Rows of the third table in which a method begins, or begins again: each with figures of its own for that time."""
+"""Rows of the third table in which a method starts or restarts, with separate figures for that time."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -22,8 +22,8 @@ from benchmarks.estimators.trial import Mask, Said
 
 Values = NDArray[np.float64]
 REGIMES_STARTED = ("freerun drift", "triggered drift", "live")
-_AT_S = 15.0  # of what happens on the way
-_BEGINS_S = 2.0  # how long a start lasts
+_AT_S = 15.0  # time of an event in mid-run
+_BEGINS_S = 2.0  # duration of a start
 _AFTER_GAP_S = 10.0
 _RESTART_S = 2.0  # from the old supervisor's last image to the new one's first
 _NOMINAL_DELAY_S = 0.074
@@ -37,7 +37,7 @@ FIGURES = (
 
 @dataclass(frozen=True)
 class During:
-    """Figures of the time in question; errors are fractions of the nominal amplitude, `unanswered` counts as zero."""
+    """Figures of the start, as fractions of the nominal amplitude. Unanswered cycles count as a prediction of zero."""
 
     error_mean_during: float
     error_max_during: float
@@ -77,7 +77,7 @@ def within(spans: list[Span], time_s: Values) -> Mask:
 
 
 def _from_the_first(data: Data) -> list[Span]:
-    """From the first motion of an arm at rest."""
+    """The span after the first motion of an arm at rest."""
     begun = float(data.motion.start_s[1])
     return [(begun, begun + _BEGINS_S)]
 
@@ -87,7 +87,7 @@ def _forced(data: Data) -> list[Span]:
 
 
 def _without_images(lasts_s: float, restarted: bool = False) -> Condition:
-    """No image is exposed for a time. restarted: those that follow are a new supervisor's, with another zero."""
+    """No image is exposed for a time. restarted: the images after it come from a new supervisor, with another zero."""
 
     def lose(data: Data, random: np.random.Generator) -> Data:
         exposed = data.frames.exposed_s
@@ -104,7 +104,7 @@ def _without_images(lasts_s: float, restarted: bool = False) -> Condition:
     ends = begins + lasts_s
     return Condition(
         duration_s=ends + _AFTER_GAP_S,
-        from_s=ends + (AFTER_BLOW_S if restarted else 0.0),  # a method begun anew needs images first
+        from_s=ends + (AFTER_BLOW_S if restarted else 0.0),  # a restarted method needs images first
         change_data=lose,
         during=lambda data: [(begins, ends)],
     )

@@ -1,4 +1,4 @@
-"""The first table: every method in every regime at every noise, beside the bound and beside each other."""
+"""The first table: every method in every regime at every noise, compared with the bound and with each other."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
@@ -34,7 +34,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Judged:
-    """What came of a job. scores: by method; failures: by method, what it raised.
+    """Results of a job. scores: by method; failures: by method, what it raised.
 
     bound_s: rms over the scored frames of the posterior standard deviation of the delay; bound_mean_s: its mean;
     bound_deflection: mean absolute error at the bound, as a fraction of the momentary amplitude.
@@ -49,7 +49,7 @@ class Judged:
 
 
 def judge(job: Job) -> Judged:
-    """Draw a trial, run every method over it, and find its bound. A method that raises fails alone."""
+    """Draw a trial, run every method on it, and compute its bound. If a method raises, the others continue."""
     regime, arm = REGIMES[job.regime], Arm()
     seed = job.seed, job.trial, list(REGIMES).index(job.regime)
     data, scale = generate(regime, job.noise, seed, job.duration_s, arm), 1.0 + scale_error(seed)
@@ -57,7 +57,7 @@ def judge(job: Job) -> Judged:
     for name in job.methods:
         try:
             scores[name] = score(data, run_method(name, data, assumed_model(regime, job.noise), scale))
-        except Exception as failure:  # whatever it raises is this method's result and no other's
+        except Exception as failure:  # an exception is the result of this method alone
             failures[name] = f"{type(failure).__name__}: {failure}"
     limit, frames = bound(data), scored_frames(data)
     std = limit.delay_std_s[frames]
@@ -69,9 +69,9 @@ def judge(job: Job) -> Judged:
 
 
 def estimator_rows(judged: Iterable[Judged]) -> list[Row]:
-    """A row for each method, regime and noise: means over the trials, of delay_rms_s and bound_s the rms.
+    """A row for each method, regime and noise: means over the trials, and the rms for delay_rms_s and bound_s.
 
-    ratio: delay_rms_s over bound_s, the least rms error. standard_errors: by figure, None where they cannot be told.
+    ratio: delay_rms_s over bound_s, the smallest possible rms error. standard_errors: by figure, None if unknown.
     """
     rows = []
     for (regime, noise), cell in _cells(judged).items():
@@ -102,7 +102,7 @@ def _figures(cell: list[Judged], name: str) -> Row:
 
 
 def _standard_errors(cell: list[Judged], name: str) -> dict[str, float | None]:
-    """Of the figures over trials, by the jackknife (J. W. Tukey, Ann. Math. Statist. 29, 1958)."""
+    """Standard errors over trials, by the jackknife (J. W. Tukey, Ann. Math. Statist. 29, 1958)."""
     without_one = (
         [_figures(cell[:k] + cell[k + 1 :], name) for k in range(len(cell))] if len(cell) > 1 else []
     )
@@ -116,7 +116,7 @@ def _jackknife(values: list[float | None]) -> float | None:
 
 
 def mean_score(scores: list[Score]) -> Row:
-    """Means of the figures over trials by their names in the table; None where no trial gave one."""
+    """Means of the figures over trials, by their names in the table; None if no trial has the figure."""
     row: Row = {}
     for field in fields(Score):
         values = np.array([getattr(one, field.name) for one in scores])
@@ -137,10 +137,10 @@ def failure_of(failures: Iterable[str | None]) -> str | None:
 
 
 def comparison_rows(judged: Iterable[Judged], ours: str = "fused") -> list[Row]:
-    """`ours` against each other method on the same trials.
+    """Compare `ours` with each other method on the same trials.
 
-    A row for each cell and figure: difference: mean of ours less the other's; standard_error: of that mean over the
-    paired trials; worse: whether it exceeds two of them. Empty where `ours` is not among the methods.
+    A row for each cell and figure. difference: mean of ours minus the other's; standard_error: of that mean over the
+    paired trials; worse: whether it exceeds two standard errors. Empty if `ours` is not among the methods.
     """
     rows = []
     for (regime, noise), cell in _cells(judged).items():

@@ -1,4 +1,4 @@
-"""One trial of one method: the controller's own step on the generator's data, scored against the truth."""
+"""One trial of one method: runs the controller's own step on the generator's data, and scores it against the truth."""
 
 from dataclasses import dataclass
 from math import hypot, nan
@@ -31,12 +31,12 @@ Mask = NDArray[np.bool_]
 LAST_S = 10.0
 LENGTH_M = 2.0
 SCALE_PX_PER_M = 800.0
-_ANSWERED_CYCLES = 20
+_ANSWERED_CYCLES = 20  # cycles within which a method dates a frame
 
 
 @dataclass(frozen=True)
 class Answers:
-    """What a method said. Shapes (cycles,), and (frames,) for delays: controller.frame_delays."""
+    """A method's estimates. Shapes (cycles,), and (frames,) for delays: controller.frame_delays."""
 
     deflection_m: Values
     deflection_std_m: Values
@@ -47,10 +47,10 @@ class Answers:
 
 @dataclass(frozen=True)
 class Score:
-    """Figures of one trial; errors of the deflection are fractions of the momentary amplitude unless said otherwise.
+    """Figures of one trial. Errors of the deflection are fractions of the momentary amplitude.
 
-    The first seven are from SETTLING_S on and leave out AFTER_BLOW_S behind each blow; *_all leave out nothing after
-    SETTLING_S; error_last: mean over the last LAST_S; unanswered: share of cycles without a finite prediction, each
+    The first seven start at SETTLING_S and exclude AFTER_BLOW_S after each impact; *_all include everything after
+    SETTLING_S; error_last: mean over the last LAST_S; unanswered: fraction of cycles without a finite prediction, each
     of which counts as a prediction of zero.
     """
 
@@ -70,8 +70,9 @@ class Score:
 
 
 def assumed_model(regime: Regime, noise: float, arm: Arm | None = None) -> Model:
-    """What a commissioned rig would tell the method: the true parameters, but for the delay only its mean and spread;
-    and how well the sensors' scales are known, from which they differ by `scale_error`.
+    """The model of a commissioned rig: the true parameters, and for the delay only its mean and spread.
+
+    It states how well the sensors' scales are known; their actual error is `scale_error`.
     """
     arm = Arm() if arm is None else arm
     w = arm.angular_frequency
@@ -100,7 +101,7 @@ def assumed_model(regime: Regime, noise: float, arm: Arm | None = None) -> Model
 
 
 def scale_error(seed: tuple[int, ...]) -> float:
-    """Error of the image's scale relative to the accelerometer's, as a trial's commissioning has left it."""
+    """Error of the image scale relative to the accelerometer's that remains after a trial's commissioning."""
     std = hypot(CAMERA_SCALE_STD, ACCELEROMETER_SCALE_STD)
     return std * float(np.random.default_rng((*seed, 2)).standard_normal())
 
@@ -127,9 +128,9 @@ def visual_sample(frames: Frames, frame: int, seen_m: float, arm: Arm) -> Visual
 
 
 def samples_by_cycle(data: Data, scale_factor: float = 1.0) -> dict[int, list[VisualSample]]:
-    """The trial's frames by the cycle that reads them. scale_factor: of the true image scale over the assumed one.
+    """The trial's frames by the cycle that reads them. scale_factor: true image scale over the assumed one.
 
-    A frame counter that goes back is that of a supervisor which was started anew.
+    A frame counter that goes back means that the supervisor was restarted.
     """
     samples: dict[int, list[VisualSample]] = {}
     before = -1
@@ -144,7 +145,7 @@ def samples_by_cycle(data: Data, scale_factor: float = 1.0) -> dict[int, list[Vi
 
 
 def run_method(name: str, data: Data, model: Model, scale_factor: float = 1.0) -> Answers:
-    """Run a method over a trial with the joint at rest. Raises what the method raises."""
+    """Run a method on a trial with the joint at rest. Raises what the method raises."""
     controller = Controller(model, Settings(method=name, arm_at_start=True), "the benchmark's model")
     samples = samples_by_cycle(data, scale_factor)
     acceleration: list[float] = data.acceleration_m_s2.tolist()
@@ -164,14 +165,14 @@ def run_method(name: str, data: Data, model: Model, scale_factor: float = 1.0) -
 
 
 def swinging_cycles(data: Data, from_s: float) -> Mask:
-    """The cycles from a time on in which the arm rings freely, not at rest, not in a hand. Shape (cycles,)."""
+    """The cycles from a time on in which the arm rings freely, neither at rest nor held. Shape (cycles,)."""
     time_s = cycle_times(len(data.deflection_m))
     swinging: Mask = (time_s >= from_s) & (data.amplitude_m > 0.0)
     return swinging & ~forced_cycles(data)
 
 
 def forced_cycles(data: Data) -> Mask:
-    """The cycles in which a force lasts that is no blow. Shape (cycles,)."""
+    """The cycles under a force that is not an impact. Shape (cycles,)."""
     time_s = cycle_times(len(data.deflection_m))
     forced = np.zeros(len(time_s), np.bool_)
     for begin, end in data.motion.forced_s:
@@ -180,7 +181,7 @@ def forced_cycles(data: Data) -> Mask:
 
 
 def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
-    """The cycles that count: settled, swinging, and no blow within the last AFTER_BLOW_S. Shape (cycles,)."""
+    """The scored cycles: settled, ringing, and no impact within the last AFTER_BLOW_S. Shape (cycles,)."""
     time_s = cycle_times(len(data.deflection_m))
     scored = swinging_cycles(data, from_s)
     for blow in data.motion.blows_s:
@@ -190,9 +191,9 @@ def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
 
 
 def scored_frames(data: Data, from_s: float = SETTLING_S) -> Mask:
-    """The frames that count: read in a scored cycle, the last one where a cycle reads several. Shape (frames,).
+    """The scored frames: read in a scored cycle, and only the last of several in a cycle. Shape (frames,).
 
-    Of those read in the last cycles a method may not have had the time to say anything.
+    Frames of the last cycles are excluded, since a method may not have had time to date them.
     """
     read = data.frames.read_cycle
     newest: Mask = np.append(read[1:] != read[:-1], True)
@@ -209,7 +210,7 @@ def score(data: Data, answers: Answers, from_s: float = SETTLING_S) -> Score:
 
 
 def said_of(data: Data, answers: Answers) -> "Said":
-    """Truth and claim of a trial; the unit is the momentary amplitude."""
+    """Truth and estimates of a trial; the unit is the momentary amplitude."""
     return Said(
         data.deflection_m, answers.deflection_m, answers.deflection_std_m, data.amplitude_m,
         answers.delay_s - data.frames.delay_s, answers.delay_std_s,
@@ -218,7 +219,7 @@ def said_of(data: Data, answers: Answers) -> "Said":
 
 @dataclass(frozen=True)
 class Said:
-    """Truth and claim: shape (cycles,), the last two (frames,). unit_m: what errors are fractions of."""
+    """Truth and estimates: shape (cycles,), the last two (frames,). unit_m: denominator of relative errors."""
 
     deflection_m: Values
     predicted_m: Values
@@ -231,11 +232,13 @@ class Said:
 def score_of(
     said: Said, cycles: Mask, late: Mask, frames: Mask, times_us: tuple[float, float] = (nan, nan)
 ) -> Score:
-    """Judge what was said in the scored `cycles` and `frames`; `late`: all cycles after settling."""
+    """Score the estimates in `cycles` and `frames`. late: all cycles after settling."""
     known = np.isfinite(said.predicted_m)
     predicted = np.where(known, said.predicted_m, 0.0)
     error = predicted - said.deflection_m
-    with np.errstate(divide="ignore", invalid="ignore"):  # an arm at rest, which is not scored
+    with np.errstate(
+        divide="ignore", invalid="ignore"
+    ):  # division by zero for an arm at rest, which is not scored
         relative = np.abs(error) / said.unit_m
     last = cycles.copy()
     last[: -round(LAST_S / CYCLE_S)] = False

@@ -1,4 +1,4 @@
-"""What a bad network, or a bad actor on it, makes of a datagram. Pure: bytes in, bytes with delays out."""
+"""The effect of a bad network or an attacker on a datagram. Pure: bytes in, bytes with delays out."""
 
 import random
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ _REMEMBERED = 2000
 
 @dataclass(frozen=True)
 class LinkFault:
-    """Each datagram's chances, and delays in seconds. All zero: a perfect link.
+    """Probabilities for each datagram, and delays in seconds. All zero: a perfect link.
 
-    reorder: chance to be held back for reorder_s; corrupt: to have a bit changed; truncate, oversize: to be cut, to be
-    padded. replay: datagrams of the past that are sent along with each; forge: datagrams of one's own making.
+    reorder: probability of a delay by reorder_s; corrupt: of a changed bit; truncate, oversize: of a cut, of padding.
+    replay: number of past datagrams sent along with each one; forge: number of forged datagrams.
     """
 
     drop: float = 0.0
@@ -37,7 +37,7 @@ PERFECT = LinkFault()
 def faulty_link(
     fault: LinkFault, data: bytes, past: list[bytes], rng: random.Random
 ) -> list[tuple[float, bytes]]:
-    """The datagrams that arrive in place of `data`, each with its delay, s; `past`: what was ever on the link."""
+    """The datagrams that arrive in place of `data`, each with its delay, s. past: earlier datagrams of the link."""
     arriving: list[tuple[float, bytes]] = []
     copies = 0 if rng.random() < fault.drop else 2 if rng.random() < fault.duplicate else 1
     for _ in range(copies):
@@ -65,7 +65,7 @@ def _damaged(fault: LinkFault, data: bytes, rng: random.Random) -> bytes:
 
 
 def forged(data: bytes, rng: random.Random) -> bytes:
-    """What someone without the key can make: noise, a true datagram with other contents, or one signed otherwise."""
+    """A datagram that needs no key: noise, a true datagram with other contents, or one signed with another key."""
     how = rng.randrange(4)
     if how == 0:
         return rng.randbytes(rng.randrange(1, 200))
@@ -82,7 +82,7 @@ def forged(data: bytes, rng: random.Random) -> bytes:
 
 
 class Wire:
-    """One direction of a link in virtual time: datagrams in, and out again when they arrive."""
+    """One direction of a link in virtual time: takes datagrams, and returns them when they arrive."""
 
     def __init__(self, seed: int) -> None:
         """A perfect link, until `fault` is set."""
@@ -111,7 +111,7 @@ class Wire:
             self._flying.append((now_s + delay, self._count, arrived))
 
     def arrived(self, now_s: float) -> list[bytes]:
-        """What has arrived by a time, in its order."""
+        """The datagrams that have arrived by a time, in order."""
         if not self._flying:
             return []
         here = sorted(entry for entry in self._flying if entry[0] <= now_s)

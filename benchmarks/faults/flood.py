@@ -23,7 +23,7 @@ _REFUSED = ("forged", "malformed", "foreign_version", "unexpected", "unproven", 
 def run(
     duration_s: float, seed: int, progress: Callable[[float], None] = lambda done: None
 ) -> dict[str, Any]:
-    """Half of `duration_s` quiet, all of it flooded, half of it quiet; raises UserError when the rig does not run."""
+    """Run `duration_s` / 2 quietly, `duration_s` flooded, `duration_s` / 2 quietly. Raises UserError on failure."""
     with tempfile.TemporaryDirectory(prefix="stillarm-flood-") as folder:
         rig = LiveRig(Path(folder), seed)
         try:
@@ -49,7 +49,7 @@ def _measure(
 ) -> tuple[list[dict[str, Any]], int]:
     name = block_name(rig.process_id("controller"))
     if name is None:
-        raise UserError("benchmark flood: the controller shows no counters; does another version run?")
+        raise UserError("benchmark flood: the controller has no counters; is another version running?")
     block = LoopBlock(name, create=False)
     try:
         rig.proxy.pump(_SETTLE_S)
@@ -82,7 +82,7 @@ def _window(name: str, rig: LiveRig, block: LoopBlock, duration_s: float) -> dic
 
 
 def damping_share(recording: Recording, from_s: float, to_s: float) -> float:
-    """Share of a span of monotonic time's recorded cycles in which the damping acted; 0 without cycles."""
+    """Fraction of the recorded cycles in a span of monotonic time in which the damping acted; 0 without cycles."""
     estimates, origin_s = recording.columns("/estimate"), recording.header.origin_monotonic_s
     times = np.asarray(estimates["time_s"]) + origin_s
     status = np.asarray(estimates["damping_status"])[(times >= from_s) & (times < to_s)]
@@ -90,13 +90,13 @@ def damping_share(recording: Recording, from_s: float, to_s: float) -> float:
 
 
 def refused_counts(recording: Recording) -> dict[str, int]:
-    """What became of all that was not taken in the whole run, by name; the last second of the run is not in it."""
+    """Number of refused datagrams in the whole run by reason, without the last second."""
     link = recording.columns("/link")
     return {name: int(link[name][-1]) for name in _REFUSED if len(link[name])}
 
 
 def verdict(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Misses of the flood at most twice those of as long a quiet time; damping goes on as it does in the quiet."""
+    """Required: at most twice the misses of an equally long quiet time, and damping as in the quiet time."""
     before, during, after = rows
     asked = (
         ("missed in the flood", during["missed"], 2 * (before["missed"] + after["missed"]), True),

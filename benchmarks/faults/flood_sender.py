@@ -1,4 +1,4 @@
-"""Whoever floods: sends given datagrams again and again at a rate, from another process, off the loop's processor."""
+"""Sends given datagrams repeatedly at a given rate, from a separate process on another processor than the loop's."""
 
 import json
 import random
@@ -22,8 +22,9 @@ _PAUSE_S = 0.0005
 def start_flood(
     true: list[bytes], port: int, rate_hz: float, duration_s: float, seed: int
 ) -> "subprocess.Popen[bytes]":
-    """Flood a port of this computer, with what someone who has seen the `true` datagrams makes of them: noise, other
-    keys, true beginnings with false tags, changed bytes.
+    """Flood a port of this computer with forgeries of the `true` datagrams.
+
+    Forgeries: noise, other keys, valid beginnings with false tags, changed bytes.
     """
     rng = random.Random(seed)
     datagrams = [forged(rng.choice(true), rng) for _ in range(_FORGERIES)]
@@ -39,15 +40,15 @@ def start_flood(
 
 
 def sent_by(process: "subprocess.Popen[bytes]", timeout_s: float = 30.0) -> int:
-    """Wait until the flood has ended; how many datagrams it was. Raises UserError when its process failed."""
+    """Wait until the flood has ended. Returns the number of datagrams. Raises UserError if its process failed."""
     told = process.communicate(timeout=timeout_s)[0]
     if process.returncode != 0:
-        raise UserError("the flood's sender failed; what it said on standard error tells why")
+        raise UserError("the flood's sender failed; see its standard error")
     return int(json.loads(told)["sent"])
 
 
 def send(address: tuple[str, int], datagrams: list[bytes], rate_hz: float, duration_s: float) -> int:
-    """Send for so long; returns how many went out. Behind the rate, it catches up."""
+    """Send for a duration. Returns the number of datagrams. Catches up when it is behind the rate."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         sent, began = 0, time.monotonic()
         while (passed := time.monotonic() - began) < duration_s:
@@ -59,8 +60,8 @@ def send(address: tuple[str, int], datagrams: list[bytes], rate_hz: float, durat
 
 
 def main(host: str, port: int, rate_hz: float, duration_s: float) -> int:
-    """Datagrams come on standard input, as a msgpack array; how many were sent goes to standard output."""
-    leave_it_to_the_loop()  # as the sender would be another computer
+    """Read datagrams from standard input as a msgpack array; print the number of datagrams sent."""
+    leave_it_to_the_loop()  # a real attacker would be another computer
     datagrams = msgspec.msgpack.decode(sys.stdin.buffer.read(), type=list[bytes])
     print(json.dumps({"sent": send((host, port), datagrams, rate_hz, duration_s)}), flush=True)
     return 0

@@ -1,19 +1,19 @@
-"""What must hold whatever is injected: limits, stillness without grounds, and that everything comes back.
+"""Requirements under every fault: limits, no motion without grounds, and recovery afterwards.
 
-The judge looks at the commands that the drive's side follows, at its instants; it knows nothing of the controller.
+The judge reads the commands that the drive's side follows, at its instants. It uses nothing of the controller.
 """
 
 from dataclasses import dataclass, field
 from math import isfinite
 
 GRACE_S = 0.2
-"""From when a command's grounds are gone until it must be zero."""
+"""Time from the loss of a command's grounds until it must be zero."""
 _ZERO_RAD_S = 1e-12
 
 
 @dataclass(frozen=True)
 class Trace:
-    """Commands that the drive followed, rad/s, and when; s, from the fault's beginning."""
+    """Commands that the drive followed, rad/s, and their times from the fault's beginning, s."""
 
     times_s: list[float]
     commands_rad_s: list[float]
@@ -21,7 +21,7 @@ class Trace:
 
 @dataclass
 class Verdict:
-    """Of one injection. reaction_s: until the command was zero for good, where its grounds were gone; else None."""
+    """Result of one injection. reaction_s: time until the command stayed zero, if its grounds were gone; else None."""
 
     kind: str
     reaction_s: float | None = None
@@ -41,14 +41,13 @@ def judge(
 ) -> Verdict:
     """Judge one injection.
 
-    limit_rad_s: the drive's largest velocity. groundless_s: from when to when the command had nothing to rest
-    on; None if it had throughout. back_by_s: when it must have been other than zero again; None where it need
-    not be.
+    limit_rad_s: the drive's largest velocity. groundless_s: interval in which the command had no grounds; None
+    if it always had. back_by_s: time by which it must be non-zero again; None if not required.
     """
     verdict = Verdict(kind, messages_lost=messages_lost)
     for time_s, command in zip(trace.times_s, trace.commands_rad_s, strict=True):
         if not isfinite(command) or abs(command) > limit_rad_s * (1.0 + 1e-9):
-            verdict.violations.append(f"command of {command} rad/s at {time_s:.3f} s: beyond its limits")
+            verdict.violations.append(f"command of {command} rad/s at {time_s:.3f} s: beyond the limits")
             break
     verdict.command_max = max((abs(c) for c in trace.commands_rad_s if isfinite(c)), default=0.0)
     if groundless_s is not None:
@@ -71,13 +70,13 @@ def _judge_stillness(verdict: Verdict, trace: Trace, from_s: float, to_s: float)
     last = max(moving, default=from_s)
     if last > from_s + GRACE_S:
         verdict.violations.append(
-            f"still commanded {last - from_s:.3f} s after the grounds went; {GRACE_S:g} s is allowed"
+            f"still commanded {last - from_s:.3f} s after the loss of its grounds; {GRACE_S:g} s is allowed"
         )
     return last - from_s
 
 
 def table(verdicts: list[Verdict]) -> dict[str, object]:
-    """The result of a campaign: one row for each kind, in order of appearance."""
+    """The result of a campaign, with one row for each kind, in order of appearance."""
     kinds = list(dict.fromkeys(v.kind for v in verdicts))
     rows = []
     for kind in kinds:

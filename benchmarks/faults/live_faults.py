@@ -1,4 +1,4 @@
-"""The faults that are injected into the real processes, in real time."""
+"""The faults for the real processes, in real time."""
 
 import random
 import resource
@@ -17,17 +17,17 @@ from drivers.emulation.shared_registers import Failure
 
 LAST_SECOND_S = 1.0
 _FLOOD_S = 2.0
-_AFTER_S = 1.0  # what follows the first command is judged, too
-_BACK_WITHIN_S = 12.0  # a process that starts anew loads its libraries first
+_AFTER_S = 1.0  # the time after the first command is judged, too
+_BACK_WITHIN_S = 12.0  # a restarted process first loads its libraries
 
 Act = Callable[[LiveRig], None]
 
 
 @dataclass(frozen=True)
 class LiveFault:
-    """As VirtualFault. restart: the process that its service starts again when the fault is over.
+    """As VirtualFault. restart: the process that is restarted when the fault is over.
 
-    recording: whether what was recorded is judged: it ends with the fault ("cut"), or goes on ("whole").
+    recording: if not empty, the recording is judged: it ends with the fault ("cut") or is complete ("whole").
     """
 
     begin: Act
@@ -39,7 +39,7 @@ class LiveFault:
 
 
 def _nothing(rig: LiveRig) -> None:
-    """Nothing is to be done."""
+    """Do nothing."""
 
 
 def _links(**faults: LinkFault) -> tuple[Act, Act]:
@@ -111,7 +111,7 @@ FAULTS: dict[str, LiveFault] = {
 
 
 def run_live_fault(kind: str, rig: LiveRig, rng: random.Random) -> Verdict:
-    """Inject one fault into a rig that damps, and judge it. Raises UserError when the rig does not come back."""
+    """Inject one fault into a damped rig, and judge the result. Raises UserError if the rig does not recover."""
     fault = FAULTS[kind]
     rig.proxy.pump(rng.uniform(0.5, 1.0))
     log = rig.log_size("controller")
@@ -122,12 +122,12 @@ def run_live_fault(kind: str, rig: LiveRig, rng: random.Random) -> Verdict:
     fault.end(rig)
     problems: list[str] = []
     lost = 0
-    if fault.recording == "cut":  # the controller goes on; it ends in order, and says what is missing
+    if fault.recording == "cut":  # the controller continues, ends in order, and reports what is missing
         rig.signal("controller", signal.SIGTERM)
         if rig.wait("controller") != 0:
             problems.append("the controller did not end in order")
         if "recover" not in rig.said_since("controller", log):
-            problems.append("nothing said that the recording is not complete")
+            problems.append("no message says that the recording is incomplete")
     elif fault.restart:
         rig.wait(fault.restart)
     if fault.recording:
@@ -153,8 +153,8 @@ def run_live_fault(kind: str, rig: LiveRig, rng: random.Random) -> Verdict:
 
 
 def _judge_recording(rig: LiveRig, fault_s: float) -> tuple[list[str], int]:
-    """What is missing of it before the fault: violations, and how many cycles."""
-    time.sleep(0.5)  # a recorder whose daemon was killed still completes its file
+    """The part before the fault that the recording misses: violations, and the number of cycles."""
+    time.sleep(0.5)  # a recorder completes its file even after its daemon was killed
     recording = open_recording(rig.recording)
     times = recording.columns("/fast")["time_s"]
     last_s = recording.header.origin_monotonic_s + float(times[-1]) if len(times) else float("-inf")

@@ -1,4 +1,4 @@
-"""The real processes under attack: rig, supervisor and controller, with a proxy on every link between them."""
+"""The real processes under fault injection: rig, supervisor and controller, with a proxy on every link."""
 
 import contextlib
 import os
@@ -26,14 +26,14 @@ _STRIKE_EVERY_S = 0.4
 _LONGEST_S = 3600.0
 _READY_WITHIN_S = 40.0
 _STOP_WITHIN_S = 20.0
-_PROXY_PRIORITY = 20  # far below the controller's
+_PROXY_PRIORITY = 20  # SCHED_FIFO, far below the controller's
 
 
 class LiveRig:
-    """The three processes of a demo. Each start of the controller records into a file of its own."""
+    """The three processes of a demo. Each start of the controller records into a new file."""
 
     def __init__(self, folder: Path, seed: int) -> None:
-        """Start them, and wait until the joint is commanded. Raises UserError when that does not come about."""
+        """Start the processes, and wait until the joint is commanded. Raises UserError if that does not happen."""
         self.folder = folder
         _, configuration, _ = write_demo_configuration(folder, 600.0, seed)
         self.model = load_model(folder / "model.toml")
@@ -68,7 +68,7 @@ class LiveRig:
             f"duration_s = {_LONGEST_S}\nstrikes = [{strikes}]\ndamping = [{{on_s = 0.0, off_s = {2 * _LONGEST_S}}}]\n"
         )
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
-        # What passes datagrams on must not be what delays them; the processes that it starts are ordinary ones.
+        # The proxy must not delay datagrams; the processes that it starts have ordinary priority.
         run_fifo(_PROXY_PRIORITY)
         self.recordings = 0
         self.flood: subprocess.Popen[bytes] | None = None
@@ -91,11 +91,11 @@ class LiveRig:
 
     @property
     def recording(self) -> Path:
-        """The recording of the controller that runs, or ran last."""
+        """The recording of the present or last controller."""
         return self.folder / f"recording{self.recordings}.mcap"
 
     def start(self, name: str) -> None:
-        """Start a process, as its service would."""
+        """Start a process as its service would."""
         words = [name, "--config", str(self.folder / f"{name}.toml")]
         if name == "controller":
             self.proxy.forget()
@@ -107,11 +107,11 @@ class LiveRig:
                 *words,
                 stdout=log,
                 stderr=log,
-                preexec_fn=ended_with_parent(),  # no thread runs, and it calls the kernel only
+                preexec_fn=ended_with_parent(),  # safe: no thread runs, and it only calls the kernel
             )
 
     def await_command(self, within_s: float = _READY_WITHIN_S) -> float:
-        """Pass datagrams on until the joint is commanded to move; returns how long that took. Raises UserError."""
+        """Pass datagrams on until the joint is commanded to move. Returns the time that took. Raises UserError."""
         began = time.monotonic()
         while time.monotonic() < began + within_s:
             before = len(self.proxy.seen)
@@ -131,7 +131,7 @@ class LiveRig:
         os.kill(self.process_id(name), number)
 
     def process_id(self, name: str) -> int:
-        """Of a process or of a child."""
+        """Process id of a process or of a child."""
         parent, _, child = name.partition("/")
         process = self._processes[parent].pid
         if not child:
@@ -145,7 +145,7 @@ class LiveRig:
         raise UserError(f"benchmark faults: {name} does not run")
 
     def wait(self, name: str) -> int:
-        """Pass datagrams on until a process has ended; its exit status. Raises UserError when it does not end."""
+        """Pass datagrams on until a process has ended. Returns its exit status. Raises UserError if it does not end."""
         process = self._processes[name]
         deadline = time.monotonic() + _STOP_WITHIN_S
         while (status := process.poll()) is None:
@@ -155,7 +155,7 @@ class LiveRig:
         return status
 
     def stop(self, name: str) -> None:
-        """Ask a process to stop, and wait until it has. Raises UserError when it does not."""
+        """Ask a process to stop, and wait for it. Raises UserError if it does not stop."""
         self.signal(name, signal.SIGTERM)
         self.wait(name)
 
@@ -164,29 +164,32 @@ class LiveRig:
         return self._processes[name].poll() is None
 
     def fail_accelerometer(self, failure: Failure) -> None:
-        """What the rig's emulator would do by itself."""
+        """Set a failure in the rig's emulated accelerometer."""
         block = SharedBlock(self.bus_name, create=False)
         block.buffer[_FAILURE_AT] = failure
         block.close()
 
     def last_words(self, name: str) -> str:
-        """The last line of a process's log, but for the statistics of each second."""
+        """The last line of a process's log, without the statistics of each second."""
         with contextlib.suppress(OSError):
             lines = (self.folder / f"{name}.log").read_text(errors="replace").strip().splitlines()
             told = [line for line in lines if '"event":"loop"' not in line]
-            return told[-1] if told else "it said nothing"
-        return "it said nothing"
+            return told[-1] if told else "its log is empty"
+        return "its log is empty"
 
     def log_size(self, name: str) -> int:
-        """How much a process has said so far, bytes."""
+        """Size of a process's log, bytes."""
         return (self.folder / f"{name}.log").stat().st_size
 
     def said_since(self, name: str, size: int) -> str:
-        """What a process has said since."""
+        """The part of a process's log after `size` bytes."""
         return (self.folder / f"{name}.log").read_bytes()[size:].decode(errors="replace")
 
     def trace(self, from_s: float, to_s: float) -> Trace:
-        """What the drive followed, every millisecond of a span of monotonic time: the last command, for 0.1 s."""
+        """The commands that the drive followed, in each millisecond of a span of monotonic time.
+
+        The drive follows the last command for 0.1 s.
+        """
         seen, times, commands = self.proxy.seen, [], []
         place = max(0, len(seen) - round(3000 * (to_s - from_s)) - 3000)
         last_s, last = float("-inf"), 0.0

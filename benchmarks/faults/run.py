@@ -1,4 +1,4 @@
-"""The campaign: every fault of both tables, each as often as asked, and its result."""
+"""The campaign: every fault of both tables, repeated as requested."""
 
 import random
 import tempfile
@@ -16,7 +16,7 @@ from common.configuration import load_assumed_model, load_configuration
 from common.user_error import UserError
 from simulation.simulated_recording import default_simulation_configuration
 
-_LIVE_SHARE = 4  # one live injection for so many in virtual time
+_LIVE_SHARE = 4  # injections in virtual time for each live one
 
 Progress = Callable[[float], None]
 
@@ -39,7 +39,7 @@ def run(trials: int, seed: int, progress: Progress = lambda done: None) -> dict[
 
 
 def run_live(times: int, seed: int, progress: Progress = lambda done: None) -> list[Verdict]:
-    """The live faults in random order; a rig that does not come back is replaced by a new one."""
+    """Inject the live faults in random order. A rig that does not recover is replaced."""
     rng = random.Random(seed)
     order = [kind for kind in LIVE_FAULTS for _ in range(times)]
     rng.shuffle(order)

@@ -1,4 +1,4 @@
-"""A proxy on the real links, between the processes: spoils what passes, and notes what is commanded."""
+"""A proxy on the real links between the processes. It applies link faults and records commands."""
 
 import contextlib
 import heapq
@@ -18,7 +18,7 @@ _REMEMBERED = 2000
 
 @dataclass
 class _Way:
-    """One direction: what comes in at one socket goes out of another one."""
+    """One direction: datagrams that arrive at one socket leave from another one."""
 
     into: socket.socket
     out: socket.socket
@@ -28,12 +28,12 @@ class _Way:
 
 
 class UdpProxy:
-    """Stands between controller and supervisor, and between controller and gateway; works while pump() runs."""
+    """The proxy between controller and supervisor, and between controller and gateway. It works while pump() runs."""
 
     def __init__(
         self, *, controller_port: int, supervisor_port: int, gateway_port: int, drive_port: int, seed: int
     ) -> None:
-        """The ports at which the processes listen."""
+        """The arguments are the ports on which the processes listen."""
         self._rng = random.Random(seed)
         sockets = [_bound() for _ in range(4)]
         self.supervisor_port, self.controller_port, self.gateway_port, _ = (
@@ -48,10 +48,10 @@ class UdpProxy:
         self._flying: list[tuple[float, int, _Way, bytes]] = []
         self._count = 0
         self.seen: list[tuple[float, float]] = []
-        """Every command that went through, with the monotonic time: s, rad/s."""
+        """Every command that passed, with the monotonic time: s, rad/s."""
 
     def pump(self, seconds: float) -> None:
-        """Pass on what comes, for so long."""
+        """Pass datagrams on for a duration."""
         until = time.monotonic() + seconds
         while (now := time.monotonic()) < until:
             while self._flying and self._flying[0][0] <= now:
@@ -64,7 +64,7 @@ class UdpProxy:
                 self._take(self._ways[ready])
 
     def forget(self) -> None:
-        """Drop whatever waits to be passed on: of a process that has ended, and is about to be started again."""
+        """Drop all waiting datagrams, which come from a process that has ended and is about to be restarted."""
         self._flying.clear()
         for way in self._ways.values():
             with contextlib.suppress(BlockingIOError, ConnectionError):
@@ -94,7 +94,7 @@ class UdpProxy:
                 self.seen.append((time.monotonic(), datagram.body.velocity_rad_s))
         try:
             way.out.sendto(data, way.to)
-        except OSError:  # a datagram that is too long, or nobody there
+        except OSError:  # the datagram is too long, or nobody listens
             return
 
     def close(self) -> None:

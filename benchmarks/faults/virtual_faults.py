@@ -1,4 +1,4 @@
-"""The faults that are injected in virtual time, as a table, and the run of one injection after another."""
+"""The faults in virtual time, as a table, and a function that injects them repeatedly."""
 
 import random
 from collections.abc import Callable
@@ -11,17 +11,17 @@ from common.configuration import Configuration
 from common.model import Model
 from drivers.emulation.shared_registers import Failure
 
-_SETTLE_CYCLES = 2500  # from a start until damping is certain to be on
+_SETTLE_CYCLES = 2500  # from a start until damping is surely on
 
 Act = Callable[[VirtualRig], None]
 
 
 @dataclass(frozen=True)
 class VirtualFault:
-    """What is done at the beginning of a fault and at its end; how long it lasts at the least and the most, s.
+    """The actions at a fault's beginning and end, and its shortest and longest duration, s.
 
-    groundless: whether a command has nothing to rest on meanwhile. late_s: by how much that begins after the fault.
-    images: whether real images are rendered and tracked. back: whether damping must come back after it.
+    groundless: whether a command has no grounds during the fault. images: whether real images are rendered and tracked.
+    back: whether damping must return afterwards.
     """
 
     begin: Act
@@ -31,7 +31,7 @@ class VirtualFault:
     groundless: bool = False
     images: bool = False
     back: bool = True
-    fresh: bool = False  # each injection in a rig of its own
+    fresh: bool = False  # use a new rig for each injection
     back_within_s: float = 1.6
 
 
@@ -123,13 +123,13 @@ FAULTS: dict[str, VirtualFault] = {
     "clock step": VirtualFault(*_set("clock_step_s", 3600.0, -7.0)),
     "damping not allowed": VirtualFault(*_set("damping_allowed", False, True), groundless=True),
 }  # fmt: skip
-"""By name. Dead sensors that leave the damping grounds (an accelerometer: the delay known last) are not groundless."""
+"""Faults by name. A dead accelerometer is not groundless: the damping continues with the last known delay."""
 
 
 def run_virtual_fault(
     kind: str, configuration: Configuration, model: Model, times: int, seed: int
 ) -> list[Verdict]:
-    """Inject one kind of fault `times` times, at random moments and for random spans, into a rig that damps."""
+    """Inject one kind of fault `times` times, at random moments and for random durations, into a damped rig."""
     fault, rng = FAULTS[kind], random.Random(f"{kind} {seed}")
     verdicts: list[Verdict] = []
     rig: VirtualRig | None = None
@@ -139,7 +139,7 @@ def run_virtual_fault(
             for _ in range(_SETTLE_CYCLES):
                 rig.step()
         verdicts.append(_inject(kind, fault, rig, rng))
-        if fault.fresh or verdicts[-1].violations:  # what comes next is to be judged by itself
+        if fault.fresh or verdicts[-1].violations:  # the next injection must be judged separately
             rig.close()
             rig = None
     if rig is not None:

@@ -1,8 +1,7 @@
-"""A rig in virtual time whose every part can fail: link and drive link over wires, real exchanges, driver and gateway.
+"""A rig in virtual time in which every part can fail: link and drive link over wires, real exchanges, driver, gateway.
 
 One call of step() is one millisecond. The controller, the supervisor and the gateway can be stopped, continued, killed
-and started anew, each with a session of its own. The arm is struck again and again, so that there is always something
-to damp.
+and restarted, each with a new session. The arm is struck repeatedly, so that there is always a vibration to damp.
 """
 
 import os
@@ -44,7 +43,7 @@ _ACCELEROMETER_WORD = "faults"
 
 
 class _DriveEnd:
-    """The controller's end of the drive link: drivers.udp_gateway_drive without its socket."""
+    """The controller's side of the drive link: drivers.udp_gateway_drive without its socket."""
 
     def __init__(self, session: int) -> None:
         self._peer = Peer(DEMO_KEY, (DriveState, Hello), session)
@@ -63,12 +62,12 @@ class _DriveEnd:
 
 
 class VirtualRig:
-    """Everything between the arm and the command that moves it."""
+    """All parts from the arm to its command."""
 
     def __init__(
         self, configuration: Configuration, model: Model, seed: int, *, images: bool = False
     ) -> None:
-        """`images`: render and track them; without, the tracker is stood in for by the true displacement and noise."""
+        """images: render and track images; otherwise the true displacement with noise stands in for the tracker."""
         self.configuration, self.model = configuration, model
         self.cycle = 0
         self._images = images
@@ -93,7 +92,7 @@ class VirtualRig:
         self.up, self.down = Wire(seed * 4), Wire(seed * 4 + 1)  # visual data to the controller; timestamps
         self.commands, self.states = Wire(seed * 4 + 2), Wire(seed * 4 + 3)
         self.camera_stalled = False
-        self.spoil_frame = 0  # images to come that are spoilt by `spoil`
+        self.spoil_frame = 0  # number of following images that `spoil` affects
         self.spoil = "flash"
         self.clock_step_s = 0.0
         self.damping_allowed = True
@@ -102,7 +101,7 @@ class VirtualRig:
         self.start_controller()
         self.start_supervisor()
         self.start_gateway()
-        self.command_rad_s = 0.0  # that the gateway follows: what the judge looks at
+        self.command_rad_s = 0.0  # the command that the gateway follows, which is judged
         self.damping_rad_s = 0.0
 
     def _new_session(self) -> int:
@@ -110,7 +109,7 @@ class VirtualRig:
         return self._session
 
     def start_controller(self) -> None:
-        """As its process does: everything is new, but the configuration."""
+        """Start as the process does: everything is new except the configuration."""
         session = self._new_session()
         oldest_s = oldest_sample_s(self.model, self.configuration.supervisor.cycles_in_flight)
         self._controller = Controller(self.model, self.configuration.controller)
@@ -120,7 +119,7 @@ class VirtualRig:
         self.controller_runs = True
 
     def start_supervisor(self) -> None:
-        """As its process does."""
+        """Start as the process does."""
         in_flight = self.configuration.supervisor.cycles_in_flight
         self.supervisor_exchange = SupervisorExchange(DEMO_KEY, self._new_session(), in_flight)
         self._tracker = Supervisor(self.configuration.supervisor.tracker) if self._images else None
@@ -130,12 +129,12 @@ class VirtualRig:
         self.supervisor_runs = True
 
     def start_gateway(self) -> None:
-        """As the drive's side does when its power comes back."""
+        """Start as the drive's side does when its power returns."""
         self.gateway = DriveGateway(DEMO_KEY, self._new_session())
         self.gateway_runs = True
 
     def step(self) -> None:
-        """One millisecond of everything."""
+        """Advance all parts by one millisecond."""
         now = self.cycle * CYCLE_S
         plant = self._plant
         self.accelerometer.publish(

@@ -1,1 +1,1 @@
-"""Fuzzing: coverage-guided of the decoders that read what others send; of the step with odd values and pauses."""
+"""Fuzzing: coverage-guided for the decoders of external input; with odd values and pauses for the controller's step."""

@@ -9,7 +9,7 @@ from common.user_error import UserError
 
 
 def main(words: list[str]) -> int:
-    """Fuzz until a finding, which libFuzzer writes to a file, or until its limits are reached."""
+    """Fuzz until there is a finding, which libFuzzer writes to a file, or until its limits are reached."""
     try:
         import atheris
     except ImportError:

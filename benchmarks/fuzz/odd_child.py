@@ -1,7 +1,7 @@
-"""Runs plans of odd values each in a child process of its own, which the kernel ends when it computes for too long.
+"""Runs each plan of odd values in a separate child process, which the kernel ends if it computes for too long.
 
-The child is a fork: it begins with a warm estimator. Its deadline is processor time, so that a busy machine is no
-finding.
+The child is a fork, so that it begins with a warm estimator. Its deadline is processor time, so that a busy machine
+causes no finding.
 """
 
 import gc
@@ -14,12 +14,12 @@ import traceback
 from benchmarks.fuzz.odd_world import Odd, Plan, Verdict, World, run
 
 DEADLINE_S = 20  # of processor time; a run takes 0.2 to 0.6 s
-STEP_S = 0.002  # no step may take longer
-_REPEATS = 4  # the least of so many runs: interrupts and cold caches are no work of the step's
+STEP_S = 0.002  # longest allowed step
+_REPEATS = 4  # the minimum over this many runs removes interrupts and cold caches
 
 
 def run_in_child(world: World, plan: Plan, usual_error: float | None) -> Verdict:
-    """Run the plan in a fork; a child that hangs, dies or raises gives a verdict with that fault."""
+    """Run the plan in a fork. If the child hangs, dies or raises, the verdict has that fault."""
     verdict = _run_once(world, plan, usual_error, touch=False)
     least = verdict.step_ns
     for _ in range(_REPEATS - 1):
@@ -53,8 +53,8 @@ def _run_once(world: World, plan: Plan, usual_error: float | None, *, touch: boo
 
 
 def _touch() -> None:
-    """Step through a start and a pause with a method of each kind: the fork's copies of those pages are no work of a
-    step's.
+    """Step through a start and a pause with a method of each kind, so that the fork's page copies do not count as work
+    of a step.
     """
     for method in ("correlation", "kalman_fusion", "fused"):
         other = World(method)

@@ -1,6 +1,6 @@
 """Fuzzes the step with odd values and pauses: `python -m benchmarks.fuzz.odd_input --minutes 10 --seed 1`.
 
-Each method in turn takes plans of odd values (odd_plans.py) in child processes. A finding is printed as the smallest
+Each method in turn runs plans of odd values (odd_plans.py) in child processes. A finding is printed as the smallest
 plan that still shows it. Needs hypothesis: `pip install stillarm[dev]`.
 """
 
@@ -18,7 +18,7 @@ _BATCH = 25  # plans
 
 
 def complaints(verdict: Verdict, usual: Verdict) -> list[str]:
-    """What is wrong with a run, beside the same run without odd values."""
+    """The faults of a run, compared with the same run without odd values."""
     found = list(verdict.faults)
     if verdict.failures:
         found.append(f"the method's numbers failed {verdict.failures} times")
@@ -28,7 +28,7 @@ def complaints(verdict: Verdict, usual: Verdict) -> list[str]:
 
 
 class OddValues(AssertionError):
-    """A plan that does harm."""
+    """A plan caused a fault."""
 
 
 def check(world: World, plan: Plan, usual: Verdict) -> None:
@@ -39,9 +39,9 @@ def check(world: World, plan: Plan, usual: Verdict) -> None:
 
 
 def batch_of(world: World, usual: Verdict, batch_seed: int) -> int:
-    """Run a batch of plans; returns how many runs there were.
+    """Run a batch of plans. Returns the number of runs.
 
-    Raises OddValues with the smallest plan that does harm.
+    Raises OddValues with the smallest plan that causes a fault.
     """
     from hypothesis import HealthCheck, Phase, given, seed, settings
 
@@ -68,7 +68,7 @@ def batch_of(world: World, usual: Verdict, batch_seed: int) -> int:
 
 
 def fuzz(minutes: float, first_seed: int) -> int:
-    """Fuzz for a time; returns how many findings there were."""
+    """Fuzz for a time. Returns the number of findings."""
     until_s = time.monotonic() + 60.0 * minutes
     worlds = {name: warmed(name) for name in METHODS}
     usual = {name: run_in_child(world, Plan(()), None) for name, world in worlds.items()}
@@ -87,7 +87,7 @@ def fuzz(minutes: float, first_seed: int) -> int:
 
 
 def main(words: list[str]) -> int:
-    """Exit status 0 without a finding."""
+    """Run the command line. Returns 0 without a finding."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fuzz.odd_input", description=__doc__)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=1)

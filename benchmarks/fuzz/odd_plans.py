@@ -49,9 +49,9 @@ _SPANNED: dict[str, st.SearchStrategy[Any]] = {
     "frame": st.integers(0, 10**6),
     "started_cycle": st.integers(0, 10**4),
 }
-"""Just beyond what is plausible, or within what the estimators take in their stride."""
+"""Values just beyond the plausible range, or within the range that the estimators must tolerate."""
 _SPECIAL: dict[str, st.SearchStrategy[Any]] = {
-    # an image that shows nearly zero pixels is possible: the estimators have to judge it
+    # displacements near zero are plausible; the estimators have to judge them
     "displacement_x_px": far_floats,
     "status": st.sampled_from([int(one) for one in TrackingStatus]) | wholes,
     "restarted": st.just(True),
@@ -62,7 +62,7 @@ _SPECIAL: dict[str, st.SearchStrategy[Any]] = {
 
 
 def values(field: str) -> st.SearchStrategy[Any]:
-    """Odd ones of a field."""
+    """Odd values of a field."""
     whole = field not in CYCLE_FLOATS and field not in SAMPLE_FLOATS
     usual = wholes if whole else far_floats | st.sampled_from((5e-324, -0.0))
     far = _SPECIAL.get(field, usual)
@@ -81,5 +81,5 @@ def odds(draw: st.DrawFn, fields: tuple[str, ...] = FIELDS) -> Odd:
 
 
 def plans(fields: tuple[str, ...] = FIELDS, most: int = 6) -> st.SearchStrategy[Plan]:
-    """Of up to `most` odd values of those fields."""
+    """Plans with up to `most` odd values of those fields."""
     return st.builds(Plan, st.lists(odds(fields), min_size=1, max_size=most).map(tuple), st.booleans())

@@ -1,6 +1,6 @@
-"""A ringing arm in a closed loop with the controller's step, whose readings a plan makes odd.
+"""A ringing arm in closed loop with the controller's step; a plan replaces readings by odd values.
 
-The arm is exact and cheap: an undamped free vibration of known amplitude, and the model's answer to the joint's motion.
+The arm is exact and cheap: an undamped free vibration of known amplitude, plus the model's response to the joint.
 """
 
 import time
@@ -34,10 +34,10 @@ SAMPLE_FIELDS = frozenset(VisualSample.__struct_fields__)
 
 
 class Odd(NamedTuple):
-    """From `start` on, in cycles after the plan's begin, the field is `value` in `times` cycles (or samples).
+    """From `start`, in cycles after the plan's beginning, the field is `value` in `times` cycles (or samples).
 
-    field: of CycleInput or of VisualSample; "pause": the loop stands still for `value` cycles, once; "samples": the
-    sample comes `value` times in the cycle.
+    field: of CycleInput or VisualSample; "pause": the loop stands still for `value` cycles, once; "samples": the
+    sample arrives `value` times in the cycle.
     """
 
     start: int
@@ -55,10 +55,10 @@ class Plan(NamedTuple):
 
 @dataclass
 class Verdict:
-    """What a run came to. Faults are told in words; none is good.
+    """Result of a run. faults: in words; empty if there are none.
 
-    step_ns: processor time of each step. error: the largest error of the deflection at the end, of the amplitude.
-    failures: how often the method had to begin anew as its numbers had failed. not_numbers: where NaN is left in it.
+    step_ns: processor time of each step. error: largest error of the deflection at the end, over the amplitude.
+    failures: number of restarts of the method after its numbers failed. not_numbers: where its state contains NaN.
     """
 
     faults: list[str] = field(default_factory=list)
@@ -73,27 +73,27 @@ class World:
     """Controller, joint and arm."""
 
     def __init__(self, method: str) -> None:
-        """At rest but for the vibration."""
+        """The joint is at rest; the arm vibrates."""
         self.controller = Controller(MODEL, Settings(method=method))
         mode, length = MODEL.arm.modes[0], MODEL.arm.length_m
         assert length is not None
         self._w, self._length, self._participation = mode.angular_frequency, length, mode.participation
         self._drive, self._response = DriveModel(MODEL.drive, CYCLE_S), ModalResponse(mode, length, CYCLE_S)
-        self._tips: list[tuple[int, float]] = []  # on their way: cycle of exposure, position
+        self._tips: list[tuple[int, float]] = []  # in transit: cycle of exposure, position
         self.cycle = 0
         self._frame = 0
         self._command = 0.0
 
     @property
     def deflection_m(self) -> float:
-        """Now."""
+        """The present deflection."""
         return self._free() + self._response.deflection_m
 
     def _free(self) -> float:
         return AMPLITUDE_M * cos(self._w * self.cycle * CYCLE_S)
 
     def read(self, damping: bool) -> CycleInput:
-        """What the sensors truly give in this cycle."""
+        """The true sensor readings of this cycle."""
         cycle, w, drive = self.cycle, self._w, self._drive
         bent = -w * w * self.deflection_m
         rigid = (1.0 - self._participation) * self._length * drive.acceleration_rad_s2
@@ -121,14 +121,14 @@ class World:
         return read
 
     def advance(self, command_rad_s: float) -> None:
-        """To the next cycle."""
+        """Advance to the next cycle."""
         self._command = command_rad_s
         self._drive.advance(command_rad_s)
         self._response.advance(self._drive.mean_acceleration_rad_s2)
         self.cycle += 1
 
     def pause(self, cycles: int) -> None:
-        """The loop stands still: the drive stops by itself, and images exposed meanwhile are lost."""
+        """Stop the loop for some cycles: the drive stops by itself, and images exposed in that time are lost."""
         if self._drive.velocity_rad_s:
             self._drive.rest_at(self._drive.position_rad)
         self._response.advance_many(cycles, 0.0)
@@ -139,11 +139,11 @@ class World:
 WARM_CYCLES = 2500
 RECOVER_CYCLES = 2000
 JUDGED_CYCLES = 400
-_STILL_WRONG = 0.15  # of the amplitude; or twice the error without odd values
+_STILL_WRONG = 0.15  # of the amplitude; or twice the error without odd values, if that is more
 
 
 def warmed(method: str) -> World:
-    """A world whose estimate stands."""
+    """A world whose estimate has settled."""
     world = World(method)
     for _ in range(WARM_CYCLES):
         world.advance(world.controller.step(world.read(False)).command_rad_s)
@@ -157,7 +157,7 @@ def run(
     *,
     further: int = RECOVER_CYCLES + JUDGED_CYCLES,
 ) -> Verdict:
-    """Run a plan, and `further` cycles: until the estimate must be back.
+    """Run a plan and `further` cycles, after which the estimate must have recovered.
 
     usual_error: Verdict.error without odd values.
     """
@@ -224,7 +224,7 @@ def _judge(world: World, answered: CycleOutput, verdict: Verdict) -> None:
 
 
 def not_numbers(root: object) -> set[str]:
-    """Paths to the NaN in an object's state, by attributes; places in containers and arrays count as one."""
+    """Attribute paths to NaN in an object's state. All places in a container or array count as one."""
     found: set[str] = set()
     known: set[int] = set()
     waiting: list[tuple[str, Any]] = [("", root)]

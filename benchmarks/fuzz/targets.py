@@ -1,7 +1,7 @@
-"""The decoders that read what others send, each as a function of bytes that may do anything but misbehave.
+"""The decoders of external input, each as a function of bytes that must never misbehave.
 
-Fuzzed by tests/fuzz with hypothesis, and coverage-guided by `python -m benchmarks.fuzz.coverage_guided TARGET`.
-A target raises AssertionError when what it read is not what it promises; every other exception is a finding as well.
+tests/fuzz runs them with hypothesis; `python -m benchmarks.fuzz.coverage_guided TARGET` runs them coverage-guided.
+A target raises AssertionError if its result breaks its contract. Every other exception is a finding as well.
 """
 
 import contextlib
@@ -38,7 +38,7 @@ def _signed(payload: bytes) -> bytes:
 
 
 def datagram(data: bytes) -> None:
-    """Bytes as they come, and the same bytes signed: what a holder of the key could send by mistake."""
+    """The bytes as they are, and the same bytes signed, as a holder of the key could send by mistake."""
     for candidate in (data, _signed(data)):
         got = decode(DEMO_KEY, candidate)
         if isinstance(got, Datagram):
@@ -47,7 +47,7 @@ def datagram(data: bytes) -> None:
 
 
 def exchanges(data: bytes) -> None:
-    """A signed body of every kind, echo and session right: what reaches the innermost checks."""
+    """A signed body of every kind with valid echo and session, which reaches the innermost checks."""
     try:
         body = msgspec.msgpack.decode(data)
     except (msgspec.DecodeError, ValueError, TypeError, RecursionError):
@@ -118,7 +118,7 @@ def _frames(name: str) -> Callable[[bytes], None]:
         whole, parts = FrameDecoder(framing), FrameDecoder(framing)
         samples = whole.feed(data)
         cut = [s for i in range(0, len(data), 7) for s in parts.feed(data[i : i + 7])]
-        assert repr(samples) == repr(cut), "the chunks make a difference"
+        assert repr(samples) == repr(cut), "the result depends on the chunks"
         assert len(samples) <= whole.frames
 
     return target
@@ -146,4 +146,4 @@ TARGETS: dict[str, Callable[[bytes], None]] = {
     "odrive": _odrive,
     **{name: _frames(name) for name in SERIAL_DEVICES},
 }
-"""By name."""
+"""Targets by name."""

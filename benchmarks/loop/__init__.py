@@ -1,1 +1,1 @@
-"""How late the loop wakes and how long it computes, beside what this machine can do at best."""
+"""Wake-up latency and computing time of the loop, compared with the best that this machine can do."""

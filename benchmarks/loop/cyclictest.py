@@ -1,4 +1,4 @@
-"""cyclictest of the rt-tests, where it is installed: a second floor, in C."""
+"""cyclictest of the rt-tests, if installed: a second floor, in C."""
 
 import re
 import shutil
@@ -11,12 +11,12 @@ _LONGEST_US = 20_000
 
 
 def installed() -> bool:
-    """Whether there is one."""
+    """Whether cyclictest is installed."""
     return shutil.which("cyclictest") is not None
 
 
 def command(duration_s: float, cycle_s: float, processor: int, fifo: bool) -> list[str]:
-    """Its command line for one slice; without SCHED_FIFO where that is not allowed."""
+    """cyclictest's command line for one slice. fifo: whether SCHED_FIFO is allowed."""
     return [
         *("cyclictest", "--quiet", "--mlockall", f"--interval={round(cycle_s * 1e6)}"),
         *(f"--loops={round(duration_s / cycle_s)}", f"--affinity={processor}", f"--histogram={_LONGEST_US}"),
@@ -25,9 +25,9 @@ def command(duration_s: float, cycle_s: float, processor: int, fifo: bool) -> li
 
 
 def add_histogram(text: str, measured: Measured, cycle_s: float) -> None:
-    """Take the histogram that it prints, lines of microseconds and counts, into what was measured.
+    """Add the printed histogram, lines of microseconds and counts, to the measurement.
 
-    A wake-up later than a whole cycle counts its whole cycles as missed, as the loop does.
+    A wake-up later than a cycle counts its whole cycles as missed, as in the loop.
     """
     cycle_us = cycle_s * 1e6
     for late, count in re.findall(r"^(\d{6}) (\d+)\s*$", text, re.MULTILINE):
@@ -43,7 +43,7 @@ def add_histogram(text: str, measured: Measured, cycle_s: float) -> None:
 
 
 def run_slice(measured: Measured, duration_s: float, cycle_s: float, processor: int, fifo: bool) -> None:
-    """One run; what cannot be run measures nothing."""
+    """Run one slice. If cyclictest cannot run, nothing is added."""
     words = command(duration_s, cycle_s, processor, fifo)
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=duration_s + 10.0)
     if done.returncode == 0:

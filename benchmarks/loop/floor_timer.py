@@ -1,7 +1,7 @@
-"""The bare timer thread as a process of its own, beside a running controller: same processor, same priority.
+"""The bare timer as a separate process next to a running controller: same processor, same priority.
 
-It wakes half a cycle away from the loop, so that neither stands in the other's way. What it measures goes into a block,
-as the loop's own does.
+It wakes half a cycle away from the loop, so that they do not disturb each other. Like the loop, it writes its
+measurements into a shared block.
 """
 
 import os
@@ -19,7 +19,7 @@ _MISSED = (0.0, 0.0, 0.0, 0.0), (0, 0, 0, 0, 0)
 
 
 def main(block_name: str, origin_s: float, cycle_s: float) -> int:
-    """Run until asked to stop, or until whoever started it is gone."""
+    """Run until asked to stop, or until the parent process has ended."""
     stop, block, parent = StopSignal(), LoopBlock(block_name, create=False), os.getppid()
     RealTime().enter()
     keep_time(
@@ -29,7 +29,7 @@ def main(block_name: str, origin_s: float, cycle_s: float) -> int:
 
 
 def keep_time(block: LoopBlock, origin_s: float, cycle_s: float, finished: Callable[[int], bool]) -> None:
-    """Wake at every cycle and do nothing, until `finished` holds; misses count as the controller's loop counts them."""
+    """Wake at every cycle and do nothing until `finished` returns True. Misses count as in the controller's loop."""
     clock = CycleClock(cycle_s, origin_s)
     now = time.monotonic
     cycle = clock.start()

@@ -1,7 +1,7 @@
-"""This machine's loop beside the bare timer thread, and cyclictest where it is installed: in turns, a second each.
+"""This machine's loop, the bare timer thread, and cyclictest if installed, in turns of a second each.
 
-All of them run in one thread (cyclictest in its own process) on one processor at one priority, so that they see the
-same machine.
+All of them run in one thread (cyclictest in its own process) on one processor at one priority, so that they measure
+the same machine.
 """
 
 import os
@@ -21,9 +21,9 @@ _WARM_CYCLES = 500
 
 
 def run(duration_s: float, progress: Callable[[float], None] = lambda done: None) -> dict[str, Any]:
-    """Measure for about `duration_s` altogether; the result by the names of the benchmark's file.
+    """Measure for about `duration_s` in total. Returns the content of the benchmark's file.
 
-    "missing": what this process may not do of what the controller asks for.
+    "missing": the controller's privileges that this process lacks.
     """
     path = default_configuration_path()
     configuration = load_configuration(path)

@@ -1,4 +1,4 @@
-"""The work of a controller's cycle without a rig: the step on a made-up vibration, datagrams, what is recorded."""
+"""The work of a controller's cycle without a rig: the step on a synthetic vibration, datagrams, recording."""
 
 from math import cos, pi
 
@@ -16,16 +16,16 @@ from controller.cycle_input import CycleInput
 from controller.recorded import estimate_sample, fast_sample
 from controller.step import Controller
 
-_CYCLES_A_FRAME = 15
-_DELAY_CYCLES = 74
+_CYCLES_A_FRAME = 15  # 65 frames a second
+_DELAY_CYCLES = 74  # the model's mean capture delay
 _AMPLITUDE_M = 0.006
 
 
 class OwnWork:
-    """One call is one cycle: send a timestamp and a command, receive images, step, encode what is recorded."""
+    """One call is one cycle: sends a timestamp and a command, receives images, steps, encodes the recorded messages."""
 
     def __init__(self, model: Model, settings: ControllerSettings) -> None:
-        """Opens a socket on loopback, which sends to itself."""
+        """Open a socket on loopback that sends to itself."""
         self._model, self._cycle_s = model, model.timing.cycle_s
         self._controller = Controller(model, msgspec.structs.replace(settings, arm_at_start=True))
         self._session = new_session()

@@ -1,4 +1,4 @@
-"""`benchmark loop`: the controller under the demo's load, with the bare timer thread beside it, over the same time."""
+"""`benchmark loop`: the controller under the demo's load, and the bare timer over the same time."""
 
 import os
 import secrets
@@ -20,13 +20,13 @@ from controller.loop_block import LoopBlock
 from simulation.demo.processes import DemoProcesses
 from simulation.demo.set_up import write_demo_configuration
 
-_SETTLE_S = 2.0  # after the loop's first cycle: start-up is no part of the run
+_SETTLE_S = 2.0  # after the loop's first cycle, so that the start-up is not measured
 _READY_WITHIN_S = 30.0
 _MARGIN_S = 4.0
 
 
 class Window:
-    """What a block has counted since the window was opened."""
+    """The counts of a block since the window was opened."""
 
     def __init__(self, block: LoopBlock) -> None:
         """Open it now."""
@@ -37,7 +37,7 @@ class Window:
         block.compute.forget_greatest()
 
     def result(self) -> dict[str, Any]:
-        """Wake-up latency, misses and cycles since then."""
+        """Wake-up latency, misses and cycles since the window was opened."""
         block = self._block
         return {
             "wakeup_latency_us": _since(block.lateness, self._lateness),
@@ -46,7 +46,7 @@ class Window:
         }
 
     def compute_us(self) -> dict[str, float]:
-        """From wake-up to command, since then."""
+        """Time from wake-up to command, since the window was opened."""
         return _since(self._block.compute, self._compute)
 
 
@@ -61,7 +61,7 @@ def _since(histogram: MicrosecondHistogram, before: list[int]) -> dict[str, floa
 def run(
     duration_s: float, seed: int, progress: Callable[[float], None] = lambda done: None
 ) -> dict[str, Any]:
-    """Rig, supervisor and controller in real time for a while; raises UserError when one of them fails."""
+    """Run rig, supervisor and controller in real time for a while. Raises UserError if one of them fails."""
     with tempfile.TemporaryDirectory(prefix="stillarm-loop-") as folder:
         directory = Path(folder)
         total_s = duration_s + _SETTLE_S + _MARGIN_S
@@ -126,7 +126,7 @@ def _wait(condition: Callable[[], bool], processes: DemoProcesses) -> None:
 
 
 def verdict(result: dict[str, Any]) -> list[dict[str, Any]]:
-    """What is asked of the loop beside the floor: latency, misses, computing; with what was found."""
+    """The requirements on the loop relative to the floor (latency, misses, computing time) and the results."""
     loop, floor = result["loop"], result["floor"]
     missed = floor["deadline_misses"]
     asked = (

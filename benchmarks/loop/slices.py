@@ -1,4 +1,4 @@
-"""A stretch of cycles on the loop's own schedule, with work in them or without: the bare timer thread is the floor."""
+"""A stretch of cycles on the loop's own schedule. Without work it is the bare timer, which is the floor."""
 
 import time
 from collections.abc import Callable
@@ -13,7 +13,7 @@ _LEAD_CYCLES = 3
 
 @dataclass
 class Measured:
-    """What all slices of one kind add up to."""
+    """The sum of all slices of one kind."""
 
     lateness: MicrosecondHistogram = field(default_factory=MicrosecondHistogram)
     compute: MicrosecondHistogram = field(default_factory=MicrosecondHistogram)
@@ -41,7 +41,7 @@ def run_slice(
     now = time.monotonic
     clock = CycleClock(cycle_s, now() + _LEAD_CYCLES * cycle_s)
     cycle = clock.start()
-    last = cycle + round(duration_s / cycle_s)  # a start that was late shortens nothing
+    last = cycle + round(duration_s / cycle_s)  # a late start does not shorten the slice
     while cycle < last:
         woke = now()
         measured.lateness.add(woke - clock.origin_s - cycle * cycle_s)

@@ -1,1 +1,1 @@
-"""Estimators of the capture delay, one file each."""
+"""Estimators of the capture delay, one file each. Predictors belong to `prediction/`."""

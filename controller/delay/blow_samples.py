@@ -1,19 +1,19 @@
-"""Samples of the accelerometer that a blow's own force has made, to be left out of a correlation.
+"""Detects accelerometer samples that contain the force of an impact, to leave them out of a correlation.
 
-A vibration of known frequency follows from two of its earlier averages; what lies far from that for a few samples is a
-force. Left in, blows that come at the same side of the vibration pull the delay: by 0.8 ms in the benchmark.
+Two earlier averages predict a vibration of known frequency. A few samples far from that prediction are a force. If they
+were kept, impacts that always come at the same side of the vibration would bias the delay, by 0.8 ms in the benchmark.
 """
 
 from collections import deque
 from math import isfinite, nan, pi, sin
 
-_STDS, _OF_AMPLITUDE = 4.0, 0.5
-_SIZE_MEMORY_CYCLES = 1000.0
-_MOST_RUNNING = 40  # cycles: what lasts longer is no blow
+_STDS, _OF_AMPLITUDE = 4.0, 0.5  # tolerance: deviations of the noise, plus a fraction of the amplitude
+_SIZE_MEMORY_CYCLES = 1000.0  # time constant of the mean amplitude
+_MOST_RUNNING = 40  # cycles: a longer deviation is not an impact
 
 
 class BlowSamples:
-    """Knows a blow's samples by their distance from what the last averages foretell."""
+    """Recognises an impact's samples by their distance from the prediction of the last averages."""
 
     def __init__(self, noise_m: float, half_width: int, angle_per_cycle: float) -> None:
         """noise_m: of a sample, as deflection; averages are over 2 half_width + 1 cycles, half_width cycles old."""
@@ -27,11 +27,11 @@ class BlowSamples:
         self._running = 0
 
     def see_average(self, mean_m: float) -> None:
-        """The moving average as it now is."""
+        """Add the present moving average."""
         self._averages.append(mean_m)
 
     def without(self, vibration_m: float) -> float:
-        """The sample, or NaN if a blow has made it."""
+        """The sample, or NaN if it belongs to an impact."""
         averages = self._averages
         if len(averages) < self._needed or not isfinite(vibration_m):
             return vibration_m

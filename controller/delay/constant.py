@@ -1,4 +1,4 @@
-"""The capture delay taken as a known constant [9]."""
+"""The capture delay as a known constant [9]."""
 
 from common.model import Model
 from common.visual_sample import VisualSample
@@ -9,12 +9,12 @@ class ConstantDelay:
     """model.timing.capture_delay_s for every sample, never measured: its status stays unestimated."""
 
     def __init__(self, model: Model) -> None:
-        """With the model's spread as standard deviation."""
+        """The standard deviation is the model's spread."""
         timing = model.timing
         self.estimate = DelayEstimate(timing.capture_delay_s, timing.capture_delay_std_s, Status.UNESTIMATED)
 
     def see_cycle(self, cycle: int, vibration: float) -> None:
-        """A constant needs no accelerometer."""
+        """Ignore the accelerometer."""
 
     def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
-        """Nor an image."""
+        """Ignore the image."""

@@ -1,18 +1,19 @@
 """The capture delay by recursive cross-correlation of the image with the accelerometer: eq. 2 to 11 of the paper.
 
-Where the paper is silent or biased, this is what is done (../docs/methods.md gives the reasons at length):
+Where the paper leaves points open or is biased, this module does the following (docs/methods.md gives the reasons):
 
-- The vibration x that the accelerometer stands for is correlated with the deflection y that the image shows, at the
-  instants of arrival only: an image held until the next one would look half a frame later than it is.
-- Mean and power are carried along with the product, at each lag, so that what is maximised is the correlation
+- The vibration x from the accelerometer is correlated with the deflection y from the image at the instants of arrival
+  only. An image held until the next one would look half a frame too late.
+- Mean and power are updated with the product at each lag, so that the maximised quantity is the correlation
   coefficient r(m). By the Cauchy-Schwarz inequality its maximum lies at the true delay for every window and offset.
-- The force of a blow is no vibration, and is much larger while it lasts: its samples are left out (blow_samples.py).
-- x is averaged over 2 J + 1 cycles, a pure delay of J, so that all of the accelerometer's samples count, not just
-  those that happen to lie at arrivals.
-- Lags are searched within less than half a period of the prior, never at both ends of a periodic function. Each
-  image is kept for a moment before it is correlated, so that short delays, too, have lags on both sides.
-- The maximum is taken from a cosine of the mode's frequency fitted to r around its peak.
-- The acceleration leads the deflection by 2 zeta / w, and its filter delays it; both are taken out.
+- The force of an impact is not vibration, and is much larger while it lasts. Its samples are left out
+  (blow_samples.py).
+- x is averaged over 2 J + 1 cycles, a pure delay of J, so that all of the accelerometer's samples count, not just those
+  at arrivals.
+- Lags are searched within less than half a period of the prior, never at both ends of a periodic function. Each image
+  is kept for a moment before it is correlated, so that short delays also have lags on both sides.
+- The maximum is that of a cosine of the mode's frequency, fitted to r around its peak.
+- The acceleration leads the deflection by 2 zeta / w, and its filter delays it; both are compensated.
 """
 
 from collections import deque
@@ -29,8 +30,8 @@ from controller.delay.moving_average import MovingAverage
 from controller.estimate import DelayEstimate, Status
 from controller.history import CycleHistory
 
-_HOLD_TIME_S = 5.0  # an unseen delay's uncertainty grows back to its prior spread in about this time
-_LEAST_SPREAD_S = 0.005  # of a delay over time, whatever the model claims
+_HOLD_TIME_S = 5.0  # s: an unobserved delay's uncertainty grows back to its prior spread in about this time
+_LEAST_SPREAD_S = 0.005  # s: lower bound of the delay's spread, whatever the model states
 
 
 class CorrelationDelay:
@@ -46,7 +47,7 @@ class CorrelationDelay:
         self._angle_per_cycle = mode.angular_frequency * cycle_s
         self._prior_spread_s = max(model.timing.capture_delay_std_s, _LEAST_SPREAD_S)
         self._half_width = max(1, round(period / 12.0))
-        # what stands between a lag of the averaged x and the delay: the average's own, the filter's, and the lead
+        # difference between a lag of the averaged x and the delay: of the average, of the filter, and the lead
         self._shift_s = (
             self._half_width * cycle_s
             + model.accelerometer.delay_s
@@ -56,7 +57,7 @@ class CorrelationDelay:
         self._peak_reach = reach = max(3, round(period / 16.0))
         self._first = floor(max(0.0, prior - search) - shift) - reach
         self._last = ceil(prior + search - shift) + reach
-        self._wait = max(0, -self._first)  # until the accelerometer's samples of all lags are there
+        self._wait = max(0, -self._first)  # until the accelerometer's samples of all lags are available
         self._waiting: deque[tuple[int, float]] = deque()
         self._average = MovingAverage(2 * self._half_width + 1)
         sensor = model.accelerometer
@@ -73,7 +74,7 @@ class CorrelationDelay:
         self._weight = 0.0
         self._mean_x, self._mean_xx, self._mean_xy = np.zeros(count), np.zeros(count), np.zeros(count)
         self._mean_y = self._mean_yy = 0.0
-        self._sum_power = self._sum_power_squared = 0.0  # of what effectively was seen of the vibration
+        self._sum_power = self._sum_power_squared = 0.0  # of the effectively observed vibration
         self._half_period = 0.5 * period
         self._noise_m = (
             model.accelerometer.noise_std_m_s2
@@ -89,14 +90,14 @@ class CorrelationDelay:
 
     @property
     def lags_s(self) -> NDArray[np.float64]:
-        """The capture delay that each element of `correlation` stands for, s."""
+        """The capture delay of each element of `correlation`, s."""
         lags: NDArray[np.float64] = np.arange(self._first, self._last + 1, dtype=np.float64)
         return lags * self._cycle_s + self._shift_s
 
     def see_cycle(self, cycle: int, vibration: float) -> None:
-        """Take in the vibration that the accelerometer shows in a cycle, m; NaN where it shows none.
+        """Process the accelerometer's vibration in a cycle, m; NaN without a sample.
 
-        A cycle that never came (an overrun; a recording at a lower rate) is one without a sample.
+        A missing cycle (an overrun; a recording at a lower rate) counts as a cycle without a sample.
         """
         if self._cycle is not None and cycle - self._cycle > 1:
             self._miss(self._cycle + 1, cycle - 1)
@@ -109,14 +110,14 @@ class CorrelationDelay:
             self._correlate(arrival, deflection, cycle - arrival)
 
     def _miss(self, first: int, last: int) -> None:
-        """Cycles without a sample. Once none is left in the average, it stays as it is."""
+        """Process cycles without a sample. Once the average contains none, it stays unchanged."""
         needed = 2 * self._half_width + 1
         for missed in range(first, min(last, first + needed) + 1):
             self._smooth.write(missed, self._average.add(nan))
         self._smooth.fill(last, self._average.mean)
 
     def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
-        """Take in the deflection that an image shows, read in `cycle`."""
+        """Process the deflection of an image that was read in `cycle`."""
         if isfinite(deflection_m):
             self._waiting.append((cycle, deflection_m))
 
@@ -163,22 +164,23 @@ class CorrelationDelay:
         std = self._std_s(min(height, 1.0), amplitude, seen)
         known = self.estimate.status is not Status.UNESTIMATED
         if known and std > self._held_std_s(elapsed * self._cycle_s):
-            return self._hold(elapsed * self._cycle_s)  # what is held is still the better
+            return self._hold(elapsed * self._cycle_s)  # the held delay is still better
         self.estimate = DelayEstimate(max(0.0, delay), std, Status.ESTIMATED)
         return None
 
     def _std_s(self, height: float, amplitude_m: float, seen: float) -> float:
-        """Of a phase between two sinusoids: sqrt(noise to signal / independent samples) / w.
+        """Standard deviation of the delay from the phase of two sinusoids: sqrt(noise / signal / independent samples) /
+        w.
 
-        Noise: what the height of the peak tells, at least the accelerometer's own after averaging. Independent
-        samples: one for each length of the moving average in the cycles effectively seen.
+        Noise: from the height of the peak, at least the accelerometer's own after averaging. Independent samples: one
+        for each length of the moving average in the effectively observed cycles.
         """
         independent = max(1.0, seen / (2 * self._half_width + 1))
         noise_to_signal = max(1.0 / (height * height) - 1.0, 2.0 * (self._noise_m / amplitude_m) ** 2)
         return sqrt(noise_to_signal / independent) * self._cycle_s / self._angle_per_cycle
 
     def _hold(self, elapsed_s: float) -> None:
-        """The delay cannot be seen: keep it, let its uncertainty grow back to the prior spread."""
+        """The delay is not observable: keep it, and let its uncertainty grow back to the prior spread."""
         if self.estimate.status is not Status.UNESTIMATED:
             self.estimate = DelayEstimate(self.estimate.delay_s, self._held_std_s(elapsed_s), Status.HELD)
 

@@ -1,13 +1,13 @@
-"""A running mean over a fixed number of cycles that skips what is missing."""
+"""A moving average over a fixed number of cycles that skips missing values."""
 
 from collections import deque
 from math import isfinite
 
 
 class MovingAverage:
-    """Mean of the last `length` values; NaN counts as no value, and none at all gives the last mean again.
+    """Mean of the last `length` values; NaN counts as no value. Without any value the last mean is returned.
 
-    The sum is made afresh once in each length, so that rounding does not build up over days.
+    The sum is recomputed once in each length, so that rounding errors do not accumulate over days.
     """
 
     def __init__(self, length: int) -> None:
@@ -21,7 +21,7 @@ class MovingAverage:
         self.mean = 0.0
 
     def add(self, value: float) -> float:
-        """Take in one value and return the mean."""
+        """Add one value and return the mean."""
         if self._present[0]:
             self._sum -= self._values[0]
             self._count -= 1

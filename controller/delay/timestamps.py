@@ -8,14 +8,14 @@ from controller.estimate import DelayEstimate, Status
 
 
 class TimestampDelay:
-    """Delta = (n_c - n_i) tau_c, anew for each sample.
+    """Delta = (n_c - n_i) tau_c, separately for each sample.
 
-    n_i says when the supervisor's cycle began; when within that cycle, or before it, the frame was exposed is
-    unknown by a frame: the standard deviation stated is that of a uniform law two frame periods wide.
+    n_i is the start of the supervisor's cycle. The exposure within that cycle, or before it, is unknown by a frame. The
+    stated standard deviation is that of a uniform distribution two frame periods wide.
     """
 
     def __init__(self, model: Model) -> None:
-        """The prior delay stands until the first stamped sample."""
+        """The prior delay is used until the first stamped sample."""
         self._cycle_s = model.timing.cycle_s
         self._std_s = 2.0 / model.camera.frame_rate_hz / sqrt(12.0)
         self.estimate = DelayEstimate(
@@ -23,10 +23,10 @@ class TimestampDelay:
         )
 
     def see_cycle(self, cycle: int, vibration: float) -> None:
-        """Timestamps need no accelerometer."""
+        """Ignore the accelerometer."""
 
     def see_sample(self, sample: VisualSample, cycle: int, deflection_m: float) -> None:
-        """Take the delay of a sample read in `cycle`; one without a timestamp leaves the last delay standing."""
+        """Update the delay from a sample read in `cycle`; a sample without a timestamp leaves it unchanged."""
         if 0 <= sample.started_cycle <= cycle:
             delay = (cycle - sample.started_cycle) * self._cycle_s
             self.estimate = DelayEstimate(delay, self._std_s, Status.ESTIMATED)

@@ -1,1 +1,4 @@
-"""Kalman filters over two time scales, with measurements applied at their own, earlier time."""
+"""Kalman filters over two time scales, with measurement updates at the measurements' own, earlier time.
+
+Begin with `kalman_method.py`. The method `fused` has its own filters in `fused/`.
+"""

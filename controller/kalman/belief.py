@@ -1,13 +1,13 @@
-"""The Kalman filter itself: pure functions from a belief about one instant to a belief about another.
+"""The Kalman filter: pure functions from a Gaussian state estimate at one instant (a belief) to another.
 
-A belief belongs to the instant of the last measurement, not to the present. A delayed measurement is thereby applied to
-the state of its own time, and nothing has to be taken back: the present is reached by carrying the belief forward,
-which for white noises is exact (Anderson and Moore, Optimal Filtering, 1979, section 3.3). Only where two samples
-change places, which dating by a time stamp may do to neighbours, is the older one seen through the state after it.
+A belief refers to the instant of the last measurement, not to the present. A delayed measurement therefore updates the
+state at its own time, and nothing has to be undone. A prediction carries the belief to the present, which is exact for
+white noise (Anderson and Moore, Optimal Filtering, 1979, section 3.3). If two samples change places, which dating by
+time stamps may cause for neighbours, the older one is observed through the later state.
 
-A measurement that is far outside what the belief expects may be wrong by itself, and is left out; a second one in
-succession is a blow. The modes' disturbance since the last good one is then taken to have been as strong as makes the
-measurement likely (Jazwinski, Adaptive Filtering, Automatica 5, 1969).
+Gating: a measurement far outside its predicted distribution may be wrong by itself, and is skipped. A second one in
+succession indicates an impact. The modes' disturbance since the last accepted measurement is then set to the strength
+that makes the measurement likely (Jazwinski, Adaptive Filtering, Automatica 5, 1969).
 """
 
 from math import log, sqrt
@@ -17,15 +17,15 @@ import numpy as np
 
 from controller.kalman.two_time_scales import Matrix, TwoTimeScales, Vector
 
-_GATE_STDS = 4.0  # at the rate of frames, a false alarm in some minutes
-_BATCH_GATE_STDS = 6.0  # the sum of squares has a longer tail than its normal law
+_GATE_STDS = 4.0  # one false alarm in some minutes at the frame rate
+_BATCH_GATE_STDS = 6.0  # the sum of squares has a longer tail than the normal distribution
 
 
 class Belief(NamedTuple):
     """State and covariance at an instant.
 
-    surprised: the last measurement was far outside what was expected. log_density: of the last scalar measurement, as
-    foretold, less a constant.
+    surprised: the last measurement was outside the gate. log_density: log predictive density of the last scalar
+    measurement, without a constant.
     """
 
     time_s: float
@@ -36,14 +36,14 @@ class Belief(NamedTuple):
 
 
 def first_belief(model: TwoTimeScales, time_s: float, offset_m: float) -> Belief:
-    """What is known at the first sample: an arm at rest, as far as known, before an image whose zero it shows."""
+    """The prior at the first sample: no known vibration, and an image zero as the sample shows it."""
     state = np.zeros(model.size)
     state[model.slow] = offset_m
     return Belief(time_s, state, model.prior_covariance())
 
 
 def carried(model: TwoTimeScales, belief: Belief, time_s: float) -> Belief:
-    """The belief at a later instant; at an earlier one it is returned as it is."""
+    """The belief predicted to a later instant; for an earlier instant it is returned unchanged."""
     elapsed = time_s - belief.time_s
     if elapsed <= 0.0:
         return belief
@@ -53,7 +53,7 @@ def carried(model: TwoTimeScales, belief: Belief, time_s: float) -> Belief:
 
 
 def seen_from(model: TwoTimeScales, belief: Belief, row: Vector, time_s: float) -> Vector:
-    """What a sensor's row (size,) of an instant before the belief's is, by the belief's state."""
+    """A sensor's observation row (size,) at an instant before the belief's, expressed in the belief's state."""
     elapsed = time_s - belief.time_s
     return row if elapsed >= 0.0 else row @ model.transition(elapsed)
 
@@ -66,9 +66,9 @@ def corrected(
     variance: float,
     blow_within_s: float | None,
 ) -> Belief:
-    """The belief after a scalar measurement row @ state + noise.
+    """Measurement update with a scalar row @ state + noise.
 
-    blow_within_s: if the measurement is a surprise, there was a blow within this time (> 0); None: it is left out.
+    blow_within_s: if the measurement is outside the gate, assume an impact within this time (> 0); None: skip it.
     """
     time_s, state, covariance = belief[:3]
     seen = covariance @ row
@@ -91,7 +91,7 @@ def corrected(
 def corrected_by_batch(
     model: TwoTimeScales, belief: Belief, rows: Matrix, values: Vector, blow_within_s: float
 ) -> Belief:
-    """The belief after n measurements at once: rows (n, size), values (n,), independent noise of variance 1."""
+    """Measurement update with n measurements at once: rows (n, size), values (n,), independent noise of variance 1."""
     time_s, state, covariance = belief[:3]
     residual = values - rows @ state
     information = rows.T @ rows

@@ -12,12 +12,12 @@ from controller.kalman.belief import Belief, carried, corrected_by_batch
 from controller.kalman.forced_motion import ForcedMotion
 from controller.kalman.two_time_scales import TwoTimeScales, Vector
 
-HELD_S = 0.6  # how far back its samples are kept
-_BATCH = 100  # samples at once; disturbances are then taken to act at the batch's start
+HELD_S = 0.6  # length of the stored samples
+_BATCH = 100  # samples per batch; disturbances are assumed to act at the batch's start
 
 
 class Reading(Protocol):
-    """How a sensor sees the free vibration: row(modes) @ (q_1, q_1', ...) + offset + noise."""
+    """A sensor's model of the free vibration: row(modes) @ (q_1, q_1', ...) + offset + noise."""
 
     noise_std: float
     offset_prior_std: float
@@ -27,16 +27,16 @@ class Reading(Protocol):
         """Shape (size,)."""
 
     def value(self, observation: Observation, forced: ForcedMotion) -> float:
-        """What it says of the free vibration in a cycle; NaN for nothing."""
+        """The free vibration in a cycle as measured; NaN without a measurement."""
 
 
 class AccelerometerReading:
-    """sum of - w^2 q - 2 zeta w q', m/s^2: s'' without what the joint's own motion makes of it."""
+    """sum of - w^2 q - 2 zeta w q', m/s^2: s'' without the effect of the joint's motion."""
 
     offset_prior_std = 2.0  # m/s^2: a bias, and gravity in a tilted sensor
 
     def __init__(self, model: Model) -> None:
-        """For the model's accelerometer."""
+        """Use the model's accelerometer."""
         self._sensor = model.accelerometer
         self._modes = model.arm.modes
         self.noise_std = max(self._sensor.noise_std_m_s2 / abs(self._sensor.scale), 1e-3)
@@ -52,7 +52,7 @@ class AccelerometerReading:
         return row
 
     def value(self, observation: Observation, forced: ForcedMotion) -> float:
-        """A sample at the end of the sensor's range says nothing."""
+        """The measured value; NaN for a sample at the end of the sensor's range."""
         sensor, measured = self._sensor, observation.acceleration_m_s2
         if not abs(measured) < sensor.range_m_s2:
             return nan
@@ -61,13 +61,13 @@ class AccelerometerReading:
 
 
 class StrainGaugeReading:
-    """sum of q, m, as a strain gauge at the root gives it."""
+    """sum of q, m, as measured by a strain gauge at the root."""
 
     offset_prior_std = 0.1  # m
     delay_s = 0.0
 
     def __init__(self, noise_std_m: float) -> None:
-        """With the noise of one cycle."""
+        """noise_std_m: of one cycle."""
         self.noise_std = noise_std_m
 
     def row(self, model: TwoTimeScales) -> Vector:
@@ -78,29 +78,29 @@ class StrainGaugeReading:
         return row
 
     def value(self, observation: Observation, forced: ForcedMotion) -> float:
-        """NaN where no deflection is measured."""
+        """The measured deflection; NaN without a measurement."""
         measured = observation.deflection_m
         return measured - forced.deflection_m(observation.joint) if isfinite(measured) else nan
 
 
 class FastSensor:
-    """The last samples of a sensor, and what they make of a belief."""
+    """The last samples of a sensor, and the updates of a belief with them."""
 
     def __init__(self, model: TwoTimeScales, reading: Reading, cycle_s: float) -> None:
-        """In cycles of `cycle_s`."""
+        """cycle_s: time from one sample to the next."""
         self._model = model
         self._reading = reading
         self._cycle_s = cycle_s
         row = reading.row(model) / reading.noise_std
         back = [row @ model.transition(-k * cycle_s) for k in range(_BATCH)]
-        self._rows = np.array(back[::-1])  # the last one is of the newest sample
+        self._rows = np.array(back[::-1])  # the last row belongs to the newest sample
         self._length = int(HELD_S / cycle_s) + 2
         self._history = CycleHistory(self._length, nan)
         self._cycle: int | None = None
         self.last_seen_s = float("-inf")
 
     def see_cycle(self, observation: Observation, forced: ForcedMotion) -> None:
-        """Take in a cycle; those that never came are without a sample."""
+        """Process a cycle; skipped cycles have no sample."""
         cycle = observation.cycle
         if self._cycle is not None:
             self._history.fill(cycle - 1, nan)
@@ -111,11 +111,11 @@ class FastSensor:
             self.last_seen_s = observation.time_s
 
     def cycle_of(self, time_s: float) -> int:
-        """The last cycle whose sample belongs to an instant not after `time_s`."""
+        """The last cycle whose sample is not later than `time_s`."""
         return floor((time_s + self._reading.delay_s) / self._cycle_s + 1e-9)
 
     def applied(self, belief: Belief, first: int, last: int, until_s: float) -> Belief:
-        """The belief at `until_s`, or at the last sample's time if that is later, after cycles first .. last."""
+        """The belief after the samples of cycles first .. last, at `until_s` or at the last sample if that is later."""
         if self._cycle is not None:
             last = min(last, self._cycle)
             first = max(first, self._cycle - self._length + 1)

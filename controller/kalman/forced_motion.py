@@ -1,4 +1,4 @@
-"""How all of the model's modes answer to the joint's own motion: a known input, which the filters need not estimate."""
+"""The response of all modes to the joint's motion: a known input that the filters need not estimate."""
 
 from common.beam import tip_slopes_per_m
 from common.model import Model
@@ -10,7 +10,7 @@ from controller.modal_response import ModalResponse
 
 
 class ForcedMotion:
-    """The first mode's answer is the joint motion's own; those of the further modes are kept here."""
+    """The first mode's response comes from the joint motion; those of the further modes are computed here."""
 
     def __init__(self, model: Model, length_m: float) -> None:
         """From rest."""
@@ -26,7 +26,7 @@ class ForcedMotion:
         self._cycle: int | None = None
 
     def see_cycle(self, observation: Observation) -> None:
-        """Move the further modes on. Cycles that were skipped take the joint's acceleration of this one."""
+        """Advance the further modes. Skipped cycles use the joint's acceleration of this cycle."""
         if not self._further:
             return
         elapsed = 1 if self._cycle is None else observation.cycle - self._cycle
@@ -41,7 +41,7 @@ class ForcedMotion:
         self._seen.write(observation.cycle, seen)
 
     def image_deflection_at(self, joint: JointMotion, time_s: float) -> float:
-        """What of it the image shows at an instant of the last seconds, in metres of the first mode."""
+        """The part that the image shows at an instant of the last seconds, in metres of the first mode."""
         first = joint.forced_deflection_at(time_s)
         return first + self._seen.at(time_s / self._cycle_s) if self._further else first
 
@@ -65,7 +65,7 @@ class ForcedMotion:
 
 
 def image_shares(model: Model, length_m: float) -> list[float]:
-    """How far each mode moves the image, per metre, as a multiple of the first: a turning tip shows them unequally."""
+    """Image motion of each mode per metre, relative to the first mode: a turning tip shows them unequally."""
     camera = model.camera
     slopes = tip_slopes_per_m(length_m, len(model.arm.modes))
     moves = [camera.scale_px_per_m + camera.rotation_px_per_rad * slope for slope in slopes]

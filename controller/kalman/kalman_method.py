@@ -1,8 +1,7 @@
 """The Kalman filters as methods: from the image alone [4, 9], or fused with a fast sensor [8].
 
-The filter stands at the instant of the last image; each cycle its belief is carried to the present in closed form. A
-fast sensor's samples up to that instant are in the belief itself; those after it, which the image does not reach yet,
-are put to a copy of it.
+The filter's belief refers to the instant of the last image. In each cycle a closed-form prediction carries it to the
+present. The belief contains a fast sensor's samples up to that instant. A copy of it also contains the later samples.
 """
 
 from math import nan, sqrt
@@ -23,18 +22,18 @@ from controller.known_image_motion import joint_image_rate_m_s
 from controller.sensor_deflection import SensorDeflection
 from controller.sine_method import DelayEstimator
 
-_LOST_S = 10.0  # without data nothing of the vibration's phase is left
-_STALE_S = 0.25  # without data: held
-_LATEST_S = 0.5  # an image older than the filter by more than this is not used
-_BLOW = 2  # surprises in a row
-_SURPRISES_IN_A_ROW = 5  # no arm is struck in four frames running: the image has jumped
-_LARGEST_BLOW_M = 0.1  # a blow that would make the first mode ring wider is none, either
+_LOST_S = 10.0  # without data for this time the vibration's phase is lost
+_STALE_S = 0.25  # without data for this time the status is held
+_LATEST_S = 0.5  # an image that is older than the filter's instant by more is not used
+_BLOW = 2  # images outside the gate in a row that indicate an impact
+_SURPRISES_IN_A_ROW = 5  # an arm is not struck in four consecutive frames: the image has jumped
+_LARGEST_BLOW_M = 0.1  # an impact that would make the first mode ring wider counts as a jump, too
 _FAST_LAG_S = (
     0.4,
     0.25,
-)  # without images the filter follows the fast sensor: from the first lag to the second
+)  # without images the filter follows the fast sensor: starts at the first lag, goes to the second
 _RATE_SPAN_S = 0.002
-_OFFSET_DRIFT = 0.05  # of a fast sensor's offset in a second, as a share of its noise
+_OFFSET_DRIFT = 0.05  # of a fast sensor's offset per second, as a fraction of its noise
 _LEAST_NOISE_M = 1e-6
 
 
@@ -49,7 +48,7 @@ class KalmanMethod:
         model_name: str,
         reading: Reading | None = None,
     ) -> None:
-        """Samples are dated by `delay`; `reading`: the fast sensor to be fused with the image, if any."""
+        """delay: dates the samples. reading: the fast sensor to fuse with the image, if any."""
         length, cycle_s = length_of(model, model_name), model.timing.cycle_s
         modes = model.arm.modes
         self._delay = delay
@@ -72,7 +71,9 @@ class KalmanMethod:
         self._frame_s = 1.0 / model.camera.frame_rate_hz
         self._w = modes[0].angular_frequency
         self._largest_blow = (self._w * _LARGEST_BLOW_M) ** 2  # as a variance of the rate
-        self._settled_s = 0.5 / modes[0].frequency_hz  # until then vibration and offset look alike
+        self._settled_s = (
+            0.5 / modes[0].frequency_hz
+        )  # until then vibration and offset are not distinguishable
         self._belief: Belief | None = None
         self._present: Belief | None = None  # the belief with the fast sensor's newest samples
         self._unpacked: Belief | None = None  # whose numbers the next two lists hold
@@ -86,7 +87,7 @@ class KalmanMethod:
         self._surprises = 0
 
     def update(self, observation: Observation) -> Estimate:
-        """One cycle: new samples at their own time, then the present."""
+        """Process one cycle: new samples at their own time, then the present."""
         self._forced.see_cycle(observation)
         if self._fast is not None:
             self._fast.see_cycle(observation, self._forced)
@@ -98,7 +99,7 @@ class KalmanMethod:
         return self._predict(observation)
 
     def _take(self, sample: VisualSample, observation: Observation) -> None:
-        """A measured image, at its capture instant."""
+        """Process a measured image at its capture instant."""
         joint, time_s = observation.joint, observation.time_s
         self._delay.see_sample(sample, observation.cycle, nan)
         captured = time_s - self._delay.estimate.delay_s
@@ -145,7 +146,9 @@ class KalmanMethod:
         elif self._surprises >= _SURPRISES_IN_A_ROW or belief.covariance[1, 1] > self._largest_blow:
             rival = self._rival
             self._begin(captured, value)
-            if rival is not None and not rival.belief.surprised:  # it has begun anew a few images earlier
+            if (
+                rival is not None and not rival.belief.surprised
+            ):  # the rival has restarted a few images earlier
                 self._belief, self._next_cycle = rival.belief, rival.next_cycle
                 self._started_s = rival.began_s
 
@@ -165,7 +168,7 @@ class KalmanMethod:
     def _challenge(
         self, belief: Belief, sample: VisualSample, observation: Observation, captured: float, value: float
     ) -> None:
-        """Let a rival see the image, too; begin one at a blow; put the better one in its place."""
+        """Update the rival with the image; start one at an impact; replace the filter if the rival is better."""
         rival = self._rival
         if rival is not None:
             ahead, rival.next_cycle = self._advanced(rival.belief, rival.next_cycle, captured)
@@ -183,7 +186,7 @@ class KalmanMethod:
     def _variance(
         self, belief: Belief, sample: VisualSample, observation: Observation, captured: float
     ) -> float:
-        """Of a sample: its own noise, and what misdating makes of the tip's motion in the image, m^2."""
+        """Variance of a sample, m^2: its own noise, and the dating error times the tip's motion in the image."""
         joint = observation.joint
         own = (
             sqrt(sample.variance_x_px2) if sample.variance_x_px2 > 0.0 else self._noise_px
@@ -197,15 +200,15 @@ class KalmanMethod:
         return max(own, _LEAST_NOISE_M) ** 2 + of_dating
 
     def _known_rate(self, joint: JointMotion, captured: float) -> float:
-        """Of what is taken off the image: the joint, and the modes' answer to it, m/s."""
+        """Rate of the motion that is subtracted from the image: the joint, and the modes' response to it, m/s."""
         forced = self._forced.image_deflection_at
         of_forced = forced(joint, captured + _RATE_SPAN_S) - forced(joint, captured - _RATE_SPAN_S)
         return joint_image_rate_m_s(self._sensors, joint, captured) + of_forced / (2.0 * _RATE_SPAN_S)
 
     def _catch_up(self, fast: FastSensor, belief: Belief, observation: Observation) -> None:
-        """Put the fast sensor's samples of the time that no image has reached yet to a copy of the belief.
+        """Update a copy of the belief with the fast sensor's samples after the last image.
 
-        This is done in the cycle after an image, so that no cycle has to do both.
+        This runs in the cycle after an image, so that no cycle has to do both.
         """
         time_s = observation.time_s
         if time_s - belief.time_s > _FAST_LAG_S[0]:
@@ -220,12 +223,12 @@ class KalmanMethod:
             self._refreshed_s = time_s
 
     def _predict(self, observation: Observation) -> Estimate:
-        """The present, from the newest belief."""
+        """The present estimate, from the newest belief."""
         delay, time_s, joint = self._delay.estimate, observation.time_s, observation.joint
         belief = self._belief if self._fast is None else self._present
         if belief is None or self._image_s - self._started_s < self._settled_s:
             return Estimate(delay)
-        if belief is not self._unpacked:  # plain floats, for the cycles until the next one
+        if belief is not self._unpacked:  # plain floats, for the cycles until the next belief
             self._unpacked = belief
             fast = slice(0, self._model.slow)
             self._state, self._covariance = (
@@ -253,13 +256,13 @@ class KalmanMethod:
         )
 
     def _status(self, time_s: float) -> Status:
-        """Held while neither the camera nor the fast sensor gives anything."""
+        """The status; held while neither the camera nor the fast sensor delivers data."""
         fast_s = float("-inf") if self._fast is None else self._fast.last_seen_s
         return Status.HELD if time_s - max(self._read_s, fast_s) > _STALE_S else Status.ESTIMATED
 
 
 def quadratic_form(matrix: list[list[float]], row: list[float]) -> float:
-    """row @ matrix @ row for a symmetric matrix, faster in plain floats than in numpy for a few numbers."""
+    """row @ matrix @ row for a symmetric matrix; for a few numbers plain floats are faster than numpy."""
     total = 0.0
     for i, (line, a) in enumerate(zip(matrix, row, strict=True)):
         cross = 0.0

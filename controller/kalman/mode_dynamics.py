@@ -1,4 +1,4 @@
-"""One bending mode's free motion over any time, in closed form: its transition, and what disturbances add to it."""
+"""A bending mode's free motion over any time, in closed form: its transition and its process noise."""
 
 from math import cos, exp, expm1, sin, sqrt
 from typing import NamedTuple
@@ -23,28 +23,28 @@ class Scatter(NamedTuple):
     vv: float
 
 
-_NO_DAMPING = 1e-200  # 1/s: below it the quotient loses its digits, and is t to far more of them
+_NO_DAMPING = 1e-200  # 1/s: below it the quotient loses precision, and equals t to many more digits
 
 
 class ModeDynamics:
     """q'' + 2 zeta w q' + w^2 q = white acceleration."""
 
     def __init__(self, mode: Mode) -> None:
-        """Of one mode of the model."""
+        """mode: a mode of the model."""
         w = mode.angular_frequency
         self.angular_frequency = w
         self._a = mode.damping_ratio * w
         self._b = w * sqrt(1.0 - mode.damping_ratio**2)
 
     def transition(self, elapsed_s: float) -> Transition:
-        """Over a time of either sign."""
+        """The transition over a time of either sign."""
         a, b, w = self._a, self._b, self.angular_frequency
         decay, angle = exp(-a * elapsed_s), b * elapsed_s
         c, s = decay * cos(angle), decay * sin(angle) / b
         return Transition(c + a * s, s, -w * w * s, c - a * s)
 
     def scatter(self, elapsed_s: float) -> Scatter:
-        """What a white acceleration of spectral density 1 m^2/s^3 adds over a time >= 0.
+        """Covariance that a white acceleration of spectral density 1 m^2/s^3 adds over a time >= 0.
 
         With the impulse response h(s) = exp(-a s) sin(b s) / b: the integrals of h^2, h h' and h'^2 from 0 to elapsed_s
         (Jazwinski, Stochastic Processes and Filtering Theory, 1970, section 7.2).

@@ -1,8 +1,8 @@
-"""What the Kalman filters know of the rig: fast modes, a slow imposed motion, and a sensor's own offset.
+"""The state model of the Kalman filters: fast modes, a slow imposed motion, and a sensor's offset.
 
 State: q_1, q_1', ... q_M, q_M' (free vibration, m and m/s), c, c' (slow motion, in the metres that the image shows),
-and where a fast sensor is fused its offset. The modes are driven by white accelerations, the slow motion by a white
-c'' (an integrated random walk), the sensor's offset is a random walk.
+and the offset of a fast sensor, if one is fused. White accelerations drive the modes. A white c'' drives the slow
+motion (an integrated random walk). The sensor's offset is a random walk.
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _PRIOR_DEFLECTION_M = 0.1
-_PRIOR_OFFSET_M = 0.3  # of the image's zero from the first sample
+_PRIOR_OFFSET_M = 0.3  # deviation of the image zero from the first sample
 _PRIOR_SLOW_RATE_M_S = 0.02
 
 
@@ -30,10 +30,10 @@ class Densities(NamedTuple):
 
 
 class TwoTimeScales:
-    """Transition and scatter of the whole state over a time, and its prior. Shapes (size, size), (size,)."""
+    """Transition and process noise of the whole state over a time, and its prior. Shapes (size, size), (size,)."""
 
     def __init__(self, modes: list[Mode], densities: Densities, sensor_offset_std: float | None) -> None:
-        """sensor_offset_std: prior spread of a fast sensor's offset, in its unit; None: there is no such sensor."""
+        """sensor_offset_std: prior deviation of a fast sensor's offset, in its unit; None without such a sensor."""
         self.modes = [ModeDynamics(mode) for mode in modes]
         self._densities = densities
         self._sensor_offset_std = sensor_offset_std
@@ -42,7 +42,7 @@ class TwoTimeScales:
         self.identity = np.eye(self.size)
 
     def transition(self, elapsed_s: float) -> Matrix:
-        """Over a time of either sign."""
+        """The transition over a time of either sign."""
         phi = self.identity.copy()
         for i, mode in enumerate(self.modes):
             k = 2 * i
@@ -51,7 +51,7 @@ class TwoTimeScales:
         return phi
 
     def scatter(self, elapsed_s: float) -> Matrix:
-        """What the noises add to the covariance over a time >= 0."""
+        """Process noise: the covariance added over a time >= 0."""
         added = self.scatter_of_modes(elapsed_s) * self._densities.modes
         k, t, density = self.slow, elapsed_s, self._densities.slow
         added[k, k] = density * t * t * t / 3.0
@@ -62,7 +62,7 @@ class TwoTimeScales:
         return added
 
     def scatter_of_modes(self, elapsed_s: float) -> Matrix:
-        """The same of a white acceleration of density 1 m^2/s^3 on each mode, and of nothing else."""
+        """Process noise of a white acceleration of density 1 m^2/s^3 on each mode alone."""
         added = np.zeros((self.size, self.size))
         for i, mode in enumerate(self.modes):
             k = 2 * i
@@ -71,7 +71,7 @@ class TwoTimeScales:
         return added
 
     def prior_covariance(self) -> Matrix:
-        """Before the first sample: any vibration of the arm, any zero of the image, any offset of the sensor."""
+        """The prior before the first sample, wide in vibration, image zero and sensor offset."""
         first = self.modes[0].angular_frequency
         spread: list[float] = []
         for mode in self.modes:

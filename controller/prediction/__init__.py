@@ -1,1 +1,1 @@
-"""Predictors of the present deflection from delayed samples, one file each."""
+"""Predictors of the present deflection from delayed samples, one file each. Delay estimators belong to `delay/`."""

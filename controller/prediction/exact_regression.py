@@ -1,9 +1,9 @@
 """The exact form of the sine regression [1]: the frequency is fitted too.
 
-3 to 20 frames are less than a period, so that frequency, phase and a remaining offset are hardly told apart by the
-samples alone. The model's frequency therefore enters as a prior, and what is found is the most probable frequency
-(Gauss-Newton on the residual with amplitude and phase eliminated, the variable projection of Golub and Pereyra, SIAM
-J. Numer. Anal. 10, 1973, in Kaufman's simplification). Without information the prior's frequency stays.
+3 to 20 frames are less than a period, so that the samples alone hardly distinguish frequency, phase and a remaining
+offset. The model's frequency is therefore a prior, and the fit gives the most probable frequency (Gauss-Newton on the
+residual with amplitude and phase eliminated, the variable projection of Golub and Pereyra, SIAM J. Numer. Anal. 10,
+1973, in Kaufman's simplification). Without information the prior's frequency stays.
 """
 
 from math import hypot, sqrt
@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from common.model import Mode
 
-_EVALUATIONS = 3  # two steps at most; the third would change nothing that matters
+_EVALUATIONS = 3  # at most two steps; a third would have no relevant effect
 _SETTLED = 0.02  # of the prior's spread
 _REACH = 3.0  # standard deviations of the prior
-_FEW = 6
+_FEW = 6  # samples: with fewer, their scatter is not estimated
 
 Values = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ class ExactFit(NamedTuple):
     """exp(-zeta w t)(a cos wd t + b sin wd t): a, b in m, w in rad/s, with their uncertainties.
 
     covariance: (aa, bb, ab) at the fitted w, m^2. angular_frequency_variance: of w, (rad/s)^2.
-    a_per_w, b_per_w: how a and b follow when w is off, m s/rad.
+    a_per_w, b_per_w: sensitivity of a and b to w, m s/rad.
     """
 
     a: float
@@ -46,7 +46,7 @@ class _Trial(NamedTuple):
     b: float
     inverse: tuple[float, float, float]
     residual: Values
-    slope: Values  # of the residual by w, with a and b following
+    slope: Values  # derivative of the residual by w, with a and b refitted
     a_per_w: float
     b_per_w: float
 
@@ -55,7 +55,7 @@ class ExactRegression:
     """Fits one decaying sine of nearly known frequency to a few samples."""
 
     def __init__(self, mode: Mode, noise_std_m: float, dating_std_s: float, frequency_std: float) -> None:
-        """Samples are off by `noise_std_m` in value and `dating_std_s` in time; the frequency by a fraction."""
+        """noise_std_m, dating_std_s: errors of the samples in value and time; frequency_std: relative."""
         self._w = mode.angular_frequency
         self._zeta = mode.damping_ratio
         self._turn = sqrt(1.0 - mode.damping_ratio**2)
@@ -109,10 +109,10 @@ class ExactRegression:
         return _Trial(w, a, b, inverse, values - sine, slope, -a_taken, -b_taken)
 
     def _noise_variance(self, trial: _Trial) -> float:
-        """What the samples scatter, m^2, with a wrong frequency's share taken off; at least what is known of them."""
+        """Scatter of the samples, m^2, without the part from a wrong frequency; at least their known variance."""
         least = max(self._noise, 1e-9)
         count = len(trial.residual)
-        if count < _FEW:  # too few to tell their own scatter
+        if count < _FEW:  # too few to estimate their scatter
             of_dating = self._w * self._dating * hypot(trial.a, trial.b) / sqrt(2.0)
             return least**2 + of_dating**2
         of_frequency = float(trial.slope @ trial.residual) ** 2 / max(
@@ -122,7 +122,7 @@ class ExactRegression:
         return max(scatter, least**2)
 
     def _cost(self, trial: _Trial, variance: float) -> float:
-        """Minus twice the logarithm of the probability, apart from a constant."""
+        """Minus twice the log probability, without a constant."""
         return float(trial.residual @ trial.residual) / variance + ((trial.w - self._w) / self._spread) ** 2
 
     def _stepped(self, trial: _Trial, variance: float) -> float:

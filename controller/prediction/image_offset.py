@@ -1,4 +1,4 @@
-"""The image's slowly changing zero: a recursive fit of offset and oscillation with a long memory."""
+"""The slowly changing image zero: a recursive fit of offset and oscillation with a long memory."""
 
 from math import cos, exp, sin, sqrt
 
@@ -10,15 +10,15 @@ _NOISE_M2 = 1e-6  # of a sample; only its ratio to the prior matters
 class ImageOffset:
     """Offset c of samples c + A cos + B sin of one decaying mode, by least squares with exponential forgetting.
 
-    The quadratures are carried along with the oscillation from sample to sample, so that the regressors are always
-    (1, 1, 0): a Kalman filter with fading memory (Anderson and Moore, Optimal Filtering, 1979, section 6.2).
-    Written out in numbers: with matrices of three it takes five times as long.
+    The quadratures rotate with the oscillation from sample to sample, so that the regressors are always (1, 1, 0): a
+    Kalman filter with fading memory (Anderson and Moore, Optimal Filtering, 1979, section 6.2). It is written in
+    scalars; with 3 x 3 matrices it takes five times as long.
     """
 
-    _PRIOR_VARIANCE = 1.0  # m^2: nothing is known before the first sample
+    _PRIOR_VARIANCE = 1.0  # m^2: no prior knowledge
 
     def __init__(self, mode: Mode, memory_s: float) -> None:
-        """Forget with time constant `memory_s`."""
+        """memory_s: time constant of the forgetting."""
         self._w = mode.angular_frequency
         self._zeta = mode.damping_ratio
         self._memory_s = memory_s
@@ -30,30 +30,30 @@ class ImageOffset:
 
     @property
     def offset_m(self) -> float:
-        """The offset as known now, m."""
+        """The present estimate of the offset, m."""
         return self._offset
 
     @property
     def std_m(self) -> float:
-        """How well it is known, m."""
+        """Standard deviation of the offset, m."""
         return sqrt(max(self._oo, 0.0))
 
     def forget_vibration(self) -> None:
-        """The arm was struck: the offset stays as well known as it was, the oscillation is unknown."""
+        """After an impact: keep the offset and its deviation, and make the oscillation unknown."""
         self._cc = self._ss = self._PRIOR_VARIANCE
         self._oc = self._os = self._cs = 0.0
 
     def doubt(self, spread_m: float) -> None:
-        """The zero may have moved by that much: a bent arm was let go, or the tracker has another zero."""
+        """Widen the offset's deviation: the zero may have moved, by a release of the arm or in the tracker."""
         self._oo = min(self._oo + spread_m * spread_m, self._PRIOR_VARIANCE)
 
     def add(self, time_s: float, value_m: float) -> None:
-        """Take in one sample; times should increase, a step back counts as none at all."""
+        """Add one sample. Times should increase; a step back counts as zero elapsed time."""
         elapsed = 0.0 if self._time_s is None else max(0.0, time_s - self._time_s)
         self._time_s = time_s
         self._carry_along(elapsed)
         self._forget(elapsed)
-        # what is seen is offset + cosine part
+        # a sample shows offset + cosine part
         of_offset, of_cosine, of_sine = self._oo + self._oc, self._oc + self._cc, self._os + self._cs
         spread = of_offset + of_cosine + _NOISE_M2
         error = value_m - self._offset - self._cosine
@@ -68,7 +68,7 @@ class ImageOffset:
         self._ss -= of_sine * of_sine / spread
 
     def _carry_along(self, elapsed_s: float) -> None:
-        """Turn the quadratures, and their covariance, on by what has passed."""
+        """Rotate the quadratures and their covariance by the elapsed time."""
         angle = self._w * sqrt(1.0 - self._zeta * self._zeta) * elapsed_s
         decay = exp(-self._zeta * self._w * elapsed_s)
         c, s = decay * cos(angle), decay * sin(angle)
@@ -80,7 +80,7 @@ class ImageOffset:
         self._cs = c * s * (ss - cc) + (c * c - s * s) * cs
 
     def _forget(self, elapsed_s: float) -> None:
-        """Fade the memory; what is not known at all does not become less known."""
+        """Fade the memory, but not beyond the prior."""
         room = max(1.0, self._PRIOR_VARIANCE / max(self._oo, self._cc, self._ss))
         more = min(exp(min(elapsed_s / self._memory_s, 50.0)), room)
         self._oo *= more

@@ -1,13 +1,13 @@
 """On-line sine regression over the last 3 to 20 frames, evaluated at the present [1].
 
-In the simplified form the frequency is given (the model's); in the exact form (exact_regression.py) it is fitted. What
-is fitted is the free vibration, a decaying sine. Its answer to the joint's
-own motion is known from the drive model, is taken off the samples before the fit and added again after: so the fit
-holds while the joint moves or damps, when the deflection itself is no sine.
+In the simplified form the frequency is given (the model's). In the exact form (exact_regression.py) it is fitted. The
+fit is of the free vibration, a decaying sine. The arm's response to the joint's own motion is known from the drive
+model. It is subtracted from the samples before the fit and added again afterwards. The fit is therefore valid while the
+joint moves or damps and the deflection itself is no sine.
 
-The window may have a variable length: it grows to `frames` samples, and is cut down to the newest one when that lies
-further from the fit's prediction than noise and the delay's spread explain, as after a blow. A window of fixed length
-takes `frames` samples to forget a blow.
+The window may have a variable length. It grows to `frames` samples, and is cut down to the newest one if that is
+further from the fit's prediction than noise and the delay's spread explain, as after an impact. A window of fixed
+length takes `frames` samples to forget an impact.
 """
 
 from collections import deque
@@ -19,9 +19,9 @@ import numpy as np
 from common.model import Mode
 from controller.prediction.exact_regression import ExactFit, ExactRegression
 
-_CHANGE_STDS = 4.0  # at the rate of frames, a false alarm in some minutes; a blow exceeds it at once
+_CHANGE_STDS = 4.0  # one false alarm in some minutes at the frame rate; an impact exceeds it at once
 
-_FEW = 6
+_FEW = 6  # samples: with fewer, their scatter is not estimated
 
 
 class FreeVibration(NamedTuple):
@@ -46,9 +46,9 @@ class SineRegression:
         variable_window: bool = True,
         exact: ExactRegression | None = None,
     ) -> None:
-        """Fit over up to `frames` samples, each off by `noise_std_m` in value and `dating_std_s` in time.
+        """Fit over up to `frames` samples with errors of `noise_std_m` in value and `dating_std_s` in time.
 
-        variable_window: whether a blow cuts the window. exact: what fits the frequency too; None: it is given.
+        variable_window: whether an impact cuts the window. exact: also fits the frequency; None: it is given.
         """
         self._w = mode.angular_frequency
         self._zeta_w = mode.damping_ratio * self._w
@@ -68,11 +68,11 @@ class SineRegression:
 
     @property
     def samples(self) -> int:
-        """How many samples the window holds."""
+        """Number of samples in the window."""
         return len(self._times)
 
     def restart(self) -> None:
-        """Forget all samples; the last fit stands until three new ones are there."""
+        """Forget all samples. The last fit remains until there are three new ones."""
         self._times.clear()
         self._values.clear()
 
@@ -85,12 +85,12 @@ class SineRegression:
         known_rate_m_s: float = 0.0,
         offset_std_m: float = 0.0,
     ) -> bool:
-        """Take in one sample at its capture time; `offset_m` is taken off all of the window's samples.
+        """Add one sample at its capture time; `offset_m` is subtracted from all samples of the window.
 
-        known_rate_m_s: of the motion that has been taken off the image, which misdating makes an error of.
-        offset_std_m: how well the offset is known.
-        A gap longer than `longest_gap_s` starts the window afresh. Times may go back a little: the delay that dates
-        them is only an estimate. Returns whether the sample broke with the fit, as after a blow.
+        known_rate_m_s: rate of the motion that was subtracted from the image, in proportion to which a dating error
+        causes an error. offset_std_m: standard deviation of the offset.
+        A gap longer than `longest_gap_s` restarts the window. Times may go back slightly, since the delay that dates
+        them is only an estimate. Returns whether the sample contradicts the fit, as after an impact.
         """
         if self._times and abs(time_s - self._times[-1]) > longest_gap_s:
             self.restart()
@@ -110,7 +110,7 @@ class SineRegression:
     def _changed(self, time_s: float, value_m: float, known_rate_m_s: float, offset_std_m: float) -> bool:
         expected = self.predict(time_s)
         of_dating = self._dating * (abs(expected.rate_m_s) + abs(known_rate_m_s))
-        of_bend = 0.5 * expected.amplitude_m * (self._w * self._dating) ** 2  # where the rate is zero
+        of_bend = 0.5 * expected.amplitude_m * (self._w * self._dating) ** 2  # at zero rate
         spread = hypot(expected.std_m, self._noise, of_dating, of_bend, offset_std_m)
         return abs(value_m - expected.deflection_m) > _CHANGE_STDS * spread
 
@@ -121,7 +121,7 @@ class SineRegression:
             return self._take(self._exact.fit(t, np.array(self._values) - offset_m))
         values = [value - offset_m for value in self._values]
         waves = [self._wave(time_s - self._reference) for time_s in self._times]
-        cc = ss = cs = cy = sy = 0.0  # numbers, not arrays: these are too short to be worth numpy's calls
+        cc = ss = cs = cy = sy = 0.0  # scalars: the arrays are too short for numpy to pay
         for (c, s), y in zip(waves, values, strict=True):
             cc += c * c
             ss += s * s
@@ -139,7 +139,7 @@ class SineRegression:
             residual = y - a * c - b * s
             squares += residual * residual
         least = self._noise
-        if len(values) < _FEW:  # too few to tell their own scatter
+        if len(values) < _FEW:  # too few to estimate their scatter
             least = hypot(least, self._w * self._dating * hypot(a, b) / sqrt(2.0))
         variance = max(squares / max(1, len(values) - 2), least * least) / determinant
         self._covariance = (ss * variance, cc * variance, -cs * variance)
@@ -147,14 +147,15 @@ class SineRegression:
         return None
 
     def _wave(self, t: float) -> tuple[float, float]:
-        """The two decaying waves at a time, counted from the newest sample."""
+        """The two decaying waves at a time relative to the newest sample."""
         decay, angle = exp(-self._zeta_w * t), self._wd * t
         return decay * cos(angle), decay * sin(angle)
 
     def _ridge(self, largest_m: float) -> float:
-        """A prior on a and b, for windows so short that samples dated almost alike would leave their slope open.
+        """A prior on a and b, for short windows in which samples with almost equal times leave their slope
+        undetermined.
 
-        Noise of a sample over the variance of an amplitude some 1.5 times the largest value seen.
+        Noise variance of a sample over the variance of an amplitude some 1.5 times the largest observed value.
         """
         noise = self._noise**2 + 0.5 * (self._w * self._dating * largest_m) ** 2
         return noise / max((1.5 * largest_m) ** 2, self._noise**2, 1e-30)

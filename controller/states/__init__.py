@@ -1,1 +1,4 @@
-"""Whether the arm may be moved and damped: the states, what leads from one to another, and the tests behind it."""
+"""Decides whether the arm may move and be damped: states, transitions, and the tests behind them.
+
+Begin with `table.py` and `machine.py`; `supervision.py` is the interface for the step.
+"""

@@ -1,10 +1,10 @@
-"""The two tables of docs/safety.md, out of controller.states.table."""
+"""Makes the two tables of docs/safety.md from controller.states.table."""
 
 from controller.states.table import GROUNDS, TRANSITIONS, Event, State
 
 
 def transition_table() -> str:
-    """Events down, states across; a dot stays where it is."""
+    """Rows are events, columns are states; a dot means no change."""
     lines = ["| event | " + " | ".join(State) + " |", "|---" * (len(State) + 1) + "|"]
     for event in Event:
         nexts = [TRANSITIONS[state, event] for state in State]
@@ -14,7 +14,7 @@ def transition_table() -> str:
 
 
 def ground_table() -> str:
-    """What goes missing, what follows, within which times, and what the operator is told."""
+    """Missing parts, reactions, times, and messages to the operator."""
     lines = [
         "| missing | concerns | reaction | counts within, s | zero within, s more | message | remedy |",
         "|---|---|---|---|---|---|---|",

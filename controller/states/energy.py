@@ -1,24 +1,24 @@
-"""The energy test: does the joint, by what is measured, take energy out of the vibration or put it in?
+"""The energy test: does the joint take energy out of the vibration, or does it feed it?
 
 With q'' + 2 zeta w q' + w^2 q = - p L theta'', the joint's work on the mode per unit of modal mass is, over whole
 periods,
 
     W = - integral p L theta'' q' dt = integral p L theta' q'' dt
 
-and the tip's acceleration may stand for q'': what it holds besides is in quadrature with theta' or not at the mode's
-frequency. So the mean of p L theta' s'' says, without any delay or prediction, whether the damping damps (W < 0).
-Both signals are brought down to the mode's frequency and averaged over a period. A blow adds energy, but no work of
-the joint's: it fails the test only if, for a period and a half without a pause, the joint has put in half of the
-energy that is there.
+and the tip's acceleration may replace q'': its other parts are in quadrature with theta' or not at the mode's
+frequency. The mean of p L theta' s'' therefore shows, without any delay or prediction, whether the damping damps (W <
+0). Both signals are demodulated at the mode's frequency and averaged over a period. An impact adds energy without work
+of the joint. The test fails only if the joint has supplied half of the present energy for a period and a half without
+interruption.
 
-Without an accelerometer, or where the drive turns against its own report or the model against the arm, growth alone is
-left: of the estimated amplitude, and of the one that the accelerometer shows at the mode's frequency, for an estimate
-made with a model that is wrong may not grow as the vibration does. An amplitude grows if it rises by a fifth in each of
-four or more periods running, to three and a half times what it was before them and to twice the largest of the last
-minute. The sum counts more than each period, because an estimate made with a model that is wrong swings by 15 %. No
-blow does that. The accelerometer's amplitude shows a blow in two periods (felt_amplitude.py), and two blows in four: it
-has to rise in five. Twenty simulated hours of white disturbance and of random blows (every 0.5, 1, 3 s), at damping
-ratios of 0.02, 0.05 and 0.13 each, held 12 false alarms by the estimate in 240 hours and 4 by the accelerometer.
+Without an accelerometer, or if the drive's direction or the model's sign is wrong, only growth remains: of the
+estimated amplitude, and of the accelerometer's amplitude at the mode's frequency, since an estimate from a wrong model
+may not grow as the vibration does. An amplitude grows if it rises by a fifth in each of four or more consecutive
+periods, to three and a half times its value before them, and to twice the largest of the last minute. The sum counts
+more than each period, because an estimate from a wrong model swings by 15 %. No impact causes such a rise. The
+accelerometer's amplitude shows an impact in two periods (felt_amplitude.py), and two impacts in four: it has to rise in
+five. Twenty simulated hours each of white disturbance and of random impacts (every 0.5, 1, 3 s), at damping ratios of
+0.02, 0.05 and 0.13, gave 12 false alarms by the estimate in 240 hours and 4 by the accelerometer.
 """
 
 from cmath import exp as cexp
@@ -27,8 +27,10 @@ from math import exp, isfinite, pi, sqrt
 from common.model import Model
 from controller.states.felt_amplitude import LEAST_AMPLITUDE_M, FeltAmplitude
 
-_STRETCH_PERIODS = 1.5
-_SHARE = 0.5
+_STRETCH_PERIODS = 1.5  # of uninterrupted work before the test may fail
+_SHARE = 0.5  # of the present energy that the joint must have supplied
+# Consecutive periods, factor in each, factor over all of them, factor over the largest of the last minute. The false
+# alarms with these values are counted above.
 _RISES, _RISE, _IN_ALL, _OVER_RECENT = 4, 1.2, 3.5, 2.0
 _FELT_RISES = _RISES + 1
 _RECENT_S = 60.0
@@ -39,7 +41,7 @@ class EnergyTest:
     """Watches the work of the damping on the first mode, and its amplitude."""
 
     def __init__(self, model: Model, length_m: float) -> None:
-        """For the model's first mode, accelerometer and cycle."""
+        """Use the model's first mode, accelerometer and cycle."""
         mode, cycle_s, accelerometer = model.arm.modes[0], model.timing.cycle_s, model.accelerometer
         w = mode.angular_frequency
         self._w, self._cycle_s = w, cycle_s
@@ -71,10 +73,10 @@ class EnergyTest:
         acting: bool,
         amplitude_m: float,
     ) -> bool:
-        """Take in a cycle; True when the damping is found to feed the vibration.
+        """Process a cycle. Returns True if the damping feeds the vibration.
 
-        damping_velocity_rad_s: the joint's measured velocity beyond the external reference.
-        acting: whether the damping is fully faded in, and alone in moving the joint. amplitude_m: as estimated.
+        damping_velocity_rad_s: the joint's measured velocity minus the external reference.
+        acting: whether the damping is fully faded in and alone moves the joint. amplitude_m: the estimated amplitude.
         """
         passed = elapsed * self._cycle_s
         grows = self._growth.grows(passed, amplitude_m, acting)
@@ -89,7 +91,7 @@ class EnergyTest:
         unit = self._unit * (self._turn if elapsed == 1 else self._turn**elapsed)
         self._unit = unit * (
             1.5 - 0.5 * (unit.real * unit.real + unit.imag * unit.imag)
-        )  # keeps its length at 1
+        )  # keeps the modulus at 1
         gain = self._gain
         self._velocity += gain * (velocity_rad_s * unit - self._velocity)
         turned = (acceleration_m_s2 - mean) * unit
@@ -107,30 +109,30 @@ class EnergyTest:
         return self._since_s > self._stretch and energy > self._least_energy and self._work > _SHARE * energy
 
     def restart(self) -> None:
-        """Forget what was seen: the state was cleared."""
+        """Forget the past, after the state was cleared."""
         self._work = self._since_s = 0.0
         self._growth.restart()
         self._felt_growth.restart()
 
 
 class GrowthTest:
-    """Tells steady growth of an amplitude from blows, by its greatest value in each period."""
+    """Distinguishes steady growth of an amplitude from impacts, by its greatest value in each period."""
 
     def __init__(
         self, period_s: float, rises: int = _RISES, least_amplitude_m: float = LEAST_AMPLITUDE_M
     ) -> None:
-        """Of an oscillation of that period. rises: in so many periods running, each to over the least amplitude."""
+        """For an oscillation of that period. rises: required consecutive rises, each above the least amplitude."""
         self._every_s, self._least_rises, self._least_m = period_s, rises, least_amplitude_m
         self._keep = exp(-period_s / _RECENT_S)
         self.restart()
 
     def restart(self) -> None:
-        """Nothing seen so far."""
+        """Forget the past."""
         self._passed_s = self._last_m = self._recent_m = self._greatest_m = self._before_m = 0.0
         self._rises = 0
 
     def grows(self, passed_s: float, amplitude_m: float, acting: bool) -> bool:
-        """Take in the amplitude as estimated; True when it has grown steadily while the damping acted."""
+        """Process the amplitude. Returns True if it has grown steadily while the damping acted."""
         if not isfinite(amplitude_m):
             return False
         self._greatest_m = max(self._greatest_m, amplitude_m)

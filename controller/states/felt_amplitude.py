@@ -1,8 +1,8 @@
-"""The vibration's amplitude as the accelerometer shows it, half a period at a time.
+"""The vibration's amplitude by the accelerometer, for each half period.
 
-The mean of 2 a exp(-i w t) over half a period is the amplitude of an acceleration a at the frequency w, for the part
-at twice that frequency goes through a whole period. No shorter mean has that property. It shows a blow in part in the
-half period in which it falls, and in full in the next one; so in two periods at the most.
+The mean of 2 a exp(-i w t) over half a period is the amplitude of an acceleration a at the frequency w, since the part
+at twice that frequency completes a whole period. No shorter mean has that property. It shows an impact partly in the
+half period of the impact, and fully in the next one, hence in two periods at the most.
 """
 
 from math import pi, sqrt
@@ -10,17 +10,17 @@ from math import pi, sqrt
 from common.model import Model
 
 LEAST_AMPLITUDE_M = 0.0005
-_NOISE_STDS = 5.0
+_NOISE_STDS = 5.0  # standard deviations of the amplitude by noise alone
 
 
 class FeltAmplitude:
-    """Of the model's first mode. amplitude_m: over the last whole half period; 0 before the first one has passed.
+    """Amplitude of the model's first mode. amplitude_m: of the last complete half period; 0 before the first one.
 
-    least_m: amplitude that is more than the accelerometer's noise, and more than LEAST_AMPLITUDE_M.
+    least_m: smallest significant amplitude, above the accelerometer's noise and at least LEAST_AMPLITUDE_M.
     """
 
     def __init__(self, model: Model) -> None:
-        """For the model's first mode, accelerometer and cycle."""
+        """Use the model's first mode, accelerometer and cycle."""
         w, sensor = model.arm.modes[0].angular_frequency, model.accelerometer
         self._half_period = max(1, round(pi / w / model.timing.cycle_s))  # cycles
         self._metres_per_m_s2 = 1.0 / (w * w * abs(sensor.scale))
@@ -31,7 +31,7 @@ class FeltAmplitude:
         self._samples = self._passed = 0
 
     def add(self, elapsed: int, turned_m_s2: complex) -> None:
-        """Take in a sample without its mean, times exp(-i w t), `elapsed` cycles after the last one."""
+        """Add a sample without its mean, times exp(-i w t), `elapsed` cycles after the last one."""
         self._sum += turned_m_s2
         self._samples += 1
         self._passed += elapsed

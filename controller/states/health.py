@@ -1,6 +1,6 @@
-"""Health: what is there and what is missing, cycle by cycle, as bits of controller.states.table.BIT_OF.
+"""Health: the missing parts in each cycle, as bits of controller.states.table.BIT_OF.
 
-Pure arithmetic of what the cycle has read, so that a replay finds the same.
+Pure arithmetic on the cycle's input, so that a replay gives the same result.
 """
 
 from math import isfinite
@@ -13,17 +13,20 @@ DRIVE_LOST_S = 1.0
 ACCELEROMETER_DEAD_S = 0.05
 NON_FINITE_S = 0.05
 STALL_S = 0.05
-AFTER_STALL_S = 0.5  # images that waited in the socket meanwhile are dated wrongly: until they have passed
-MISSED_SHARE, MISSED_SHARE_AGAIN = 0.25, 0.1
+AFTER_STALL_S = 0.5  # s: until images that waited in the socket, with wrong dates, have passed
+MISSED_SHARE, MISSED_SHARE_AGAIN = (
+    0.25,
+    0.1,
+)  # of the last second's cycles: missing from the first on, present again below the second
 _MISSED_OVER_S = 1.0
 
 
 class Health:
-    """Watches the sensors, the drive, the loop and the estimate."""
+    """Checks the sensors, the drive, the loop and the estimate."""
 
     def __init__(self, cycle_s: float, stale_after_s: float, sampled_s: float = float("-inf")) -> None:
-        """stale_after_s: how old the last measured image may be. sampled_s: when the accelerometer gave its last
-        sample, if it ever did.
+        """stale_after_s: largest age of the last measured image. sampled_s: time of the accelerometer's last sample, if
+        there was one.
         """
         self._cycle_s = cycle_s
         self._stale_after_s = stale_after_s
@@ -40,15 +43,15 @@ class Health:
 
     @property
     def sampled(self) -> bool:
-        """Whether the accelerometer has ever given a sample."""
+        """Whether the accelerometer has ever delivered a sample."""
         return isfinite(self._sample_s)
 
     def missing(
         self, time_s: float, elapsed: int, acceleration_m_s2: float, joint_age_s: float, estimate: Estimate
     ) -> int:
-        """The grounds that are missing in a cycle, as bits. `elapsed`: cycles since the last one that was run.
+        """The missing grounds in a cycle, as bits. elapsed: cycles since the last one that ran.
 
-        An accelerometer that never gave a sample is not dead but absent; a drive whose age is NaN reports nothing.
+        An accelerometer without any sample so far is absent, not dead; a drive whose age is NaN has no reports.
         """
         found = 0
         if joint_age_s > DRIVE_SILENT_S:
@@ -70,7 +73,7 @@ class Health:
         return found
 
     def _loop(self, time_s: float, elapsed: int) -> int:
-        """Missed cycles as a share of those that were due, over about a second."""
+        """The grounds of the loop. The fraction of missed cycles is averaged over about a second."""
         if (elapsed - 1) * self._cycle_s >= STALL_S:
             self._calm_from_s = time_s + AFTER_STALL_S
         gain = min(1.0, elapsed * self._cycle_s / _MISSED_OVER_S)
@@ -80,7 +83,7 @@ class Health:
 
 
 def _sane(estimate: Estimate) -> bool:
-    """Finite wherever it claims to be known."""
+    """Whether the estimate is finite wherever its status claims a value."""
     if estimate.status is Status.ESTIMATED or estimate.status is Status.HELD:
         return isfinite(estimate.deflection_m + estimate.deflection_rate_m_s)
     return True

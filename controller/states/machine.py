@@ -1,4 +1,4 @@
-"""Walks the table of states, cycle by cycle, and says what may be done: move, damp, and how to stop."""
+"""The state machine: applies the table in each cycle, and decides whether to move, to damp, and how to stop."""
 
 from controller.states.table import (
     BIT_OF,
@@ -13,11 +13,11 @@ from controller.states.table import (
     State,
 )
 
-RECOVER_S = 0.2  # nothing missing for so long: healthy again
+RECOVER_S = 0.2  # without a missing part for this time the system is healthy again
 
 
 class StateMachine:
-    """State, reason and permission. Logic only: grounds and the operator's words come in as bits."""
+    """State, reason and permission. Logic only: grounds and the operator's requests are bits."""
 
     def __init__(self, cycle_s: float, *, arm_at_start: bool) -> None:
         """arm_at_start: whether the joint may move as soon as the checks before arming hold."""
@@ -26,23 +26,23 @@ class StateMachine:
         self._healthy_cycles = 0
         self.state = State.PREFLIGHT
         self.reason: Event | None = None
-        """What is missing, or brought the state about; None while nothing is wrong."""
+        """The missing ground, or the cause of the state; None while nothing is wrong."""
         self.may_move = False
         self.may_damp = False
         self.at_once = False
-        """Whether the command goes to zero at once where it may not move; otherwise it fades."""
+        """Whether the command goes to zero at once if it may not move; otherwise it fades."""
 
     def step(self, elapsed: int, missing: int, operator: int, *, ready: bool, damping: bool) -> None:
-        """Move on by `elapsed` cycles.
+        """Advance by `elapsed` cycles.
 
-        missing: grounds, as bits of BIT_OF. operator: bits of Operator. ready: the checks before arming hold.
-        damping: whether the damping acted in the cycle before.
+        missing: grounds, as bits of BIT_OF. operator: bits of Operator. ready: whether the checks before arming pass.
+        damping: whether the damping acted in the previous cycle.
         """
         if missing or operator or self._unsettled(damping):
             self._walk(elapsed, missing, operator, ready, damping)
 
     def _unsettled(self, damping: bool) -> bool:
-        """Whether a cycle in which nothing is missing and nothing was asked for can change anything."""
+        """Whether a cycle without missing grounds or requests can change the state."""
         return self.state is not (State.DAMPING if damping else State.ARMED)
 
     def _walk(self, elapsed: int, missing: int, operator: int, ready: bool, damping: bool) -> None:
@@ -89,7 +89,7 @@ class StateMachine:
             self.reason = None
 
     def _permit(self, missing: int) -> None:
-        """What the state and the grounds that are there allow."""
+        """Set what the state and the present grounds allow."""
         if self.state is State.DEGRADED:
             self.reason = _heaviest(missing) or self.reason
         moving = self.state in MOVING

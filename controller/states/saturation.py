@@ -1,15 +1,15 @@
-"""Tells damping that is at its limit for long without stilling anything from a large blow that it is working off."""
+"""Distinguishes damping that stays at its limit without effect from damping that reduces a large vibration."""
 
 from math import exp, isfinite
 
 _OVER_S = 1.5
-_SHARE = 0.5
+_SHARE = 0.5  # of the cycles at the limit
 _LOOK_EVERY_S = 1.5
-_FALLEN = 0.9
+_FALLEN = 0.9  # of the amplitude at the last check: below it the damping has an effect
 
 
 class SaturationTest:
-    """Share of the cycles at the limit, and the amplitude meanwhile."""
+    """Fraction of the cycles at the limit, and the amplitude in that time."""
 
     def __init__(self, cycle_s: float) -> None:
         """Nothing seen so far."""
@@ -22,8 +22,8 @@ class SaturationTest:
         self._before_m: float | None = None
 
     def lasts(self, elapsed: int, at_limit: bool, amplitude_m: float) -> bool:
-        """Take in a cycle; True when more than half of the cycles were at the limit and the amplitude has not fallen
-        by a tenth from one look, every 1.5 s, to the next.
+        """Process a cycle. Returns True if more than half of the cycles were at the limit, and the amplitude has not
+        fallen by a tenth from one check to the next, every 1.5 s.
         """
         passed = elapsed * self._cycle_s
         self._share += (1.0 - exp(-passed / _OVER_S)) * ((1.0 if at_limit else 0.0) - self._share)

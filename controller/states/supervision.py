@@ -1,4 +1,4 @@
-"""What the step asks in each cycle whether it may move and damp: health, the tests of the damping, and the states."""
+"""Decides for the step in each cycle whether it may move and damp: health, tests of the damping, and states."""
 
 from functools import partial
 from math import sqrt
@@ -12,18 +12,18 @@ from controller.states.machine import StateMachine
 from controller.states.saturation import SaturationTest
 from controller.states.table import BIT_OF, Event, State
 
-_POSITION_SLACK_RAD = 0.01  # a joint that stands against its limit may be a little beyond it
+_POSITION_SLACK_RAD = 0.01  # rad: a joint at its limit may be slightly beyond it
 _QUIET_RAD_S = 1e-4
 _AT_REST = frozenset({State.PREFLIGHT, State.IDLE})
 
 
 class Supervision:
-    """Sees to it that nothing moves without grounds."""
+    """Ensures that nothing moves without grounds."""
 
     def __init__(
         self, model: Model, settings: ControllerSettings, length_m: float, *, identified_only: bool = False
     ) -> None:
-        """For the model's drive and first mode. identified_only: whether a model that no rig has given is refused."""
+        """Use the model's drive and first mode. identified_only: whether to refuse an uncommissioned model."""
         cycle_s, safety = model.timing.cycle_s, settings.safety
         self._drive = model.drive
         self._w = model.arm.modes[0].angular_frequency
@@ -44,7 +44,7 @@ class Supervision:
         self._damped = False
 
     def begin_anew(self, time_s: float) -> None:
-        """The cycles before say nothing of now. State and permission stay: a fault is cleared by the operator alone."""
+        """Forget the previous cycles. State and permission remain: only the operator clears a fault."""
         self._health = self._make_health(time_s if self._health.sampled else float("-inf"))
         self._energy = self._make_energy()
         self._saturation.restart()
@@ -65,7 +65,7 @@ class Supervision:
         estimate: Estimate,
         operator: int,
     ) -> StateMachine:
-        """Where the controller stands in this cycle, and what it may do."""
+        """The state of the controller in this cycle, and what it may do."""
         machine = self._machine
         missing = (
             self._health.missing(time_s, elapsed, acceleration_m_s2, joint_age_s, estimate)
@@ -81,7 +81,7 @@ class Supervision:
         return machine
 
     def _ready(self, missing: int, joint_position_rad: float) -> bool:
-        """The checks before arming that are not among the grounds, and those that the configuration asks for."""
+        """The checks before arming that are not grounds, and those that the configuration adds."""
         drive = self._drive
         placed = (
             drive.min_position_rad - _POSITION_SLACK_RAD
@@ -103,7 +103,7 @@ class Supervision:
         at_limit: bool,
         estimate: Estimate,
     ) -> None:
-        """Take in what the damping did, for the next cycle's decision."""
+        """Store the action of the damping, for the decision in the next cycle."""
         if -_QUIET_RAD_S < reference_rad_s < _QUIET_RAD_S:
             self._quiet_cycles += elapsed
         else:

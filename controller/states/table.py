@@ -1,8 +1,8 @@
-"""The states as a table: what leads from which to which, and what each loss of grounds brings about.
+"""The tables of states: the transitions, and the reaction to each missing ground.
 
-Health (is it there) and permission (may it move) are apart: health is what `GROUNDS` lists, seen anew in each cycle;
-permission is given by the operator, or at the start by `controller.arm_at_start`, and is lost with a fault.
-docs/safety.md shows both tables; a test holds it to them.
+Health and permission are separate. Health is the list `GROUNDS`, checked in each cycle. The operator gives permission,
+or `controller.arm_at_start` at the start; a fault withdraws it. docs/safety.md shows both tables, and a test compares
+them.
 """
 
 from enum import IntFlag, StrEnum
@@ -10,26 +10,26 @@ from typing import NamedTuple
 
 
 class State(StrEnum):
-    """Where the controller stands. Only the middle three let the joint move."""
+    """The controller's state. The joint may move in ARMED, DAMPING and DEGRADED only."""
 
-    PREFLIGHT = "preflight"  # something that must be there is not there yet
-    IDLE = "idle"  # all is there; the operator has not armed
-    ARMED = "armed"  # the reference moves the joint; damping is off, or has nothing to act on
+    PREFLIGHT = "preflight"  # a required part is still missing
+    IDLE = "idle"  # all parts are present; the operator has not armed
+    ARMED = "armed"  # the reference moves the joint; damping is off or has nothing to act on
     DAMPING = "damping"
-    DEGRADED = "degraded"  # something is missing: less is done, and all again when it is back
-    FAULT = "fault"  # at rest until the operator clears it
+    DEGRADED = "degraded"  # a part is missing: reduced operation until it is back
+    FAULT = "fault"  # at rest until the operator clears the fault
 
 
 class Event(StrEnum):
-    """What may happen. Those that end in the table of grounds are seen by the controller itself."""
+    """The events. The controller itself detects those in the table of grounds."""
 
-    READY = "ready"  # the checks before arming hold
+    READY = "ready"  # the checks before arming pass
     ARM = "arm"
     DISARM = "disarm"
     CLEAR = "clear"
     DAMPING_BEGUN = "damping begun"
     DAMPING_ENDED = "damping ended"
-    HEALTHY = "healthy"  # no grounds have been missing for 0.2 s
+    HEALTHY = "healthy"  # no ground has been missing for 0.2 s
     EMERGENCY_STOP = "emergency stop"
     NON_FINITE = "non-finite numbers"
     GROWING = "growing vibration"
@@ -44,7 +44,7 @@ class Event(StrEnum):
 
 
 class Operator(IntFlag):
-    """What the operator asked for in a cycle; EMERGENCY_STOP stands for as long as the switch is held."""
+    """The operator's requests in a cycle; EMERGENCY_STOP stays set while the switch is held."""
 
     ARM = 1
     DISARM = 2
@@ -53,18 +53,18 @@ class Operator(IntFlag):
 
 
 class Reaction(StrEnum):
-    """What is done with the command, or with the damping part of it, when its grounds are gone."""
+    """The reaction of the command, or of its damping part, to a missing ground."""
 
-    HOLD = "hold"  # go on with what was known last
+    HOLD = "hold"  # continue with the last known value
     FADE = "fade"  # to zero, steadily
     ZERO = "zero"  # at once, as fast as the acceleration limit allows
 
 
 class Ground(NamedTuple):
-    """What is missing, and what follows from it.
+    """A missing ground, and its consequences.
 
-    whole: whether the whole command is concerned, or its damping part only
-    seen_within_s: from when it happens until it counts; zero_within_s: from then until the command (part) is zero
+    whole: whether it affects the whole command, or its damping part only
+    seen_within_s: time from the event to its detection; zero_within_s: from then until the command (part) is zero
     """
 
     event: Event
@@ -76,7 +76,7 @@ class Ground(NamedTuple):
     remedy: str
 
 
-# In order of weight: the first one that is missing is the reason that is told.
+# In order of severity: the first missing one is reported as the reason.
 GROUNDS = (
     Ground(
         Event.EMERGENCY_STOP, True, Reaction.ZERO, 0.001, 0.04,
@@ -86,7 +86,7 @@ GROUNDS = (
     Ground(
         Event.NON_FINITE, True, Reaction.ZERO, 0.05, 0.04,
         "the estimate is not a finite number",
-        "start the controller again; keep the recording, and replay it to find the sample that did it",
+        "restart the controller; keep the recording, and replay it to find the sample that caused this",
     ),
     Ground(
         Event.GROWING, True, Reaction.FADE, 2.0, 0.1,
@@ -96,19 +96,19 @@ GROUNDS = (
     ),
     Ground(
         Event.SATURATED, True, Reaction.FADE, 5.0, 0.1,
-        "the damping has been at its limit for long and the vibration does not fall",
+        "the damping has been at its limit for a long time without reducing the vibration",
         "lower controller.damping.added_damping_ratio, or raise max_velocity_rad_s as far as the drive allows; "
         "then `stillarm operate clear` and `arm`",
     ),
     Ground(
         Event.DRIVE_LOST, True, Reaction.ZERO, 1.0, 0.04,
         "the drive has not reported for a second",
-        "check the gateway's power, cable and drive.gateway_host; it goes on from the preflight",
+        "check the gateway's power, cable and drive.gateway_host; operation resumes from the preflight",
     ),
     Ground(
         Event.DRIVE_SILENT, True, Reaction.ZERO, 0.05, 0.04,
         "the drive does not report",
-        "check the gateway's power and cable; motion comes back by itself with the reports",
+        "check the gateway's power and cable; motion resumes by itself with the reports",
     ),
     Ground(
         Event.LOOP_STALLED, True, Reaction.ZERO, 0.001, 0.04,
@@ -123,16 +123,16 @@ GROUNDS = (
     Ground(
         Event.VISION_STALE, False, Reaction.FADE, 0.1, 0.05,
         "no image has been measured for controller.damping.stale_after_s",
-        "check the supervisor, the camera's light and view, and the link; damping comes back with the images",
+        "check the supervisor, the camera's light and view, and the link; damping resumes with the images",
     ),
     Ground(
         Event.ACCELEROMETER_DEAD, False, Reaction.HOLD, 0.05, 0.0,
-        "the accelerometer gives no samples; damping goes on with the capture delay known last",
-        "check its bus and power; without it for long, set controller.method to one that needs none",
+        "the accelerometer delivers no samples; damping continues with the last known capture delay",
+        "check its bus and power; to run without it for long, set controller.method to one that needs none",
     ),
     Ground(
         Event.UNCOMMISSIONED, False, Reaction.ZERO, 0.001, 0.04,
-        "the model file was not identified on this rig: it is not damped",
+        "the model file was not identified on this rig, so the rig is not damped",
         "`stillarm commission --config FILE -o MODEL` identifies it; name MODEL as the configuration's model",
     ),
 )  # fmt: skip
@@ -163,7 +163,7 @@ uncommissioned      .          .          degraded   degraded   .          .
 
 
 def _parse(table: str) -> dict[tuple[State, Event], State]:
-    """The transitions out of the table's text; a dot stays."""
+    """The transitions from the table's text; a dot means no change."""
     head, *rows = table.strip().splitlines()
     states = [State(word) for word in head.split()[1:]]
     found = {}
@@ -177,4 +177,4 @@ def _parse(table: str) -> dict[tuple[State, Event], State]:
 
 TRANSITIONS = _parse(_TABLE)
 MOVING = frozenset({State.ARMED, State.DAMPING, State.DEGRADED})
-"""The states in which the command may be other than zero."""
+"""The states in which the command may be non-zero."""

@@ -1,4 +1,4 @@
-"""The I2C accelerometers, by the name that the configuration gives them."""
+"""The I2C accelerometers by their names in the configuration. Each file is one register table."""
 
 from drivers.accelerometer_tables.adxl345 import ADXL345
 from drivers.accelerometer_tables.adxl355 import ADXL355

@@ -1,8 +1,8 @@
 """Analog Devices ADXL345: full resolution of 3.9 mg a count, 2 to 16 g, a FIFO of 32 samples.
 
 I2C carries at most 800 Hz at 400 kHz and 200 Hz at 100 kHz (data sheet, serial communications: faster rates lose
-samples and add noise). The set-up stays at 800 Hz: a 1 kHz loop reads one sample in five twice. For a sample every
-cycle, take another part.
+samples and add noise). The set-up stays at 800 Hz: a 1 kHz loop reads one sample in five twice. For a sample in every
+cycle, choose another part.
 """
 
 from drivers.accelerometer_tables.register_table import (
@@ -27,7 +27,7 @@ _BW_RATE, _POWER, _INT_SOURCE, _FORMAT, _DATA, _FIFO_CTL, _FIFO_STATUS = (
 
 
 def _filter(rate_hz: float, bits: int) -> FilterSetting:
-    # Bandwidth: half of the rate; taken as a first-order lag's, no group delay being stated.
+    # Bandwidth: half of the rate. No group delay is stated; that of a first-order lag is assumed.
     return FilterSetting(rate_hz / 2.0, rate_hz, first_order_delay_s(rate_hz / 2.0), {_BW_RATE: bits})
 
 
@@ -63,7 +63,7 @@ ADXL345 = RegisterTable(
     fifo=Fifo(
         start=(Write(_FIFO_CTL, 0x80),),
         stop=(Write(_FIFO_CTL, 0x00),),
-        depth=33,  # 32 and the one in the output registers
+        depth=33,  # 32, plus the sample in the output registers
         count_register=_FIFO_STATUS,
         count_length=1,
         entries=lambda data: data[0] & 0x3F,

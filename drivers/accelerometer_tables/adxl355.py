@@ -1,7 +1,7 @@
 """Analog Devices ADXL355: 20 bit, low noise, 2 to 8 g, a FIFO of 32 samples (96 entries of one axis).
 
-Group delays: the data sheet's table of the digital filter's delay (2.52, 2.00, 1.78, 1.63 output periods), from one
-memory of it; no second source was found.
+Group delays: the data sheet's table of the digital filter's delay (2.52, 2.00, 1.78, 1.63 output periods), from memory
+of the data sheet; no second source was found.
 """
 
 from drivers.accelerometer_tables.register_table import Fifo, FilterSetting, FullScale, RegisterTable, Write
@@ -9,7 +9,7 @@ from drivers.accelerometer_tables.words import big_20_bits
 
 _STATUS, _FIFO_ENTRIES, _DATA, _FIFO_DATA = 0x04, 0x05, 0x08, 0x11
 _FILTER, _RANGE, _POWER, _RESET = 0x28, 0x2C, 0x2D, 0x2F
-_I2C_FAST = 0x80  # bit 7 of the range register, set after reset: speeds above 400 kHz allowed
+_I2C_FAST = 0x80  # bit 7 of the range register, set after reset: allows speeds above 400 kHz
 
 ADXL355 = RegisterTable(
     name="ADXL355",

@@ -2,7 +2,7 @@
 
 Data ready: bit 0 of INT_STATUS_1, 0x1A, the same in Zephyr's and Silicon Labs' drivers. The data sheet states
 bandwidths but no delays. They are the MPU-9250's bandwidths (420, 218.1, 99, 44.8 Hz, delayed by 1.38, 1.88, 2.88,
-4.88 ms) at a clock 1.125 times faster, so that its delays, divided by 1.125, are taken here: an inference.
+4.88 ms) at a clock 1.125 times faster. The delays here are therefore inferred: those of the MPU-9250 divided by 1.125.
 """
 
 from drivers.accelerometer_tables.register_table import Fifo, FilterSetting, FullScale, RegisterTable, Write

@@ -1,8 +1,8 @@
 """ST LIS3DH: 12 bit in high resolution, 10 bit in normal mode, 2 to 16 g, a FIFO of 32 samples.
 
 Status bits 0-2, 3 (all axes ready) and 7 (overrun) of 0x27: the same in ST's own and in two other public drivers.
-Scale: ST's driver takes 1 mg a count of the 12-bit value (12 mg at 16 g), hence 16000 counts a g left-justified;
-16380, found in some other drivers, is 2.4 % more.
+Scale: ST's driver uses 1 mg a count of the 12-bit value (12 mg at 16 g), hence 16000 counts a g left-justified. Some
+other drivers use 16380, which is 2.4 % more.
 """
 
 from drivers.accelerometer_tables.register_table import (
@@ -53,7 +53,7 @@ LIS3DH = RegisterTable(
     decode=little_words,
     ready_mask=0x08,
     overrun_mask=0x80,
-    start_up_s=0.007,  # 7 samples at the slowest rate offered
+    start_up_s=0.007,  # 7 samples at the slowest supported rate
     noise_m_s2_per_sqrt_hz=220e-6 * 9.80665,
     fifo=Fifo(
         start=(Write(_CTRL5, 0x40), Write(_FIFO_CTRL, 0x80)),

@@ -13,7 +13,7 @@ _CTRL1, _CTRL2 = 0x20, 0x21
 
 
 def _filter(rate_hz: float, bits: int) -> FilterSetting:
-    # The bandwidth is a quarter of the rate; taken as a first-order lag's, no group delay being stated.
+    # Bandwidth: a quarter of the rate. No group delay is stated; that of a first-order lag is assumed.
     bandwidth_hz = rate_hz / 4.0
     return FilterSetting(bandwidth_hz, rate_hz, first_order_delay_s(bandwidth_hz), {_CTRL1: bits})
 

@@ -1,8 +1,8 @@
 """TDK InvenSense MPU-6050: 16 bit, 2 to 16 g, a FIFO of 1024 bytes. Also on boards named GY-521.
 
 Bandwidths and delays: the register map's table of DLPF_CFG, the same in three public drivers. For its first setting it
-states 260 Hz and 0 ms, which no filter of 260 Hz can have: a first-order lag's is taken. The rate divider then counts
-8 kHz.
+states 260 Hz and 0 ms, which is impossible for a filter of 260 Hz; the delay of a first-order lag is used. The rate
+divider then counts 8 kHz.
 """
 
 from drivers.accelerometer_tables.register_table import (

@@ -1,4 +1,4 @@
-"""What one driver has to know of an I2C accelerometer, as a table."""
+"""The description of an I2C accelerometer as a table, which one driver reads."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,10 +18,10 @@ class Write:
 
 @dataclass(frozen=True)
 class FilterSetting:
-    """One setting of the low-pass filter. bits: what it adds to the registers that set_up writes.
+    """One setting of the low-pass filter. bits: added to the registers that set_up writes.
 
-    bandwidth_hz: where it has fallen by 3 dB. delay_s: its group delay at low frequency. count_step: counts are
-    multiples of it, where the samples' words are left-justified.
+    bandwidth_hz: at -3 dB. delay_s: group delay at low frequency. count_step: counts are multiples of it if the
+    words of the samples are left-justified.
     """
 
     bandwidth_hz: float
@@ -42,10 +42,10 @@ class FullScale:
 
 @dataclass(frozen=True)
 class Fifo:
-    """A FIFO of samples. start: writes that switch it on; stop: that switch it off; depth: samples that it holds.
+    """A FIFO of samples. start: writes that switch it on; stop: that switch it off; depth: its size in samples.
 
-    entries: whole samples in it, from the bytes of the count registers. rolling: one long read from data_register
-    empties it; otherwise each sample is a read of its own.
+    entries: number of whole samples in it, from the bytes of the count registers. rolling: one long read from
+    data_register empties it; otherwise each sample needs a separate read.
     """
 
     start: tuple[Write, ...]
@@ -58,7 +58,7 @@ class Fifo:
     sample_length: int
     decode: Callable[[bytes], Counts]
     rolling: bool
-    marker: tuple[int, int] | None = None  # byte and bit of a sample that are set where it begins with x
+    marker: tuple[int, int] | None = None  # byte and bit that are set in a sample that begins with x
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,9 @@ class RegisterTable:
     """An accelerometer. Registers are written in the order of set_up, each with the bits of range and filter added.
 
     addresses: the usual one first. before_identity: writes that make the identity register visible. filters: the
-    default first. status_register and data_register are read in one transfer: as one span where they lie close
-    together. ready_mask, overrun_mask: bits of the status (0: it does not tell). max_rate_hz: by bus speed in Hz, where
-    the part has such a limit. noise_m_s2_per_sqrt_hz: white noise of one axis.
+    default first. status_register and data_register are read in one transfer, as one span if they are close together.
+    ready_mask, overrun_mask: bits of the status (0: not available). max_rate_hz: by bus speed in Hz, if the part has
+    such a limit. noise_m_s2_per_sqrt_hz: white noise of one axis.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Three axes out of the bytes that accelerometers send."""
+"""Decodes three axes from the bytes of an accelerometer."""
 
 import struct
 

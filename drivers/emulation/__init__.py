@@ -1,2 +1,1 @@
-"""Devices that stand in for hardware: they speak the device's own registers, so that the real driver runs on
-them."""
+"""Emulators of the hardware. They speak the devices' own registers and frames, so that the real drivers run on them."""

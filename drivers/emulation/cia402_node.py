@@ -1,8 +1,8 @@
 """An emulated CiA 402 drive: CAN messages and times in, CAN messages out. Pure.
 
-What it knows: NMT start and stop, expedited SDOs on the objects below, RPDO1, SYNC, heartbeat of its master, the state
-machine with fault, fault reset and quick stop, and both dead men: the master's heartbeat (1016) and RPDO1's event timer
-(1400:05); either ends in a quick stop. Injected failures: `silent`, fail(), `refused` objects, `garbage`.
+It implements NMT start and stop, expedited SDOs on the objects below, RPDO1, SYNC, the master's heartbeat, the state
+machine with fault, fault reset and quick stop, and both dead-man timers: the master's heartbeat (1016) and RPDO1's
+event timer (1400:05). Either causes a quick stop. Injected failures: `silent`, fail(), `refused` objects, `garbage`.
 """
 
 import struct
@@ -62,11 +62,11 @@ class Cia402Node:
 
     @property
     def state(self) -> DriveState:
-        """Where its state machine is."""
+        """The state of its state machine."""
         return self._state
 
     def receive(self, identifier: int, data: bytes, now_s: float) -> list[_CAN]:
-        """Take a message that arrived at `now_s`; returns the messages that it answers."""
+        """Receive a message that arrived at `now_s`. Returns the answers."""
         self._now_s = now_s
         self._watch()
         answers: list[_CAN] = []
@@ -88,13 +88,13 @@ class Cia402Node:
         return [] if self.silent else answers
 
     def velocity_command(self, now_s: float) -> int:
-        """What the motor is to follow at `now_s`, in the units of 60FF; zero unless enabled."""
+        """The motor's velocity command at `now_s`, in the units of 60FF; zero unless enabled."""
         self._now_s = now_s
         self._watch()
         return self._objects[0x60FF, 0] if self._state == DriveState.ENABLED else 0
 
     def fail(self, code: int) -> None:
-        """A fault of the drive's own: it stops, and stays so until it is reset."""
+        """Enter a fault: the drive stops until it is reset."""
         self._state = DriveState.FAULT
         self._objects[0x603F, 0] = code
 
@@ -111,7 +111,7 @@ class Cia402Node:
             self._objects[0x603F, 0] = 0x8130  # life guard error
 
     def _obey(self, control: int) -> None:
-        """The transitions of CiA 402 that a control word asks for."""
+        """The transitions of CiA 402 that a control word requests."""
         state = self._state
         if state == DriveState.FAULT:
             if control & 0x80 and not self._objects[0x6040, 0] & 0x80:

@@ -1,4 +1,4 @@
-"""The emulated accelerometer that the configuration asks for, as the simulated rig presents it."""
+"""Makes the emulated accelerometer of the configuration, for the simulated rig."""
 
 from typing import Literal, Protocol, cast, get_args
 
@@ -27,29 +27,29 @@ EmulatedDriver = Literal[
 
 
 class EmulatedAccelerometer(Protocol):
-    """What feels an acceleration and shows it to the driver."""
+    """An emulated sensor: it receives accelerations and presents them to the driver."""
 
     def publish(self, acceleration_xyz_m_s2: tuple[float, float, float]) -> None:
-        """Feel an acceleration, m/s^2 along the sensor's axes: once a period."""
+        """Set the acceleration, m/s^2 along the sensor's axes; once a period."""
 
     def inject(self, failure: Failure) -> None:
-        """Make the device fail from now on; Failure.NONE mends it."""
+        """Make the device fail from now on; Failure.NONE repairs it."""
 
     def close(self) -> None:
         """Remove the device; may be called twice."""
 
 
 class NoAccelerometer:
-    """For a configuration without one."""
+    """For a configuration without an accelerometer."""
 
     def publish(self, acceleration_xyz_m_s2: tuple[float, float, float]) -> None:
-        """Felt by nobody."""
+        """Ignore the acceleration."""
 
     def inject(self, failure: Failure) -> None:
-        """Nothing can fail."""
+        """Do nothing: nothing can fail."""
 
     def close(self) -> None:
-        """Nothing to remove."""
+        """Do nothing: there is nothing to remove."""
 
 
 def emulated_driver(name: str) -> EmulatedDriver:
@@ -63,9 +63,9 @@ def emulated_driver(name: str) -> EmulatedDriver:
 
 
 def emulate_accelerometer(device: AccelerometerDevice, period_s: float) -> EmulatedAccelerometer:
-    """Make it. period_s: time from one publish() to the next.
+    """Make the emulated accelerometer. period_s: time from one publish() to the next.
 
-    Raises UserError for a real bus or port, where an emulator has no place, and for a device without an emulator.
+    Raises UserError for a real bus or port, and for a device without an emulator.
     """
     if device.driver == "none":
         return NoAccelerometer()

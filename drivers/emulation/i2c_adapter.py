@@ -1,8 +1,7 @@
 """The kernel's part of an emulated I2C bus: decodes the ioctl requests of /dev/i2c-N as the kernel would.
 
-After linux/uapi i2c-dev.h and i2c.h, and the kernel's emulation of SMBus transfers by I2C messages
-(i2c_smbus_xfer_emulated): a register read is a write of the register's address and a read after a repeated
-start.
+Sources: linux/uapi i2c-dev.h and i2c.h, and the kernel's emulation of SMBus transfers by I2C messages
+(i2c_smbus_xfer_emulated): a register read is a write of the register's address and a read after a repeated start.
 """
 
 import errno
@@ -36,8 +35,7 @@ FUNCTIONS = (
 
 
 class I2cDevice(Protocol):
-    """A device on the bus: takes the bytes of messages. OSError (EREMOTEIO) stands for a missing
-    acknowledge."""
+    """A device on the bus: processes the bytes of messages. OSError (EREMOTEIO) means a missing acknowledge."""
 
     def write(self, data: bytes) -> None:
         """A write message's bytes."""
@@ -59,8 +57,7 @@ class I2cAdapter:
         self._selected = 0
 
     def ioctl(self, request: int, argument: Any) -> int:
-        """Carry out a request; `argument` is what smbus2 hands to ioctl(). Raises OSError as the kernel
-        would."""
+        """Execute a request. argument: as smbus2 passes it to ioctl(). Raises OSError as the kernel would."""
         if request == _I2C_RDWR:
             return self._transfer(argument)
         if request == _I2C_SMBUS:

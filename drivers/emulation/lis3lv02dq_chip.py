@@ -1,8 +1,8 @@
-"""The bus side of an emulated LIS3LV02DQ: what it answers to the bytes of I2C messages.
+"""The bus side of an emulated LIS3LV02DQ: its answers to the bytes of I2C messages.
 
-A write sends the register's address, bit 7 of which asks for auto-increment, and then the values; a read
-goes on from there. Reading the higher byte of an axis's pair frees its data-ready flag; with block data
-update, an axis whose lower byte was read keeps its value until its higher one is read.
+A write sends the register's address, whose bit 7 requests auto-increment, and then the values. A read continues from
+there. Reading the higher byte of an axis's pair clears its data-ready flag. With block data update, an axis whose lower
+byte was read keeps its value until its higher byte is read.
 """
 
 import struct
@@ -25,18 +25,18 @@ _OUT_END = OUT_X_L + 6
 _READ_ONLY = frozenset((WHO_AM_I, *range(STATUS, _OUT_END)))
 _LITTLE, _BIG = struct.Struct("<3h"), struct.Struct(">3h")
 _ALL_READY, _ALL_OVERRUN = 0x08, 0x80
-_LOOK_FOR_RESTART = 256  # status reads without new data between looks at the file system
+_LOOK_FOR_RESTART = 256  # status reads without new data between checks of the file system
 
 
 class Lis3lv02dqChip:
     """Answers for registers in shared memory; drivers.emulation.i2c_adapter.I2cDevice.
 
-    The register pointer and the values held by block data update are this object's: each process that opens
-    the bus has its own.
+    The register pointer and the values held by block data update belong to this object: each process that opens the bus
+    has its own.
     """
 
     def __init__(self, name: str, wait_s: float = 0.0) -> None:
-        """Open the registers `name` that a rig made. Raises UserError when there are none within `wait_s`."""
+        """Open the registers `name` that a rig made. Raises UserError if there are none within `wait_s`."""
         self._name = name
         self._registers = SharedRegisters(name, wait_s)
         self._pointer = 0
@@ -47,8 +47,7 @@ class Lis3lv02dqChip:
         self._noise = 1
 
     def write(self, data: bytes) -> None:
-        """Take the bytes of a write message. Raises OSError (EREMOTEIO) where the device does not
-        acknowledge."""
+        """Process the bytes of a write message. Raises OSError (EREMOTEIO) if the device does not acknowledge."""
         self._acknowledge()
         if not data:
             return
@@ -59,7 +58,7 @@ class Lis3lv02dqChip:
             self._pointer = (self._pointer + self._increment) & 0x7F
 
     def read(self, length: int) -> bytes:
-        """The bytes of a read message. Raises OSError (EREMOTEIO) where the device does not acknowledge."""
+        """The bytes of a read message. Raises OSError (EREMOTEIO) if the device does not acknowledge."""
         self._acknowledge()
         first = self._pointer
         if not self._increment:
@@ -104,7 +103,7 @@ class Lis3lv02dqChip:
         return data
 
     def _refresh(self) -> None:
-        """Bring status and output registers up to the newest sample."""
+        """Update status and output registers to the newest sample."""
         registers = self._registers
         buffer = registers.buffer
         enabled = buffer[CTRL1] & AXES_MASK
@@ -133,7 +132,7 @@ class Lis3lv02dqChip:
         buffer[STATUS] = status
 
     def _mark_read(self, first: int, end: int) -> None:
-        """Note which axes a read of the registers first .. end - 1 has freed, and which it holds."""
+        """Note which axes a read of the registers first .. end - 1 releases, and which it holds."""
         if first <= OUT_X_L and end >= _OUT_END:
             self._registers.set_read_counts(*self._counts)
             self._held = [False, False, False]
@@ -150,14 +149,13 @@ class Lis3lv02dqChip:
         self._registers.set_read_counts(*taken)
 
     def _random(self) -> int:
-        """A byte that follows no pattern (Numerical Recipes' linear congruence): garbage that repeats from
-        run to run."""
+        """A pseudo-random byte (Numerical Recipes' linear congruence): garbage that repeats from run to run."""
         self._noise = (self._noise * 1664525 + 1013904223) & 0xFFFFFFFF
         return self._noise >> 24
 
 
 def _status(enabled: int, count: int, taken: tuple[int, int, int]) -> int:
-    """The status register: per axis data ready and overrun, and whether that holds for all enabled axes."""
+    """The status register: data ready and overrun for each axis, and for all enabled axes."""
     ready = overrun = 0
     if taken[0] == taken[1] == taken[2]:  # as after every burst
         ready, overrun = (enabled if count > taken[0] else 0), (enabled if count > taken[0] + 1 else 0)

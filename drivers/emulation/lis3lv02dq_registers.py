@@ -1,4 +1,4 @@
-"""The registers of an emulated LIS3LV02DQ, and how it senses.
+"""The registers of an emulated LIS3LV02DQ, and its sensing side.
 
 Not emulated: self-test, high-pass filter, interrupts, offset and gain trimming (their registers only store).
 """

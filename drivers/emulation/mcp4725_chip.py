@@ -1,8 +1,8 @@
 """An emulated MCP4725: its bus side, and the amplifier's view of it, in memory shared by the rig and the driver.
 
 Layout of the block's payload: at 0 one word, written whole by the bus side: writes so far << 16 | power down << 12 |
-code; at 8 the EEPROM's code; at 10 whether it acknowledges not; at PART_AT the number that tells the bus what it is.
-After the datasheet DS22039D: fast mode, DAC register, DAC register and EEPROM; a read of five bytes.
+code; at 8 the EEPROM's code; at 10 whether it refuses to acknowledge; at PART_AT the number that identifies the part.
+Source: datasheet DS22039D: fast mode, DAC register, DAC register and EEPROM; a read of five bytes.
 """
 
 import errno
@@ -18,10 +18,10 @@ _EEPROM = struct.Struct("<H")
 
 
 class Mcp4725Output:
-    """The amplifier's view: made by the rig, which follows the voltage."""
+    """The amplifier's view. The rig makes it and follows the voltage."""
 
     def __init__(self, name: str, power_up_code: int = 2048) -> None:
-        """Make the DAC `name` (a bus "memory:NAME" leads to it), giving its power-up code."""
+        """Make the DAC `name` (for the bus "memory:NAME"), with its power-up code at the output."""
         self._block = SharedBlock(name, _SIZE, create=True)
         self._word = word_at(self._block.buffer, 0)
         self._word[0] = power_up_code
@@ -29,12 +29,12 @@ class Mcp4725Output:
         self._block.buffer[PART_AT] = MCP4725_PART
 
     def output(self) -> tuple[int, int | None]:
-        """How often it has been written, and the code that it gives; None while its output is powered down."""
+        """Number of writes, and the output code; None while the output is powered down."""
         word = self._word[0]
         return word >> 16, None if word >> 12 & 3 else word & 0xFFF
 
     def unplug(self, away: bool) -> None:
-        """Whether it stops acknowledging."""
+        """Set whether the DAC stops acknowledging."""
         self._block.buffer[_NAK_AT] = away
 
     def close(self) -> None:
@@ -49,7 +49,7 @@ class Mcp4725Chip:
     """The bus side; drivers.emulation.i2c_adapter.I2cDevice."""
 
     def __init__(self, name: str, wait_s: float = 0.0) -> None:
-        """Open the DAC `name` that a rig made. Raises UserError when there is none within `wait_s`."""
+        """Open the DAC `name` that a rig made. Raises UserError if there is none within `wait_s`."""
         self._block = SharedBlock(name, create=False, wait_s=wait_s)
         self._word = word_at(self._block.buffer, 0)
 

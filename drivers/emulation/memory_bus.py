@@ -1,9 +1,7 @@
-"""Buses named "memory:NAME" for smbus2: its own code runs, only the open, close and ioctl beneath it are
-replaced.
+"""Buses named "memory:NAME" for smbus2: smbus2's own code runs, with its open, close and ioctl replaced.
 
-smbus2 calls os.open, os.close and fcntl.ioctl through names in its module. Those names are bound to the
-functions here, once, when the first emulated bus is asked for; every descriptor that is not an emulated bus
-passes through.
+smbus2 calls os.open, os.close and fcntl.ioctl through names in its module. When the first emulated bus is requested,
+those names are bound to the functions here. Descriptors of other files pass through.
 """
 
 import fcntl
@@ -26,7 +24,7 @@ _waiting: dict[str, float] = {}
 def open_memory_bus(name: str, wait_s: float) -> smbus2.SMBus:
     """Open the bus "memory:NAME", waiting up to `wait_s` for a rig to make the registers NAME.
 
-    Raises UserError when there are none.
+    Raises UserError if there are none.
     """
     replaced = SimpleNamespace(open=_open, close=_close, O_RDWR=os.O_RDWR)
     vars(smbus2.smbus2).update(os=replaced, ioctl=_ioctl)
@@ -41,7 +39,7 @@ def _open(path: Any, flags: int) -> int:
     if not isinstance(path, str) or not path.startswith(PREFIX):
         return os.open(path, flags)
     adapter = open_part(path.removeprefix(PREFIX), _waiting.get(path, 0.0))
-    descriptor = os.open(os.devnull, flags)  # a number of its own, which nothing else can be given meanwhile
+    descriptor = os.open(os.devnull, flags)  # reserves a descriptor number
     _adapters[descriptor] = adapter
     return descriptor
 

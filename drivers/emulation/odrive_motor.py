@@ -1,7 +1,7 @@
-"""An emulated ODrive: takes the lines of its ASCII protocol and answers them. Pure: bytes and times in, bytes out.
+"""An emulated ODrive: answers the lines of its ASCII protocol. Pure: bytes and times in, bytes out.
 
-What it knows: v, f, u, i, sc, and r and w of the properties below. Its watchdog stops the motor and disarms the axis,
-as the firmware's does. Injected failures: `silent` answers nothing, `garbage` spoils every answer, fail() disarms.
+It implements v, f, u, i, sc, and r and w of the properties below. Its watchdog stops the motor and disarms the axis,
+as the firmware's does. Injected failures: `silent` answers nothing, `garbage` corrupts every answer, fail() disarms.
 """
 
 from drivers.odrive_lines import LineReader
@@ -35,7 +35,7 @@ class OdriveMotor:
         }
 
     def receive(self, data: bytes, now_s: float) -> bytes:
-        """Take bytes that arrived at `now_s`; returns the answers."""
+        """Receive bytes that arrived at `now_s`. Returns the answers."""
         self._now_s = now_s
         self._watch()
         answers = b"".join(map(_answered, filter(None, map(self._obey, self._lines.feed(data)))))
@@ -44,7 +44,7 @@ class OdriveMotor:
         return bytes(byte ^ 0x15 for byte in answers) if self.garbage else answers
 
     def velocity_command(self, now_s: float) -> float:
-        """What the motor is to follow at `now_s`, turns a second; zero when the axis is not armed."""
+        """The motor's velocity command at `now_s`, turns a second; zero if the axis is not armed."""
         self._now_s = now_s
         self._watch()
         in_velocity_control = self.properties[f"axis{self._axis}.controller.config.control_mode"] == 2.0
@@ -58,7 +58,7 @@ class OdriveMotor:
             self.fail(_WATCHDOG_EXPIRED)
 
     def fail(self, error: int) -> None:
-        """An error of the axis: it stops and disarms."""
+        """Enter an error: the axis stops and disarms."""
         self.state, self.error, self._velocity = _IDLE, error, 0.0
 
     def _obey(self, text: str) -> str:
@@ -101,7 +101,7 @@ class OdriveMotor:
 
 
 def _answered(text: str) -> bytes:
-    """An answer's lines as the firmware words them: checksum of the text itself, CR LF."""
+    """An answer's lines in the firmware's format: checksum of the text itself, CR LF."""
     out = b""
     for line in text.split("\n"):
         check = 0

@@ -1,4 +1,4 @@
-"""The emulated I2C accelerometers: by the name that the configuration gives them, and by number."""
+"""The emulated I2C accelerometers by their names in the configuration, and by number."""
 
 from drivers.emulation.adxl345_chip import ADXL345_CHIP
 from drivers.emulation.adxl355_chip import ADXL355_CHIP
@@ -21,7 +21,7 @@ SENSED_PARTS: dict[str, SensedPart] = {
 
 
 def open_part(name: str, wait_s: float) -> I2cAdapter:
-    """A bus with the part on it that the rig made the registers `name` for. Raises UserError when there are none."""
+    """A bus with the part whose registers `name` a rig made. Raises UserError if there are none."""
     registers = SharedRegisters(name, wait_s)
     number = registers.part_number
     registers.close()

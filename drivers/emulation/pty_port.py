@@ -1,4 +1,4 @@
-"""The device's end of an emulated serial port: a pseudo terminal whose other end is found as "pty:NAME"."""
+"""The device's end of an emulated serial port: a pseudo terminal whose other end has the name "pty:NAME"."""
 
 import contextlib
 import os
@@ -12,15 +12,15 @@ _READ_BYTES = 4096
 
 
 class PtyPort:
-    """A pseudo terminal with a link to it under a name. What nobody reads is dropped, as on a wire."""
+    """A pseudo terminal with a named link. Unread bytes are dropped, as on a wire."""
 
     def __init__(self, name: str, key: str) -> None:
-        """Make the port `name`, "pty:NAME", replacing a link that is there. key: for the message. Raises UserError."""
+        """Make the port `name`, "pty:NAME", replacing an existing link. key: for the message. Raises UserError."""
         if not name.startswith(PTY_PREFIX):
             raise UserError(f"{key} = {name!r}: an emulator needs a port of its own, such as 'pty:rig'")
         self._link = Path(port_path(name))
         self._device, self._held = os.openpty()
-        # The slave end stays open here: otherwise the device's end fails while nobody has opened the port.
+        # The slave end stays open here, since the device's end fails while nobody has opened the port.
         tty.setraw(self._held)
         os.set_blocking(self._device, False)
         self._target = os.ttyname(self._held)
@@ -28,7 +28,7 @@ class PtyPort:
         self._link.symlink_to(self._target)
 
     def read(self) -> bytes:
-        """What the driver has written, up to 4096 bytes."""
+        """The bytes that the driver has written, up to 4096."""
         try:
             return os.read(self._device, _READ_BYTES)
         except BlockingIOError:
@@ -40,7 +40,7 @@ class PtyPort:
             os.write(self._device, data)
 
     def close(self) -> None:
-        """Hang up: the driver's end fails, as when the device is unplugged. May be called twice."""
+        """Hang up: the driver's end fails, as if the device were unplugged. May be called twice."""
         if self._device < 0:
             return
         with contextlib.suppress(OSError):

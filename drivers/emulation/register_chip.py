@@ -1,7 +1,7 @@
-"""The bus side of emulated accelerometers with a plain register file: what they answer to the bytes of I2C messages.
+"""The bus side of emulated accelerometers with a plain register file: their answers to the bytes of I2C messages.
 
-A write sends the register's address and then the values; a read goes on from there. Each part is a ChipLayout: how its
-registers encode a sample, what its status says and what frees it, and how its FIFO is read.
+A write sends the register's address and then the values. A read continues from there. Each part is a ChipLayout: the
+encoding of a sample, the meaning and release of its status, and the access to its FIFO.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,7 +15,7 @@ from drivers.emulation.shared_registers import (
     reopened,
 )
 
-_LOOK_FOR_RESTART = 256  # transfers without new data between looks at the file system
+_LOOK_FOR_RESTART = 256  # transfers without new data between checks of the file system
 _BANK = 128
 
 Counts = tuple[int, int, int]
@@ -24,7 +24,7 @@ Encode = Callable[[memoryview, Counts], bytes]
 
 @dataclass(frozen=True)
 class ChipStatus:
-    """What a status register can tell: samples not read yet, samples lost, whole samples in the FIFO, FIFO overrun."""
+    """Contents of a status register: unread samples, lost samples, whole samples in the FIFO, FIFO overrun."""
 
     fresh: bool
     overrun: bool
@@ -34,11 +34,11 @@ class ChipStatus:
 
 @dataclass(frozen=True)
 class ChipFifo:
-    """A FIFO of whole samples, the oldest of which is overwritten when it is full.
+    """A FIFO of whole samples. When it is full, a new sample overwrites the oldest.
 
-    window: the register that it is read through. counts: what the count registers say. In a streaming FIFO the
-    pointer stays on the window and every byte read is the next one; otherwise a read of the window brings the next
-    sample into the data registers, and the pointer rolls over from their end where rolls is set.
+    window: the register through which it is read. counts: contents of the count registers. In a streaming FIFO the
+    pointer stays on the window, and every byte read is the next one. Otherwise a read of the window loads the next
+    sample into the data registers; if rolls is set, the pointer rolls over from their end.
     """
 
     on: Callable[[memoryview], bool]
@@ -47,15 +47,15 @@ class ChipFifo:
     streaming: bool
     counts: Callable[[ChipStatus], Mapping[int, int]]
     rolls: bool = False
-    entry: Encode | None = None  # a sample as the FIFO holds it, where that differs from the data registers
+    entry: Encode | None = None  # encoding of a sample in the FIFO, if it differs from the data registers
 
 
 @dataclass(frozen=True)
 class ChipLayout:
     """A part's bus side. Registers in banks count on: bank * 128 + register.
 
-    auto_increment_bit: of the address byte; 0: the pointer always moves on. read_frees: the register whose read frees
-    the data-ready flag. written: what a write does besides storing, such as a reset; gets registers, place, value.
+    auto_increment_bit: of the address byte; 0: the pointer always advances. read_frees: the register whose read clears
+    the data-ready flag. written: side effect of a write, such as a reset; gets registers, place, value.
     """
 
     sensed: SensedPart
@@ -77,21 +77,21 @@ class RegisterChip:
     """Answers for registers in shared memory; drivers.emulation.i2c_adapter.I2cDevice."""
 
     def __init__(self, layout: ChipLayout, name: str, wait_s: float = 0.0) -> None:
-        """Open the registers `name` that a rig made. Raises UserError when there are none within `wait_s`."""
+        """Open the registers `name` that a rig made. Raises UserError if there are none within `wait_s`."""
         self._layout = layout
         self._name = name
         self._registers = SharedRegisters(name, wait_s)
         self._pointer = 0
         self._increment = 1
         self._newest = 0  # the count of the sample in the data registers
-        self._next_in_fifo: int | None = None  # the count of the oldest sample there; None while it is off
+        self._next_in_fifo: int | None = None  # count of the oldest sample in the FIFO; None while it is off
         self._byte_in_fifo = 0
         self._fifo_overrun = False
         self._idle = 0
         self._noise = 1
 
     def write(self, data: bytes) -> None:
-        """Take the bytes of a write message. Raises OSError (EREMOTEIO) where the device does not acknowledge."""
+        """Process the bytes of a write message. Raises OSError (EREMOTEIO) if the device does not acknowledge."""
         self._acknowledge()
         if not data:
             return
@@ -111,10 +111,10 @@ class RegisterChip:
         if layout.fifo is None or not layout.fifo.on(buffer):
             self._next_in_fifo = None
         elif sample is not None:
-            self._fill(sample[0])  # it holds what is felt from the write on that switched it on
+            self._fill(sample[0])  # the FIFO begins with the samples after the write that switched it on
 
     def read(self, length: int) -> bytes:
-        """The bytes of a read message. Raises OSError (EREMOTEIO) where the device does not acknowledge."""
+        """The bytes of a read message. Raises OSError (EREMOTEIO) if the device does not acknowledge."""
         self._acknowledge()
         self._latch()
         layout, garbage = self._layout, self._registers.failure == Failure.GARBAGE
@@ -166,7 +166,7 @@ class RegisterChip:
         return value
 
     def _latch(self) -> None:
-        """Bring data, status and FIFO counts up to the newest sample, as at the start of a read."""
+        """Update data, status and FIFO counts to the newest sample, as at the start of a read."""
         layout, registers = self._layout, self._registers
         buffer = registers.buffer
         sample = registers.sample()
@@ -191,7 +191,7 @@ class RegisterChip:
                 buffer[register] = value
 
     def _fill(self, count: int) -> int:
-        """The whole samples in the FIFO, once those that found no room have pushed out the oldest."""
+        """Number of whole samples in the FIFO, after the newest have pushed out the oldest."""
         fifo = self._layout.fifo
         if fifo is None or not fifo.on(self._registers.buffer):
             return 0
@@ -239,6 +239,6 @@ class RegisterChip:
             raise
 
     def _random(self) -> int:
-        """A byte that follows no pattern (Numerical Recipes' linear congruence), the same from run to run."""
+        """A pseudo-random byte (Numerical Recipes' linear congruence), the same from run to run."""
         self._noise = (self._noise * 1664525 + 1013904223) & 0xFFFFFFFF
         return self._noise >> 24

@@ -1,4 +1,4 @@
-"""An emulated serial accelerometer at the device's end of a pseudo terminal."""
+"""An emulated serial accelerometer, at the device's end of a pseudo terminal."""
 
 from drivers.emulation.pty_port import PtyPort
 from drivers.emulation.serial_senders import SENDERS, SerialSender
@@ -10,8 +10,10 @@ _GARBAGE_BYTES = 24
 
 
 class EmulatedSerialAccelerometer:
-    """What the rig publishes goes out as frames. Failures: STUCK: silence. GARBAGE: other bytes. LATE: twenty samples
-    at a time. WRONG_IDENTITY: text instead of frames. UNPLUGGED: the port is gone, and the settings are lost.
+    """Sends published accelerations as frames.
+
+    Failures: STUCK: silence. GARBAGE: other bytes. LATE: twenty samples at a time. WRONG_IDENTITY: text instead of
+    frames. UNPLUGGED: the port is gone, and the settings are lost.
     """
 
     def __init__(self, name: str, port: str, period_s: float = 0.001) -> None:
@@ -28,7 +30,7 @@ class EmulatedSerialAccelerometer:
         self._noise = 1
 
     def publish(self, acceleration_xyz_m_s2: tuple[float, float, float]) -> None:
-        """Feel an acceleration, and send it where the rate that is set has its turn."""
+        """Set the acceleration, and send it when the configured rate is due."""
         self._published += 1
         port, sender = self._port, self._sender
         if port is None:
@@ -43,7 +45,7 @@ class EmulatedSerialAccelerometer:
         self._send(port, sender.frames(acceleration_xyz_m_s2, self._published * self._period_s))
 
     def inject(self, failure: Failure) -> None:
-        """Make the device fail from now on; Failure.NONE mends it."""
+        """Make the device fail from now on; Failure.NONE repairs it."""
         if failure == Failure.UNPLUGGED:
             if self._port is not None:
                 self._port.close()

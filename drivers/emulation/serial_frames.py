@@ -1,4 +1,4 @@
-"""What emulated serial accelerometers send: encoders, written apart from the decoders that they test."""
+"""Encoders for emulated serial accelerometers, independent of the decoders that they test."""
 
 import struct
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ def witmotion_acceleration(x: float, y: float, z: float) -> bytes:
 
 
 def xsens_message(identifier: int, data: bytes) -> bytes:
-    """A message; the sum of all bytes behind the first is a multiple of 256."""
+    """A message. The sum of all bytes after the first is a multiple of 256."""
     body = bytes((0xFF, identifier, len(data))) + data
     return b"\xfa" + body + bytes(((256 - sum(body) % 256) % 256,))
 

@@ -1,4 +1,4 @@
-"""Emulated serial accelerometers as they come from the box: what they send, and how they take commands."""
+"""Emulated serial accelerometers with factory settings: their frames, and their reaction to commands."""
 
 import struct
 from collections.abc import Callable, Sequence
@@ -18,7 +18,7 @@ _DESCRIBE_EVERY = 500
 
 
 class SerialSender(Protocol):
-    """One device: frames of samples out, commands in. rate_hz: samples a second, as it is set now."""
+    """One device: sends frames of samples, receives commands. rate_hz: present sample rate."""
 
     rate_hz: float
 
@@ -26,11 +26,11 @@ class SerialSender(Protocol):
         """The bytes of one sample."""
 
     def obey(self, data: bytes) -> bytes:
-        """Take what the driver sent; what is answered to it."""
+        """Process bytes from the driver. Returns the answer."""
 
 
 class WitMotionSender:
-    """10 Hz of acceleration, rotation and angle until it is unlocked and told otherwise."""
+    """10 Hz of acceleration, rotation and angle until it is unlocked and configured."""
 
     def __init__(self) -> None:
         self.rate_hz = 10.0
@@ -38,7 +38,7 @@ class WitMotionSender:
         self._locked = True
 
     def frames(self, xyz_m_s2: Sequence[float], time_s: float) -> bytes:
-        """Acceleration, and what else the content register asks for."""
+        """Acceleration, and the other quantities of the content register."""
         x, y, z = xyz_m_s2
         sent = b""
         if self._content & 0x02:
@@ -50,7 +50,7 @@ class WitMotionSender:
         return sent
 
     def obey(self, data: bytes) -> bytes:
-        """FF AA register low high, and nothing is answered."""
+        """FF AA register low high; there is no answer."""
         for at in range(0, len(data) - 4, 5):
             if data[at : at + 2] != b"\xff\xaa":
                 continue
@@ -65,7 +65,7 @@ class WitMotionSender:
 
 
 class XsensSender:
-    """Measures at once, 100 Hz of 0x4020, until it is configured; silent in configuration."""
+    """Measures from power-up, 100 Hz of 0x4020, until it is configured; silent in configuration."""
 
     def __init__(self) -> None:
         self.rate_hz = 100.0
@@ -107,7 +107,7 @@ class XsensSender:
 
 
 class VectorNavSender:
-    """40 Hz of text until it is told to be silent and to send binary output."""
+    """40 Hz of text until it is configured for binary output."""
 
     def __init__(self) -> None:
         self.rate_hz = 40.0
@@ -145,7 +145,7 @@ class MicrocontrollerSender:
         self._counter = 0
 
     def frames(self, xyz_m_s2: Sequence[float], time_s: float) -> bytes:
-        """A sample, and now and then a description before it."""
+        """A sample, at intervals preceded by a description."""
         limit, time_us = self._range_um_s2, round(time_s * 1e6)
         numbers = [min(max(round(a * 1e6), -limit), limit) for a in xyz_m_s2]
         clipped = any(abs(number) == limit for number in numbers)
@@ -158,7 +158,7 @@ class MicrocontrollerSender:
         return sent
 
     def obey(self, data: bytes) -> bytes:
-        """It takes no commands."""
+        """Ignore commands."""
         return b""
 
 

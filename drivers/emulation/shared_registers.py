@@ -1,9 +1,9 @@
-"""The registers of an emulated accelerometer, in memory shared by the rig, which feels, and the driver's process.
+"""The registers of an emulated accelerometer, in memory shared by the rig, which senses, and the driver's process.
 
 Layout of the block's payload: 512 bytes of registers (four banks of 128), of which the bus side writes all but the
 samples; at 512 the newest sample (sequence lock, count of samples, x, y, z in counts), written by the rig alone; at 544
-the count up to which each axis has been read, written by the bus side alone; at 568 the injected failure; at 569 which
-part it is; at 576 a ring of the last 256 samples, for the FIFO, written by the rig before the count.
+the count up to which each axis has been read, written by the bus side alone; at 568 the injected failure; at 569 the
+part's number; at 576 a ring of the last 256 samples, for the FIFO, written by the rig before the count.
 """
 
 import errno
@@ -28,8 +28,8 @@ _SIZE = _RING_AT + RING * _RING_SAMPLE.size
 
 
 class Failure(IntEnum):
-    """What can be made to fail. NAK: no acknowledge. STUCK: no new data any more. GARBAGE: random data bytes. LATE:
-    transfers take 3 ms. UNPLUGGED: no acknowledge, and the settings are lost.
+    """Failures to inject. NAK: no acknowledge. STUCK: no new data. GARBAGE: random data bytes. LATE: transfers take
+    3 ms. UNPLUGGED: no acknowledge, and the settings are lost.
     """
 
     NONE = 0
@@ -43,7 +43,7 @@ class Failure(IntEnum):
 
 @dataclass(frozen=True)
 class Sensing:
-    """What the part's registers make it do: samples a second, counts for an acceleration, and where they end."""
+    """The part's settings: sample rate, counts per acceleration, and their limits."""
 
     rate_hz: float
     counts_per_g: float
@@ -53,7 +53,7 @@ class Sensing:
 
 @dataclass(frozen=True)
 class SensedPart:
-    """The sensing side of a part. number: tells the bus side which it is. power_up: registers that are not zero.
+    """The sensing side of a part. number: identifies it to the bus side. power_up: registers that are not zero.
 
     sensing: from the registers; None while the part sleeps.
     """
@@ -65,13 +65,13 @@ class SensedPart:
 
 
 class SensedRegisters:
-    """The sensing side: made by the rig, which publishes what the sensor feels. As after power-up until a driver
-    sets it up."""
+    """The sensing side. The rig makes it and publishes accelerations. It has its power-up state until a driver sets it
+    up."""
 
     def __init__(self, name: str, part: SensedPart, period_s: float = 0.001) -> None:
-        """Make the registers `name` (a bus "memory:NAME" leads to them) in their state after power-up.
+        """Make the registers `name` (for the bus "memory:NAME") in their state after power-up.
 
-        period_s: time from one publish() to the next; output rates slower than that pass samples over.
+        period_s: time from one publish() to the next; slower output rates skip samples.
         """
         self._block = SharedBlock(name, _SIZE, create=True)
         self._buffer = self._block.buffer
@@ -86,9 +86,9 @@ class SensedRegisters:
         self._buffer[PART_AT] = part.number
 
     def publish(self, acceleration_xyz_m_s2: tuple[float, float, float]) -> None:
-        """Feel an acceleration: quantise it by the range that the registers set, at the rate that they set.
+        """Set the acceleration: quantise it with the registers' range, at the registers' rate.
 
-        Values beyond the range are clipped to it. Asleep, nothing happens.
+        Values beyond the range are clipped. Nothing happens while the part sleeps.
         """
         buffer = self._buffer
         failure = buffer[_FAILURE_AT]
@@ -118,7 +118,7 @@ class SensedRegisters:
         self._lock[0] = self._sequence
 
     def inject(self, failure: Failure) -> None:
-        """Make the device fail from now on; Failure.NONE mends it."""
+        """Make the device fail from now on; Failure.NONE repairs it."""
         self._buffer[_FAILURE_AT] = failure
 
     def close(self) -> None:
@@ -137,15 +137,14 @@ class SharedRegisters:
     """The bus side's view of the registers that a rig made."""
 
     def __init__(self, name: str, wait_s: float = 0.0) -> None:
-        """Open the registers `name`, waiting up to `wait_s` for them. Raises UserError when there are
-        none."""
+        """Open the registers `name`, waiting up to `wait_s` for them. Raises UserError if there are none."""
         self._block = SharedBlock(name, create=False, wait_s=wait_s)
         self.buffer = self._block.buffer
         self._lock = word_at(self.buffer, _SAMPLE_AT)
 
     @property
     def part_number(self) -> int:
-        """Which part the rig made these registers for."""
+        """Number of the part for which the rig made these registers."""
         return self.buffer[PART_AT]
 
     @property
@@ -154,11 +153,11 @@ class SharedRegisters:
         return self.buffer[_FAILURE_AT]
 
     def inject(self, failure: Failure) -> None:
-        """Make the device fail, as SensedRegisters.inject(), from another process than the rig's."""
+        """Make the device fail, as SensedRegisters.inject() does, from a process other than the rig's."""
         self.buffer[_FAILURE_AT] = failure
 
     def sample(self) -> tuple[int, int, int, int] | None:
-        """(count of samples so far, x, y, z in counts), whole; None where the rig died while writing."""
+        """(count of samples so far, x, y, z in counts), consistent; None if the rig died while writing."""
         buffer, lock = self.buffer, self._lock
         for _ in range(1000):
             sequence = lock[0]
@@ -176,7 +175,7 @@ class SharedRegisters:
         return _READ.unpack_from(self.buffer, _READ_AT)
 
     def set_read_counts(self, x: int, y: int, z: int) -> None:
-        """Note up to which sample each axis has been read."""
+        """Set the sample count up to which each axis has been read."""
         _READ.pack_into(self.buffer, _READ_AT, x, y, z)
 
     def replaced(self) -> bool:
@@ -191,20 +190,20 @@ class SharedRegisters:
 
 
 def reopened(registers: SharedRegisters, name: str) -> SharedRegisters:
-    """The registers of a rig that restarted and made new ones (a device that lost its power and its settings), the old
-    ones closed; the same again where it did not, or has not yet."""
+    """The new registers of a restarted rig (a device that lost its power and settings), with the old ones closed; the
+    same registers if the rig did not restart, or has not made new ones yet."""
     if not registers.replaced():
         return registers
     try:
         fresh = SharedRegisters(name)
     except UserError:
-        return registers  # not there yet
+        return registers  # still absent
     registers.close()
     return fresh
 
 
 def raise_failure(failure: int) -> None:
-    """What the bus makes of an injected failure: a late answer, or OSError (EREMOTEIO) for none."""
+    """Effect of an injected failure on the bus: a late answer, or OSError (EREMOTEIO) for none."""
     if failure == Failure.LATE:
         time.sleep(LATE_S)
     elif failure in (Failure.NAK, Failure.UNPLUGGED):

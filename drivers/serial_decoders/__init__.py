@@ -1,1 +1,1 @@
-"""Frames of serial accelerometers: pure, incremental decoders."""
+"""Pure, incremental decoders for the frames of serial accelerometers, one file per device."""

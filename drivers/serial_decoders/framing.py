@@ -1,8 +1,8 @@
-"""Bytes in, samples out, for every serial accelerometer: a table says what its frames look like.
+"""Decodes the bytes of every serial accelerometer into samples; a table describes its frames.
 
-Where a frame does not hold, the search goes on one byte behind its beginning and not behind its end, so that garbage
-that looks like the beginning of a frame costs no good frame inside it. What comes out does not depend on how the bytes
-are cut.
+After an invalid frame, the search continues one byte behind its beginning, not behind its end. Garbage that looks like
+the beginning of a frame therefore costs no valid frame inside it. The result does not depend on how the bytes are
+split.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,7 @@ class SerialSample(NamedTuple):
 
 @dataclass(frozen=True)
 class Description:
-    """What some devices tell of themselves: samples a second, the largest acceleration, the filter's group delay."""
+    """A device's description of itself: sample rate, largest acceleration, group delay of the filter."""
 
     rate_hz: float
     range_m_s2: float
@@ -33,12 +33,12 @@ class Description:
 
 @dataclass(frozen=True)
 class Framing:
-    """What frames look like.
+    """Description of a device's frames.
 
-    length: of the frame that begins at a place of the buffer; 0: none does; None: more bytes are needed to tell.
-    longest: of all frames, which bounds what garbage can hold up. valid: whether a frame's checksum holds.
-    sample: what a valid frame carries; None where it is of another kind. describe: what a valid frame tells of the
-    device, for kinds of device that do.
+    length: of the frame that begins at an offset of the buffer; 0: no frame; None: more bytes are needed.
+    longest: of all frames, which bounds the delay by garbage. valid: whether a frame's checksum is right.
+    sample: of a valid frame; None for another kind of frame. describe: description of the device in a valid frame, for
+    devices that send one.
     """
 
     sync: bytes
@@ -50,13 +50,13 @@ class Framing:
 
 
 class FrameDecoder:
-    """Finds frames in a stream. frames: valid ones so far; rejected: beginnings of frames that did not hold.
+    """Finds frames in a stream. frames: number of valid frames; rejected: number of false starts.
 
-    description: the last that the device gave.
+    description: the device's last description.
     """
 
     def __init__(self, framing: Framing) -> None:
-        """Begins with nothing."""
+        """Start with an empty buffer."""
         self._framing = framing
         self._buffer = bytearray()
         self.frames = 0
@@ -90,11 +90,11 @@ class FrameDecoder:
         return samples
 
     def clear(self) -> None:
-        """Forget what has come, as after the port was opened anew."""
+        """Discard the buffer, as after the port was reopened."""
         self._buffer.clear()
 
     def _next_sync(self, at: int) -> int:
-        """Where the next frame may begin: at a whole sync word, or at what may become one at the end."""
+        """Offset of the next possible frame: at a whole sync word, or at a partial one at the end."""
         buffer, sync = self._buffer, self._framing.sync
         found = buffer.find(sync, at)
         if found >= 0:

@@ -1,8 +1,8 @@
-"""The stream of a microcontroller of one's own, as docs/serial-stream.md defines it: 24-byte frames under a CRC.
+"""The stream of a user's microcontroller, as docs/serial-stream.md defines it: 24-byte frames with a CRC.
 
 A5 5A, kind, status, counter, device time in us, three numbers, CRC (polynomial 0x1021, initial value 0, high byte
-first) of all between. Kind 1, a sample: acceleration in um/s^2. Kind 2, what the sensor is: rate in mHz, range in
-um/s^2, delay in us.
+first) of all between. Kind 1, a sample: acceleration in um/s^2. Kind 2, a description: rate in mHz, range in um/s^2,
+delay in us.
 """
 
 import binascii
@@ -12,7 +12,7 @@ from drivers.serial_decoders.framing import Description, Framing, SerialSample
 
 SYNC = b"\xa5\x5a"
 SAMPLE, DESCRIPTION = 1, 2
-SENSOR_FAULT, CLIPPED = 0x01, 0x02  # of the status
+SENSOR_FAULT, CLIPPED = 0x01, 0x02  # bits of the status
 LENGTH = 24
 _LAYOUT = struct.Struct("<2xBBHI3i2x")
 
@@ -29,7 +29,7 @@ def _sample(frame: bytes) -> SerialSample | None:
 
 
 def _describe(frame: bytes) -> Description | None:
-    """What a valid frame says of the sensor; None for a frame of another kind."""
+    """The description in a valid frame; None for a frame of another kind."""
     kind, _, _, _, rate_mhz, range_um_s2, delay_us = _LAYOUT.unpack(frame)
     if kind != DESCRIPTION:
         return None

@@ -1,7 +1,7 @@
-"""VectorNav's binary output: FA, groups, a mask of fields for each group, payload, CRC; little-endian but for the CRC.
+"""VectorNav's binary output: FA, groups, a mask of fields per group, payload, CRC; little-endian except the CRC.
 
-Groups 1 (common) and 3 (inertial) are taken, fields after VectorNav's tables. The CRC is CCITT's (polynomial 0x1021,
-initial value 0); over all bytes behind FA, its own included, it is 0.
+The decoder reads groups 1 (common) and 3 (inertial), with the fields of VectorNav's tables. The CRC is CCITT's
+(polynomial 0x1021, initial value 0); over all bytes after FA, including its own, it is 0.
 """
 
 import binascii
@@ -16,7 +16,7 @@ _LENGTHS = {
     _INERTIAL: (2, 12, 12, 12, 4, 4, 16, 12, 12, 12, 12, 2),
 }
 _TIME_STARTUP = (_COMMON, 0)
-# Compensated before uncompensated.
+# Prefer compensated to uncompensated fields.
 _ACCELERATIONS = ((_COMMON, 8), (_INERTIAL, 9), (_COMMON, 9), (_INERTIAL, 2))
 _VECTOR, _TIME_NS = struct.Struct("<3f"), struct.Struct("<Q")
 _LONGEST = 6 + sum(sum(lengths) for lengths in _LENGTHS.values()) + 2
@@ -36,7 +36,7 @@ def _length(buffer: bytearray, at: int) -> int | None:
 
 
 def _fields(frame: bytes) -> list[tuple[int, int, int]]:
-    """(group, bit, length) of every field, in the order in which they are sent; none where the masks name another."""
+    """(group, bit, length) of every field in the order of transmission; none if the masks name an unknown field."""
     fields = []
     at = 2
     for group, lengths in _LENGTHS.items():

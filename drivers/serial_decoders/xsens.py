@@ -1,7 +1,7 @@
 """Xsens MTData2: FA FF, message id, length, data, checksum; the bytes behind FA sum to 0. Data: [id, length, payload].
 
-Acceleration: 0x4020, or 0x4040 at high rate, checked in three public uses of Xsens' own library; the low digit of the
-id is its format: floats in single (0) or double (3) precision are taken, in any frame of coordinates.
+Acceleration: 0x4020, or 0x4040 at high rate, as in three public uses of Xsens' own library. The low digit of the id is
+the format: the decoder accepts floats in single (0) or double (3) precision, in any coordinate frame.
 """
 
 import struct
@@ -26,7 +26,7 @@ def _length(buffer: bytearray, at: int) -> int | None:
 
 
 def _valid(frame: bytes) -> bool:
-    """An 8-bit sum lets one broken frame in 256 pass; that the fields fill the data exactly is a second proof."""
+    """An 8-bit sum accepts one broken frame in 256. As a second check, the fields must fill the data exactly."""
     if sum(frame[1:]) & 0xFF:
         return False
     if frame[2] != _DATA:

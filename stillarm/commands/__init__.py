@@ -1,1 +1,1 @@
-"""One file for each command: its arguments, and the call that does it."""
+"""One file for each command: its arguments, and the call that runs it."""

@@ -1,4 +1,4 @@
-"""`stillarm benchmark`: the documentation's tables, made afresh, beside floors and peers."""
+"""`stillarm benchmark`: regenerates the documentation's tables, with floors and peers for comparison."""
 
 import argparse
 import json
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rigs", type=int, dest="trials", metavar="N", help="commission: the same as --trials"
     )
     parser.add_argument("--runs", type=int, dest="trials", metavar="N", help="live: the same as --trials")
-    parser.add_argument("--load", type=int, metavar="P", help="live: busy processes beside each run (0)")
+    parser.add_argument("--load", type=int, metavar="P", help="live: busy processes during each run (0)")
     parser.add_argument(
         "--keep", type=Path, metavar="DIR", help="live: keep each run's recording, truth and tables here"
     )
@@ -70,27 +70,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="DIR",
-        help="estimators, live: draw the pictures into this folder (live: live)",
+        help="estimators, live: folder for the pictures (live: live)",
     )
     parser.add_argument(
         "--resume",
         type=Path,
         metavar="FOLDER",
-        help="diagnosis: keep each trial here, and go on with what is there",
+        help="diagnosis: keep each trial here, and continue from the trials found here",
     )
     parser.add_argument(
         "--duration-s",
         type=seconds,
         metavar="S",
-        help=f"measure for so long, instead of trials; live: length of each run ({durations})",
+        help=f"duration of the measurement, in place of trials; live: duration of each run ({durations})",
     )
     parser.add_argument(
-        "--data", type=Path, metavar="DIR", help="identification: folder that holds silverbox/SNLS80mV.csv"
+        "--data", type=Path, metavar="DIR", help="identification: folder with silverbox/SNLS80mV.csv"
     )
     parser.add_argument("--methods", metavar="A,B", help="estimators, live: only these methods (all)")
     parser.add_argument("--regimes", metavar="A,B", help="estimators: only these regimes, such as live (all)")
     parser.add_argument(
-        "--noises", metavar="A,B", help="estimators: only these noises of the accelerometer (all)"
+        "--noises", metavar="A,B", help="estimators: only these noise levels of the accelerometer (all)"
     )
     parser.add_argument(
         "--tables", metavar="A,B", help="estimators: only these of estimators,damping,conditions"
@@ -99,7 +99,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rows", metavar="A,B", help='estimators: only these rows of the third table, such as "release"'
     )
     parser.add_argument(
-        "--quick", action="store_true", help="estimators: a look at one noise in three regimes, 12 s a trial"
+        "--quick", action="store_true", help="estimators: only one noise level in three regimes, 12 s a trial"
     )
 
 
@@ -167,7 +167,7 @@ def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
             print()
     worse = [row for row in result["comparisons"] if row["worse"]]
     if worse:
-        print("where fused is worse than another method by more than two paired standard errors:")
+        print("cells in which fused is worse than another method by more than two paired standard errors:")
         print_rows(worse)
         print()
     empty = result["empty_cycle_us"]
@@ -188,13 +188,13 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
     try:
         return [float(one) for one in text.split(",")] if text else None
     except ValueError:
-        raise UserError(f"--{option} {text}: numbers with commas between them, such as 0.1,0.3") from None
+        raise UserError(f"--{option} {text}: numbers separated by commas are needed, such as 0.1,0.3") from None
 
 
 def _noises(text: str | None) -> list[float] | None:
     numbers = _numbers("noises", text)
     if numbers and not all(0.0 < one <= 100.0 for one in numbers):
-        raise UserError(f"--noises {text}: each above 0 and at most 100 (of the amplitude's acceleration)")
+        raise UserError(f"--noises {text}: each must be above 0 and at most 100 (of the amplitude's acceleration)")
     return numbers
 
 
@@ -225,7 +225,7 @@ def _identification(arguments: argparse.Namespace, trials: int) -> dict[str, Any
         f"{speed['solve_ivp_times_real_time']:.1f} times; largest difference {speed['largest_difference']:.1e}"
     )
     if arguments.data is None:
-        print("--data FOLDER with silverbox/SNLS80mV.csv compares with PySINDy and SysIdentPy too")
+        print("--data FOLDER with silverbox/SNLS80mV.csv adds a comparison with PySINDy and SysIdentPy")
     return result
 
 
@@ -242,8 +242,8 @@ def _commission(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     for one in result["refused"]:
         print(f"rig {one['seed']}: {one['error']}")
     print(
-        f"within 3 stated deviations {result['within_3_std']:.1%} of {trials} rigs' parameters; within the errors "
-        f"allowed {result['within_need']:.0%} of rigs, signs right {result['signs_right']:.0%}, damped at once "
+        f"within 3 stated deviations {result['within_3_std']:.1%} of {trials} rigs' parameters; within the allowed "
+        f"errors {result['within_need']:.0%} of rigs, signs right {result['signs_right']:.0%}, damped at once "
         f"{result['damps_at_once']:.0%}"
     )
     return result
@@ -273,7 +273,7 @@ def _flood(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     print()
     print_rows(result["asked"])
     refused = ", ".join(f"{name} {count}" for name, count in result["refused"].items())
-    print(f"{result['sent']} forged datagrams, {result['rate_hz']:.0f} a second; not taken: {refused}")
+    print(f"{result['sent']} forged datagrams, {result['rate_hz']:.0f} a second; refused: {refused}")
     return result
 
 

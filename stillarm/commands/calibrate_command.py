@@ -11,7 +11,7 @@ from stillarm.found_model import print_parameters, write_model
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument(
-        "recording", type=Path, metavar="REC", help="recording (MCAP) with moves or a ring-down in it"
+        "recording", type=Path, metavar="REC", help="recording (MCAP) that contains moves or a ring-down"
     )
     parser.add_argument("--model", type=Path, required=True, metavar="FILE", help="model file to start from")
     parser.add_argument(
@@ -52,6 +52,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def recording_date(origin_unix_ns: int) -> str:
-    """The day of a recording; of one in virtual time, today."""
+    """The day of a recording, as an ISO date; today for a recording in virtual time."""
     made = datetime.fromtimestamp(1e-9 * origin_unix_ns, UTC) if origin_unix_ns else datetime.now(UTC)
     return made.date().isoformat()

@@ -1,4 +1,4 @@
-"""`stillarm check`: what is wrong with the machine and the rig, and what to do; it moves nothing."""
+"""`stillarm check`: finds what is wrong with the machine and the rig, and says what to do. It moves nothing."""
 
 import argparse
 from pathlib import Path
@@ -12,7 +12,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print one line for each check; 1 if one fails."""
+    """Print one line for each check. Returns 1 if a check fails."""
     from stillarm.preflight.verdict import Level
     from stillarm.preflight.walk import walk
 
@@ -23,6 +23,6 @@ def run(arguments: argparse.Namespace) -> int:
     failed = counts[Level.FAIL]
     print(
         f"{counts[Level.OK]} ok, {counts[Level.WARN]} warnings, {failed} failed: "
-        + ("mend these first" if failed else "ready")
+        + ("correct these first" if failed else "ready")
     )
     return 1 if failed else 0

@@ -1,4 +1,4 @@
-"""`stillarm commission`: small watched moves of the rig, and the model file that they identify."""
+"""`stillarm commission`: identifies the rig's model file from small, supervised moves."""
 
 import argparse
 import sys
@@ -36,14 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=120.0,
         metavar="P",
-        help="no move carries the image further (120)",
+        help="no move shifts the image further (120)",
     )
     parser.add_argument(
         "--strike-s",
         type=seconds,
         default=0.0,
         metavar="S",
-        help="rest so many seconds more at the end; strike the arm by hand meanwhile (0)",
+        help="extra seconds of rest at the end, in which you strike the arm by hand (0)",
     )
     parser.add_argument("--yes", action="store_true", help="do not ask before the joint moves")
     parser.add_argument(
@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask, move, fit, write; 1 where the model is not good enough to damp by."""
+    """Ask, move, fit, write. Returns 1 if the model is not good enough for damping."""
     from common.configuration import load_assumed_model, load_configuration
     from common.model import check_model, length_of
     from common.output_folder import make_folder
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
         f"about a minute and a half. Ctrl-C stops it, and so does `stillarm operate stop --config {arguments.config}`.",
         arguments.yes,
     )
-    # only now what takes seconds to import: the question is to come at once
+    # these imports take seconds: the question must come first
     from diagnosis.commissioning.live import LiveRig
     from diagnosis.commissioning.picture import draw
     from diagnosis.commissioning.procedure import commission
@@ -104,19 +104,21 @@ def run(arguments: argparse.Namespace) -> int:
     print_parameters(done.found.parameters)
     draw(done, folder / "commissioning.png")
     write_model(found, arguments.model_out)
-    print(f"{folder / 'commissioning.png'} shows it; name {arguments.model_out} as the configuration's model")
+    print(
+        f"{folder / 'commissioning.png'} shows the fit; name {arguments.model_out} as the configuration's model"
+    )
     print(f"{arguments.model_out}: {done.verdict.text}")
     return 0 if done.verdict.good else 1
 
 
 class _Guide:
-    """Shows how far it is, and says when it is time to strike the arm."""
+    """Shows the progress, and asks the operator to strike the arm when it is time."""
 
     def __init__(self, progress: Callable[[float], None], strike_s: float) -> None:
         self._progress, self._strike_s, self._asked = progress, strike_s, strike_s == 0.0
 
     def __call__(self, name: str, done_s: float, of_s: float) -> None:
-        """Both parts take about as long; the fit is the rest."""
+        """Update the progress. Both parts take about equally long, and the fit is the rest."""
         self._progress(0.45 * min(done_s / of_s, 1.0) + (0.45 if name == "moves" else 0.0))
         if name == "moves" and not self._asked and done_s > of_s - self._strike_s:
             self._asked = True
@@ -134,11 +136,11 @@ def _positive(value: float, option: str) -> float:
 
 
 def _ask(what: str, agreed: bool) -> None:
-    """Before anything moves. Raises UserError where nobody can say yes."""
+    """Ask before anything moves. Raises UserError if nobody can answer, or the answer is no."""
     print(what)
     if agreed:
         return
     if not sys.stdin.isatty():
-        raise UserError("commission: nobody is there to agree to that; add --yes when the arm is free")
+        raise UserError("commission: no terminal to ask at; add --yes if the arm is free to move")
     if input("Is the arm free to move? [y/N] ").strip().lower() not in ("y", "yes"):
-        raise UserError("commission: not agreed to; nothing has moved")
+        raise UserError("commission: not confirmed; nothing has moved")

@@ -13,9 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, required=True, metavar="FILE", help="configuration file (TOML)"
     )
     parser.add_argument("--record", type=Path, metavar="REC", help="write a recording (MCAP) to this file")
-    parser.add_argument(
-        "--duration-s", type=seconds, metavar="S", help="stop by itself after so many seconds"
-    )
+    parser.add_argument("--duration-s", type=seconds, metavar="S", help="stop after this many seconds")
     parser.add_argument(
         "--allow-non-realtime", action="store_true", help="run without the privileges that keep the deadlines"
     )

@@ -7,9 +7,7 @@ from typing import Any
 from stillarm.arguments import seed
 
 _DURATION_S, _HIDDEN_DURATION_S = 30.0, 60.0
-_LOST_SHARE = (
-    0.1  # of the frames; more than that, and the run shows the computer's load rather than the method
-)
+_LOST_SHARE = 0.1  # of the frames; with more losses, the run shows the computer's load rather than the method
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,13 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accelerometer",
         metavar="NAME",
-        help="driver through whose emulated registers or frames the rig presents itself: lis3lv02dq, lis3dh, "
+        help="accelerometer that the rig emulates, by its registers or frames: lis3lv02dq, lis3dh, "
         "adxl345, adxl355, mpu6050, icm20948, witmotion, xsens, vectornav, microcontroller (the configuration's)",
     )
     parser.add_argument(
         "--drive",
         metavar="NAME",
-        help="drive as which the rig presents itself: udp_gateway, odrive, cia402, mcp4725 (the configuration's)",
+        help="drive that the rig emulates: udp_gateway, odrive, cia402, mcp4725 (the configuration's)",
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of everything random (0)")
     parser.add_argument(
@@ -60,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
         hide=hide,
     )
     if hide is not None:
-        print("Something was hidden in the rig that its model knows nothing of. To find out what:")
+        print("The rig contains a hidden effect that its model does not describe. To find it:")
         print(f"stillarm diagnose {arguments.out / 'recording.mcap'}")
         return 0
     print_table(summary)
@@ -71,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def print_table(summary: dict[str, Any]) -> None:
-    """The demo's result for people."""
+    """Print the demo's results as a table."""
     damping = summary["damping"]
     free = damping["settling_time_free_s"] or damping["settling_time_free_fitted_s"]
     print(f"{'':<26}{'free':>10}{'damped':>10}")
@@ -97,12 +95,12 @@ def print_table(summary: dict[str, Any]) -> None:
     )
     if summary["frames_lost"] > _LOST_SHARE * (summary["frames"] + summary["frames_lost"]):
         print(
-            "This computer was too busy for the camera's images: the figures say little; close what else runs"
+            "This computer was too busy for the camera's images, so the figures mean little; close other programs"
         )
 
 
 def comparison_line(methods: dict[str, dict[str, Any]], ours: str = "fused") -> str:
-    """What our method reached against the others, in one sentence; empty where there is nothing to compare."""
+    """Our method compared with the others in one sentence; empty if there is nothing to compare."""
     error = {name: scores.get("prediction_error_mean") for name, scores in methods.items()}
     own = error.get(ours)
     others = [(name, value) for name, value in error.items() if name != ours and value is not None]

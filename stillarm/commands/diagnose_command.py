@@ -1,4 +1,4 @@
-"""`stillarm diagnose`: what the simulation gets wrong, why, and what mending it gains."""
+"""`stillarm diagnose`: finds where the simulation is wrong, why, and what a correction gains."""
 
 import argparse
 import json
@@ -40,7 +40,7 @@ def _pairs(text: str) -> int:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument(
-        "recordings", type=Path, nargs="+", metavar="REC", help="recordings (MCAP), each by itself"
+        "recordings", type=Path, nargs="+", metavar="REC", help="recordings (MCAP), each diagnosed separately"
     )
     parser.add_argument(
         "--model", type=Path, metavar="FILE", help="model file (default: the recording's own)"
@@ -51,31 +51,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FROM_S:TO_S",
-        help="time that no fit may use, may be repeated (default: every third of up to thirty blocks)",
+        help="time that no fit may use; repeatable (default: every third of up to thirty blocks)",
     )
     parser.add_argument(
         "--no-use",
         action="store_true",
-        help="do not simulate what the extended model is worth to the controller (some seconds)",
+        help="do not simulate what the controller gains by the extended model (some seconds)",
     )
     parser.add_argument(
         "--use-pairs",
         type=_pairs,
         default=1,
         metavar="N",
-        help="simulate that N times over, each with noise of its own, and tell the spread (1)",
+        help="repeat that simulation N times with independent noise, and report the spread (1)",
     )
     parser.add_argument(
         "--budget-s",
         type=seconds,
         metavar="S",
-        help="a verdict within so many seconds, at least 10 or so; what that leaves out stands in diagnosis.json "
-        "under looked_at (default: as long as it needs)",
+        help="give a verdict within this many seconds, at least 10 or so; diagnosis.json lists what was left "
+        "out under looked_at (default: no limit)",
     )
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="several recordings: a Dask scheduler whose workers see the same files (default: this machine's cores)",
+        help="several recordings: a Dask scheduler whose workers have the same files (default: this machine's cores)",
     )
     parser.add_argument(
         "--out", type=Path, default=Path("diagnosis"), metavar="DIR", help="folder for the results"
@@ -83,14 +83,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Diagnose each recording by itself. Exit status 1 where one could not be diagnosed."""
+    """Diagnose each recording separately. Returns 1 if one could not be diagnosed."""
     one_blas_thread()
     from common.model import load_model
 
     model = load_model(arguments.model) if arguments.model else None
     stems = [path.stem for path in arguments.recordings]
     if len(set(stems)) < len(stems):
-        raise UserError("diagnose: two recordings have the same name, and so would their folders; rename one")
+        raise UserError(
+            "diagnose: two recordings have the same name, and their folders would clash; rename one"
+        )
     alone = len(arguments.recordings) == 1 and arguments.scheduler is None
     done = [_alone(arguments, model)] if alone else _side_by_side(arguments, model)
     for one in done:
@@ -101,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"{one.job.path}: {one.said}")
         if one.used:
             print(one.used)
-        print(f"{folder / 'report.html'} shows it; {folder / 'extended.toml'} is the model that has it")
+        print(f"{folder / 'report.html'} is the report; {folder / 'extended.toml'} is the extended model")
     return int(any(one.failed for one in done))
 
 
@@ -110,7 +112,7 @@ def _use_pairs(arguments: argparse.Namespace) -> int:
 
 
 def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
-    """In this process, into the folder itself."""
+    """Diagnose one recording in this process, into the output folder itself."""
     from stillarm.commands.diagnose_many import Job, beside, diagnose_one
     from stillarm.progress import progress_bar
 
@@ -126,7 +128,7 @@ def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
 
 
 def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list[Done]":
-    """Each into a folder of its own name; in the order in which they were given."""
+    """Diagnose each recording into a folder of its name. The results have the order of the arguments."""
     from stillarm.commands.diagnose_many import Job, diagnose_all, executor_for
     from stillarm.progress import progress_bar
 
@@ -154,15 +156,17 @@ def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list
 
 
 def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> None:
-    """diagnosis.json, extended.toml, report.html. await_use: of `put_to_use`. The verdict is written first: what draws
-    the report may be stopped."""
+    """Write diagnosis.json, extended.toml and report.html. await_use: result of `put_to_use`.
+
+    The verdict is written first, since the drawing of the report may be interrupted.
+    """
     from diagnosis.diagnose import model_text
     from diagnosis.report.page import report_page
 
     (folder / "extended.toml").write_text(model_text(result.extended))
     _write_table(result, folder)
     page = report_page(result, await_use)
-    _write_table(result, folder)  # with what the extended model is worth
+    _write_table(result, folder)  # now including the gain by the extended model
     (folder / "report.html").write_text(page)
 
 
@@ -178,8 +182,10 @@ def put_to_use(
     pairs: int,
     run_each: Callable[..., Iterable[Any]],
 ) -> Callable[[], None]:
-    """Begin to find what the extended model is worth to the controller, where it differs and can be run; returns what
-    awaits that, and adds it to the result. pairs: of runs. run_each: as `map`, or an executor's.
+    """Start to simulate what the controller gains by the extended model, if that differs and can be run.
+
+    Returns a function that waits for the simulation and adds it to the result. pairs: number of pairs of runs.
+    run_each: `map`, or the `map` of an executor.
     """
     from common.configuration import load_configuration
     from common.recording.reader import open_recording
@@ -211,7 +217,7 @@ def _not_simulated(error: UserError) -> Callable[[], dict[str, Any]]:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers as JSON has them: null for what is not finite."""
+    """Numbers for JSON: null for values that are not finite."""
     if isinstance(value, dict):
         return {key: _plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
@@ -242,7 +248,7 @@ def sentence(table: dict[str, Any]) -> str:
             else f"hardly, with confidence {max(finding['confidence'], 0.001):.2g}: "
         )
         parts.append(f"{unsure}{name} ({values}; cuts the held-out error by {cut:.0f} %)")
-    blows = f"; {len(table['events'])} blows that no sensor measured" if table["events"] else ""
+    blows = f"; {len(table['events'])} impacts that no sensor measured" if table["events"] else ""
     if table["verdict"] == "none":
         return f"nothing wrong with the simulation beyond its parameters{blows}"
     if table["verdict"] == "named":

@@ -1,4 +1,4 @@
-"""One recording diagnosed, or many side by side on any executor: this machine's cores, or Dask's."""
+"""Diagnoses one recording, or many in parallel on an executor: this machine's cores, or Dask."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -15,13 +15,16 @@ from common.model import Model
 from common.user_error import UserError
 
 _CONNECT_S = 10
-_USE_S = 20.0  # that simulating what a model is worth, and the report, take on two cores
+_USE_S = 20.0  # duration of the gain's simulation and of the report on two cores
 
 
 @dataclass(frozen=True)
 class Job:
-    """A recording to diagnose, and the folder for what comes of it. use_pairs: of runs, in which what the extended
-    model is worth is simulated; 0: it is not. budget_s: for the verdict, s; none: as long as it needs."""
+    """A recording to diagnose, and the folder for the results.
+
+    use_pairs: pairs of runs that simulate the gain by the extended model; 0: none. budget_s: time for the verdict,
+    s; None: no limit.
+    """
 
     path: Path
     folder: Path
@@ -33,8 +36,10 @@ class Job:
 
 @dataclass(frozen=True)
 class Done:
-    """What came of a job: the verdict in one sentence, or what was wrong with the recording. used: what the extended
-    model is worth, where that was simulated."""
+    """Result of a job: the verdict in one sentence, or the error in the recording.
+
+    used: the gain by the extended model, if it was simulated.
+    """
 
     job: Job
     said: str
@@ -47,8 +52,9 @@ def diagnose_one(
     progress: Callable[[float], None] = lambda done: None,
     run_each: Callable[..., Iterable[Any]] = map,
 ) -> Done:
-    """One job, in whatever process; what is wrong with one recording stops no other. progress takes the share done;
-    run_each, as `map`, the simulations of what a model is worth.
+    """Run one job in the calling process. An error in the recording is returned, so that it stops no other job.
+
+    progress: receives the fraction done. run_each: `map` or the like, for the simulations of the gain.
     """
     began_s = time.monotonic()
     one_blas_thread()
@@ -77,7 +83,7 @@ def diagnose_one(
 
 @contextmanager
 def beside() -> Iterator[Callable[..., Iterable[Any]]]:
-    """A `map` that runs at once in two processes of its own, which get ready meanwhile; in this one where they die."""
+    """A `map` that runs in two separate processes, which start in the background; in this process if those die."""
     one_blas_thread()
     context = get_context("forkserver")
     context.set_forkserver_preload(["diagnosis.use"])  # imported once, for both
@@ -103,11 +109,11 @@ def _answer(future: Future[Any], work: Callable[[Any], Any], item: Any) -> Any:
 
 
 def _get_ready() -> None:
-    """Have the first process started."""
+    """Do nothing: submitting this starts the first process."""
 
 
 def diagnose_all(jobs: Sequence[Job], executor: Executor) -> Iterator[Done]:
-    """Every job, as they are done. Raises UserError when the executor's workers are lost."""
+    """Run every job; yields each result as it completes. Raises UserError if the executor's workers are lost."""
     futures = [executor.submit(diagnose_one, job) for job in jobs]
     for future in as_completed(futures):
         try:
@@ -118,7 +124,7 @@ def diagnose_all(jobs: Sequence[Job], executor: Executor) -> Iterator[Done]:
 
 @contextmanager
 def executor_for(scheduler: str | None, jobs: int) -> Iterator[Executor]:
-    """Dask's at that address, else this machine's cores. Raises UserError where there is none."""
+    """The executor of the Dask scheduler at that address, or of this machine's cores. UserError if none answers."""
     if scheduler is None:
         with ProcessPoolExecutor(min(jobs, cpu_count() or 1), mp_context=get_context("spawn")) as pool:
             yield pool

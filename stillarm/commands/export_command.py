@@ -1,4 +1,4 @@
-"""`stillarm export`: a recording as tables."""
+"""`stillarm export`: writes a recording as tables."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`stillarm import`: measured data into a recording."""
+"""`stillarm import`: converts measured data into a recording."""
 
 import argparse
 from pathlib import Path
@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Import, and say what came in."""
+    """Import, and report what was imported."""
     for line in _mapped(arguments) if arguments.map else _bundle(arguments):
         print(line)
     return 0
@@ -48,11 +48,11 @@ def _mapped(arguments: argparse.Namespace) -> list[str]:
     from common.mapped_data import import_mapped
 
     if arguments.rate_hz is None:
-        raise UserError("--rate-hz: needed with --map; name the sampling rate in samples a second")
+        raise UserError("--rate-hz: needed with --map; give the sampling rate in samples a second")
     report = import_mapped(arguments.source, _mapping(arguments.map), arguments.rate_hz, arguments.out)
     return [
         f"{arguments.out}: {report.rows} rows at {arguments.rate_hz:g} Hz; "
-        f"{report.input_absent} inputs and {report.output_absent} outputs are no measurement"
+        f"{report.input_absent} inputs and {report.output_absent} outputs are missing"
     ]
 
 

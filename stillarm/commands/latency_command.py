@@ -1,4 +1,4 @@
-"""`stillarm latency`: how late this machine wakes the loop and how long it computes, beside a floor."""
+"""`stillarm latency`: wake-up latency and computing time of the loop on this machine, compared with a floor."""
 
 import argparse
 import json
@@ -14,7 +14,7 @@ from stillarm.progress import progress_bar
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument(
-        "--duration-s", type=seconds, default=20.0, metavar="S", help="measure for so long (20)"
+        "--duration-s", type=seconds, default=20.0, metavar="S", help="duration of the measurement (20)"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result to this file")
 
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def print_latency(result: dict[str, Any]) -> None:
-    """A line for the loop, for each floor, and for the computing."""
+    """Print a line for the loop, for each floor, and for the computing time."""
     print(f"{'us':<24}{'p50':>8}{'p99':>8}{'p99.9':>8}{'max':>9}{'missed':>8}{'cycles':>9}")
     names = {"loop": "loop wakes", "floor": "bare timer thread wakes", "cyclictest": "cyclictest wakes"}
     for key, name in names.items():

@@ -1,4 +1,4 @@
-"""`stillarm operate`: arm, disarm, clear a fault, emergency stop; by signed datagram to a running controller."""
+"""`stillarm operate`: arm, disarm, clear a fault or stop a running controller, by signed datagram."""
 
 import argparse
 import time
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Send the command, and say so."""
+    """Send the command, and report it."""
     configuration = load_configuration(arguments.config)
     where = operate(configuration, arguments.word)
     print(f"{arguments.word}: sent to the controller at {where}: {_WORDS[arguments.word]}")
@@ -54,7 +54,7 @@ def operate(configuration: Configuration, word: str) -> str:
             if time.monotonic() > deadline:
                 raise UserError(
                     f"operate: no controller answers at {controller[0]}:{controller[1]}; start it, or name the "
-                    "configuration that it runs with (link.reference_port, link.key_file)"
+                    "configuration that it uses (link.reference_port, link.key_file)"
                 )
             socket.send(sender.command(bits), controller)
             time.sleep(_PAUSE_S)

@@ -1,4 +1,4 @@
-"""`stillarm recover`: mend a cut recording."""
+"""`stillarm recover`: repairs a cut recording."""
 
 import argparse
 from pathlib import Path
@@ -12,12 +12,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="REC",
-        help="where the mended one goes (default: NAME.recovered.mcap)",
+        help="repaired recording to write (default: NAME.recovered.mcap)",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Mend, and say what was kept."""
+    """Repair the recording, and report what was kept."""
     from common.recording.recover import recover
 
     out = arguments.out or arguments.recording.with_suffix(".recovered.mcap")
@@ -28,5 +28,5 @@ def run(arguments: argparse.Namespace) -> int:
         f"{out}: the recording {state}, with {report.damaged} damaged stretches; messages kept: {kept or 'none'}"
     )
     if report.left_out:
-        print(f"left out, not this program's: {', '.join(report.left_out)}")
+        print(f"left out, not written by this program: {', '.join(report.left_out)}")
     return 0

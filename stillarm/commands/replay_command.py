@@ -1,4 +1,4 @@
-"""`stillarm replay`: the estimators on recorded data."""
+"""`stillarm replay`: runs the estimators on recorded data."""
 
 import argparse
 import json
@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method",
         action="append",
         metavar="NAME",
-        help=f"a method to run, may be repeated: {', '.join(METHODS)}, or all; default: the recording's own",
+        help=f"a method to run; repeatable: {', '.join(METHODS)}, or all (default: the recording's own)",
     )
     parser.add_argument(
         "--out", type=Path, default=Path("replay"), metavar="DIR", help="folder for the tables (replay)"
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _replay_images(recording: "Recording") -> int:
-    """The supervisor's own recording: track its images again."""
+    """Track the images of a supervisor's recording again."""
     from supervisor.recorded_images import compare_with_live
 
     comparison = compare_with_live(recording)
@@ -43,10 +43,10 @@ def _replay_images(recording: "Recording") -> int:
 
 
 def _spare_bundle(folder: Path) -> None:
-    """Both a bundle and a replay have a file frames.csv: the one that was measured must not be overwritten."""
+    """Refuse a folder with a bundle: its measured frames.csv has the same name as the replay's table."""
     if (folder / "fast.csv").exists():
         raise UserError(
-            f"{folder}: holds a CSV bundle (fast.csv), whose frames.csv would be overwritten; "
+            f"{folder}: contains a CSV bundle (fast.csv), whose frames.csv would be overwritten; "
             "name another folder with --out"
         )
 
@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _replay_images(recording)
     if recording.cut or recording.damaged:
         end = "its end is missing" if recording.cut else "it is complete"
-        print(f"{arguments.recording}: {end}; {recording.damaged} damaged stretches are left out")
+        print(f"{arguments.recording}: {end}; {recording.damaged} damaged stretches are skipped")
     recorded = read_run(recording)
     if not recorded.fast:
         raise UserError(

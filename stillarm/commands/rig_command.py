@@ -12,7 +12,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, required=True, metavar="FILE", help="configuration file (TOML)"
     )
     parser.add_argument(
-        "--truth", type=Path, metavar="REC", help="write what the rig truly does to this file (MCAP)"
+        "--truth", type=Path, metavar="REC", help="write the rig's true motion to this file (MCAP)"
     )
     parser.add_argument(
         "--scenario", metavar="NAME", help="scenario by name or file, in place of the configuration's"
@@ -20,8 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accelerometer",
         metavar="NAME",
-        help="emulate this one in place of the configuration's; the controller's accelerometer.driver then names it, "
-        "and its bus or port is the configuration's, or memory:rig-i2c or pty:rig-accelerometer",
+        help="emulate this one in place of the configuration's. Name it as the controller's accelerometer.driver too, "
+        "with the configuration's bus or port, or memory:rig-i2c or pty:rig-accelerometer",
     )
     parser.add_argument("--seed", type=seed, metavar="N", help="seed, in place of the configuration's")
 

@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--assumed-model",
         type=Path,
         metavar="FILE",
-        help="what the controller assumes (default: the true model)",
+        help="the controller's model (default: the true model)",
     )
     parser.add_argument("--scenario", default="demo", metavar="NAME", help="scenario by name or file (demo)")
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of everything random (0)")
@@ -33,17 +33,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="configuration (default: the program's simulated_rig.toml)",
     )
     parser.add_argument(
-        "--method", metavar="NAME", help="method of the controller, in place of the configuration's"
+        "--method", metavar="NAME", help="method of the controller (default: the configuration's)"
     )
     parser.add_argument(
         "--images",
         action="store_true",
-        help="render and track images; otherwise the tracker's error model stands in",
+        help="render and track images (default: the tracker's error model)",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate, and report what each part cost."""
+    """Simulate, and report the computing time of each part."""
     from common.effects import not_used_by_controller
     from common.model import load_model
     from simulation.simulated_recording import write_simulated_recording

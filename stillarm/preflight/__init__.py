@@ -1,1 +1,4 @@
-"""The preflight: what is wrong with a machine and a rig, found without moving anything, and what to do about it."""
+"""The preflight behind `stillarm check`: finds what is wrong with machine and rig, without moving anything.
+
+Begin with `walk.py`. Each other module gathers the facts of one part and judges them.
+"""

@@ -1,4 +1,4 @@
-"""The camera: rate, stamps, exposure, light, features; by its images, or by what a running supervisor makes of them."""
+"""Checks the camera: rate, stamps, exposure, light, features; from its images, or from a running supervisor's data."""
 
 import time
 from collections import Counter
@@ -17,28 +17,30 @@ from stillarm.preflight.verdict import Verdict, fail, ok, warn
 from supervisor.step import Supervisor
 
 _FEWEST_FRAMES = 5
-_RATE_OFF = 0.05
+_RATE_OFF = 0.05  # relative error of the frame rate
 _DARK, _BRIGHT = 20.0, 235.0  # mean grey levels
-_MEASURED_SHARE = 0.9
-_WANDER = 3.0  # times the model's noise: an image out of focus, or a rig that rings
-_LONGER = 1.02  # than the period, an exposure
+_MEASURED_SHARE = 0.9  # of the images that must be tracked
+_WANDER = 3.0  # times the model's noise: beyond it the image is out of focus, or the rig rings
+_LONGER = 1.02  # an exposure that exceeds the period by this factor is refused
 _CAUSES = {
     TrackingStatus.DARK: "the image is dark: take the cap off, add light, or lengthen camera.exposure_s",
     TrackingStatus.SATURATED: "the image is overexposed: shorten camera.exposure_s, or lower camera.gain",
-    TrackingStatus.BLANK: "the image holds no texture: focus the lens, or put something with edges into view",
+    TrackingStatus.BLANK: "the image has no texture: focus the lens, or put something with edges into view",
     TrackingStatus.BLURRED: "the image is blurred: focus the lens, shorten camera.exposure_s",
-    TrackingStatus.FROZEN: "the camera gives the same image again and again: restart it, check its cable",
+    TrackingStatus.FROZEN: "the camera repeats the same image: restart it, check its cable",
     TrackingStatus.FEW_FEATURES: "too few features: focus the lens, put something with edges into view, or add light",
-    TrackingStatus.JUMPED: "nothing in one image is found in the next: does the rig, or what it sees, move?",
-    TrackingStatus.INCONSISTENT: "features do not move as one: people or machines move in view? point it elsewhere",
+    TrackingStatus.JUMPED: "the scene is not found again from one image to the next: does the rig or the scene move?",
+    TrackingStatus.INCONSISTENT: "features do not move together: people or machines move in view? point it elsewhere",
     TrackingStatus.NO_IMAGE: "no image: check the camera's cable and power",
 }
 
 
 @dataclass(frozen=True)
 class CameraFacts:
-    """arrived_s: of each frame, on this clock. samples: what the tracker made of them. grey: mean grey level; NaN
-    where the images were not seen here. counted: whether the camera counts its exposures. notes: settings it refused.
+    """What was observed of the camera.
+
+    arrived_s: arrival of each frame, on this clock. samples: the tracker's results. grey: mean grey level; NaN if the
+    images were not available here. counted: whether the camera counts its exposures. notes: settings that it refused.
     """
 
     arrived_s: tuple[float, ...]
@@ -83,7 +85,7 @@ def judge_camera(facts: CameraFacts, device: CameraDevice, model: Model) -> list
             *verdicts,
             fail(
                 "camera",
-                f"camera.device = {device.device!r}: {len(facts.arrived_s)} frames came; check cable, power and "
+                f"camera.device = {device.device!r}: {len(facts.arrived_s)} frames arrived; check cable, power and "
                 "trigger (camera.trigger), and that nothing else uses it",
             ),
         ]
@@ -96,7 +98,7 @@ def judge_camera(facts: CameraFacts, device: CameraDevice, model: Model) -> list
 
 
 def _period_s(facts: CameraFacts) -> float:
-    """Of the exposures: by the camera's counter where it has one, so that lost frames do not count as slowness."""
+    """Period of the exposures, by the camera's counter if it has one, so that lost frames do not lengthen it."""
     arrived = facts.arrived_s
     steps = len(arrived) - 1
     if facts.counted:
@@ -113,22 +115,26 @@ def _judge_rate(facts: CameraFacts, model: Model) -> Verdict:
         return fail(
             "camera",
             f"{text}: shorten camera.exposure_s, take a smaller image or a faster port, set "
-            "camera.frame_rate_hz; or put what it gives into the model's camera.frame_rate_hz",
+            "camera.frame_rate_hz; or enter the measured rate as the model's camera.frame_rate_hz",
         )
     return ok("camera", text)
 
 
 def _judge_counters(facts: CameraFacts) -> Verdict:
     if not facts.counted:
-        return warn("camera", "it does not count its exposures: lost frames cannot be told from late ones")
+        return warn(
+            "camera", "it does not count its exposures: lost frames cannot be distinguished from late ones"
+        )
     counts = [sample.frame for sample in facts.samples]
     lost = counts[-1] - counts[0] + 1 - len(counts)
     if any(after <= before for before, after in pairwise(counts)):
-        return fail("camera", "its frame counter runs backwards or stands; update its firmware or driver")
+        return fail(
+            "camera", "its frame counter runs backwards or stands still; update its firmware or driver"
+        )
     if lost > 0.1 * len(counts):
         return warn(
             "camera",
-            f"{lost} of {lost + len(counts)} frames lost: this computer is too busy, or the cable too bad",
+            f"{lost} of {lost + len(counts)} frames lost: this computer is too busy, or the cable is bad",
         )
     return ok("camera", f"frame counter without fault, {lost} lost")
 
@@ -141,7 +147,7 @@ def _judge_stamps(facts: CameraFacts) -> Verdict:
     if not there.all() or np.any(np.diff(stamps) <= 0.0):
         return warn(
             "camera",
-            f"{int(np.sum(there))} of {len(stamps)} frames have a stamp that can be one; see camera.stamp_reference",
+            f"{int(np.sum(there))} of {len(stamps)} frames have a valid stamp; see camera.stamp_reference",
         )
     period = float(np.median(np.diff(stamps)))
     jitter = float(np.std(np.diff(stamps)))
@@ -155,7 +161,7 @@ def _judge_exposure(facts: CameraFacts, device: CameraDevice, model: Model) -> V
     if not exposure:
         return warn(
             "camera",
-            f"it does not tell its exposure; the model's {1e3 * model.camera.exposure_s:g} ms is believed",
+            f"it does not report its exposure; the model's {1e3 * model.camera.exposure_s:g} ms is used",
         )
     if max(exposure, device.exposure_s) > _LONGER * period:
         return fail(
@@ -166,8 +172,8 @@ def _judge_exposure(facts: CameraFacts, device: CameraDevice, model: Model) -> V
     if abs(exposure - model.camera.exposure_s) > 0.1 * exposure:
         return warn(
             "camera",
-            f"exposure {1e3 * exposure:.1f} ms instead of the model's {1e3 * model.camera.exposure_s:g} ms; put "
-            "it into the model's camera.exposure_s",
+            f"exposure {1e3 * exposure:.1f} ms instead of the model's {1e3 * model.camera.exposure_s:g} ms; enter "
+            "it as the model's camera.exposure_s",
         )
     return ok("camera", f"exposure {1e3 * exposure:.1f} ms")
 
@@ -196,7 +202,7 @@ def _judge_images(facts: CameraFacts, model: Model) -> list[Verdict]:
             fail(
                 "camera",
                 f"the image wanders by {wander:.2f} px (the model says {model.camera.noise_std_px:g}): is the rig at "
-                "rest? else focus the lens, add light, or put something with edges into view",
+                "rest? otherwise focus the lens, add light, or put something with edges into view",
             )
         ]
     return [ok("camera", f"{features} features, {inliers} agree; at rest within {wander:.3f} px")]

@@ -1,4 +1,4 @@
-"""The drive: is it there, does it report, who is it. Nothing is armed, and nothing but zero is commanded."""
+"""Checks the drive: its presence, reports and identity. Nothing is armed, and only zero is commanded."""
 
 import time
 from collections.abc import Callable
@@ -18,7 +18,7 @@ _FEWEST_PER_S = 20.0
 
 
 def probe_drive(config: DriveDevice, key: bytes, span_s: float) -> DriveProbe:
-    """Look at the configured drive. Raises UserError when it does not answer."""
+    """Query the configured drive. Raises UserError if it does not answer."""
     if config.driver == "odrive":
         from drivers.odrive_drive import OdriveDrive
 
@@ -42,9 +42,9 @@ def greet_gateway(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> DriveProbe:
-    """Ask a gateway who it is by commands of zero that do not echo its session: it greets, and takes none of them.
+    """Ask a gateway for its identity with commands of zero that do not echo its session: it answers and obeys none.
 
-    Raises UserError when it does not answer, or the port is taken (a controller runs).
+    Raises UserError if it does not answer, or if the port is in use (a controller runs).
     """
     session = new_session()
     peer = Peer(key, (DriveState, Hello), session)
@@ -75,14 +75,14 @@ def greet_gateway(
 
 
 def judge_drive(probe: DriveProbe, config: DriveDevice, model: Model) -> list[Verdict]:
-    """What the look gave."""
+    """Judge the answers of a drive."""
     rate = probe.reports / max(probe.span_s, 1e-9)
     verdicts = [ok("drive", f"{probe.identity} answers")]
     if rate < _FEWEST_PER_S and config.driver != "cia402":
         verdicts.append(
             fail(
                 "drive",
-                f"{rate:.0f} answers a second: a lost drive could not be told within 50 ms; check cable and baud",
+                f"{rate:.0f} answers a second: a lost drive could not be detected within 50 ms; check cable and baud",
             )
         )
     limits = model.drive

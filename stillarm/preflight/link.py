@@ -1,4 +1,4 @@
-"""The link: key, ports, round trip to a supervisor that runs, or through this computer's own sockets."""
+"""Checks the link: key, ports, and the round trip to a running supervisor or through this computer's own sockets."""
 
 import time
 from collections.abc import Callable
@@ -22,8 +22,10 @@ _OWN_ROUNDS = 50
 
 @dataclass(frozen=True)
 class LinkFacts:
-    """answered: visual data that were accepted; forged: refused because of their signature; round_trip_s: NaN if
-    unknown; of_a_supervisor: False where none runs here and this computer answered itself.
+    """What was observed of the link.
+
+    answered: accepted visual data; forged: datagrams refused for their signature; round_trip_s: NaN if unknown;
+    of_a_supervisor: False if no supervisor runs here and this computer answered itself.
     """
 
     answered: int
@@ -34,7 +36,7 @@ class LinkFacts:
 
 
 def port_is_free(host: str, port: int) -> bool:
-    """Whether nobody listens there; True as well for a host that is not this computer's."""
+    """Whether nobody listens on the port. Also True for a host that is another computer."""
     try:
         UdpSocket((host, port), "").close()
     except UserError as error:
@@ -54,7 +56,7 @@ def is_here(host: str) -> bool:
 
 
 def judge_key(link: Link) -> tuple[bytes | None, Verdict]:
-    """The key, where there is one that may be used."""
+    """The key, or None if it may not be used, and the verdict."""
     try:
         key = load_key(link)
     except UserError as error:
@@ -62,7 +64,7 @@ def judge_key(link: Link) -> tuple[bytes | None, Verdict]:
     if key == DEMO_KEY:
         return key, warn(
             "link",
-            "link.key_file is empty: the demo key, which everybody knows; good for this computer alone",
+            "link.key_file is empty: the demo key is public; use it on this computer only",
         )
     return key, ok("link", f"key from {link.key_file}")
 
@@ -76,7 +78,7 @@ def ask_supervisor(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> LinkFacts:
-    """Be a controller for a while: send timestamps, take visual data. Raises UserError when the port is taken."""
+    """Act as a controller for a while: send timestamps, receive visual data. Raises UserError if the port is in use."""
     link = configuration.link
     exchange = ControllerExchange(key, new_session())
     socket = UdpSocket((link.controller_host, link.controller_port), "link.controller_port")
@@ -96,7 +98,7 @@ def ask_supervisor(
 
 
 def ask_itself(configuration: Configuration, key: bytes) -> LinkFacts:
-    """Send timestamps from one port to the other and answer them. Raises UserError when a port is taken."""
+    """Send timestamps from one port to the other and answer them. Raises UserError if a port is in use."""
     link = configuration.link
     controller = ControllerExchange(key, new_session())
     supervisor = SupervisorExchange(key, new_session(), 1)
@@ -133,7 +135,7 @@ def _arrived(socket: UdpSocket) -> list[bytes]:
 
 
 def judge_link(facts: LinkFacts, link: Link) -> Verdict:
-    """Whether there is an answer, signed with the same key, in good time."""
+    """Whether there is a timely answer, signed with the same key."""
     place = f"{link.supervisor_host}:{link.supervisor_port}"
     if facts.forged and not facts.answered:
         return fail(
@@ -150,7 +152,7 @@ def judge_link(facts: LinkFacts, link: Link) -> Verdict:
     if facts.round_trip_s > _LONG_ROUND_TRIP_S:
         return warn(
             "link",
-            f"round trip to {place} {1e3 * facts.round_trip_s:.1f} ms; a cable without a switch that sleeps is faster",
+            f"round trip to {place} {1e3 * facts.round_trip_s:.1f} ms; use a direct cable or a switch without sleep",
         )
     trip = "" if isnan(facts.round_trip_s) else f", round trip {1e3 * facts.round_trip_s:.2f} ms"
     who = "the supervisor answers" if facts.of_a_supervisor else "no supervisor runs; the ports are free"

@@ -1,4 +1,4 @@
-"""The machine: privileges, kernel, processor governor."""
+"""Checks the machine: privileges, kernel, processor governor."""
 
 import os
 import platform
@@ -14,8 +14,10 @@ _GOVERNORS = "devices/system/cpu/cpu*/cpufreq/scaling_governor"
 
 @dataclass(frozen=True)
 class MachineFacts:
-    """missing: privileges that the controller lacks, each with how to grant it. governors: of the processors; empty
-    where the machine has none.
+    """What was observed of the machine.
+
+    missing: privileges that the controller lacks, each with the way to grant it. governors: of the processors; empty
+    if the machine has none.
     """
 
     missing: tuple[str, ...]
@@ -26,7 +28,7 @@ class MachineFacts:
 
 
 def look_at_machine(sys_folder: Path = Path("/sys")) -> MachineFacts:
-    """Ask the kernel; changes nothing."""
+    """Read the kernel's settings; changes nothing."""
     realtime = sys_folder / "kernel" / "realtime"
     flagged = realtime.read_text().strip() == "1" if realtime.exists() else False
     governors = set()
@@ -45,11 +47,11 @@ def look_at_machine(sys_folder: Path = Path("/sys")) -> MachineFacts:
 
 
 def judge_machine(facts: MachineFacts, *, emulated: bool) -> list[Verdict]:
-    """emulated: whether the rig is a simulated one, where real time is not asked for."""
+    """Judge the machine. emulated: whether the rig is simulated, which does not require real time."""
     verdicts = [
         warn(_WHERE, f"{missing}; the controller then needs --allow-non-realtime")
         if emulated
-        else fail(_WHERE, f"{missing}; the controller does not start without")
+        else fail(_WHERE, f"{missing}; the controller does not start without it")
         for missing in facts.missing
     ] or [ok(_WHERE, "all privileges for real-time operation are granted")]
     if facts.preempt_rt:
@@ -67,7 +69,7 @@ def judge_machine(facts: MachineFacts, *, emulated: bool) -> list[Verdict]:
         verdicts.append(
             warn(
                 _WHERE,
-                f"processor governor {', '.join(sorted(slow))}: the clock sags between cycles; "
+                f"processor governor {', '.join(sorted(slow))}: the clock slows down between cycles; "
                 "`cpupower frequency-set -g performance`",
             )
         )
@@ -75,6 +77,8 @@ def judge_machine(facts: MachineFacts, *, emulated: bool) -> list[Verdict]:
         verdicts.append(ok(_WHERE, "processor governor performance"))
     if facts.processors < 2:
         verdicts.append(
-            warn(_WHERE, "one processor only: the loop shares it with all else; give it one of its own")
+            warn(
+                _WHERE, "one processor only: the loop shares it with everything else; use a machine with two"
+            )
         )
     return verdicts

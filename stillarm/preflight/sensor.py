@@ -1,4 +1,4 @@
-"""The bus and the accelerometer: speed, identity, rate, noise, gravity; all from readings of a rig at rest."""
+"""Checks bus and accelerometer: speed, identity, rate, noise, gravity; all from readings of a rig at rest."""
 
 import time
 from collections.abc import Callable
@@ -18,19 +18,21 @@ from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
 _SLOWEST_BUS_HZ = 300_000
 _READ_BITS = 93  # of a transfer of 7 bytes: 10 bytes of 9 bits, two starts, a stop
-_WRONG_SIZE = 0.08  # of gravity; zero-g offset and scale together, of the worst of these parts
+_WRONG_SIZE = 0.08  # of gravity: zero-g offset plus scale error of the worst of the supported parts
 _TILT_M_S2 = 1.7  # 10 degrees
-_STUCK_READS = 50
+_STUCK_READS = 50  # fewest samples of a working sensor in the time of the check
 _QUIETEST = 0.02  # of the model's noise
-_LOUDEST, _LOUD = 4.0, 2.0
+_LOUDEST, _LOUD = 4.0, 2.0  # times the model's noise: fails, warns
 
 Values = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class SensorFacts:
-    """identity: the device's own words. acceleration_m_s2: fresh samples along the sensor's axes, shape (n, 3). span_s:
-    how long was read. missing: reads without a sample. rate_hz: what the device is set to. fastest_read_s: bus time.
+    """What was observed of the accelerometer.
+
+    identity: as the device states it. acceleration_m_s2: fresh samples along the sensor's axes, shape (n, 3). span_s:
+    duration. missing: reads without a sample. rate_hz: the device's setting. fastest_read_s: time of a bus transfer.
     """
 
     identity: str
@@ -43,7 +45,7 @@ class SensorFacts:
 
 
 def declared_bus_hz(bus: str, sys_folder: Path = Path("/sys")) -> float | None:
-    """What the device tree says of /dev/i2c-N; None where there is none."""
+    """Clock of /dev/i2c-N in the device tree, Hz; None if it does not say."""
     path = sys_folder / "class" / "i2c-adapter" / Path(bus).name / "of_node" / "clock-frequency"
     try:
         return float(int.from_bytes(path.read_bytes()[:4], "big"))
@@ -52,13 +54,13 @@ def declared_bus_hz(bus: str, sys_folder: Path = Path("/sys")) -> float | None:
 
 
 def judge_bus(bus: str, declared_hz: float | None, fastest_read_s: float, cycle_s: float) -> Verdict:
-    """The bus's speed: as the device tree declares it, else as the fastest transfer tells."""
+    """The bus's speed: from the device tree, or else from the fastest transfer."""
     if declared_hz is not None:
-        hz, how = declared_hz, "says the device tree"
+        hz, how = declared_hz, "from the device tree"
     else:
         hz, how = (
             _READ_BITS / max(fastest_read_s, 1e-9),
-            f"as a read of 7 bytes took {1e6 * fastest_read_s:.0f} us",
+            f"since a read of 7 bytes took {1e6 * fastest_read_s:.0f} us",
         )
     share = fastest_read_s / cycle_s
     if hz < _SLOWEST_BUS_HZ:
@@ -99,7 +101,7 @@ def read_sensor(
     span_s = clock() - begun
     try:
         identity = accelerometer.identify()
-    except OSError:  # gone meanwhile; the missing samples tell
+    except OSError:  # gone in the meantime; the missing samples show it
         identity = ""
     return SensorFacts(
         identity,
@@ -120,7 +122,7 @@ def judge_sensor(facts: SensorFacts, device: AccelerometerDevice, model: Model) 
             fail(
                 "sensor",
                 f"{len(facts.acceleration_m_s2)} samples in {facts.reads} reads ({facts.missing} missing): the "
-                "accelerometer is stuck or away; switch its power off and on, check the wiring and its supply voltage",
+                "accelerometer is stuck or absent; switch its power off and on, check wiring and supply voltage",
             )
         )
         return verdicts
@@ -139,15 +141,17 @@ def _judge_rate(facts: SensorFacts, cycle_s: float) -> Verdict:
     if facts.missing > 0.02 * facts.reads:
         return fail(
             "sensor",
-            f"{facts.missing} of {facts.reads} reads gave nothing; check wiring, pull-ups and cable length",
+            f"{facts.missing} of {facts.reads} reads gave no sample; check wiring, pull-ups and cable length",
         )
     if reached < 0.5 * possible:
         return fail(
             "sensor",
-            f"{text}: it does not keep its rate; take another accelerometer.bandwidth_hz, or another part",
+            f"{text}: it does not keep its rate; choose another accelerometer.bandwidth_hz, or another part",
         )
     if facts.rate_hz < 0.99 / cycle_s:
-        return warn("sensor", f"{text}: fewer than cycles; samples stand for {1e3 / facts.rate_hz:.1f} ms")
+        return warn(
+            "sensor", f"{text}: slower than the cycle; each sample is used for {1e3 / facts.rate_hz:.1f} ms"
+        )
     return ok("sensor", text)
 
 
@@ -163,16 +167,16 @@ def _judge_noise(acceleration: Values, along: Values, model: Model) -> Verdict:
     if noise > _LOUDEST * max(expected, 0.05):
         return fail(
             "sensor",
-            f"{text}: is the rig at rest? else check cable, supply and mounting, or put it into the model's "
+            f"{text}: is the rig at rest? otherwise check cable, supply and mounting, or enter it as the model's "
             "accelerometer.noise_std_m_s2",
         )
     if noise > _LOUD * max(expected, 0.05) or noise < _QUIETEST * expected:
-        return warn("sensor", f"{text}: put what was measured into the model's accelerometer.noise_std_m_s2")
+        return warn("sensor", f"{text}: enter the measured value as the model's accelerometer.noise_std_m_s2")
     return ok("sensor", text)
 
 
 def _judge_gravity(facts: SensorFacts, device: AccelerometerDevice, direction: Values) -> list[Verdict]:
-    """One g in size, none of it along the measured axis, the rest pointing up as the mounting has it."""
+    """Expected: a magnitude of 1 g, none of it along the measured axis, pointing up according to the mounting."""
     mean = np.mean(facts.acceleration_m_s2, axis=0)
     size = float(np.linalg.norm(mean))
     words = "(" + ", ".join(f"{value:+.1f}" for value in mean) + ") m/s^2 along the sensor's x, y, z"
@@ -180,8 +184,8 @@ def _judge_gravity(facts: SensorFacts, device: AccelerometerDevice, direction: V
         return [
             fail(
                 "sensor",
-                f"gravity is {size:.2f} m/s^2, {words}, instead of 9.81: accelerometer.driver or full_scale_g is "
-                "another than the device's, or the device is damaged",
+                f"gravity is {size:.2f} m/s^2, {words}, instead of 9.81: accelerometer.driver or full_scale_g does "
+                "not match the device, or the device is damaged",
             )
         ]
     along = float(mean @ direction) - device.bias_m_s2
@@ -192,7 +196,7 @@ def _judge_gravity(facts: SensorFacts, device: AccelerometerDevice, direction: V
                 "sensor",
                 f"accelerometer.axis = {device.axis!r} carries {along:+.1f} m/s^2 of gravity ({tilt:.0f} degrees off "
                 f"the horizontal; {words}): name the axis along which the arm vibrates, or the mounting in "
-                "rotation_deg; for an arm that vibrates up and down put it into accelerometer.bias_m_s2",
+                "rotation_deg; for an arm that vibrates up and down enter it as accelerometer.bias_m_s2",
             )
         ]
     up = np.array(sensed_axes(0.0, device))
@@ -202,7 +206,7 @@ def _judge_gravity(facts: SensorFacts, device: AccelerometerDevice, direction: V
             return [
                 fail(
                     "sensor",
-                    f"gravity has the wrong sign ({words}): the sensor hangs upside down; turn it, or say so in "
+                    f"gravity has the wrong sign ({words}): the sensor hangs upside down; turn it, or set "
                     "accelerometer.rotation_deg (180 about one axis), and check accelerometer.sign",
                 )
             ]
@@ -210,12 +214,12 @@ def _judge_gravity(facts: SensorFacts, device: AccelerometerDevice, direction: V
             return [
                 warn(
                     "sensor",
-                    f"gravity lies on another axis than the mounting says ({words}); correct rotation_deg",
+                    f"gravity lies on another axis than the mounting implies ({words}); correct rotation_deg",
                 )
             ]
     return [ok("sensor", f"gravity {size:.2f} m/s^2, {hypot(along):.2f} of it along the measured axis")]
 
 
 def could_not_start(error: UserError) -> Verdict:
-    """A sensor that cannot be opened says why itself."""
+    """The verdict on a sensor that cannot be opened; the error says why."""
     return fail("sensor", str(error))

@@ -1,11 +1,11 @@
-"""One line of the preflight: what was looked at, how it is, and what to do."""
+"""One line of the preflight: the part, its state, and what to do."""
 
 from enum import StrEnum
 from typing import NamedTuple
 
 
 class Level(StrEnum):
-    """FAIL: the rig will not work so. WARN: it will, but not as well, or this computer cannot tell."""
+    """FAIL: the rig will not work. WARN: it will work less well, or this computer cannot check it."""
 
     OK = "ok"
     WARN = "warn"
@@ -13,7 +13,7 @@ class Level(StrEnum):
 
 
 class Verdict(NamedTuple):
-    """where: machine, bus, sensor, camera, link or drive. text: one line, with the remedy where there is one to say."""
+    """where: machine, bus, sensor, camera, link or drive. text: one line, with the remedy if there is one."""
 
     where: str
     level: Level
@@ -21,15 +21,15 @@ class Verdict(NamedTuple):
 
 
 def ok(where: str, text: str) -> Verdict:
-    """Good as it is."""
+    """A part that is in order."""
     return Verdict(where, Level.OK, text)
 
 
 def warn(where: str, text: str) -> Verdict:
-    """Worth knowing."""
+    """A part that works less well, or could not be checked."""
     return Verdict(where, Level.WARN, text)
 
 
 def fail(where: str, text: str) -> Verdict:
-    """To be mended first."""
+    """A part that must be corrected first."""
     return Verdict(where, Level.FAIL, text)

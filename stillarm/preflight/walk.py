@@ -1,4 +1,4 @@
-"""The walk over machine, bus, sensor, camera, link, drive, in that order: looks, judges, and moves nothing."""
+"""Checks machine, bus, sensor, camera, link and drive, in that order. Gathers facts, judges them, moves nothing."""
 
 from collections.abc import Iterator
 from math import nan
@@ -31,19 +31,19 @@ SENSOR_S, CAMERA_S, LINK_S, DRIVE_S = 0.6, 1.5, 1.5, 0.3
 
 
 def walk(path: Path) -> Iterator[Verdict]:
-    """The verdicts, as they come. Raises UserError for a configuration or model that cannot be read."""
+    """Yield the verdicts one by one. Raises UserError for a configuration or model that cannot be read."""
     configuration = load_configuration(path)
     model = load_assumed_model(configuration, path)
     yield from judge_machine(look_at_machine(), emulated=is_emulated(configuration))
     link = configuration.link
     controls, sees = is_here(link.controller_host), is_here(link.supervisor_host)
     busy = controls and not port_is_free(link.controller_host, link.controller_port)
-    if busy:  # setting the sensor up would disturb it
-        yield warn("sensor", "not looked at while a controller runs (see link)")
+    if busy:  # setting up the sensor would disturb the controller
+        yield warn("sensor", "not checked while a controller runs (see link)")
     elif controls:
         yield from look_at_sensor(configuration, model)
     else:
-        yield ok("sensor", f"hangs on {link.controller_host}: run this there, too")
+        yield ok("sensor", f"connected to {link.controller_host}: run this command there, too")
     key, verdict = judge_key(link)
     facts: LinkFacts | None = None
     refused: Verdict | None = None
@@ -66,22 +66,22 @@ def walk(path: Path) -> Iterator[Verdict]:
     if not controls or configuration.drive.driver == "none":
         yield ok("drive", "none here")
     elif key is None:
-        yield warn("drive", "not looked at without a key")
+        yield warn("drive", "not checked without a key")
     elif refused is not None:
-        yield warn("drive", "not looked at while another process holds the controller's port")
+        yield warn("drive", "not checked while another process holds the controller's port")
     else:
         yield from look_at_drive(configuration, model, key)
 
 
 def is_emulated(configuration: Configuration) -> bool:
-    """Whether the rig is a simulated one."""
+    """Whether the rig is simulated."""
     return configuration.camera.driver == "shared_memory" or configuration.accelerometer.bus.startswith(
         MEMORY
     )
 
 
 def look_at_sensor(configuration: Configuration, model: Model) -> Iterator[Verdict]:
-    """Bus and sensor."""
+    """Check bus and sensor."""
     device = configuration.accelerometer
     try:
         accelerometer = open_accelerometer(device, wait_s=1.0)
@@ -99,14 +99,14 @@ def look_at_sensor(configuration: Configuration, model: Model) -> Iterator[Verdi
     if device.bus.startswith("/dev/i2c-") and device.driver not in _SERIAL:
         yield judge_bus(device.bus, declared_bus_hz(device.bus), facts.fastest_read_s, model.timing.cycle_s)
     else:
-        yield ok("bus", f"no I2C bus of this computer's; a read takes {1e6 * facts.fastest_read_s:.0f} us")
+        yield ok("bus", f"not an I2C bus of this computer; a read takes {1e6 * facts.fastest_read_s:.0f} us")
     yield from judge_sensor(facts, device, model)
 
 
 def _camera(
     configuration: Configuration, model: Model, link: LinkFacts | None, *, here: bool, supervisor_runs: bool
 ) -> Iterator[Verdict]:
-    """By its images where it hangs here and nobody else has it; else by what its supervisor sends."""
+    """Check the camera by its images if it is connected here and free; otherwise by its supervisor's data."""
     if not supervisor_runs and here:
         yield from look_at_camera(configuration, model)
     elif link is not None and link.samples:
@@ -116,7 +116,7 @@ def _camera(
         )
         yield from judge_camera(facts, configuration.camera, model)
     else:
-        yield warn("camera", "not looked at: its supervisor does not answer (see link)")
+        yield warn("camera", "not checked: its supervisor does not answer (see link)")
 
 
 def look_at_camera(configuration: Configuration, model: Model) -> Iterator[Verdict]:
@@ -136,7 +136,7 @@ def look_at_camera(configuration: Configuration, model: Model) -> Iterator[Verdi
 
 
 def look_at_drive(configuration: Configuration, model: Model, key: bytes) -> Iterator[Verdict]:
-    """Ask the drive who and where it is."""
+    """Ask the drive for its identity and position."""
     try:
         probe = probe_drive(configuration.drive, key, DRIVE_S)
     except UserError as error:

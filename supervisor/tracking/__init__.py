@@ -1,2 +1,4 @@
-"""Feature tracking against key frames: images in, displacements with covariance out. Pure; docs/tracking.md
-explains."""
+"""Feature tracking against key frames: images in, displacements with covariance out (docs/tracking.md). Pure.
+
+Begin with `tracker.py`. Camera, clock and datagrams do not belong here.
+"""

@@ -1,10 +1,9 @@
-"""Where the scene is, to a few px, when prediction has failed: normalised correlation of small images at
-every shift.
+"""Locates the scene to a few px after prediction has failed: normalised correlation of small images at every shift.
 
-Padfield, Masked object registration in the Fourier domain, IEEE TIP 2012: means and variances are those of
-what both images see at each shift, so that large shifts, with a small common part, are found as well. (Phase
-correlation lost the scene at a quarter of the image.) A small common part correlates by chance more easily:
-the score is the correlation times the square root of the share in common. The best shift is only a start:
+Method: Padfield, Masked object registration in the Fourier domain, IEEE TIP 2012. Means and variances are those of
+the part that both images see at each shift, so that the search also finds large shifts with a small common part.
+(Phase correlation lost the scene at a quarter of the image.) A small common part correlates by chance more easily.
+The score is therefore the correlation times the square root of the common share. The best shift is only a start:
 Lucas-Kanade has to confirm it.
 """
 
@@ -20,7 +19,7 @@ from supervisor.tracking.photometry import overlapping
 from supervisor.tracking.prepared_image import SmallImage, inner_product
 
 MIN_COMMON = 0.12  # share of the image
-_ENOUGH = 4000  # px, above which every second one in a row and a column will do
+_ENOUGH = 4000  # px: above this, every second one of a row and a column is enough
 
 
 class CoarseShift(NamedTuple):
@@ -35,11 +34,12 @@ class CoarseShift(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class CoarseView:
-    """A small image with what the search takes of it: worked out once an image, not once a pair.
+    """A small image with the data that the search needs: computed once an image, not once a pair.
 
-    spectrum: of the image about its mean, padded to twice its size; sums, variations: of the values, and of
-    their squares about the mean, over the part that is still in view after each shift (negative shifts in the
-    upper half, as in a Fourier transform), shape (2 height, 2 width), float32; energy: the sum of all squares.
+    spectrum: of the image minus its mean, padded to twice its size
+    sums, variations: of the values, and of their squares about the mean, over the part that remains in view after
+        each shift (negative shifts in the upper half, as in a Fourier transform), shape (2 height, 2 width), float32
+    energy: the sum of all squares
     """
 
     shape: tuple[int, int]
@@ -50,7 +50,7 @@ class CoarseView:
 
 
 def coarse_view(image: SmallImage) -> CoarseView:
-    """What coarse_shift() needs of an image."""
+    """The data of an image that coarse_shift() needs."""
     values = image.astype(np.float64) - float(image.mean())
     height, width = image.shape
     sums, squares = _sums_seen(values), _sums_seen(values * values)
@@ -64,12 +64,12 @@ def coarse_view(image: SmallImage) -> CoarseView:
 
 
 def coarse_shift(before: CoarseView, image: CoarseView) -> CoarseShift:
-    """By how much the scene of `before` has moved in `image`; both of one shape."""
+    """How far the scene of `before` has moved in `image`. Both have the same shape."""
     height, width = image.shape
     area = _area_seen(height, width)
     common = area * np.float32(1.0 / (height * width))
     variation = _reversed(before.variations) * image.variations
-    smallest = np.float32(1e-6 * (before.energy * image.energy + 1e-9))  # below it, rounding
+    smallest = np.float32(1e-6 * (before.energy * image.energy + 1e-9))  # below it, rounding errors dominate
     score = np.fft.irfft2(before.spectrum.conj() * image.spectrum, area.shape)
     score -= _reversed(before.sums) * image.sums / area
     score *= np.sqrt(common / np.maximum(variation, smallest))
@@ -86,7 +86,7 @@ def _area_seen(height: int, width: int) -> SmallImage:
 
 
 def _sums_seen(values: NDArray[np.float64]) -> SmallImage:
-    """Sums over the part of an image that a scene shifted by (x, y) still fills: from x on, or up to width + x."""
+    """Sums over the part of an image that a scene shifted by (x, y) still covers: from x on, or up to width + x."""
     height, width = values.shape
     total = np.zeros((height + 1, width + 1))
     np.cumsum(np.cumsum(values, axis=0), axis=1, out=total[1:, 1:])
@@ -105,7 +105,7 @@ def _reversed(sums: SmallImage) -> SmallImage:
 
 
 def overlap_score(before: SmallImage, image: SmallImage, shift_x: int, shift_y: int) -> float:
-    """The same score at one shift; -1 when too little is in common."""
+    """The score of coarse_shift() at one shift; -1 if the common part is too small."""
     a, b = overlapping(before, image, shift_x, shift_y)
     if a.size < MIN_COMMON * image.size:
         return -1.0

@@ -1,4 +1,4 @@
-"""What the tracker says about one image."""
+"""The tracker's result for one image."""
 
 from dataclasses import dataclass, field
 from math import nan
@@ -22,7 +22,7 @@ class Displacement:
     dx, dy: px; a scene point that moved right and down in the image has dx > 0 and dy > 0
     rotation: rad, from the x axis towards the y axis (clockwise as displayed)
     covariance: shape (3, 3) of (dx, dy, rotation), px^2, px rad, rad^2
-    features: how many of the key frame's features should be in view; inliers: how many agreed
+    features: number of the key frame's features that should be in view; inliers: number of those that agreed
     All numbers are NaN unless status is MEASURED.
     """
 

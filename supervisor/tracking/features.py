@@ -1,4 +1,4 @@
-"""Where to track: Shi-Tomasi corners, spread over the image."""
+"""Selection of features: Shi-Tomasi corners, spread over the image."""
 
 from math import sqrt
 
@@ -18,8 +18,8 @@ def spread_corners(image: GreyImage, count: int, margin_px: int) -> Points:
     """Up to `count` corners, strongest first, shape (n, 2) as x, y in px, no nearer to the border than
     margin_px.
 
-    Shi and Tomasi, Good features to track, CVPR 1994. A minimal distance between corners spreads them:
-    rotation needs a lever, and an occluder or a bright lamp must not hold most of them.
+    Shi and Tomasi, Good features to track, CVPR 1994. A minimum distance spreads the corners:
+    a rotation needs a lever arm, and an occluder or a bright lamp must not contain most of them.
     """
     height, width = image.shape
     inner = image[margin_px : height - margin_px, margin_px : width - margin_px]

@@ -1,5 +1,4 @@
-"""Pyramidal Lucas-Kanade from a key frame to the present, with a predicted start and a forward-backward
-check."""
+"""Pyramidal Lucas-Kanade from a key frame to the present image, with a predicted start and a backward check."""
 
 import cv2
 import numpy as np
@@ -10,8 +9,8 @@ from supervisor.tracking.prepared_image import GreyImage
 
 Flags = NDArray[np.bool_]
 
-_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 12, 0.005)
-_BACK_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)
+_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 12, 0.005)  # iterations, px
+_BACK_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)  # iterations, px
 
 
 def possible_levels(shape: tuple[int, ...], window_px: int, levels: int) -> int:
@@ -37,7 +36,7 @@ def tracked_points(
 ) -> tuple[Points, Flags]:
     """Where `points` of `key`, shape (n, 2), are in `image`, starting from `predicted`, and which were found.
 
-    Windows that reach over the border would read mirrored pixels: such points do not count as found.
+    Windows across the border would read mirrored pixels, so such points do not count as found.
     """
     moved, found = _flow(key, image, points, predicted, window_px, levels, _CRITERIA)
     found &= np.isfinite(moved).all(axis=1)
@@ -45,7 +44,7 @@ def tracked_points(
 
 
 def median_motion(points: Points, moved: Points, found: Flags) -> Points:
-    """x, y in px of the middle one of the points found, each axis for itself; zero where none is."""
+    """Median x and y motion in px of the points found, each axis separately; zero if there are none."""
     motion = moved[found] - points[found]
     middle = len(motion) // 2
     return np.partition(motion, middle, axis=0)[middle] if len(motion) else np.zeros(2, np.float32)
@@ -61,10 +60,10 @@ def returned_points(
     window_px: int,
     limit_px: float,
 ) -> Flags:
-    """Which of the points asked for come back from `moved` to within limit_px of where they started.
+    """Which of the points in `asked` track back from `moved` to within limit_px of their start.
 
-    The way back starts from the motion that all points have in common, shape (2,), not from where the point
-    itself came from, or a wrong match would confirm itself; so near, the finest level is enough.
+    The backward track starts from `motion`, shape (2,), which all points have in common. If it started from the
+    point's own origin, a wrong match would confirm itself. So near the answer, the finest level is enough.
     """
     chosen = np.flatnonzero(asked)
     came_back = np.zeros_like(asked)

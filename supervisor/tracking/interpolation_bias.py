@@ -1,13 +1,12 @@
-"""How far Lucas-Kanade's bilinear interpolation errs in a given texture, found by trying it on the image itself.
+"""The error of Lucas-Kanade's bilinear interpolation in a given texture, measured on the image itself.
 
-Bilinear interpolation between pixels flattens fine texture, so that a displacement reads as too large just
-above a whole pixel and too small just below the next. Features lie on whole pixels and move alike, so they
-all err alike: their scatter, from which the covariance comes, does not show it. To lowest order in the
-texture's wave number k
+Bilinear interpolation flattens fine texture. It makes a displacement too large just above a whole pixel and too
+small just below the next. Features lie on whole pixels and move alike, so they all have the same error. Their
+scatter, from which the covariance is computed, does not show it. To lowest order in the texture's wave number k
 
     error(f) = k^2 / 6  f (1 - f) (1 - 2 f),      f = displacement modulo 1 px
 
-The size is measured: the image is shifted by 0.21 px, where the error is largest, by a windowed sinc, and tracked.
+To measure its size, the image is shifted with a windowed sinc by 0.21 px, where the error is largest, and tracked.
 """
 
 from math import floor, sqrt
@@ -22,9 +21,9 @@ from supervisor.tracking.prepared_image import GreyImage
 
 _SHIFT_PX = 0.21
 _HALF_TAPS = 6
-_CROP_PX = (320, 240)  # as much of the image's middle tells enough
+_CROP_PX = (320, 240)  # this part of the image's middle is enough
 _FEWEST = 10
-_NOISE_PX = 0.004  # what sensor noise of 2 grey levels pretends, since it is shifted with the image
+_NOISE_PX = 0.004  # apparent error from sensor noise of 2 grey levels, which is shifted with the image
 
 
 def _shift_taps() -> NDArray[np.float64]:
@@ -37,7 +36,7 @@ _TAPS = _shift_taps()
 
 
 def interpolation_bias(image: GreyImage, points: Points, window_px: int) -> tuple[float, float]:
-    """The error in x and in y at a displacement of 0.21 px, px, 0 or more; 0 with too few points to tell."""
+    """The error in x and in y at a displacement of 0.21 px, px, 0 or more; 0 if there are too few points."""
     height, width = image.shape
     x, y = max(0, (width - _CROP_PX[0]) // 2), max(0, (height - _CROP_PX[1]) // 2)
     margin = window_px // 2 + _HALF_TAPS
@@ -57,7 +56,7 @@ def interpolation_bias(image: GreyImage, points: Points, window_px: int) -> tupl
 
 
 def bias_variance(bias_px: float, displacement_px: float) -> float:
-    """The square of the error at a displacement, px^2, given interpolation_bias() of its axis."""
+    """Squared error at a displacement, px^2. bias_px: interpolation_bias() of its axis."""
     return (bias_px * _shape(displacement_px - floor(displacement_px)) / _shape(_SHIFT_PX)) ** 2
 
 

@@ -1,11 +1,10 @@
-"""Key frames: what is tracked against, and which one to use.
+"""Key frames: the references for tracking, and the choice among them.
 
-A key frame's pose is the displacement measured in the very frame it was taken from, so changing to it makes
-no step. That measurement's error stays in it: along n key frames the error walks as the square root of n,
-and the key frame's covariance says so. Therefore few are taken, as far apart as the view allows, and an
-older one, whose error is smaller,
-is taken up again as soon as enough of it is in view: the same pose then gives the same number. Sure means:
-small variance.
+A key frame's pose is the displacement measured in the frame from which it was taken, so that changing to it causes
+no step. The error of that measurement remains in the pose: over n key frames it grows as the square root of n, and
+the key frame's covariance includes it. Key frames are therefore few and as far apart as the view allows. An older
+key frame has a smaller error, and is used again as soon as enough of it is in view: the same pose then gives the
+same number. "Sure" means small variance.
 """
 
 from dataclasses import dataclass
@@ -21,20 +20,20 @@ from supervisor.tracking.pose import Pose, pose_since, turned
 from supervisor.tracking.prepared_image import GreyImage, PreparedImage
 
 MAX_KEY_FRAMES = 24
-LEAVE_VIEW = 0.5  # share of a key frame's features in view, below which another is wanted
-RETURN_VIEW = (
-    0.7  # share in view at which an older one is taken up again; the gap keeps them from alternating
-)
-ANCHOR_VIEW = 0.15  # share in view that is enough to measure against once
-LEAVE_ROTATION_RAD = 0.045  # beyond this, square windows match worse, and in fine texture no longer
+LEAVE_VIEW = 0.5  # share of a key frame's features in view, below which another key frame is needed
+RETURN_VIEW = 0.7  # share in view at which an older one is used again; the gap keeps them from alternating
+ANCHOR_VIEW = 0.15  # share in view that is enough for a single measurement
+LEAVE_ROTATION_RAD = 0.045  # beyond this, square windows match worse, and fail in fine texture
 RETURN_ROTATION_RAD = 0.025
 
 
 @dataclass(frozen=True, slots=True)
 class KeyFrame:
-    """image: as prepared; points: its features, (n, 2) px; arms: the same about the image's centre; pose: since
-    the first frame; covariance: of the pose, (3, 3); serial: how many were taken before it; bias:
-    of interpolation_bias().
+    """A prepared image with its features and its pose.
+
+    points: its features, (n, 2) px; arms: the same relative to the image's centre
+    pose: since the first frame; covariance: of the pose, (3, 3)
+    serial: number of key frames taken before it; bias: result of interpolation_bias()
     """
 
     image: PreparedImage
@@ -47,7 +46,7 @@ class KeyFrame:
 
     @property
     def variance(self) -> float:
-        """Of the pose's x and y together, px^2: the smaller, the surer."""
+        """Variance of the pose's x plus that of its y, px^2."""
         return float(self.covariance[0, 0] + self.covariance[1, 1])
 
     @property
@@ -56,8 +55,7 @@ class KeyFrame:
         return centre(self.image.grey)
 
     def predicted_points(self, pose: Pose) -> Points:
-        """Where the features are in the image, (n, 2) px, when the scene is at `pose` (since the first
-        frame)."""
+        """Positions of the features in the image, (n, 2) px, for a scene at `pose` (since the first frame)."""
         since = pose_since(self.pose, pose)
         x0, y0 = self.centre
         c, s = turned(1.0, 0.0, since.rotation)
@@ -65,15 +63,15 @@ class KeyFrame:
         return np.asarray(moved, dtype=np.float32)
 
     def in_view(self, pose: Pose, margin_px: float) -> NDArray[np.bool_]:
-        """Which features are in the image when the scene is at `pose`."""
+        """Which features are in the image for a scene at `pose`."""
         return inside(self.predicted_points(pose), self.image.grey.shape, margin_px)
 
     def view(self, pose: Pose, margin_px: float) -> float:
-        """The share of the features that are in the image when the scene is at `pose`."""
+        """Share of the features that are in the image for a scene at `pose`."""
         return float(self.in_view(pose, margin_px).mean())
 
     def turned_by(self, pose: Pose) -> float:
-        """How far the scene is turned against this key frame, rad, 0 or more."""
+        """Rotation of the scene relative to this key frame, rad, 0 or more."""
         return abs(pose.rotation - self.pose.rotation)
 
 
@@ -86,9 +84,9 @@ def take_key_frame(
     window_px: int,
     smeared: bool,
 ) -> KeyFrame:
-    """A key frame of an image whose pose has been measured, with up to `count` fresh features.
+    """A key frame of an image whose pose has been measured, with up to `count` new features.
 
-    smeared: the image holds no texture fine enough for an interpolation bias, which is then not looked for.
+    smeared: the image has no texture fine enough for an interpolation bias, which is then not measured.
     """
     points = spread_corners(image.grey, count, window_px // 2 + 1)
     arms = points - np.array(centre(image.grey))
@@ -103,16 +101,15 @@ def centre(image: GreyImage) -> tuple[float, float]:
 
 
 class KeyFrames:
-    """A bounded set of key frames, oldest first; the first one is the origin and is never given up."""
+    """A bounded set of key frames, oldest first. The first one is the origin and is never dropped."""
 
     def __init__(self, margin_px: float) -> None:
-        """margin_px: how near to the border a feature still counts as in view."""
+        """margin_px: distance from the border, within which a feature does not count as in view."""
         self._margin = margin_px
         self.frames: list[KeyFrame] = []
 
     def add(self, frame: KeyFrame) -> None:
-        """Keep a key frame. When there are too many, the one (not the first) nearest in pose to another one
-        goes."""
+        """Keep a key frame. If there are too many, drop the one (not the first) nearest in pose to another one."""
         self.frames.append(frame)
         if len(self.frames) <= MAX_KEY_FRAMES:
             return
@@ -123,20 +120,18 @@ class KeyFrames:
         del self.frames[1 + int(np.argmin(crowded))]
 
     def surer(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
-        """The surest key frame that is well in view at `pose`, if it is surer than `current`."""
+        """The well visible key frame of least variance at `pose`, if that is less than the variance of `current`."""
         if all(f.variance >= current.variance for f in self.frames):
             return None
         best = self.best_other(current, pose)
         return best if best is not None and best.variance < current.variance else None
 
     def best_other(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
-        """The surest key frame other than `current` that is well in view at `pose`; None when there
-        is none.
-        """
+        """The well visible key frame of least variance at `pose`, other than `current`; None if there is none."""
         return self._surest(current, pose, RETURN_VIEW, RETURN_ROTATION_RAD)
 
     def anchor(self, current: KeyFrame, pose: Pose) -> KeyFrame | None:
-        """The surest key frame other than `current` of which a little is in view at `pose`."""
+        """The partly visible key frame of least variance at `pose`, other than `current`."""
         return self._surest(current, pose, ANCHOR_VIEW, LEAVE_ROTATION_RAD)
 
     def _surest(self, current: KeyFrame, pose: Pose, view: float, rotation: float) -> KeyFrame | None:
@@ -147,9 +142,9 @@ class KeyFrames:
         return None
 
     def most_in_view(self, pose: Pose) -> KeyFrame:
-        """The key frame that sees most at `pose`; the older one of equals. Needs at least one."""
+        """The key frame with most features in view at `pose`; the older one of equals. Needs at least one."""
         return max(self.frames, key=lambda f: (round(f.view(pose, self._margin), 2), -f.serial))
 
     def leaves(self, frame: KeyFrame, pose: Pose) -> bool:
-        """Whether so little of `frame` is in view at `pose`, or so much turned, that another is wanted."""
+        """Whether so little of `frame` is in view at `pose`, or it is turned so far, that another one is needed."""
         return frame.view(pose, self._margin) < LEAVE_VIEW or frame.turned_by(pose) > LEAVE_ROTATION_RAD

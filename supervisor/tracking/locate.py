@@ -1,9 +1,9 @@
-"""Finds the scene of the key frames in an image: near where it is expected, else anywhere.
+"""Finds the scene of the key frames in an image: near the expected place, or anywhere.
 
-What one image costs is bounded, at about one frame's period: one quick measurement where the scene is
-expected; if that fails, one thorough attempt, either there or where the coarse search puts the scene. What is
-not found in one image is looked for in the next one, in turn at both places and with another reference of the
-coarse search. Each attempt starts with a few features; all of them are used only once those agree.
+The cost of one image is bounded to about one frame period. There is one quick measurement where the scene is
+expected. If that fails, there is one thorough attempt, either there or where the coarse search finds the scene. If the
+scene is not found, the search continues in the next image, alternately at both places and with another reference of
+the coarse search. Each attempt starts with a few features and uses all of them only once those agree.
 """
 
 from dataclasses import replace
@@ -23,38 +23,39 @@ from supervisor.tracking.measurement import (
 from supervisor.tracking.pose import Pose, extrapolated, pose_since, total_pose
 from supervisor.tracking.prepared_image import PreparedImage
 
-COASTING_FRAMES = 3  # for how many lost frames constant velocity is still a fair guess
-SAME_SCENE = 0.35  # coarse_search's score, above which two small images are taken to show the same
-SURE = 0.5  # share of the features in view; where fewer agree, the small images have to look alike as well
-SMEARED = 0.5  # of the first sharpness: such an image may be shrunk; one that was lost was lost to blur
-STEADY_PX = 1.5  # prediction error of the last frame, up to which the finest pyramid level alone is enough
-BRIDGED_PX = 8.0  # how far off a quick measurement that failed would have found the scene
-SHRINKS = (2, 4)  # tried in turn where the image itself is too smeared
+COASTING_FRAMES = 3  # number of lost frames for which constant velocity is still a fair guess
+SAME_SCENE = 0.35  # score of coarse_search above which two small images are assumed to show the same scene
+SURE = 0.5  # share of the features in view; if fewer agree, the small images must match as well
+SMEARED = 0.5  # of the first sharpness: such an image may be reduced, and a failure is due to blur
+STEADY_PX = 1.5  # prediction error of the last frame up to which the finest pyramid level is enough
+BRIDGED_PX = 8.0  # prediction error up to which the quick measurement that failed would have succeeded
+SHRINKS = (2, 4)  # reductions tried in turn if the image itself is too smeared
 _ORIGIN = Pose(0.0, 0.0, 0.0)
-_LAST = -1  # the last image measured, among the serial numbers of key frames
+_LAST = -1  # stands for the last measured image among the serial numbers of key frames
 
 
 class SceneLocator:
-    """Remembers the last poses and what has been tried; deterministic."""
+    """Remembers the last poses and the references already tried. Deterministic."""
 
     def __init__(self, config: Tracker, keys: KeyFrames) -> None:
-        """config: section [supervisor.tracker] of the configuration; keys: the key frames, the first one included
-        before the first call of locate().
+        """config: section [supervisor.tracker] of the configuration.
+
+        keys: the key frames; the first one must be in it before the first call of locate().
         """
         self._config = config
         self._keys = keys
         self._last: PreparedImage | None = None
         self._last_pose = _ORIGIN
         self._before_pose = _ORIGIN
-        self._surprise_px = inf  # how far off the last prediction was
+        self._surprise_px = inf  # error of the last prediction
         self._views: dict[int, CoarseView] = {}
         self._turn = 0
-        self.reference_sharpness = 0.0  # of the scene when in focus and at rest; 0 before there is one
-        self.shrunk = False  # whether the last image had to be
+        self.reference_sharpness = 0.0  # of the scene in focus and at rest; 0 before it is known
+        self.shrunk = False  # whether the last image had to be reduced
         self.lost = 0  # frames since the last measurement
 
     def remember(self, current: PreparedImage, pose: Pose) -> None:
-        """Take note of an image that was measured."""
+        """Remember an image that was measured."""
         self._before_pose = self._last_pose if self.lost == 0 and self._last is not None else pose
         self._last_pose = pose
         self._last = current
@@ -66,7 +67,7 @@ class SceneLocator:
         return image.sharpness < SMEARED * self.reference_sharpness
 
     def locate(self, current: PreparedImage, key: KeyFrame) -> Measurement:
-        """The pose of the scene in an image, best against `key`; or why there is none."""
+        """The pose of the scene in an image, preferably relative to `key`; or the reason why there is none."""
         frames = self.lost + 1
         coasting = frames <= COASTING_FRAMES
         predicted = extrapolated(self._before_pose, self._last_pose, frames) if coasting else self._last_pose
@@ -110,7 +111,7 @@ class SceneLocator:
     def _thorough(
         self, current: PreparedImage, key: KeyFrame, pose: Pose, failed_near: Pose | None
     ) -> Measurement:
-        """Measure near a pose that may be far off: a few features on all levels, then all of them."""
+        """Measure near a pose that may be wrong: first with a few features on all levels, then with all of them."""
         if self.shrunk or self.is_smeared(current) or self.is_smeared(key.image):
             return self._in_small_images(current, key, pose, failed_near)
         return self._confirmed(current, measure_warily(key, current, pose, self._config, self._config.levels))
@@ -135,8 +136,8 @@ class SceneLocator:
         return found if found.status == TrackingStatus.MEASURED else small
 
     def _confirmed(self, current: PreparedImage, found: Measurement) -> Measurement:
-        """Where only a part agrees, the images have to look alike there: in another scene a quarter of the
-        features may find something to stick to near where they were, and agree about that."""
+        """If only a part of the features agrees, the images must match as well: in another scene, a quarter of the
+        features may find a wrong match near their old place and agree by chance."""
         sure = found.inliers >= SURE * found.features
         if (
             found.status != TrackingStatus.MEASURED
@@ -147,7 +148,7 @@ class SceneLocator:
         return replace(found, status=TrackingStatus.INCONSISTENT)
 
     def _looks_alike(self, key: KeyFrame, current: PreparedImage, pose: Pose) -> bool:
-        """Whether the small images agree: with the key frame's, or with the last one, smeared like this one."""
+        """Whether the small image matches the key frame's, or that of the last image, which is equally smeared."""
         if self._correlation(key.image, key.pose, current, pose) >= SAME_SCENE:
             return True
         last = self._last
@@ -161,8 +162,7 @@ class SceneLocator:
         return overlap_score(before.coarse, current.coarse, *shift)
 
     def _guess(self, current: PreparedImage) -> tuple[Pose, float]:
-        """A coarse pose and its score, against the last image measured or a key frame: one of them in each
-        image."""
+        """A coarse pose and its score, relative to the last measured image or a key frame, one of them per image."""
         references = [(f.serial, f.image, f.pose) for f in self._keys.frames]
         if self._last is not None:
             references.insert(0, (_LAST, self._last, self._last_pose))

@@ -1,4 +1,4 @@
-"""One image against one key frame, from a predicted pose: the pose it gives, or why it gives none."""
+"""Measures one image against one key frame from a predicted pose: the pose, or the reason why there is none."""
 
 from dataclasses import dataclass
 from math import hypot
@@ -18,25 +18,23 @@ from supervisor.tracking.pose import Pose, pose_since, total_pose
 from supervisor.tracking.prepared_image import GreyImage, PreparedImage, reduced
 from supervisor.tracking.rigid_displacement import fit_rigid
 
-MAX_SCALE = (
-    1.0 / 640.0
-)  # of the image's longer side: features that scatter more do not tell of one rigid motion
-MAX_SCALE_SMALL_PX = 1.0  # but no less than this
-MAX_STD = 0.5  # of the scatter allowed
-MIN_AGREEING = 0.5  # of the matched ones
+MAX_SCALE = 1.0 / 640.0  # of the image's longer side: features that scatter more do not show one rigid motion
+MAX_SCALE_SMALL_PX = 1.0  # lower bound of that limit
+MAX_STD = 0.5  # of the allowed scatter
+MIN_AGREEING = 0.5  # of the matched features
 MIN_AGREEING_IN_VIEW = 0.25  # of those that should be in view
-UNSTEADY_LEVELS = 1  # of the pyramid: bridges 10 px
-FEW = 40  # features: with fewer, a quarter of those in view would be no evidence
-MIN_HALF_PX = 120  # side of the image of half the size, from which it pays to look back in it
-ASK_AGAIN = 0.2  # share of the points found that did not come back in it, above which the full one is asked
+UNSTEADY_LEVELS = 1  # levels of the pyramid: enough for 10 px
+FEW = 40  # features: with fewer, agreement of a quarter of those in view would be no evidence
+MIN_HALF_PX = 120  # side of the half-size image above which the backward check in it saves time
+ASK_AGAIN = 0.2  # share of points that fail in it, above which the full image decides
 _HALF = np.float32(0.5)  # a pixel's middle
-RETRY_VIEW_PX = 24.0  # how far the prediction may be off for a feature still to be tried
+RETRY_VIEW_PX = 24.0  # prediction error up to which a feature is still tried
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """status MEASURED: pose since the first frame and its covariance, the key frame's included; else neither
-    counts."""
+    """Result of one comparison. If status is MEASURED: the pose since the first frame, and its covariance including
+    the key frame's. Otherwise neither is valid."""
 
     status: TrackingStatus
     key: KeyFrame
@@ -44,11 +42,11 @@ class Measurement:
     covariance: Matrix
     features: int
     inliers: int
-    stretch: float = 0.0  # scatter of the features about the rigid motion, as a share of what is allowed
+    stretch: float = 0.0  # scatter of the features about the rigid motion, as a share of the allowed scatter
 
 
 def nothing_found(key: KeyFrame, predicted: Pose) -> Measurement:
-    """What is said of an image in which it was not worth looking for features."""
+    """The result for an image in which no features were searched for."""
     return Measurement(TrackingStatus.FEW_FEATURES, key, predicted, np.full((3, 3), np.nan), 0, 0)
 
 
@@ -63,9 +61,10 @@ def measure(
 ) -> Measurement:
     """Track the key frame's features into the image, starting from the predicted pose since the first frame.
 
-    shrink: by how much both images are reduced before. Motion blur of 20 px and more leaves nothing in a
-    window that looks like the sharp key frame; in an image of a quarter the size it is 5 px. The scatter
-    allowed grows with it. few: with a part of the features only, to see whether the scene is there at all.
+    shrink: factor by which both images are reduced first. Motion blur of 20 px and more leaves nothing in a window
+        that resembles the sharp key frame; in an image of a quarter the size it is 5 px. The allowed scatter grows
+        with this factor.
+    few: use only a part of the features, to find out whether the scene is in view at all.
     """
 
     def without(status: TrackingStatus, inliers: int = 0) -> Measurement:
@@ -95,7 +94,7 @@ def measure(
     fit = fit_rigid(key.arms[chosen][good], moved[good] - np.array(key.centre), since.rotation)
     if fit is None:
         return without(TrackingStatus.INCONSISTENT)
-    covariance = fit.covariance * shrink**2  # windows that overlap so much more do not err independently
+    covariance = fit.covariance * shrink**2  # windows that overlap so much more have correlated errors
     if shrink == 1:
         covariance[0, 0] += bias_variance(key.bias[0], fit.dx)
         covariance[1, 1] += bias_variance(key.bias[1], fit.dy)
@@ -123,13 +122,13 @@ def measure(
 def measure_warily(
     key: KeyFrame, image: PreparedImage, predicted: Pose, config: Tracker, levels: int
 ) -> Measurement:
-    """The same where success is doubtful: with a few features first, and with all of them only if those agree."""
+    """As measure(), if success is doubtful: first with a few features, and with all of them only if those agree."""
     few = measure(key, image, predicted, config, levels, few=True)
     return measure(key, image, few.pose, config, 0) if few.status == TrackingStatus.MEASURED else few
 
 
 class _Pair:
-    """The two images between which features are matched: in equal light, reduced by `shrink`."""
+    """The two images between which features are matched: photometrically corrected, and reduced by `shrink`."""
 
     def __init__(
         self, key: PreparedImage, image: PreparedImage, gain: float, offset: float, shrink: int
@@ -143,10 +142,10 @@ class _Pair:
     def matched(
         self, points: Points, predicted: Points, config: Tracker, levels: int
     ) -> tuple[Points, NDArray[np.bool_]]:
-        """Where the points are, and which were found and came back.
+        """The positions of the points, and which of them were found and passed the backward check.
 
-        Whether a point comes back to within half a px shows in images of half the size, in a quarter of the
-        time. Texture too fine for those makes good points fail there: they are asked once more in the full image.
+        The backward check to half a px works in images of half the size, in a quarter of the time. If the texture
+        is too fine for those, good points fail there, and the check is repeated for them in the full image.
         """
         window, limit = config.window_px, config.forward_backward_px
         possible = possible_levels(self._now.shape, window, levels)

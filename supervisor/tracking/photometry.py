@@ -1,6 +1,6 @@
-"""Gain and offset of an image against a key frame, so that flicker does not pull at Lucas-Kanade.
+"""Gain and offset of an image relative to a key frame, so that flicker does not bias Lucas-Kanade.
 
-Lucas-Kanade takes equal grey values for granted. A change of gain by 8 % biased it by 0.04 px.
+Lucas-Kanade assumes equal grey values. A gain change of 8 % biased it by 0.04 px.
 """
 
 import cv2
@@ -11,13 +11,12 @@ from supervisor.tracking.prepared_image import GreyImage, SmallImage
 
 _MAX_SAMPLES = 1200
 _MIN_SAMPLES = 64
-_MIN_SPREAD = 0.5  # grey levels: less is no texture to compare
+_MIN_SPREAD = 0.5  # grey levels: with less there is no texture to compare
 _NO_CHANGE = 1.0, 0.0
 
 
 def overlapping(a: SmallImage, b: SmallImage, shift_x: int, shift_y: int) -> tuple[SmallImage, SmallImage]:
-    """The parts of two images of one shape that see the same, when b shows a's scene moved by the shift, in
-    px."""
+    """The common parts of two images of the same shape, if b shows a's scene moved by the shift, in px."""
     height, width = a.shape
     x0, x1 = max(0, shift_x), min(width, width + shift_x)
     y0, y1 = max(0, shift_y), min(height, height + shift_y)
@@ -27,10 +26,10 @@ def overlapping(a: SmallImage, b: SmallImage, shift_x: int, shift_y: int) -> tup
 
 
 def gain_and_offset(key: SmallImage, image: SmallImage, shift_x: int, shift_y: int) -> tuple[float, float]:
-    """gain, offset such that image = gain * key + offset over what both see, without pixels that disagree.
+    """gain, offset such that image = gain * key + offset over the common part, without outlying pixels.
 
-    The gain is the ratio of the standard deviations, not a regression's slope, which a shift that is a
-    little off would lower. (1, 0) when the images share too little.
+    The gain is the ratio of the standard deviations: a slightly wrong shift would lower the slope of a regression.
+    Returns (1, 0) if the common part is too small.
     """
     a, b = overlapping(key, image, shift_x, shift_y)
     step = max(1, int(np.sqrt(a.size / _MAX_SAMPLES)))
@@ -66,8 +65,7 @@ def _median(values: NDArray[np.float32]) -> float:
 
 
 def equalised(image: GreyImage, gain: float, offset: float) -> GreyImage:
-    """The image as it would be with gain 1 and offset 0; itself where the difference is below a grey level's
-    rounding."""
+    """The image corrected to gain 1 and offset 0; unchanged if the difference is below the rounding of grey levels."""
     if abs(gain - 1.0) < 0.002 and abs(offset) < 0.3:
         return image
     return np.asarray(cv2.addWeighted(image, 1.0 / gain, image, 0.0, -offset / gain), dtype=np.uint8)

@@ -1,16 +1,14 @@
-"""Poses of the scene in the image, and how the motion since a key frame adds to the key frame's own pose.
+"""Poses of the scene in the image, and the sum of a key frame's pose and the motion since that key frame.
 
-Between a key frame and the present a scene point p (about the image's centre) goes to R(rotation) p + d. The
-total displacement is the sum of d key frame by key frame, each taken in the axes half-way between key frame
-and present:
+Between a key frame and the present a scene point p (relative to the image's centre) moves to R(rotation) p + d. The
+total displacement is the sum of d key frame by key frame, each in the axes half-way between key frame and present:
 
     total = key + R(-rotation / 2) d,     total rotation = key rotation + rotation
 
-A camera that an arm carries along an arc turns with the arm; in its own axes it always moves sideways. The
-sum of what it sees in its own axes is the length of the arc (to rotation^2 / 24), which is what
-displacement_px of the contract means; rotating the earlier displacement instead, as a rigid transformation
-would, multiplies every error of the rotation by hundreds of px. Half-way axes make a motion and its reverse
-cancel exactly.
+A camera that an arm carries along an arc turns with the arm; in its own axes it always moves sideways. The sum of the
+motion in its own axes is the length of the arc (to rotation^2 / 24), which is the definition of displacement_px.
+Rotating the earlier displacement instead, as a rigid transformation would, multiplies every error of the rotation by
+hundreds of px. With half-way axes a motion and its reverse cancel exactly.
 """
 
 from math import cos, sin
@@ -18,8 +16,7 @@ from typing import NamedTuple
 
 
 class Pose(NamedTuple):
-    """Displacement x, y in px and rotation in rad: of the scene since the first frame, or since a key
-    frame."""
+    """Displacement x, y in px and rotation in rad of the scene, since the first frame or since a key frame."""
 
     x: float
     y: float
@@ -46,6 +43,5 @@ def pose_since(key: Pose, total: Pose) -> Pose:
 
 
 def extrapolated(before: Pose, last: Pose, frames: int) -> Pose:
-    """Where constant velocity leads `frames` frames after `last`; `before` is one frame earlier than
-    `last`."""
+    """Pose at constant velocity `frames` frames after `last`. `before` is one frame earlier than `last`."""
     return Pose(*(b + frames * (b - a) for a, b in zip(before, last, strict=True)))

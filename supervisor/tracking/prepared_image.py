@@ -1,5 +1,4 @@
-"""An image as the tracker uses it: a copy of its own, a small one for coarse questions, and a measure of
-sharpness."""
+"""An image as the tracker uses it: a copy, a small version for the coarse search, and a measure of sharpness."""
 
 from dataclasses import dataclass
 from math import hypot
@@ -12,20 +11,20 @@ SmallImage = NDArray[np.float32]
 GreyImage = NDArray[np.uint8]
 
 MIN_SIDE_PX = 32
-_SAMPLES = 10000  # of sharpness, in whole rows: they are read fastest
-_COARSE_SIDE_PX = 120  # small enough to cost little, large enough that a shift is found to a few px
+_SAMPLES = 10000  # of sharpness, in whole rows, which are read fastest
+_COARSE_SIDE_PX = 120  # small enough to cost little, large enough to find a shift to a few px
 
 
 @dataclass(frozen=True, slots=True)
 class PreparedImage:
-    """grey: the image, pre-blurred where that is configured, shape (height, width), uint8; owned.
+    """grey: the image, blurred if configured, shape (height, width), uint8; owned.
 
     half: averaged over squares of 2 px, uint8
     coarse: the image averaged over squares of `reduction` px, float32
     mean, contrast: mean and standard deviation of the coarse image, grey levels
-    sharpness: largest eigenvalue of the mean structure tensor over the mean grey value squared, 1/px^2.
-    Differences over 2 px less those over 1 px: white noise is in both and drops out. The larger eigenvalue,
-    because motion blur leaves the gradients across the motion, defocus leaves none.
+    sharpness: larger eigenvalue of the mean structure tensor over the mean grey value squared, 1/px^2. It is computed
+        from differences over 2 px minus those over 1 px: white noise is in both and cancels. It is the larger
+        eigenvalue because motion blur leaves the gradients across the motion, while defocus leaves none.
     """
 
     grey: GreyImage
@@ -38,8 +37,7 @@ class PreparedImage:
 
 
 def is_image(image: object) -> bool:
-    """Whether this is a grey image that the tracker takes: uint8, two-dimensional, at least 32 px either
-    way."""
+    """Whether the tracker accepts this image: uint8, two-dimensional, at least 32 px high and wide."""
     return (
         isinstance(image, np.ndarray)
         and image.dtype == np.uint8
@@ -49,8 +47,7 @@ def is_image(image: object) -> bool:
 
 
 def prepared(image: GreyImage, blur_sigma_px: float) -> PreparedImage:
-    """Copy an image, blurred by a Gaussian if blur_sigma_px > 0, and take its small version and
-    statistics."""
+    """Copy an image, blurred by a Gaussian if blur_sigma_px > 0, and compute its small version and statistics."""
     blurred = cv2.GaussianBlur(image, (0, 0), blur_sigma_px) if blur_sigma_px > 0.0 else image.copy()
     grey = np.asarray(blurred, dtype=np.uint8)
     reduction = max(1, round(min(grey.shape) / _COARSE_SIDE_PX))
@@ -71,8 +68,7 @@ def prepared(image: GreyImage, blur_sigma_px: float) -> PreparedImage:
 
 
 def reduced(grey: GreyImage, factor: int) -> GreyImage:
-    """The image averaged over squares of `factor` px; itself for 1. Pixel x of it is at factor * (x + 0.5) -
-    0.5."""
+    """The image averaged over squares of `factor` px; itself for 1. Its pixel x is at factor * (x + 0.5) - 0.5."""
     if factor == 1:
         return grey
     height, width = grey.shape[0] // factor, grey.shape[1] // factor
@@ -81,8 +77,8 @@ def reduced(grey: GreyImage, factor: int) -> GreyImage:
 
 
 def inner_product(a: SmallImage, b: SmallImage) -> float:
-    """Sum of the products. Not numpy's dot: above 10 000 values that wakes a second thread, which on a busy
-    machine took 10 ms."""
+    """Sum of the products. numpy's dot would wake a second thread above 10 000 values, which took 10 ms on a busy
+    machine."""
     return float(np.einsum("ij,ij->", a, b))
 
 

@@ -4,10 +4,9 @@
     weight_k = (1 - (|residual_k| / (c s))^2)^2 inside c s, 0 outside,      c = 4.6851
     s = 1.4826 MAD of the residuals' components about their median, no smaller than a floor in px
 
-Each weighted least-squares step is solved in closed form (weighted Procrustes). Tukey's weights have local
-minima, so
-the start matters: the median motion with the rotation that was expected, where the points scatter little
-about it; else the least median of squares over two-point hypotheses (Rousseeuw 1984), in a fixed order.
+Each weighted least-squares step has a closed form (weighted Procrustes). Tukey's weights cause local minima, so the
+start matters. It is the median motion with the expected rotation if the points scatter little about it, and otherwise
+the least median of squares over two-point hypotheses (Rousseeuw 1984), in a fixed order.
 """
 
 from cmath import phase, rect
@@ -20,15 +19,15 @@ from numpy.typing import NDArray
 Vectors = NDArray[np.float64]
 ComplexVectors = NDArray[np.complex128]
 
-TUKEY = 4.6851
-MAD_TO_STD = 1.4826
+TUKEY = 4.6851  # c: 95 % efficiency for Gaussian residuals
+MAD_TO_STD = 1.4826  # 1 / Phi^-1(3/4), for Gaussian residuals
 SCALE_FLOOR_PX = 0.02
 _GOOD_START_PX = 0.5
 _ITERATIONS = 12
 _HYPOTHESES = 60
 _STILL_PX = 1e-4
 _SMALLEST_LEVER_PX = (
-    1e-3  # rms distance from the centre of gravity: points that coincide do not tell a rotation
+    1e-3  # rms distance from the centre of gravity: coincident points do not determine a rotation
 )
 
 
@@ -45,7 +44,7 @@ class RigidFit:
 
     @property
     def inliers(self) -> int:
-        """How many points keep more than a tenth of their weight."""
+        """Number of points that keep more than a tenth of their weight."""
         return int(np.count_nonzero(self.weights > 0.1))
 
 
@@ -54,7 +53,7 @@ def fit_rigid(
 ) -> RigidFit | None:
     """Fit dx, dy and rotation; points and moved: shape (n, 2), px, about the image's centre.
 
-    None with fewer than 3 points, or when those that agree do not determine a displacement.
+    Returns None for fewer than 3 points, or if the points that agree do not determine a displacement.
     """
     if len(points) < 3:
         return None
@@ -90,7 +89,7 @@ class _Motion(NamedTuple):
 
 
 class _Pairs:
-    """Matched points as complex numbers x + i y: a rotation is then one product, which saves calls of numpy."""
+    """Matched points as complex numbers x + i y, so that a rotation is one product, which saves numpy calls."""
 
     def __init__(self, points: Vectors, moved: Vectors) -> None:
         self.p = points[:, 0] + 1j * points[:, 1]
@@ -110,8 +109,8 @@ class _Pairs:
         return _Motion(rotation, (q - rect(1.0, rotation) * p) / total)
 
     def covariance(self, motion: _Motion, weights: Vectors, floor_px: float) -> Vectors | None:
-        """sigma^2 (sum w J^T J)^-1, with J = [[1, 0, -y], [0, 1, x]] at the turned point; inverted by way of
-        the centre of gravity, about which displacement and rotation do not couple.
+        """sigma^2 (sum w J^T J)^-1, with J = [[1, 0, -y], [0, 1, x]] at the turned point. The inverse uses the
+        centre of gravity, about which displacement and rotation are decoupled.
         """
         total = float(weights.sum())
         freedom = 2.0 * total - 3.0

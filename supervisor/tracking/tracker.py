@@ -1,14 +1,11 @@
-"""The tracker: one grey image after another in, the displacement of the static scene out. docs/tracking.md
-explains.
+"""The tracker: grey images in, the displacement of the static scene out (docs/tracking.md).
 
-It never invents a number: an image in which the scene of a key frame is not found is flagged, with NaN.
-After a gap the search goes on in every image, among all key frames, and what is found is on the same origin
-as before. A scene that
-replaces the old one is JUMPED for as long as it stays: how far the camera moved across a cut cannot be known
-from images, and a position that is carried on by guesswork would be taken for a measurement by a controller.
-restart() sets a new origin when an operator wants one. The one exception: a first frame that no second one
-ever confirmed is not an origin (cameras deliver a half-exposed or a test image first), and is replaced after
-UNCONFIRMED_FRAMES.
+The tracker never guesses. An image in which no key frame's scene is found is flagged, with NaN. After a gap the search
+continues in every image, among all key frames, and a result has the same origin as before. Images of a new scene are
+JUMPED for as long as it stays: the images do not show how far the camera moved across a cut, and a controller would
+mistake a guess for a measurement. restart() sets a new origin. There is one exception: a first frame that no second
+one confirms does not become the origin (some cameras deliver a half-exposed or a test image first). It is replaced
+after UNCONFIRMED_FRAMES.
 """
 
 import numpy as np
@@ -27,13 +24,13 @@ from supervisor.tracking.prepared_image import GreyImage, PreparedImage, is_imag
 UNCONFIRMED_FRAMES = 5
 WINDOWS = (1.0, 0.7, 0.5, 0.33)  # of the configured one, tried in turn on the first image
 SMALLEST_WINDOW_PX = 5
-SMALL_IMAGE = 6.0  # windows high or wide: in a larger one hardly a feature is lost to the margin
-AMPLE = 1.5  # times the fewest inliers: so many features are wanted to begin with
-POOR_AGREEMENT = 0.35  # of the features in view: below this for POOR_FRAMES, fresh features are wanted
+SMALL_IMAGE = 6.0  # windows high or wide: a larger image loses hardly a feature to the margin
+AMPLE = 1.5  # times min_inliers: number of features required at the start
+POOR_AGREEMENT = 0.35  # of the features in view: below this for POOR_FRAMES, new features are needed
 POOR_FRAMES = 5
-STRETCHED = 0.3  # of the scatter allowed: beyond it perspective or scale have changed, and will go on
-UNSURE_PX2 = 2 * 0.03**2  # variance of a key frame's pose that is worth mending
-RETRY_FRAMES = 10  # before a key frame that could not be taken up is tried again
+STRETCHED = 0.3  # of the allowed scatter: beyond it, perspective or scale are changing
+UNSURE_PX2 = 2 * 0.03**2  # variance of a key frame's pose above which a correction pays
+RETRY_FRAMES = 10  # wait before a key frame that could not be used is tried again
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
@@ -46,7 +43,7 @@ class FeatureTracker:
         self.restart()
 
     def restart(self) -> None:
-        """Forget everything: the next good image is the origin."""
+        """Forget everything. The next good image becomes the origin."""
         self._previous: GreyImage | None = None
         self._shape: tuple[int, ...] | None = None
         self._forget_scene()
@@ -67,7 +64,7 @@ class FeatureTracker:
 
     @property
     def key_frames(self) -> int:
-        """How many key frames are kept."""
+        """Number of key frames."""
         return len(self._keys.frames)
 
     def track(self, image: GreyImage | None) -> Displacement:  # noqa: PLR0911 each fault leaves at once
@@ -110,7 +107,7 @@ class FeatureTracker:
         return Displacement(TrackingStatus.MEASURED, 0.0, 0.0, 0.0, np.zeros((3, 3)), count, count)
 
     def _first_key(self, current: PreparedImage) -> KeyFrame:
-        """Features of the first image; in a small one with smaller windows, which leave more of it to find them in."""
+        """Features of the first image. A small image uses smaller windows, which leave more of it for features."""
         keys = []
         small = min(current.grey.shape) < SMALL_IMAGE * self._configured.window_px
         for share in WINDOWS if small else WINDOWS[:1]:
@@ -119,7 +116,7 @@ class FeatureTracker:
             if len(keys[-1][1].points) >= AMPLE * self._config.min_inliers:
                 return keys[-1][1]
         enough = (k for k in keys if len(k[1].points) >= self._config.min_inliers)
-        window, key = next(enough, keys[0])  # the largest
+        window, key = next(enough, keys[0])  # the largest window with enough features
         self._use_windows(window)
         return key
 
@@ -128,8 +125,8 @@ class FeatureTracker:
         self._measured += 1
 
     def _hand_over(self, current: PreparedImage, found: Measurement) -> Measurement:
-        """Choose the key frame for the images to come; the measurement changes when an older or surer one
-        counts."""
+        """Choose the key frame for the next images. The measurement changes if an older key frame, or one of smaller
+        variance, takes over."""
         self._poor = self._poor + 1 if found.inliers < POOR_AGREEMENT * found.features else 0
         self._wait = max(0, self._wait - 1)
         self._key = found.key
@@ -152,8 +149,8 @@ class FeatureTracker:
         return found
 
     def _mended(self, current: PreparedImage, found: Measurement) -> Measurement:
-        """Mend a pose that was handed over in smeared images, as soon as a surer key frame is in view a
-        little."""
+        """Correct a pose that was handed over in smeared images, as soon as a key frame of smaller variance is partly
+        in view."""
         if self._locator.shrunk or self._wait > 0 or found.key.variance < UNSURE_PX2:
             return found
         key = self._keys.anchor(found.key, found.pose)
@@ -198,8 +195,7 @@ def _variance(covariance: Matrix) -> float:
 
 
 def warm_up(config: Tracker, width_px: int, height_px: int) -> None:
-    """Track images of noise: the first call of each OpenCV function takes 15 to 22 ms, which no cycle
-    should."""
+    """Track images of noise. The first call of each OpenCV function takes 15 to 22 ms, too long for a cycle."""
     noise = np.random.default_rng(0).integers(0, 256, (height_px, width_px), dtype=np.uint8)
     tracker = FeatureTracker(config)
     for shift in (0, 1, 2):

@@ -41,5 +41,5 @@ def test_data_that_are_not_there_are_told_of(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(identification, "simulation_speed", dict)
     assert silverbox(tmp_path) is None
     assert run_all(None) == {"rows": [], "simulation": {}}
-    with pytest.raises(UserError, match="holds no silverbox"):
+    with pytest.raises(UserError, match="contains no silverbox"):
         run_all(tmp_path)

@@ -42,18 +42,18 @@ def test_a_blow_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: flo
 
 
 @pytest.mark.parametrize(
-    ("hz", "level", "blows", "again"),
+    ("hz", "level", "impact_cycles", "again"),
     [
         pytest.param(1.013, 5.0, (4300,), True, id="far off, and much left"),
-        pytest.param(1.0, 5.0, (4300,), False, id="where its blows were sought"),
+        pytest.param(1.0, 5.0, (4300,), False, id="where its impacts were sought"),
         pytest.param(1.013, 1.0, (4300,), False, id="far off, and nothing left"),
-        pytest.param(1.013, 5.0, (), False, id="without blows"),
+        pytest.param(1.013, 5.0, (), False, id="without impacts"),
     ],
 )
 def test_blows_are_sought_again_where_a_wrong_frequency_found_them(
-    hz: float, level: float, blows: tuple[int, ...], again: bool
+    hz: float, level: float, impact_cycles: tuple[int, ...], again: bool
 ) -> None:
-    world = World(measured(9.0, 3, {}, impacts=blows), MODEL, impacts=blows)
+    world = World(measured(9.0, 3, {}, impacts=impact_cycles), MODEL, impacts=impact_cycles)
     found = fit(
         make_data(world, interleaved(9.0)), world.space.vector(), world.baseline_names(), iterations=1
     )

@@ -219,7 +219,7 @@ def test_another_device_answers(bench):
 
 def test_a_drive_without_any_dead_man_is_refused(bench):
     bench.node.refused = {(0x1016, 1), (0x1400, 5)}
-    with pytest.raises(UserError, match=r"watches neither heartbeat \(1016\) nor RPDO1"):
+    with pytest.raises(UserError, match=r"monitors neither heartbeat \(1016\) nor RPDO1"):
         bench.start()
     assert bench.node.state == DriveState.DISABLED
 

@@ -97,7 +97,7 @@ def test_errors_are_one_line_with_a_remedy(tmp_path):
     (tmp_path / "bad.avi").write_bytes(b"not a video")
     cases = {
         tmp_path / "absent.avi": "no such file",
-        tmp_path / "empty": "no frame",
+        tmp_path / "empty": "no readable frame",
         tmp_path / "bad.avi": "codec",
     }
     for case, part in cases.items():
@@ -105,8 +105,8 @@ def test_errors_are_one_line_with_a_remedy(tmp_path):
             FileCamera(case).start()
         assert "\n" not in str(error.value) and "give" in str(error.value)
     for old, new, part in (
-        ("Total Frame : 2", "Total Frame : 5", "holds 2 frames of the 5"),
-        ("Color Bit : 8", "Color Bit : 24", "only mono of 8, 12 or 16 bit"),
+        ("Total Frame : 2", "Total Frame : 5", "contains 2 of the 5 frames"),
+        ("Color Bit : 8", "Color Bit : 24", "only mono with 8, 12 or 16 bit"),
         ("Image Width : 36", "Image Width : x", "Image Width = 'x': must be a positive integer"),
     ):
         path.write_text(text.replace(old, new))

@@ -94,7 +94,7 @@ def test_a_probe_reads_only_and_tells_what_power_up_would_do(parts):
     drive, output, _, _ = parts
     before = output.output()
     found = drive.probe(0.1)
-    assert found.reports > 10 and len(found.notes) == 1 and "dead man" in found.notes[0]
+    assert found.reports > 10 and len(found.notes) == 1 and "dead-man timer" in found.notes[0]
     assert output.output() == before
     output.close()
     name = drive._config.bus.removeprefix("memory:")

@@ -160,7 +160,7 @@ def test_a_backend_that_does_not_say_what_its_exposure_means_is_not_believed():
     capture = FakeCapture(Clock())
     capture.backend = "FFMPEG"
     (note,), exposure_s = set_capture(capture, CameraDevice(exposure_s=0.005))
-    assert "FFMPEG does not say what its exposure means" in note and exposure_s is None
+    assert "FFMPEG does not define the unit of its exposure" in note and exposure_s is None
 
 
 def test_a_stamp_is_brought_from_the_start_of_exposure_to_its_middle():

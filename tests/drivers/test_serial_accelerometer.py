@@ -92,7 +92,7 @@ def test_start_sets_the_rate_that_the_table_says(rig: Callable[..., Rig], name: 
     before = made.driver._decoder.frames
     made.cycles(1.0, 1000)
     assert made.driver._decoder.frames - before == pytest.approx(SERIAL_DEVICES[name].rate_hz, abs=4)
-    assert "frames came, 0 beginnings" in made.driver.identify() or name == "vectornav"
+    assert "frames received, 0 false starts" in made.driver.identify() or name == "vectornav"
 
 
 @pytest.mark.slow

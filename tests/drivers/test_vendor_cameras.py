@@ -244,7 +244,7 @@ def test_ids_peak_against_a_fake_of_its_package(monkeypatch):
     assert [f and f.counter for f in frames] == [1, None, 3, None]
     assert frames[0].stamp_s == pytest.approx(1.005) and frames[0].exposure_s == pytest.approx(0.010)
     assert camera.notes == [
-        "camera.frame_rate_hz = 200: the camera took 60 instead; set that, or 0 for its own"
+        "camera.frame_rate_hz = 200: the camera took 60 instead; set that, or 0 for its default"
     ]
     assert nodes["TriggerMode"].value == "Off" and len(stream.queued) == 4 + 3  # each buffer goes back
     stream.given = [PeakError("device lost")]
@@ -351,7 +351,7 @@ def test_ueye_against_a_fake_of_its_package(monkeypatch, sensor, reference):
     assert frames[0].stamp_s == pytest.approx(1.0 - 0.005)
     assert camera._backend.reference == reference
     assert camera.notes == [
-        "camera.frame_rate_hz = 100: the camera took 87 instead; set that, or 0 for its own"
+        "camera.frame_rate_hz = 100: the camera took 87 instead; set that, or 0 for its default"
     ]
     assert ueye.calls.count("is_UnlockSeqBuf") == 2  # each buffer goes back
     ueye.given = [(1, 0, 0)]

@@ -18,7 +18,7 @@ def config(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("words", "model", "expected"),
     [
-        ((), "[arm]\nlength_m = 1.0\n", "nobody is there to agree to that; add --yes when the arm is free"),
+        ((), "[arm]\nlength_m = 1.0\n", "no terminal to ask at; add --yes if the arm is free to move"),
         (("--yes",), "", "arm.length_m: needed for a deflection and absent"),
         (
             ("--max-angle-rad", "-1"),
