@@ -23,6 +23,7 @@ COMMANDS = {
     "commission": "move the rig a little, watched, and identify its model file",
     "calibrate": "identify the model's parameters from a recording, with uncertainties",
     "diagnose": "show what the simulation gets wrong in measured data, name the cause, extend the model",
+    "causes": "print the causes that can be declared, hidden and named",
     "import": "read measured data (a CSV bundle, or one file with --map) into a recording",
     "export": "write a recording as CSV or Parquet",
     "recover": "mend a cut recording",
