@@ -5,10 +5,17 @@ again was there to another amount. Effects that are but another value of a key a
 Lost frames, bursts, spikes and steps of a clock come by chance: no simulation foretells them, and they are found anew.
 """
 
-from math import cos, sin
+from collections.abc import Mapping
+from math import atan2, cos, hypot, sin
 
+import numpy as np
+from numpy.typing import NDArray
+
+from common.causes import CAUSES
 from common.effects import effect_of
 from common.model import EffectValue, Model
+
+Array = NDArray[np.float64]
 
 _QUANTITIES: dict[str, dict[str, str]] = {
     "coulomb_damping": {"force_per_mass_m_s2": "arm.coulomb_m_s2"},
@@ -31,6 +38,7 @@ _QUANTITIES: dict[str, dict[str, str]] = {
     "delay_drift": {"rate_s_per_s": "timing.delay_rate"},
     "stale_frame_buffer": {"onset_s": "timing.stale_onset_s", "frames": "timing.stale_frames"},
 }
+_MOVING = ("force", "friction", "frequency", "command")
 _WAVES = {"periodic_disturbance": "arm.periodic", "mains_hum": "accelerometer.hum"}
 
 
@@ -52,6 +60,27 @@ def declared_quantities(model: Model) -> dict[str, float]:
             amplitude = wave["amplitude_m_s2"]
             found[f"{prefix}_sin"] = amplitude * cos(wave["phase_rad"])
             found[f"{prefix}_cos"] = amplitude * sin(wave["phase_rad"])
+    return found
+
+
+def moving_effects(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[str, float]]]:
+    """The effects that a vector says act in the arm or on the drive's command, each with its values by name.
+
+    place: of each quantity in the vector.
+    """
+    found = [
+        (cause, {name: float(vector[place[quantity]]) for name, quantity in quantities.items()})
+        for cause, quantities in _QUANTITIES.items()
+        if CAUSES[cause].acts in _MOVING
+    ]
+    relative = float(vector[place["arm.frequency_rate_per_s"]])
+    rate = {"frequency_rate_hz_per_s": relative * float(vector[place["modes.0.frequency_hz"]])}
+    found.append(
+        ("stiffness_drift", rate | {"higher_modes_share": float(vector[place["arm.higher_modes_share"]])})
+    )
+    sine, cosine = (float(vector[place[f"arm.periodic_{part}"]]) for part in ("sin", "cos"))
+    wave = {"amplitude_m_s2": hypot(sine, cosine), "phase_rad": atan2(cosine, sine)}
+    found.append(("periodic_disturbance", wave | {"frequency_hz": float(vector[place["arm.periodic_hz"]])}))
     return found
 
 

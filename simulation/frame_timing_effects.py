@@ -46,9 +46,10 @@ class FrameTimingEffects:
 
     def is_lost(self) -> bool:
         """Whether the next frame is lost. Once for each frame."""
-        return (
-            sum(law(float(self._losses.random())) for law in self._losing) > 0
-        )  # each draws, whatever the others say
+        lost = [
+            law(float(self._losses.random())) for law in self._losing
+        ]  # each draws, whatever the others say
+        return any(lost)
 
     def shown_start_s(self, start_s: float) -> float:
         """Start of the exposure whose image is handed over as the one that starts at `start_s`. Once for each."""

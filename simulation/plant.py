@@ -6,7 +6,7 @@ arm or its drive.
 """
 
 from collections import deque
-from math import copysign, floor, isnan, pi
+from math import copysign, isnan
 from operator import mul
 
 import numpy as np
@@ -17,8 +17,8 @@ from common.effects import acting, check_effects, declared, effect_of, laws_at
 from common.model import Model, length_of
 from common.user_error import UserError
 from simulation.arm.compiled_laws import laws_of
-from simulation.arm.joint import D
-from simulation.arm.stepper import advance, make_arm, observe, strike
+from simulation.arm.state import make_arm, make_joint, make_modes
+from simulation.arm.stepper import advance, look, strike
 from simulation.effect_clock import EffectClock
 
 _MODES = 5  # place of the first deflection in what `observe` fills
@@ -46,35 +46,31 @@ class Plant:
         self._slopes = tip_slopes_per_m(self._length_m, len(model.arm.modes))
         self._rules = laws_at(model, "command")
         self._max_velocity = model.drive.max_velocity_rad_s
-        early_s, whole = split_dead_time(model.drive.dead_time_s, self.cycle_s)
+        backlash = effect_of(model, "gear_backlash")
+        gap_rad = backlash["gap_rad"] if backlash else 0.0
+        self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
+        joint, whole = make_joint(model.drive, self.cycle_s, gap_rad)
         self._under_way = deque([0.0] * whole)
         self._acting = 0.0
-        backlash = effect_of(model, "gear_backlash")
-        self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
-        drive = np.zeros(D.SIZE)
-        drive[D.DECAY] = 2.0 * pi * model.drive.bandwidth_hz
-        drive[D.MAX_ACCELERATION] = model.drive.max_acceleration_rad_s2
-        drive[D.LOWEST], drive[D.HIGHEST] = model.drive.min_position_rad, model.drive.max_position_rad
-        drive[D.GAP] = backlash["gap_rad"] if backlash else 0.0
-        drive[D.EARLY], drive[D.LATE] = early_s, self.cycle_s - early_s
-        modes = [
+        rows = [
             (one.frequency_hz, one.damping_ratio, one.participation * self._length_m)
             for one in model.arm.modes
         ]
-        self._count = len(modes)
+        self._count = len(rows)
         effects = acting(model)
-        self._arm = make_arm(drive, np.array(modes), laws_of(effects))
+        parts = joint, make_modes(np.array(rows)), laws_of(effects)
+        self._arm = make_arm(*parts)
         first_hz = model.arm.modes[0].frequency_hz
         self._limits = [
             (identifier, cause.limit, first_hz, cause.arguments(values))
             for identifier, values in effects
             if (cause := CAUSES[identifier]).limit is not None
         ]
-        self._seen_array = np.zeros(5 + 3 * len(modes))
+        self._seen_array = np.zeros(5 + 3 * len(rows))
         # all that a cycle calls is compiled before any clock runs
-        advance(make_arm(drive, np.array(modes), self._arm.laws), 0.0, 0.0, 0.0, self._seen_array)
+        advance(*make_arm(*parts), 0.0, 0.0, 0.0, self._seen_array)
         self._shaken_m_s2 = self.modal_forces_m_s2
-        self._look()
+        self._see()
 
     def advance(self, command_rad_s: float) -> None:
         """Move on by one cycle, over which the joint velocity command is held. ValueError when it is no
@@ -89,7 +85,7 @@ class Plant:
         self._under_way.append(command_rad_s)
         before, self._acting = self._acting, self._under_way.popleft()
         self._shake()
-        advance(self._arm, self._since_start_s, before, self._acting, self._seen_array)
+        advance(*self._arm, self._since_start_s, before, self._acting, self._seen_array)
         self.cycle += 1
         self._seen = self._seen_array.tolist()
         for identifier, broken, first_hz, own in self._limits:
@@ -104,17 +100,17 @@ class Plant:
         """
         if not 1 <= mode <= self._count:
             raise IndexError(f"mode {mode}: the arm has modes 1 to {self._count}")
-        strike(self._arm, mode - 1, self._since_start_s, deflection_m)
-        self._look()
+        strike(*self._arm, mode - 1, self._since_start_s, deflection_m)
+        self._see()
 
     def _shake(self) -> None:
         """Hand on the disturbance, where it is another one."""
         if self._shaken_m_s2 is not self.modal_forces_m_s2:
             self._shaken_m_s2 = self.modal_forces_m_s2
-            self._arm.forces[:] = self._shaken_m_s2
+            self._arm[1]["force"] = self._shaken_m_s2
 
-    def _look(self) -> None:
-        observe(self._arm, self._since_start_s, self._seen_array)
+    def _see(self) -> None:
+        look(*self._arm, self._since_start_s, self._seen_array)
         self._seen = self._seen_array.tolist()
 
     @property
@@ -183,7 +179,7 @@ class Plant:
         """s'' = length * theta'' + sum q_i'', from the equations at the present state."""
         if self._shaken_m_s2 is not self.modal_forces_m_s2:
             self._shake()
-            self._look()
+            self._see()
         return self._length_m * self._seen[2] + sum(self._seen[_MODES + 2 * self._count :])
 
     @property
@@ -191,11 +187,3 @@ class Plant:
         """theta plus the slope of the bent arm at its tip: how far the camera turns."""
         bent: float = sum(map(mul, self._slopes, self._seen[_MODES : _MODES + self._count]))
         return self._seen[0] + bent
-
-
-def split_dead_time(dead_time_s: float, cycle_s: float) -> tuple[float, int]:
-    """When in a cycle a command arrives, s after its beginning, and how many whole cycles later than it was issued."""
-    cycles = dead_time_s / cycle_s
-    whole = floor(cycles + 1e-9)
-    rest = cycles - whole
-    return (rest * cycle_s if rest > 1e-9 else 0.0), whole

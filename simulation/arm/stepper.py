@@ -7,364 +7,408 @@ The joint's motion comes as stretches (joint.py), in each of which theta'' = sta
 linear part of a mode is solved exactly (`_linear`), for any frequency and duration: a second mode of 400 Hz asks for no
 shorter step. Laws of causes come in by address (compiled_laws.py). Where any acts on a mode, its deviation from
 the linear part is integrated by the classical Runge-Kutta method of fourth order in the frame that moves with the
-linear solution (Lawson, 1967), in steps of at most _MOST_TURN radians, broken where the rate of the first mode passes
+linear solution (Lawson, 1967), in steps of so many radians at most, broken where the rate of the first mode passes
 through zero (dry friction and drag have a corner there) and at the laws' onsets. Forward sensitivities would move
 beside the state in `_kicked`: the laws are differentiable between those breaks.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from simulation.arm.compiled_laws import Laws, frequency_law, state_law
-from simulation.arm.joint import MOST_STRETCHES, D, J, S, hold, risen, way
+from simulation.arm.compiled_laws import frequency_law, state_law
+from simulation.arm.compiler import compiled, inlined, nth
+from simulation.arm.joint import hold, risen, way
+from simulation.arm.state import Record, Records
 
 Array = NDArray[np.float64]
+Transition = tuple[float, float, float, float]
+"""[[a, b], [c, d]] of (q, v), as a, b, c, d."""
 
-_MOST_TURN = (
-    0.0085  # rad of the first mode in a step of the laws: their error is then below 1e-9 of the amplitude
-)
-_MOST_TURN_OF_DRIFT = 0.5  # the same where only a frequency changes, by a millionth in a step
+_FORCE, _FRICTION, _FREQUENCY = 0, 1, 2  # state.FORCE and its like: numba takes plain numbers of this module
+_TURN_OF_DRIFT = 0.5  # rad of a mode in a step where only its frequency changes, by a millionth in a step
 _BISECTIONS = 50
 _MOST_PIECES = 64  # of a stretch: more would be rounding errors chasing each other
 _LEAST_RATIO = 0.01  # of a frequency: an arm that has lost its stiffness is no longer one
 _INSIDE = 1e-9  # of a step: at its ends a law is asked just inside it, as it may jump there
 
 
-class Arm(NamedTuple):
-    """All that a cycle needs, as arrays. m: number of modes.
-
-    joint: state, by J. drive: constants, by D. modes: (m, 3) frequency, Hz, damping ratio, participation times length,
-    m. shape: (m, 2) q_i, m, and q_i', m/s. forces: (m,) acceleration of each mode held over a cycle, m/s^2. outside:
-    (3,) a further one on the first mode, c0 + c1 x + c2 x^2 with x in s from the cycle's start. tuned, table,
-    stretches: room for work.
-    """
-
-    joint: Array
-    drive: Array
-    modes: Array
-    shape: Array
-    forces: Array
-    outside: Array
-    laws: Laws
-    tuned: Array
-    table: Array
-    stretches: Array
-
-
-def make_arm(drive: Array, modes: Array, laws: Laws) -> Arm:
-    """An arm at rest at joint position zero, or at the end stop nearest to it. drive, modes: see Arm."""
-    m = len(modes)
-    joint = np.zeros(J.SIZE)
-    joint[J.MOTOR] = min(max(0.0, drive[D.LOWEST]), drive[D.HIGHEST])
-    arm = Arm(
-        joint, drive, modes, np.zeros((m, 2)), np.zeros(m), np.zeros(3), laws,
-        np.zeros((m, 6)), np.zeros((2, m, 4)), np.zeros((MOST_STRETCHES, S.SIZE)),
-    )  # fmt: skip
-    for i in range(m):
-        tune(arm, i, 2.0 * np.pi * modes[i, 0])
-    return arm
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def tune(arm: Arm, i: int, w: float) -> None:
+@compiled
+def tune(joint: Record, mode: Record, w: float) -> None:
     """Let a mode vibrate at another angular frequency from now on; damping ratio, deflection and rate stay."""
-    zeta, push, decay = arm.modes[i, 1], arm.modes[i, 2], arm.drive[0]
-    arm.tuned[i, 0], arm.tuned[i, 1] = w, zeta * w
-    arm.tuned[i, 2], arm.tuned[i, 3] = w * np.sqrt((1.0 - zeta) * (1.0 + zeta)), w * w
-    # how the mode follows a constant theta'' and one that decays with the drive's lag; zeta < 1: no zero below
-    arm.tuned[i, 4], arm.tuned[i, 5] = (
-        -push / (w * w),
-        -push / (decay * decay - 2.0 * zeta * w * decay + w * w),
-    )
-    for late in range(2):
-        arm.table[late, i] = _transition(arm, i, arm.drive[5 + late])
+    zeta, decay = mode.zeta, joint.decay
+    mode.w, mode.sigma, mode.stiffness = w, zeta * w, w * w
+    mode.damped = w * np.sqrt((1.0 - zeta) * (1.0 + zeta))
+    mode.static = -mode.push / (w * w)
+    mode.lagged = -mode.push / (decay * decay - 2.0 * zeta * w * decay + w * w)  # no zero, as zeta < 1
+    mode.ea, mode.eb, mode.ec, mode.ed = _transition(mode, joint.early)
+    mode.la, mode.lb, mode.lc, mode.ld = _transition(mode, joint.late)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _transition(arm: Arm, i: int, duration: float) -> tuple[float, float, float, float]:
-    """The free mode's transition matrix [[a, b], [c, d]] of (q, q') over a duration."""
-    sigma, damped, stiffness = arm.tuned[i, 1], arm.tuned[i, 2], arm.tuned[i, 3]
-    shrink = np.exp(-sigma * duration)
-    cosine, sine = shrink * np.cos(damped * duration), shrink * np.sin(damped * duration) / damped
-    return cosine + sigma * sine, sine, -stiffness * sine, cosine - sigma * sine
+@compiled
+def _transition(mode: Record, duration: float) -> Transition:
+    """How the free mode goes on over a duration."""
+    shrink = np.exp(-mode.sigma * duration)
+    cosine = shrink * np.cos(mode.damped * duration)
+    sine = shrink * np.sin(mode.damped * duration) / mode.damped
+    return cosine + mode.sigma * sine, sine, -mode.stiffness * sine, cosine - mode.sigma * sine
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _usual_transition(arm: Arm, i: int, duration: float) -> tuple[float, float, float, float]:
-    """The same, remembered for the two durations that nearly every stretch has."""
-    for late in range(2):
-        if duration == arm.drive[5 + late]:
-            row = arm.table[late, i]
-            return row[0], row[1], row[2], row[3]
-    return _transition(arm, i, duration)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@inlined
 def _linear(
-    arm: Arm, i: int, q: float, v: float, decay: float, start: float, end: float,
-    turn: tuple[float, float, float, float],
-) -> tuple[float, float]:  # fmt: skip
+    mode: Record, q: float, v: float, decay: float, start: float, end: float, turn: Transition
+) -> tuple[float, float]:
     """A mode after a time in which theta'' goes from `start` to `end`: its particular solution, and free about that."""
-    gain = arm.tuned[i, 4] if decay == 0.0 else arm.tuned[i, 5]
-    pushed = arm.forces[i] / arm.tuned[i, 3]
+    gain = mode.static if decay == 0.0 else mode.lagged
+    pushed = mode.force / mode.stiffness
     x, y = q - gain * start - pushed, v + decay * gain * start
     a, b, c, d = turn
     return a * x + b * y + gain * end + pushed, c * x + d * y - decay * gain * end
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _ratio(arm: Arm, i: int, t: float) -> float:
+@inlined
+def _ratio(joint: Record, modes: Record, laws: Record, i: int, t: float) -> float:
     """A mode's frequency over the declared one at a time from the recording's start."""
     ratio = 1.0
-    for row in range(arm.laws.table.shape[0]):
-        if arm.laws.table[row, 1] == 2:
-            ratio *= frequency_law(arm.laws, row, max(t, 0.0), float(i), arm.modes[0, 0])
+    for row in range(joint.laws):
+        if nth(laws, row).site == _FREQUENCY:
+            ratio *= frequency_law(nth(laws, row), max(t, 0.0), float(i), modes.hz)
     return max(ratio, _LEAST_RATIO)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def strike(arm: Arm, i: int, t: float, deflection: float) -> None:
+@compiled
+def strike(
+    joints: Records, all_modes: Records, all_laws: Records, room: Records, i: int, t: float, deflection: float
+) -> None:
     """A blow on a mode, after which it rings with amplitude `deflection`, m: its rate jumps by w times that."""
-    arm.shape[i, 1] += 2.0 * np.pi * arm.modes[i, 0] * _ratio(arm, i, t) * deflection
+    ratio = _ratio(joints[0], all_modes[0], all_laws[0], i, t)
+    all_modes[i].v += 2.0 * np.pi * all_modes[i].hz * ratio * deflection
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _pushed(arm: Arm, site: int, t: float, theta: float, omega: float, q: float, v: float, w: float) -> float:
+@inlined
+def _pushed(
+    joint: Record, laws: Record, site: int, t: float, theta: float, omega: float, q: float, v: float, w: float
+) -> float:
     """What all laws of a site give the first mode, m/s^2."""
     total = 0.0
-    for row in range(arm.laws.table.shape[0]):
-        if arm.laws.table[row, 1] == site:
-            total += state_law(arm.laws, row, max(t, 0.0), theta, omega, q, v, w)
+    for row in range(joint.laws):
+        if nth(laws, row).site == site:
+            total += state_law(nth(laws, row), max(t, 0.0), theta, omega, q, v, w)
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inlined
 def _deviation(
-    arm: Arm, i: int, t: float, x: float, theta: float, omega: float, q: float, v: float, ratio: float,
-    direction: float,
+    joint: Record, modes: Record, laws: Record, i: int, t: float, x: float, theta: float, omega: float,
+    q: float, v: float, ratio: float, direction: float,
 ) -> float:  # fmt: skip
     """q'' beyond the linear equation of the tuned mode, m/s^2. x: s from the cycle's start. direction: of the rate, for
     friction to act against; 0: no friction."""
-    w0, w = arm.tuned[i, 0], 2.0 * np.pi * arm.modes[i, 0] * ratio
-    extra = -2.0 * arm.modes[i, 1] * (w - w0) * v - (w * w - w0 * w0) * q if w != w0 else 0.0
+    w0, w = nth(modes, i).w, 2.0 * np.pi * nth(modes, i).hz * ratio
+    extra = -2.0 * nth(modes, i).zeta * (w - w0) * v - (w * w - w0 * w0) * q if w != w0 else 0.0
     if i == 0:
-        extra += arm.outside[0] + x * (arm.outside[1] + x * arm.outside[2])
-        extra += _pushed(arm, 0, t, theta, omega, q, v, w)
+        extra += joint.c0 + x * (joint.c1 + x * joint.c2)
+        extra += _pushed(joint, laws, _FORCE, t, theta, omega, q, v, w)
         if direction != 0.0:
-            extra -= direction * _pushed(arm, 1, t, theta, omega, q, v, w)
+            extra -= direction * _pushed(joint, laws, _FRICTION, t, theta, omega, q, v, w)
     return extra
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _kicked(
-    arm: Arm, i: int, t: float, x: float, at: float, h: float, stretch: Array, q: float, v: float,
-    direction: float,
+    joint: Record, modes: Record, laws: Record, i: int, t: float, x: float, at: float, h: float,
+    stretch: Record, q: float, v: float, direction: float,
 ) -> tuple[float, float]:  # fmt: skip
     """A mode on by h under all that acts, from time `at` of the stretch: one step of Lawson's fourth-order method.
 
     t: from the recording's start, x: from the cycle's, both at the step's beginning, s.
     """
-    decay, half = stretch[1], 0.5 * h
-    start = stretch[2] * np.exp(-decay * at)
+    mode, decay, half = nth(modes, i), stretch.decay, 0.5 * h
+    start = stretch.start * np.exp(-decay * at)
     middle, end = start * np.exp(-decay * half), start * np.exp(-decay * h)
-    theta, omega = (
-        stretch[4] + way(stretch[5], decay, stretch[2], at),
-        stretch[5] + stretch[2] * risen(decay, at),
-    )
+    theta = stretch.theta + way(stretch.omega, decay, stretch.start, at)
+    omega = stretch.omega + stretch.start * risen(decay, at)
     theta_m, omega_m = theta + way(omega, decay, start, half), omega + start * risen(decay, half)
     theta_e, omega_e = theta + way(omega, decay, start, h), omega + start * risen(decay, h)
-    r0, r1, r2 = (
-        _ratio(arm, i, t + _INSIDE * h),
-        _ratio(arm, i, t + half),
-        _ratio(arm, i, t + h - _INSIDE * h),
-    )
-    turn, whole = _transition(arm, i, half), _transition(arm, i, h)
-    qh, vh = _linear(arm, i, q, v, decay, start, middle, turn)
-    qe, ve = _linear(arm, i, q, v, decay, start, end, whole)
+    r0, r1 = _ratio(joint, modes, laws, i, t + _INSIDE * h), _ratio(joint, modes, laws, i, t + half)
+    r2 = _ratio(joint, modes, laws, i, t + h - _INSIDE * h)
+    turn, whole = _transition(mode, half), _transition(mode, h)
+    qh, vh = _linear(mode, q, v, decay, start, middle, turn)
+    qe, ve = _linear(mode, q, v, decay, start, end, whole)
     b, d = turn[1], turn[3]
-    k1 = _deviation(arm, i, t, x, theta, omega, q, v, r0, direction)
+    k1 = _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, r0, direction)
     k2 = _deviation(
-        arm, i, t + half, x + half, theta_m, omega_m, qh + half * b * k1, vh + half * d * k1, r1, direction
+        joint, modes, laws, i, t + half, x + half, theta_m, omega_m, qh + half * b * k1, vh + half * d * k1, r1,
+        direction,
+    )  # fmt: skip
+    k3 = _deviation(
+        joint, modes, laws, i, t + half, x + half, theta_m, omega_m, qh, vh + half * k2, r1, direction
     )
-    k3 = _deviation(arm, i, t + half, x + half, theta_m, omega_m, qh, vh + half * k2, r1, direction)
-    k4 = _deviation(arm, i, t + h, x + h, theta_e, omega_e, qe + h * b * k3, ve + h * d * k3, r2, direction)
+    k4 = _deviation(
+        joint, modes, laws, i, t + h, x + h, theta_e, omega_e, qe + h * b * k3, ve + h * d * k3, r2, direction
+    )
     both = 2.0 * (k2 + k3)
     return qe + h / 6.0 * (whole[1] * k1 + b * both), ve + h / 6.0 * (whole[3] * k1 + d * both + k4)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _pull(arm: Arm, t: float, x: float, at: float, stretch: Array, q: float, v: float) -> tuple[float, float]:
-    """What the first mode's q'' would be without friction, and the largest friction against it, m/s^2."""
-    theta = stretch[4] + way(stretch[5], stretch[1], stretch[2], at)
-    omega = stretch[5] + stretch[2] * risen(stretch[1], at)
-    return _second(arm, 0, t, x, theta, omega, stretch[2] * np.exp(-stretch[1] * at), q, v)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@inlined
 def _second(
-    arm: Arm, i: int, t: float, x: float, theta: float, omega: float, alpha: float, q: float, v: float
-) -> tuple[float, float]:
+    joint: Record, modes: Record, laws: Record, i: int, t: float, x: float, theta: float, omega: float,
+    alpha: float, q: float, v: float,
+) -> tuple[float, float]:  # fmt: skip
     """q_i'' without friction, and the largest friction, m/s^2."""
-    ratio = _ratio(arm, i, t)
-    w = arm.tuned[i, 0]
-    linear = arm.forces[i] - arm.modes[i, 2] * alpha - 2.0 * arm.modes[i, 1] * w * v - w * w * q
+    mode = nth(modes, i)
+    free = mode.force - mode.push * alpha - 2.0 * mode.sigma * v - mode.stiffness * q
     rub = 0.0
-    if i == 0:
-        rub = _pushed(arm, 1, t, theta, omega, q, v, 2.0 * np.pi * arm.modes[0, 0] * ratio)
-    return linear + _deviation(arm, i, t, x, theta, omega, q, v, ratio, 0.0), rub
+    if joint.laws > 0 or (i == 0 and _acts(joint, laws)):
+        ratio = _ratio(joint, modes, laws, i, t)
+        free += _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, ratio, 0.0)
+        if i == 0:
+            rub = _pushed(joint, laws, _FRICTION, t, theta, omega, q, v, 2.0 * np.pi * mode.hz * ratio)
+    return free, rub
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _first_through(arm: Arm, t: float, x: float, at: float, end: float, stretch: Array, most: float) -> None:
+@compiled
+def _pull(
+    joint: Record,
+    modes: Record,
+    laws: Record,
+    t: float,
+    x: float,
+    at: float,
+    stretch: Record,
+    q: float,
+    v: float,
+) -> tuple[float, float]:
+    """The same for the first mode at a time `at` of a stretch."""
+    theta = stretch.theta + way(stretch.omega, stretch.decay, stretch.start, at)
+    omega = stretch.omega + stretch.start * risen(stretch.decay, at)
+    alpha = stretch.start * np.exp(-stretch.decay * at)
+    return _second(joint, modes, laws, 0, t + at, x + at, theta, omega, alpha, q, v)
+
+
+@compiled
+def _first_through(
+    joint: Record,
+    modes: Record,
+    laws: Record,
+    t: float,
+    x: float,
+    at: float,
+    end: float,
+    stretch: Record,
+    most: float,
+) -> None:
     """The first mode through a part of a stretch in steps of at most `most` s, each with one direction of its rate."""
-    q, v = arm.shape[0]
+    q, v = modes.q, modes.v
     for _ in range(_MOST_PIECES + int((end - at) / most)):
         if at >= end:
             break
         h = min(most, end - at)
         direction = np.sign(v)
         if v == 0.0:
-            pull, rub = _pull(arm, t + at, x + at, at, stretch, q, v)
+            pull, rub = _pull(joint, modes, laws, t, x, at, stretch, q, v)
             direction = np.sign(pull)
             if rub > 0.0 and abs(pull) <= rub:
-                later, holds = _pull(arm, t + at + h, x + at + h, at + h, stretch, q, v)
-                if abs(later) > holds:  # theta'' decays one way within a stretch, and so does the pull
-                    before = 0.0
-                    for _ in range(_BISECTIONS):
-                        middle = 0.5 * (before + h)
-                        later, holds = _pull(
-                            arm, t + at + middle, x + at + middle, at + middle, stretch, q, v
-                        )
-                        if abs(later) > holds:
-                            h = middle
-                        else:
-                            before = middle
-                at += h
+                at += _held(joint, modes, laws, t, x, at, h, stretch, q)
                 continue
-        to_q, to_v = _kicked(arm, 0, t + at, x + at, at, h, stretch, q, v, direction)
+        to_q, to_v = _kicked(joint, modes, laws, 0, t + at, x + at, at, h, stretch, q, v, direction)
         if direction * to_v < 0.0:
             before = 0.0
             for _ in range(_BISECTIONS):
                 middle = 0.5 * (before + h)
-                to_q, to_v = _kicked(arm, 0, t + at, x + at, at, middle, stretch, q, v, direction)
+                _, to_v = _kicked(joint, modes, laws, 0, t + at, x + at, at, middle, stretch, q, v, direction)
                 if direction * to_v < 0.0:
                     h = middle
                 else:
                     before = middle
-            to_q, to_v = _kicked(arm, 0, t + at, x + at, at, h, stretch, q, v, direction)
+            to_q, _ = _kicked(joint, modes, laws, 0, t + at, x + at, at, h, stretch, q, v, direction)
             to_v = 0.0
         q, v = to_q, to_v
         at += h
-    arm.shape[0, 0], arm.shape[0, 1] = q, v
+    modes.q, modes.v = q, v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _mode_through(arm: Arm, i: int, t: float, x: float, at: float, end: float, stretch: Array) -> None:
+@compiled
+def _held(
+    joint: Record,
+    modes: Record,
+    laws: Record,
+    t: float,
+    x: float,
+    at: float,
+    h: float,
+    stretch: Record,
+    q: float,
+) -> float:
+    """How long friction holds the first mode, s, at most h: as theta'' decays one way in a stretch, the pull does."""
+    pull, rub = _pull(joint, modes, laws, t, x, at + h, stretch, q, 0.0)
+    if abs(pull) <= rub:
+        return h
+    before = 0.0
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (before + h)
+        pull, rub = _pull(joint, modes, laws, t, x, at + middle, stretch, q, 0.0)
+        if abs(pull) > rub:
+            h = middle
+        else:
+            before = middle
+    return h
+
+
+@compiled
+def _mode_through(
+    joint: Record,
+    modes: Record,
+    laws: Record,
+    i: int,
+    t: float,
+    x: float,
+    at: float,
+    end: float,
+    stretch: Record,
+) -> None:
     """A mode through a part of a stretch in which no law breaks off."""
-    h = end - at
-    middle = _ratio(arm, i, t + at + 0.5 * h)
-    varies = _ratio(arm, i, t + at + _INSIDE * h) != middle or _ratio(arm, i, t + end - _INSIDE * h) != middle
-    w = 2.0 * np.pi * arm.modes[i, 0] * middle
-    if w != arm.tuned[i, 0]:
-        tune(arm, i, w)
-    if i == 0 and _acts(arm):
-        parts = np.ceil(w * h / _MOST_TURN)
-        _first_through(arm, t, x, at, end, stretch, h / parts)
-        return
-    q, v = arm.shape[i]
-    if varies:
-        parts = int(np.ceil(w * h / _MOST_TURN_OF_DRIFT))
+    h, mode = end - at, nth(modes, i)
+    middle = _ratio(joint, modes, laws, i, t + at + 0.5 * h)
+    varies = (
+        _ratio(joint, modes, laws, i, t + at + _INSIDE * h) != middle
+        or _ratio(joint, modes, laws, i, t + end - _INSIDE * h) != middle
+    )
+    w = 2.0 * np.pi * mode.hz * middle
+    if w != mode.w:
+        tune(joint, mode, w)
+    if i == 0 and _acts(joint, laws):
+        _first_through(joint, modes, laws, t, x, at, end, stretch, h / np.ceil(w * h / joint.turn))
+    elif varies:
+        parts = int(np.ceil(w * h / _TURN_OF_DRIFT))
         for part in range(parts):
             now = at + part * h / parts
-            q, v = _kicked(arm, i, t + now, x + now, now, h / parts, stretch, q, v, 0.0)
+            mode.q, mode.v = _kicked(
+                joint, modes, laws, i, t + now, x + now, now, h / parts, stretch, mode.q, mode.v, 0.0
+            )
     else:
-        decay = stretch[1]
-        start = stretch[2] * np.exp(-decay * at) if at > 0.0 else stretch[2]
-        turn = _usual_transition(arm, i, h)
-        q, v = _linear(arm, i, q, v, decay, start, start * np.exp(-decay * h), turn)
-    arm.shape[i, 0], arm.shape[i, 1] = q, v
+        start = stretch.start * np.exp(-stretch.decay * at)
+        turn = _transition(mode, h)
+        mode.q, mode.v = _linear(
+            mode, mode.q, mode.v, stretch.decay, start, start * np.exp(-stretch.decay * h), turn
+        )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _acts(arm: Arm) -> bool:
+@inlined
+def _acts(joint: Record, laws: Record) -> bool:
     """Whether anything but its own linear equation acts on the first mode."""
-    for row in range(arm.laws.table.shape[0]):
-        if arm.laws.table[row, 1] != 2:
+    for row in range(joint.laws):
+        if nth(laws, row).site != _FREQUENCY:
             return True
-    return bool(arm.outside[0] != 0.0 or arm.outside[1] != 0.0 or arm.outside[2] != 0.0)
+    return bool(joint.c0 != 0.0 or joint.c1 != 0.0 or joint.c2 != 0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def modes_through(arm: Arm, t: float, count: int) -> None:
+@inlined
+def _freely_through(joint: Record, modes: Record, first: int, stretch: Record) -> None:
+    """The modes from number `first` on through a stretch, where nothing but the joint moves them."""
+    for i in range(first, joint.modes):
+        mode = nth(modes, i)
+        if stretch.duration == joint.late:
+            turn = (mode.la, mode.lb, mode.lc, mode.ld)
+        elif stretch.duration == joint.early:
+            turn = (mode.ea, mode.eb, mode.ec, mode.ed)
+        else:
+            turn = _transition(mode, stretch.duration)
+        mode.q, mode.v = _linear(mode, mode.q, mode.v, stretch.decay, stretch.start, stretch.end, turn)
+
+
+@inlined
+def modes_through(
+    joint: Record, modes: Record, laws: Record, t: float, stretches: Record, count: int
+) -> None:
     """All modes through the first `count` stretches, from time t from the recording's start on."""
+    for i in range(joint.modes):
+        if nth(modes, i).w == 0.0:  # as made
+            tune(joint, nth(modes, i), 2.0 * np.pi * nth(modes, i).hz)
     x = 0.0
+    acts, changes = _acts(joint, laws), False
+    for row in range(joint.laws):
+        changes = changes or nth(laws, row).site == _FREQUENCY
     for k in range(count):
-        stretch = arm.stretches[k]
-        duration, at = stretch[0], 0.0
-        while at < duration:
+        stretch = nth(stretches, k)
+        duration, at = stretch.duration, 0.0
+        if not changes:
+            _freely_through(joint, modes, 1 if acts else 0, stretch)
+        while (acts or changes) and at < duration:
             end = duration
-            for onset in arm.laws.onsets:
-                if at < onset - t < end:
-                    end = onset - t
-            for i in range(arm.modes.shape[0]):
-                _mode_through(arm, i, t, x, at, end, stretch)
+            for row in range(joint.laws):
+                if at < nth(laws, row).onset - t < end:
+                    end = nth(laws, row).onset - t
+            for i in range(joint.modes if changes else 1):
+                _mode_through(joint, modes, laws, i, t, x, at, end, stretch)
             at = end
         t += duration
         x += duration
-        if stretch[3] != 0.0:
-            for i in range(arm.modes.shape[0]):
-                arm.shape[i, 1] -= arm.modes[i, 2] * stretch[3]
+        if stretch.jump != 0.0:
+            for i in range(joint.modes):
+                nth(modes, i).v -= nth(modes, i).push * stretch.jump
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def cycle(arm: Arm, t: float, early: float, late: float) -> None:
+@inlined
+def cycle(
+    joint: Record, modes: Record, laws: Record, stretches: Record, t: float, early: float, late: float
+) -> None:
     """Move on by one cycle, which begins t s after the recording's start (earlier, where t is negative).
 
     early, late: joint velocity that the drive aims at before and after a command's arrival in the cycle, rad/s.
+    stretches: room for work.
     """
-    count = 0
-    if arm.drive[5] > 0.0:
-        count = hold(arm.joint, arm.drive, arm.drive[5], early, arm.stretches, count)
-    count = hold(arm.joint, arm.drive, arm.drive[6], late, arm.stretches, count)
-    modes_through(arm, t, count)
+    count = hold(joint, joint.early, early, stretches, 0)
+    count = hold(joint, joint.late, late, stretches, count)
+    modes_through(joint, modes, laws, t, stretches, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def link(arm: Arm) -> tuple[float, float, float]:
+@inlined
+def link(joint: Record) -> tuple[float, float, float]:
     """theta, theta' and theta'' of the joint, behind any play. An impact is a jump of theta' and not in theta''."""
-    joint = arm.joint
-    if arm.drive[4] == 0.0 or joint[4] == 1.0:
-        return joint[0] - joint[3], joint[1], joint[2]
-    return joint[0] - joint[3], 0.0, 0.0
+    if joint.gap == 0.0 or joint.contact == 1.0:
+        return joint.motor - joint.ahead, joint.rate, joint.acceleration
+    return joint.motor - joint.ahead, 0.0, 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def accelerations(arm: Arm, t: float, out: Array) -> None:
-    """Fill q_i'', m/s^2, (m,), from the equations at the present state."""
-    theta, omega, alpha = link(arm)
-    for i in range(arm.modes.shape[0]):
-        q, v = arm.shape[i]
-        out[i], rub = _second(arm, i, t, 0.0, theta, omega, alpha, q, v)
-        out[i] -= rub * np.sign(v) if v != 0.0 else min(max(out[i], -rub), rub)
+@inlined
+def acceleration(joint: Record, modes: Record, laws: Record, i: int, t: float) -> float:
+    """q_i'', m/s^2, from the equations at the present state."""
+    theta, omega, alpha = link(joint)
+    mode = nth(modes, i)
+    if mode.w == 0.0:
+        tune(joint, mode, 2.0 * np.pi * mode.hz)
+    free, rub = _second(joint, modes, laws, i, t, 0.0, theta, omega, alpha, mode.q, mode.v)
+    return free - (rub * np.sign(mode.v) if mode.v != 0.0 else min(max(free, -rub), rub))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def observe(arm: Arm, t: float, seen: Array) -> None:
+@compiled
+def look(
+    joints: Records, all_modes: Records, all_laws: Records, room: Records, t: float, seen: Array
+) -> None:
     """Fill what there is to see of the state: theta, theta', theta'', the motor's angle and rate, then q_i, q_i', q_i''
     of all modes, in this order, (5 + 3 m,)."""
-    m = arm.modes.shape[0]
-    seen[0], seen[1], seen[2] = link(arm)
-    seen[3], seen[4] = arm.joint[0], arm.joint[1]
-    seen[5 : 5 + m] = arm.shape[:, 0]
-    seen[5 + m : 5 + 2 * m] = arm.shape[:, 1]
-    accelerations(arm, t, seen[5 + 2 * m :])
+    joint, modes, laws = joints[0], all_modes[0], all_laws[0]
+    m = joint.modes
+    seen[0], seen[1], seen[2] = link(joint)
+    seen[3], seen[4] = joint.motor, joint.rate
+    for i in range(m):
+        seen[5 + i], seen[5 + m + i] = nth(modes, i).q, nth(modes, i).v
+        seen[5 + 2 * m + i] = acceleration(joint, modes, laws, i, t)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def advance(arm: Arm, t: float, early: float, late: float, seen: Array) -> None:
+@compiled
+def advance(
+    joints: Records,
+    all_modes: Records,
+    all_laws: Records,
+    room: Records,
+    t: float,
+    early: float,
+    late: float,
+    seen: Array,
+) -> None:
     """A cycle, and what there is to see at its end."""
-    cycle(arm, t, early, late)
-    observe(arm, t + arm.drive[5] + arm.drive[6], seen)
+    joint = joints[0]
+    cycle(joint, all_modes[0], all_laws[0], room[0], t, early, late)
+    look(joints, all_modes, all_laws, room, t + joint.early + joint.late, seen)

@@ -1,0 +1,139 @@
+"""What the stepper works on, as records: the joint with its drive, the modes, the laws of causes, stretches of motion.
+
+Records, because compiled code reaches their fields by name at no cost, and one function call hands over all of them.
+"""
+
+from math import floor, pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.model import Drive
+
+Records = NDArray[np.void]
+Record = Any
+"""In compiled code: a pointer to the first of some records."""
+
+JOINT = np.dtype(
+    [
+        ("decay", "f8"),  # 2 pi bandwidth, 1/s
+        ("most", "f8"),  # limit of acceleration, rad/s^2
+        ("lowest", "f8"),  # end stops, rad
+        ("highest", "f8"),
+        ("gap", "f8"),  # play between motor and link, rad
+        ("early", "f8"),  # part of a cycle, s, in which the command before still acts
+        ("late", "f8"),  # the rest of it
+        ("early_risen", "f8"),  # integrals of exp(-decay t) over them, s
+        ("late_risen", "f8"),
+        ("turn", "f8"),  # the most by which the first mode may turn in one step of the laws, rad
+        ("motor", "f8"),  # angle, rad
+        ("rate", "f8"),  # of the motor, rad/s
+        ("acceleration", "f8"),  # of the motor, rad/s^2
+        ("ahead", "f8"),  # motor's angle less the link's, rad
+        ("contact", "f8"),  # 1 where motor and link move together across the play
+        ("modes", "i8"),  # how many there are
+        ("laws", "i8"),
+        # a further acceleration of the first mode, c0 + c1 x + c2 x^2 with x in s from the cycle's start
+        ("c0", "f8"),
+        ("c1", "f8"),
+        ("c2", "f8"),
+    ],
+    align=True,
+)
+MODE = np.dtype(
+    [
+        ("hz", "f8"),  # as declared
+        ("zeta", "f8"),
+        ("push", "f8"),  # participation times length, m
+        ("q", "f8"),  # deflection at the tip, m
+        ("v", "f8"),  # its rate, m/s
+        ("force", "f8"),  # acceleration held over a cycle: a disturbance, m/s^2
+        ("w", "f8"),  # angular frequency that the rest is tuned to, rad/s
+        ("sigma", "f8"),  # zeta w
+        ("damped", "f8"),  # w sqrt(1 - zeta^2)
+        ("stiffness", "f8"),  # w^2
+        ("static", "f8"),  # how q follows a constant theta'', m s^2
+        ("lagged", "f8"),  # and one that decays with the drive's lag
+        ("ea", "f8"),  # transition of (q, v) over the cycle's early part: [[ea, eb], [ec, ed]]
+        ("eb", "f8"),
+        ("ec", "f8"),
+        ("ed", "f8"),
+        ("la", "f8"),  # and over its late part
+        ("lb", "f8"),
+        ("lc", "f8"),
+        ("ld", "f8"),
+    ],
+    align=True,
+)
+LAW = np.dtype(
+    [
+        ("address", "i8"),
+        ("site", "i8"),  # FORCE, FRICTION or FREQUENCY
+        ("count", "i8"),  # how many numbers of its own
+        ("onset", "f8"),  # instant at which it breaks off, s; infinite where it does not
+        ("n0", "f8"),
+        ("n1", "f8"),
+        ("n2", "f8"),
+        ("n3", "f8"),
+    ],
+    align=True,
+)
+STRETCH = np.dtype(
+    [
+        ("duration", "f8"),  # s; the link's theta'' = start exp(-decay t)
+        ("decay", "f8"),  # 1/s
+        ("start", "f8"),  # rad/s^2
+        ("end", "f8"),  # theta'' at its end
+        ("jump", "f8"),  # of theta' at its end, an impact, rad/s
+        ("theta", "f8"),  # at its start, rad
+        ("omega", "f8"),  # rad/s
+    ],
+    align=True,
+)
+FORCE, FRICTION, FREQUENCY = 0, 1, 2
+FINE_TURN = 0.0085
+"""Of the first mode in a step of the laws, rad: their error is then below 1e-9 of the amplitude."""
+MOST_STRETCHES = (
+    64  # of a cycle: two holds, each with a limit, two stops, and a turn and a contact of the play in each
+)
+
+
+def make_joint(
+    drive: Drive, cycle_s: float, gap_rad: float = 0.0, turn_rad: float = FINE_TURN
+) -> tuple[Records, int]:
+    """A joint at rest at zero, or at the end stop nearest to it, (1,); and how many whole cycles a command comes later
+    than it was issued."""
+    cycles = drive.dead_time_s / cycle_s
+    whole = floor(cycles + 1e-9)
+    rest = cycles - whole
+    joint = np.zeros(1, JOINT)
+    joint["decay"] = decay = 2.0 * pi * drive.bandwidth_hz
+    joint["most"] = drive.max_acceleration_rad_s2
+    joint["lowest"], joint["highest"] = drive.min_position_rad, drive.max_position_rad
+    joint["gap"], joint["turn"] = gap_rad, turn_rad
+    joint["early"] = early = rest * cycle_s if rest > 1e-9 else 0.0
+    joint["late"] = cycle_s - early
+    for part in ("early", "late"):
+        joint[f"{part}_risen"] = -np.expm1(-decay * joint[part]) / decay
+    joint["motor"] = min(max(0.0, drive.min_position_rad), drive.max_position_rad)
+    return joint, whole
+
+
+def make_modes(rows: NDArray[np.float64]) -> Records:
+    """Modes at rest, (m,), from (m, 3): frequency, Hz, damping ratio, participation times length, m."""
+    modes = np.zeros(len(rows), MODE)
+    modes["hz"], modes["zeta"], modes["push"] = rows.T
+    return modes
+
+
+Arm = tuple[Records, Records, Records, Records]
+"""All that moves, as arrays of records: one joint, (m,) modes, laws (at least one record), room for stretches. A plain
+tuple: compiled code that is kept on disk must not name a class that a later version may rename."""
+
+
+def make_arm(joint: Records, modes: Records, laws: Records) -> Arm:
+    """An arm of these parts, each of its own memory."""
+    joint, modes = joint.copy(), modes.copy()
+    joint["modes"], joint["laws"] = len(modes), len(laws)
+    return joint, modes, laws if len(laws) else np.zeros(1, LAW), np.zeros(MOST_STRETCHES, STRETCH)
