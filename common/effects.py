@@ -103,10 +103,11 @@ def laws_at(model: "Model", acts: Acts) -> list[Callable[..., Any]]:
     """The laws of the model's effects that act at a site, each with its own numbers filled in: what the site gives ->
     what the law returns (common.causes.declaration)."""
     acting_there = [(CAUSES[name], values) for name, values in acting(model) if CAUSES[name].acts == acts]
-    return [_filled_in(cause.law, cause.arguments(values)) for cause, values in acting_there if cause.law]
+    return [filled_in(cause.law, cause.arguments(values)) for cause, values in acting_there if cause.law]
 
 
-def _filled_in(law: Callable[..., Any], own: tuple[float, ...]) -> Callable[..., Any]:
+def filled_in(law: Callable[..., Any], own: tuple[float, ...]) -> Callable[..., Any]:
+    """A law with its own numbers, which come last, in their places."""
     return lambda *given: law(*given, *own)
 
 

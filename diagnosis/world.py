@@ -4,18 +4,23 @@ Channels: acceleration, joint_position, joint_velocity, deflection (on the contr
 arrival (per frame: when it was read, less when it was exposed).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from common.beam import tip_slopes_per_m
+from common.causes import CAUSES
+from common.causes.declaration import Acts
+from common.effects import filled_in
 from common.model import Model
 from diagnosis.budget import check_time
 from diagnosis.channels import FRAME_CHANNELS, present_channels
-from diagnosis.declared_effects import is_behind_encoder, moving_effects
+from diagnosis.declared_effects import effects_in, is_behind_encoder
 from diagnosis.exposure import expose
 from diagnosis.fine_sensors import tip_moved, within_reach
 from diagnosis.frame_clock import FrameClock, frame_clock
@@ -33,6 +38,7 @@ _TIE_S, _JUST_S = 2e-7, 1e-7  # between frames read at once; less than that
 _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 _GRANTED = 0.9
+_OF_TIME = ("periodic_disturbance",)  # forces that ask for no state: a linear mode stays one
 _TURN = 0.03  # rad of the first mode in a step of its laws: to 1e-7 of the amplitude
 _TURN_OF_PAIR = 0.25  # to 1e-4: a pair has few samples a period
 _SUBSTEPS_OF_PAIR = 2
@@ -154,7 +160,7 @@ class World:
             count = len(self._jump_cycles)
             jumps[:, i, :] = vector[first + 3 : first + 3 + 2 * count].reshape(count, 2)
         rows[:, 2] *= self.length
-        effects = moving_effects(vector, at)
+        effects = effects_in(vector, at)
         drive = msgspec.structs.replace(
             self.model.drive,
             bandwidth_hz=float(vector[at["drive.bandwidth_hz"]]),
@@ -237,10 +243,10 @@ class World:
 
     def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
         """Whether these modes keep their frequency, and answer a jump whatever else they do."""
-        at = self.space.place
-        steady = vector[at["arm.frequency_ratio"]] == 1.0 and vector[at["arm.frequency_rate_per_s"]] == 0.0
-        bends = ("arm.coulomb_m_s2", "arm.quadratic_per_m", "arm.cubic_per_m2")
-        return bool(steady) and (0 not in modes or not any(vector[at[name]] for name in bends))
+        acting = {
+            CAUSES[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
+        }
+        return "frequency" not in acting and (0 not in modes or not acting & {"force", "friction"})
 
     def _decay(self, vector: Array, mode: int) -> Array:
         """What a jump of a mode does from then on; the last few are remembered."""
@@ -285,15 +291,13 @@ class World:
             value = _late(value, cycles)
         if vector[at[OF_LAST_JUMP]]:
             value = value + self._of_last_jump(motion, vector, int(cycles))
-        gain = vector[at["accelerometer.scale"]] * (1.0 + vector[at["accelerometer.rate_per_s"]] * t)
-        value = (
-            gain * value + vector[at["accelerometer.bias_m_s2"]] + vector[at["accelerometer.rate_m_s3"]] * t
-        )
-        value = value + vector[at["accelerometer.gravity_m_s2_per_rad"]] * motion.tip_angle
-        sine, cosine = vector[at["accelerometer.hum_sin"]], vector[at["accelerometer.hum_cos"]]
-        if sine or cosine:
-            phase = 2.0 * pi * vector[at["accelerometer.hum_hz"]] * t
-            value = value + sine * np.sin(phase) + cosine * np.cos(phase)
+        gain = vector[at["accelerometer.scale"]]
+        effects = effects_in(vector, at)
+        for law in _laws_at(effects, "sensitivity"):
+            gain = gain * law(t)
+        value = gain * value + vector[at["accelerometer.bias_m_s2"]]
+        for law in _laws_at(effects, "reading"):
+            value = value + law(t, motion.tip_angle)
         most = vector[at[RANGE]]
         shown: Array = np.clip(value, -most, most)
         return shown
@@ -368,13 +372,11 @@ class World:
         instants = self.instants(vector)
         value, rate = np.empty(len(instants)), np.empty(len(instants))
         expose(scene, instants, self.model.camera.exposure_s, self.measured.cycle_s, value, rate)
-        value = (
-            value + vector[at["camera.offset_px"]] + vector[at["camera.rate_px_per_s"]] * frames.received_s
-        )
-        bend = vector[at["camera.lens_per_px2"]]
-        if bend:
-            with np.errstate(over="ignore"):  # a candidate that runs away
-                value = value * (1.0 + bend * value * value)
+        value = value + vector[at["camera.offset_px"]]
+        with np.errstate(over="ignore"):  # a candidate that runs away
+            added = [law(value, frames.received_s) for law in _laws_at(effects_in(vector, at), "image")]
+            for one in added:
+                value = value + one
         sine, cosine = vector[at["camera.locking_sin_px"]], vector[at["camera.locking_cos_px"]]
         if sine or cosine:
             value = value + sine * np.sin(2.0 * pi * value) + cosine * np.cos(2.0 * pi * value)
@@ -393,6 +395,12 @@ class World:
             moved = tip_moved(off, modes, self.length, self.measured.cycle_s)
             self._joint_seen = (joint, modes, moved)
         return motion.tip + moved
+
+
+def _laws_at(effects: list[tuple[str, dict[str, float]]], acts: Acts) -> list[Callable[..., Any]]:
+    """The laws of effects that act at a site, with their own numbers."""
+    found = [(CAUSES[cause], values) for cause, values in effects if CAUSES[cause].acts == acts]
+    return [filled_in(cause.law, cause.arguments(values)) for cause, values in found if cause.law]
 
 
 def _late(values: Array, cycles: float) -> Array:

@@ -25,7 +25,7 @@ loads no compiler. A law takes what its site gives, then the cause's own numbers
 
 theta, omega: joint angle, rad, and rate, rad/s, behind any play. q, v, w: deflection of the first mode, m, its rate,
 m/s, and its present angular frequency, rad/s. Arm laws compare real parts only and use no abs(), so that a complex
-argument carries a derivative through them (complex step).
+argument carries a derivative through them (complex step); those of reading and image take arrays as well as numbers.
 """
 
 from collections.abc import Callable, Mapping
@@ -60,6 +60,7 @@ class Parameter:
     neutral: the value at which nothing happens; NaN where no value is so (of a replacement it is the declared one)
     default: of an optional parameter; None: required
     choices: of a text; kind: how the value is written
+    tried: values from which a search begins, where the usual range does not say enough
     """
 
     name: str
@@ -72,6 +73,7 @@ class Parameter:
     default: Value | None = None
     kind: Literal["number", "whole", "truth", "text"] = "number"
     choices: tuple[str, ...] = ()
+    tried: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,4 +142,4 @@ def frequency(low: float, high: float) -> Parameter:
 ONSET = Parameter("onset_s", "s", 0.0, 1e7)
 OTHERS = Parameter("higher_modes_share", "1", -10.0, 10.0, (0.0, 1.0), default=1.0)
 """How much of the first mode's relative change of frequency the others share."""
-PHASE = Parameter("phase_rad", "rad", -1e3, 1e3, (0.0, 2.0 * pi), default=0.0)
+PHASE = Parameter("phase_rad", "rad", -1e3, 1e3, (0.0, 2.0 * pi), default=0.0, tried=(0.0, 0.5 * pi))

@@ -1,13 +1,14 @@
 """Mains hum in the accelerometer."""
 
-from math import pi, sin
+import numpy as np
 
 from common.causes.declaration import PHASE, Cause, frequency, size
 
 
 def law(t: float, tip_angle: float, frequency_hz: float, amplitude_m_s2: float, phase_rad: float) -> float:
     """Added to the reading, m/s^2."""
-    return amplitude_m_s2 * sin(2.0 * pi * frequency_hz * t + phase_rad)
+    wave: float = amplitude_m_s2 * np.sin(2.0 * np.pi * frequency_hz * t + phase_rad)
+    return wave
 
 
 CAUSE = Cause(
