@@ -139,7 +139,8 @@ def test_no_size_is_no_effect_in_any_row(plain: dict[str, list[Any]]) -> None:
             if parameter.default is not None:
                 continue
             anything = parameter.neutral != parameter.neutral
-            effect[parameter.name] = declared[parameter.name] if anything else parameter.neutral
+            usual = declared.get(parameter.name, parameter.typical[0])
+            effect[parameter.name] = usual if anything else parameter.neutral
         none.append(effect)
     assert len(none) == len(CAUSES) - 1
     found = run(*none)
