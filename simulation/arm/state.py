@@ -34,10 +34,27 @@ JOINT = np.dtype(
         ("contact", "f8"),  # 1 where motor and link move together across the play
         ("modes", "i8"),  # how many there are
         ("laws", "i8"),
+        ("pushes", "i8"),  # whether a law pushes or rubs on the first mode
+        ("changes", "i8"),  # whether a law changes frequencies
         # a further acceleration of the first mode, c0 + c1 x + c2 x^2 with x in s from the cycle's start
         ("c0", "f8"),
         ("c1", "f8"),
         ("c2", "f8"),
+    ],
+    align=True,
+)
+STEP = np.dtype(
+    [
+        ("h", "f8"),  # a duration, s; 0: none yet
+        ("fade", "f8"),  # what is left after half of it of a theta'' that decays with the drive's lag
+        ("a", "f8"),  # transition of a free mode's (q, v) over half of it: [[a, b], [c, d]]
+        ("b", "f8"),
+        ("c", "f8"),
+        ("d", "f8"),
+        ("wa", "f8"),  # and over the whole
+        ("wb", "f8"),
+        ("wc", "f8"),
+        ("wd", "f8"),
     ],
     align=True,
 )
@@ -55,14 +72,9 @@ MODE = np.dtype(
         ("stiffness", "f8"),  # w^2
         ("static", "f8"),  # how q follows a constant theta'', m s^2
         ("lagged", "f8"),  # and one that decays with the drive's lag
-        ("ea", "f8"),  # transition of (q, v) over the cycle's early part: [[ea, eb], [ec, ed]]
-        ("eb", "f8"),
-        ("ec", "f8"),
-        ("ed", "f8"),
-        ("la", "f8"),  # and over its late part
-        ("lb", "f8"),
-        ("lc", "f8"),
-        ("ld", "f8"),
+        ("one", STEP),  # the two durations that a cycle usually asks for
+        ("other", STEP),
+        ("replaced", "i8"),  # which of them comes next
     ],
     align=True,
 )
@@ -136,4 +148,6 @@ def make_arm(joint: Records, modes: Records, laws: Records) -> Arm:
     """An arm of these parts, each of its own memory."""
     joint, modes = joint.copy(), modes.copy()
     joint["modes"], joint["laws"] = len(modes), len(laws)
+    joint["changes"] = np.any(laws["site"] == FREQUENCY)
+    joint["pushes"] = np.any(laws["site"] != FREQUENCY)
     return joint, modes, laws if len(laws) else np.zeros(1, LAW), np.zeros(MOST_STRETCHES, STRETCH)

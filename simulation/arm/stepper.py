@@ -40,8 +40,29 @@ def tune(joint: Record, mode: Record, w: float) -> None:
     mode.damped = w * np.sqrt((1.0 - zeta) * (1.0 + zeta))
     mode.static = -mode.push / (w * w)
     mode.lagged = -mode.push / (decay * decay - 2.0 * zeta * w * decay + w * w)  # no zero, as zeta < 1
-    mode.ea, mode.eb, mode.ec, mode.ed = _transition(mode, joint.early)
-    mode.la, mode.lb, mode.lc, mode.ld = _transition(mode, joint.late)
+    mode.one.h = mode.other.h = 0.0
+
+
+@compiled
+def _worked_out(joint: Record, mode: Record, h: float) -> Record:
+    """A duration's step in the place of the older one of those remembered."""
+    step = mode.one if mode.replaced == 0 else mode.other
+    mode.replaced = 1 - mode.replaced
+    half = 0.5 * h
+    step.h, step.fade = h, np.exp(-joint.decay * half)
+    step.a, step.b, step.c, step.d = _transition(mode, half)
+    step.wa, step.wb, step.wc, step.wd = _transition(mode, h)
+    return step
+
+
+@inlined
+def _step(joint: Record, mode: Record, h: float) -> Record:
+    """What a duration does to a mode; two durations are remembered."""
+    if mode.one.h == h:
+        return mode.one
+    if mode.other.h == h:
+        return mode.other
+    return _worked_out(joint, mode, h)
 
 
 @compiled
@@ -69,6 +90,8 @@ def _linear(
 def _ratio(joint: Record, modes: Record, laws: Record, i: int, t: float) -> float:
     """A mode's frequency over the declared one at a time from the recording's start."""
     ratio = 1.0
+    if joint.changes == 0:
+        return ratio
     for row in range(joint.laws):
         if nth(laws, row).site == _FREQUENCY:
             ratio *= frequency_law(nth(laws, row), max(t, 0.0), float(i), modes.hz)
@@ -86,31 +109,37 @@ def strike(
 
 @inlined
 def _pushed(
-    joint: Record, laws: Record, site: int, t: float, theta: float, omega: float, q: float, v: float, w: float
-) -> float:
-    """What all laws of a site give the first mode, m/s^2."""
-    total = 0.0
+    joint: Record, laws: Record, t: float, theta: float, omega: float, q: float, v: float, w: float
+) -> tuple[float, float]:
+    """What laws of force give the first mode, and the largest friction, m/s^2."""
+    push, rub, since = 0.0, 0.0, max(t, 0.0)
     for row in range(joint.laws):
-        if nth(laws, row).site == site:
-            total += state_law(nth(laws, row), max(t, 0.0), theta, omega, q, v, w)
-    return total
+        law = nth(laws, row)
+        if law.site == _FORCE:
+            push += state_law(law, since, theta, omega, q, v, w)
+        elif law.site == _FRICTION:
+            rub += state_law(law, since, theta, omega, q, v, w)
+    return push, rub
 
 
 @inlined
 def _deviation(
     joint: Record, modes: Record, laws: Record, i: int, t: float, x: float, theta: float, omega: float,
-    q: float, v: float, ratio: float, direction: float,
-) -> float:  # fmt: skip
-    """q'' beyond the linear equation of the tuned mode, m/s^2. x: s from the cycle's start. direction: of the rate, for
-    friction to act against; 0: no friction."""
-    w0, w = nth(modes, i).w, 2.0 * np.pi * nth(modes, i).hz * ratio
-    extra = -2.0 * nth(modes, i).zeta * (w - w0) * v - (w * w - w0 * w0) * q if w != w0 else 0.0
+    q: float, v: float, ratio: float,
+) -> tuple[float, float]:  # fmt: skip
+    """q'' beyond the linear equation of the tuned mode, without friction, and the largest friction, m/s^2. x: s from
+    the cycle's start."""
+    mode = nth(modes, i)
+    w0, w, extra, rub = mode.w, mode.w, 0.0, 0.0
+    if joint.changes != 0:
+        w = 2.0 * np.pi * mode.hz * ratio
+        extra = -2.0 * mode.zeta * (w - w0) * v - (w * w - w0 * w0) * q
     if i == 0:
         extra += joint.c0 + x * (joint.c1 + x * joint.c2)
-        extra += _pushed(joint, laws, _FORCE, t, theta, omega, q, v, w)
-        if direction != 0.0:
-            extra -= direction * _pushed(joint, laws, _FRICTION, t, theta, omega, q, v, w)
-    return extra
+        if joint.pushes != 0:
+            push, rub = _pushed(joint, laws, t, theta, omega, q, v, w)
+            extra += push
+    return extra, rub
 
 
 @compiled
@@ -123,31 +152,39 @@ def _kicked(
     t: from the recording's start, x: from the cycle's, both at the step's beginning, s.
     """
     mode, decay, half = nth(modes, i), stretch.decay, 0.5 * h
-    start = stretch.start * np.exp(-decay * at)
-    middle, end = start * np.exp(-decay * half), start * np.exp(-decay * h)
-    theta = stretch.theta + way(stretch.omega, decay, stretch.start, at)
-    omega = stretch.omega + stretch.start * risen(decay, at)
-    theta_m, omega_m = theta + way(omega, decay, start, half), omega + start * risen(decay, half)
-    theta_e, omega_e = theta + way(omega, decay, start, h), omega + start * risen(decay, h)
+    step = _step(joint, mode, h)
+    start, theta, omega = stretch.start, stretch.theta, stretch.omega
+    if at > 0.0:
+        theta, omega = theta + way(omega, decay, start, at), omega + start * risen(decay, at)
+        start *= np.exp(-decay * at)
+    if decay == 0.0:
+        middle, end, half_risen, whole_risen = start, start, half, h
+        theta_m, theta_e = theta + half * (omega + 0.5 * start * half), theta + h * (omega + 0.5 * start * h)
+    else:
+        middle, end = start * step.fade, start * step.fade * step.fade
+        half_risen, whole_risen = (1.0 - step.fade) / decay, (1.0 - step.fade * step.fade) / decay
+        theta_m = theta + omega * half + start / decay * (half - half_risen)
+        theta_e = theta + omega * h + start / decay * (h - whole_risen)
+    omega_m, omega_e = omega + start * half_risen, omega + start * whole_risen
     r0, r1 = _ratio(joint, modes, laws, i, t + _INSIDE * h), _ratio(joint, modes, laws, i, t + half)
     r2 = _ratio(joint, modes, laws, i, t + h - _INSIDE * h)
-    turn, whole = _transition(mode, half), _transition(mode, h)
-    qh, vh = _linear(mode, q, v, decay, start, middle, turn)
-    qe, ve = _linear(mode, q, v, decay, start, end, whole)
-    b, d = turn[1], turn[3]
-    k1 = _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, r0, direction)
-    k2 = _deviation(
-        joint, modes, laws, i, t + half, x + half, theta_m, omega_m, qh + half * b * k1, vh + half * d * k1, r1,
-        direction,
-    )  # fmt: skip
-    k3 = _deviation(
-        joint, modes, laws, i, t + half, x + half, theta_m, omega_m, qh, vh + half * k2, r1, direction
+    qh, vh = _linear(mode, q, v, decay, start, middle, (step.a, step.b, step.c, step.d))
+    qe, ve = _linear(mode, q, v, decay, start, end, (step.wa, step.wb, step.wc, step.wd))
+    b, d = step.b, step.d
+    push, rub = _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, r0)
+    k1 = push - direction * rub
+    q2, v2 = qh + half * b * k1, vh + half * d * k1
+    push, rub = _deviation(joint, modes, laws, i, t + half, x + half, theta_m, omega_m, q2, v2, r1)
+    k2 = push - direction * rub
+    push, rub = _deviation(
+        joint, modes, laws, i, t + half, x + half, theta_m, omega_m, qh, vh + half * k2, r1
     )
-    k4 = _deviation(
-        joint, modes, laws, i, t + h, x + h, theta_e, omega_e, qe + h * b * k3, ve + h * d * k3, r2, direction
-    )
+    k3 = push - direction * rub
+    q4, v4 = qe + h * b * k3, ve + h * d * k3
+    push, rub = _deviation(joint, modes, laws, i, t + h, x + h, theta_e, omega_e, q4, v4, r2)
+    k4 = push - direction * rub
     both = 2.0 * (k2 + k3)
-    return qe + h / 6.0 * (whole[1] * k1 + b * both), ve + h / 6.0 * (whole[3] * k1 + d * both + k4)
+    return qe + h / 6.0 * (step.wb * k1 + b * both), ve + h / 6.0 * (step.wd * k1 + d * both + k4)
 
 
 @inlined
@@ -158,13 +195,11 @@ def _second(
     """q_i'' without friction, and the largest friction, m/s^2."""
     mode = nth(modes, i)
     free = mode.force - mode.push * alpha - 2.0 * mode.sigma * v - mode.stiffness * q
-    rub = 0.0
-    if joint.laws > 0 or (i == 0 and _acts(joint, laws)):
+    extra, rub = 0.0, 0.0
+    if joint.laws > 0 or (i == 0 and _acts(joint)):
         ratio = _ratio(joint, modes, laws, i, t)
-        free += _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, ratio, 0.0)
-        if i == 0:
-            rub = _pushed(joint, laws, _FRICTION, t, theta, omega, q, v, 2.0 * np.pi * mode.hz * ratio)
-    return free, rub
+        extra, rub = _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, ratio)
+    return free + extra, rub
 
 
 @compiled
@@ -264,21 +299,21 @@ def _mode_through(
     t: float,
     x: float,
     at: float,
-    end: float,
+    end_at: float,
     stretch: Record,
 ) -> None:
     """A mode through a part of a stretch in which no law breaks off."""
-    h, mode = end - at, nth(modes, i)
+    h, mode = end_at - at, nth(modes, i)
     middle = _ratio(joint, modes, laws, i, t + at + 0.5 * h)
     varies = (
         _ratio(joint, modes, laws, i, t + at + _INSIDE * h) != middle
-        or _ratio(joint, modes, laws, i, t + end - _INSIDE * h) != middle
+        or _ratio(joint, modes, laws, i, t + end_at - _INSIDE * h) != middle
     )
     w = 2.0 * np.pi * mode.hz * middle
     if w != mode.w:
         tune(joint, mode, w)
-    if i == 0 and _acts(joint, laws):
-        _first_through(joint, modes, laws, t, x, at, end, stretch, h / np.ceil(w * h / joint.turn))
+    if i == 0 and _acts(joint):
+        _first_through(joint, modes, laws, t, x, at, end_at, stretch, h / np.ceil(w * h / joint.turn))
     elif varies:
         parts = int(np.ceil(w * h / _TURN_OF_DRIFT))
         for part in range(parts):
@@ -287,20 +322,18 @@ def _mode_through(
                 joint, modes, laws, i, t + now, x + now, now, h / parts, stretch, mode.q, mode.v, 0.0
             )
     else:
-        start = stretch.start * np.exp(-stretch.decay * at)
-        turn = _transition(mode, h)
-        mode.q, mode.v = _linear(
-            mode, mode.q, mode.v, stretch.decay, start, start * np.exp(-stretch.decay * h), turn
-        )
+        step = _step(joint, mode, h)
+        start, end = stretch.start, stretch.end
+        if h != stretch.duration:
+            start, end = start * np.exp(-stretch.decay * at), start * np.exp(-stretch.decay * end_at)
+        turn = (step.wa, step.wb, step.wc, step.wd)
+        mode.q, mode.v = _linear(mode, mode.q, mode.v, stretch.decay, start, end, turn)
 
 
 @inlined
-def _acts(joint: Record, laws: Record) -> bool:
+def _acts(joint: Record) -> bool:
     """Whether anything but its own linear equation acts on the first mode."""
-    for row in range(joint.laws):
-        if nth(laws, row).site != _FREQUENCY:
-            return True
-    return bool(joint.c0 != 0.0 or joint.c1 != 0.0 or joint.c2 != 0.0)
+    return bool(joint.pushes != 0 or joint.c0 != 0.0 or joint.c1 != 0.0 or joint.c2 != 0.0)
 
 
 @inlined
@@ -308,13 +341,10 @@ def _freely_through(joint: Record, modes: Record, first: int, stretch: Record) -
     """The modes from number `first` on through a stretch, where nothing but the joint moves them."""
     for i in range(first, joint.modes):
         mode = nth(modes, i)
-        if stretch.duration == joint.late:
-            turn = (mode.la, mode.lb, mode.lc, mode.ld)
-        elif stretch.duration == joint.early:
-            turn = (mode.ea, mode.eb, mode.ec, mode.ed)
-        else:
-            turn = _transition(mode, stretch.duration)
-        mode.q, mode.v = _linear(mode, mode.q, mode.v, stretch.decay, stretch.start, stretch.end, turn)
+        if stretch.duration > 0.0:
+            step = _step(joint, mode, stretch.duration)
+            turn = (step.wa, step.wb, step.wc, step.wd)
+            mode.q, mode.v = _linear(mode, mode.q, mode.v, stretch.decay, stretch.start, stretch.end, turn)
 
 
 @inlined
@@ -326,9 +356,7 @@ def modes_through(
         if nth(modes, i).w == 0.0:  # as made
             tune(joint, nth(modes, i), 2.0 * np.pi * nth(modes, i).hz)
     x = 0.0
-    acts, changes = _acts(joint, laws), False
-    for row in range(joint.laws):
-        changes = changes or nth(laws, row).site == _FREQUENCY
+    acts, changes = _acts(joint), joint.changes != 0
     for k in range(count):
         stretch = nth(stretches, k)
         duration, at = stretch.duration, 0.0
