@@ -8,7 +8,8 @@ import numpy as np
 
 from common.causes import Cause as Declaration
 from common.causes import Parameter, Place
-from diagnosis.cause import Cause, Context, Trial, arm_moves, driven, free_of, has, plain
+from common.causes.declaration import OTHERS
+from diagnosis.cause import Cause, Context, Trial, arm_moves, driven, has, plain
 from diagnosis.declared_effects import quantity_of
 from diagnosis.world import World
 
@@ -30,6 +31,11 @@ def declared_cause(cause: Declaration) -> Cause:
     others = [one for one in cause.numbers if one not in sizes]
     moves = cause.place in ("arm", "drive")
 
+    def shown_in(world: World) -> dict[str, str]:
+        """Quantities by parameter, but for what only an arm of several modes shows."""
+        alone = world.modes == 1
+        return {name: quantity for name, quantity in names.items() if not (alone and name == OTHERS.name)}
+
     def trials(context: Context) -> list[Trial]:
         found = []
         for values in product(*(_begins(one) for one in others)):
@@ -45,8 +51,8 @@ def declared_cause(cause: Declaration) -> Cause:
         id=cause.identifier,
         needs=_NEEDS[cause.place],
         trials=trials,
-        free=free_of(*names.values()),
-        parameters_of=lambda fit: plain(fit, **names),
+        free=lambda world: tuple(shown_in(world).values()),
+        parameters_of=lambda fit: plain(fit, **shown_in(fit.world)),
     )
 
 
