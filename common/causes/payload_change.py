@@ -8,7 +8,7 @@ def law(
 ) -> float:
     """A mode's frequency over the declared one."""
     share = 1.0 if mode == 0.0 else higher_modes_share
-    return 1.0 + share * (frequency_ratio - 1.0) if t >= onset_s else 1.0
+    return 1.0 + share * (frequency_ratio - 1.0) if t.real >= onset_s.real else 1.0
 
 
 CAUSE = Cause(

@@ -58,3 +58,21 @@ def test_an_effect_is_idle_where_its_size_is_nothing() -> None:
         {"onset_s": 0.0, "frequency_ratio": 1.1, "higher_modes_share": 0.0}
     )
     assert CAUSES["mains_hum"].is_idle({"frequency_hz": 50.0, "amplitude_m_s2": 0.0, "phase_rad": 0.0})
+
+
+@every_cause
+def test_a_complex_step_through_a_law_of_the_arm_is_its_derivative(cause: Cause) -> None:
+    """f(x + i h) / h has the derivative as its imaginary part, to the last digits (Squire and Trapp, 1998)."""
+    if cause.law is None or cause.acts not in ("force", "friction", "frequency"):
+        return
+    values = {one.name: one.default or (one.typical[0] if one.typical[0] else 2.0) for one in cause.numbers}
+    state = (3.1, 0.3, 0.2, 0.01, -0.2, 16.0) if GIVEN[cause.acts] == 6 else (3.1, 0.0, 2.6)
+    given = [*state, *cause.arguments(values)]
+    for place in range(len(given)):
+        if cause.acts == "frequency" and place == 1:  # the number of a mode
+            continue
+        step = 1e-4 * max(abs(given[place]), 1e-3)
+        inside = [*given[:place], complex(given[place], 1e-30), *given[place + 1 :]]
+        ends = [cause.law(*given[:place], given[place] + side, *given[place + 1 :]) for side in (step, -step)]
+        by_difference = (ends[0] - ends[1]) / (2.0 * step)
+        assert complex(cause.law(*inside)).imag / 1e-30 == pytest.approx(by_difference, rel=1e-4, abs=1e-12)
