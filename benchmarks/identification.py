@@ -22,7 +22,7 @@ from common.user_error import UserError
 from diagnosis.diagnose import diagnose
 from simulation.arm.compiled_laws import laws_of
 from simulation.arm.free_run import free_run
-from simulation.arm.state import make_arm, make_joint, make_modes
+from simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
@@ -225,9 +225,8 @@ def simulation_speed() -> dict[str, float]:
     first, still = np.zeros(1, np.int64), np.zeros((1, 2, 2))
 
     def once() -> None:
-        link, whole = make_joint(drive, dt)
-        arm = make_arm(link, make_modes(pushed), laws_of([]))
-        free_run(*arm, command, whole, first, still, joint, motor, q, qdd)
+        arm, whole = make_arm(drive, dt, pushed, laws_of([]))
+        free_run(arm, command, whole, first, still, joint, motor, q, qdd)
 
     once()
     ours = min(_timed(once) for _ in range(5))

@@ -30,7 +30,7 @@ from diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layo
 from diagnosis.struck_flanks import without_strikes
 from simulation.arm.compiled_laws import laws_of, obeyed
 from simulation.arm.free_run import driven_run, free_run, reads_later
-from simulation.arm.state import make_arm, make_joint, make_modes
+from simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
@@ -167,20 +167,18 @@ class World:
             dead_time_s=self._dead_s(vector),
         )
         turn = _TURN_OF_PAIR if self.measured.pair else _TURN
-        link, whole = make_joint(drive, self.measured.cycle_s, float(vector[at["drive.gap_rad"]]), turn)
-        link["motor"], link["rate"] = vector[at["start.theta"]], vector[at["start.omega"]]
-        arm = make_arm(link, make_modes(rows), laws_of(effects))
+        gap = float(vector[at["drive.gap_rad"]])
+        arm, whole = make_arm(drive, self.measured.cycle_s, rows, laws_of(effects), gap, turn)
+        arm["motor"], arm["rate"] = vector[at["start.theta"]], vector[at["start.omega"]]
         joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
         q, qdd = np.empty((n, m)), np.empty((n, m))
         if self.measured.pair:
             force = vector[at["pair.gain"]] * (self._force + vector[at["pair.input_offset"]])
-            driven_run(
-                *arm, force, self.measured.cycle_s, _SUBSTEPS_OF_PAIR, self._jump_cycles, jumps, q, qdd
-            )
+            driven_run(arm, force, self.measured.cycle_s, _SUBSTEPS_OF_PAIR, self._jump_cycles, jumps, q, qdd)
         else:
             limit = vector[at["drive.max_velocity_rad_s"]]
             command = obeyed(effects, np.clip(self._command, -limit, limit))
-            free_run(*arm, command, whole, self._jump_cycles, jumps, joint, motor, q, qdd)
+            free_run(arm, command, whole, self._jump_cycles, jumps, joint, motor, q, qdd)
         deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
         tip_of(joint, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
         of = vector[self._moving]

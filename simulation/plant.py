@@ -17,7 +17,7 @@ from common.effects import acting, check_effects, declared, effect_of, laws_at
 from common.model import Model, length_of
 from common.user_error import UserError
 from simulation.arm.compiled_laws import laws_of
-from simulation.arm.state import make_arm, make_joint, make_modes
+from simulation.arm.state import make_arm, modes_of
 from simulation.arm.stepper import advance, look, strike
 from simulation.effect_clock import EffectClock
 
@@ -49,17 +49,15 @@ class Plant:
         backlash = effect_of(model, "gear_backlash")
         gap_rad = backlash["gap_rad"] if backlash else 0.0
         self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
-        joint, whole = make_joint(model.drive, self.cycle_s, gap_rad)
-        self._under_way = deque([0.0] * whole)
-        self._acting = 0.0
         rows = [
             (one.frequency_hz, one.damping_ratio, one.participation * self._length_m)
             for one in model.arm.modes
         ]
         self._count = len(rows)
         effects = acting(model)
-        parts = joint, make_modes(np.array(rows)), laws_of(effects)
-        self._arm = make_arm(*parts)
+        self._arm, whole = make_arm(model.drive, self.cycle_s, np.array(rows), laws_of(effects), gap_rad)
+        self._under_way = deque([0.0] * whole)
+        self._acting = 0.0
         first_hz = model.arm.modes[0].frequency_hz
         self._limits = [
             (identifier, cause.limit, first_hz, cause.arguments(values))
@@ -68,7 +66,7 @@ class Plant:
         ]
         self._seen_array = np.zeros(5 + 3 * len(rows))
         # all that a cycle calls is compiled before any clock runs
-        advance(*make_arm(*parts), 0.0, 0.0, 0.0, self._seen_array)
+        advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)
         self._shaken_m_s2 = self.modal_forces_m_s2
         self._see()
 
@@ -85,7 +83,7 @@ class Plant:
         self._under_way.append(command_rad_s)
         before, self._acting = self._acting, self._under_way.popleft()
         self._shake()
-        advance(*self._arm, self._since_start_s, before, self._acting, self._seen_array)
+        advance(self._arm, self._since_start_s, before, self._acting, self._seen_array)
         self.cycle += 1
         self._seen = self._seen_array.tolist()
         for identifier, broken, first_hz, own in self._limits:
@@ -100,17 +98,17 @@ class Plant:
         """
         if not 1 <= mode <= self._count:
             raise IndexError(f"mode {mode}: the arm has modes 1 to {self._count}")
-        strike(*self._arm, mode - 1, self._since_start_s, deflection_m)
+        strike(self._arm, mode - 1, self._since_start_s, deflection_m)
         self._see()
 
     def _shake(self) -> None:
         """Hand on the disturbance, where it is another one."""
         if self._shaken_m_s2 is not self.modal_forces_m_s2:
             self._shaken_m_s2 = self.modal_forces_m_s2
-            self._arm[1]["force"] = self._shaken_m_s2
+            modes_of(self._arm)["force"] = self._shaken_m_s2
 
     def _see(self) -> None:
-        look(*self._arm, self._since_start_s, self._seen_array)
+        look(self._arm, self._since_start_s, self._seen_array)
         self._seen = self._seen_array.tolist()
 
     @property

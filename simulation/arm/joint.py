@@ -60,11 +60,11 @@ def _reaches(
 
 @inlined
 def _add(
-    stretches: Record, count: int, duration: float, decay: float, start: float, end: float, jump: float,
+    arm: Record, count: int, duration: float, decay: float, start: float, end: float, jump: float,
     theta: float, omega: float,
 ) -> int:  # fmt: skip
     """One more stretch; returns how many there are."""
-    one = nth(stretches, count)
+    one = nth(arm.stretch, count)
     one.duration, one.decay, one.start, one.end = duration, decay, start, end
     one.jump, one.theta, one.omega = jump, theta, omega
     return count + 1
@@ -72,139 +72,134 @@ def _add(
 
 @compiled
 def _behind_play(
-    joint: Record,
+    arm: Record,
     omega: float,
     decay: float,
     start: float,
     begin: float,
     end: float,
-    stretches: Record,
     count: int,
 ) -> int:
     """The link's stretches over a span in which the motor does not turn, of a stretch that it begins with omega."""
     passed = way(omega, decay, start, begin)
     across = way(omega, decay, start, end) - passed
-    link = joint.motor + passed - joint.ahead
+    link = arm.motor + passed - arm.ahead
     if across == 0.0:
-        joint.contact = 0.0
-        return _add(stretches, count, end - begin, 0.0, 0.0, 0.0, 0.0, link, 0.0)
+        arm.contact = 0.0
+        return _add(arm, count, end - begin, 0.0, 0.0, 0.0, 0.0, link, 0.0)
     side = 1.0 if across > 0.0 else -1.0
-    flank = side * 0.5 * joint.gap
+    flank = side * 0.5 * arm.gap
     first, last = start * np.exp(-decay * begin), start * np.exp(-decay * end)
-    if joint.ahead == flank:
-        joint.contact = 1.0
+    if arm.ahead == flank:
+        arm.contact = 1.0
         rate = omega + start * risen(decay, begin)
-        return _add(stretches, count, end - begin, decay, first, last, 0.0, link, rate)
-    joint.contact = 0.0
-    ahead = joint.ahead + across
+        return _add(arm, count, end - begin, decay, first, last, 0.0, link, rate)
+    arm.contact = 0.0
+    ahead = arm.ahead + across
     if (flank - ahead) * across > 0.0:  # by the sum as rounded: what is on the flank later has struck it now
-        joint.ahead = ahead
-        return _add(stretches, count, end - begin, 0.0, 0.0, 0.0, 0.0, link, 0.0)
-    contact = _reaches(omega, decay, start, flank - joint.ahead + passed, side, begin, end)
-    joint.ahead, joint.contact = flank, 1.0
+        arm.ahead = ahead
+        return _add(arm, count, end - begin, 0.0, 0.0, 0.0, 0.0, link, 0.0)
+    contact = _reaches(omega, decay, start, flank - arm.ahead + passed, side, begin, end)
+    arm.ahead, arm.contact = flank, 1.0
     rate = omega + start * risen(decay, contact)
-    count = _add(stretches, count, contact - begin, 0.0, 0.0, 0.0, rate, link, 0.0)
+    count = _add(arm, count, contact - begin, 0.0, 0.0, 0.0, rate, link, 0.0)
     if end > contact:
         first = start * np.exp(-decay * contact)
-        count = _add(stretches, count, end - contact, decay, first, last, 0.0, link, rate)
+        count = _add(arm, count, end - contact, decay, first, last, 0.0, link, rate)
     return count
 
 
 @inlined
 def _link(
-    joint: Record,
+    arm: Record,
     duration: float,
     decay: float,
     start: float,
     end: float,
     jump: float,
-    stretches: Record,
     count: int,
 ) -> int:
     """What the link makes of the motor's next stretch, from the motor's state before it."""
-    omega = joint.rate
-    if joint.gap == 0.0:
-        return _add(stretches, count, duration, decay, start, end, jump, joint.motor, omega)
+    omega = arm.rate
+    if arm.gap == 0.0:
+        return _add(arm, count, duration, decay, start, end, jump, arm.motor, omega)
     turn = _turn(omega, decay, start, duration)
     if turn > 0.0:
-        count = _behind_play(joint, omega, decay, start, 0.0, turn, stretches, count)
+        count = _behind_play(arm, omega, decay, start, 0.0, turn, count)
     if duration > turn:
-        count = _behind_play(joint, omega, decay, start, turn, duration, stretches, count)
-    if jump != 0.0 and joint.contact == 1.0:  # the motor's own end stop
-        theta = joint.motor + way(omega, decay, start, duration) - joint.ahead
-        count = _add(stretches, count, 0.0, 0.0, 0.0, 0.0, jump, theta, -jump)
+        count = _behind_play(arm, omega, decay, start, turn, duration, count)
+    if jump != 0.0 and arm.contact == 1.0:  # the motor's own end stop
+        theta = arm.motor + way(omega, decay, start, duration) - arm.ahead
+        count = _add(arm, count, 0.0, 0.0, 0.0, 0.0, jump, theta, -jump)
     return count
 
 
 @compiled
-def _strikes(joint: Record, decay: float, start: float, duration: float) -> tuple[float, float, float]:
+def _strikes(arm: Record, decay: float, start: float, duration: float) -> tuple[float, float, float]:
     """The motor's first impact on an end stop in a stretch: when, where, and its velocity then; else the stretch's
     duration and no velocity."""
-    theta, omega = joint.motor, joint.rate
+    theta, omega = arm.motor, arm.rate
     turn = _turn(omega, decay, start, duration)
     before = 0.0
     for after in (turn, duration):
         there = theta + way(omega, decay, start, after)
-        if joint.lowest <= there <= joint.highest:
+        if arm.lowest <= there <= arm.highest:
             before = after
             continue
-        stop, side = (joint.highest, 1.0) if there > joint.highest else (joint.lowest, -1.0)
+        stop, side = (arm.highest, 1.0) if there > arm.highest else (arm.lowest, -1.0)
         instant = _reaches(omega, decay, start, stop - theta, side, before, after)
         return instant, stop, omega + start * risen(decay, instant)
     return duration, theta, 0.0
 
 
 @inlined
-def _move(
-    joint: Record, duration: float, decay: float, start: float, stretches: Record, count: int
-) -> tuple[float, int]:
+def _move(arm: Record, duration: float, decay: float, start: float, count: int) -> tuple[float, int]:
     """Move the motor under theta'' = start exp(-decay t), or to its first impact on an end stop: the time used, and how
     many stretches there are."""
-    most = (abs(joint.rate) + abs(start) * duration) * duration
-    if joint.motor - most < joint.lowest or joint.motor + most > joint.highest:
-        instant, stop, velocity = _strikes(joint, decay, start, duration)
+    most = (abs(arm.rate) + abs(start) * duration) * duration
+    if arm.motor - most < arm.lowest or arm.motor + most > arm.highest:
+        instant, stop, velocity = _strikes(arm, decay, start, duration)
         if velocity != 0.0:
             end = start * np.exp(-decay * instant)
-            count = _link(joint, instant, decay, start, end, -velocity, stretches, count)
-            joint.motor, joint.rate, joint.acceleration = stop, 0.0, 0.0
+            count = _link(arm, instant, decay, start, end, -velocity, count)
+            arm.motor, arm.rate, arm.acceleration = stop, 0.0, 0.0
             return instant, count
     if decay == 0.0:
         lasted, end = duration, start
-        passed = duration * (joint.rate + 0.5 * start * duration)
+        passed = duration * (arm.rate + 0.5 * start * duration)
     else:
         lasted = (
-            joint.late_risen if duration == joint.late
-            else joint.early_risen if duration == joint.early
+            arm.late_risen if duration == arm.late
+            else arm.early_risen if duration == arm.early
             else risen(decay, duration)
         )  # fmt: skip
         end = start * (1.0 - decay * lasted)
-        passed = joint.rate * duration + start / decay * (duration - lasted)
-    count = _link(joint, duration, decay, start, end, 0.0, stretches, count)
-    joint.motor = min(max(joint.motor + passed, joint.lowest), joint.highest)
-    joint.rate += start * lasted
-    joint.acceleration = end
+        passed = arm.rate * duration + start / decay * (duration - lasted)
+    count = _link(arm, duration, decay, start, end, 0.0, count)
+    arm.motor = min(max(arm.motor + passed, arm.lowest), arm.highest)
+    arm.rate += start * lasted
+    arm.acceleration = end
     return duration, count
 
 
 @inlined
-def hold(joint: Record, span: float, target: float, stretches: Record, count: int) -> int:
+def hold(arm: Record, span: float, target: float, count: int) -> int:
     """Move for `span` s towards the constant velocity `target`, rad/s; returns how many stretches there are now."""
-    linear = joint.most / joint.decay
+    linear = arm.most / arm.decay
     while span > 0.0 and count < _MOST_STRETCHES:
-        omega = joint.rate
+        omega = arm.rate
         if omega == 0.0 and (
-            (joint.motor >= joint.highest and target >= 0.0)
-            or (joint.motor <= joint.lowest and target <= 0.0)
+            (arm.motor >= arm.highest and target >= 0.0) or (arm.motor <= arm.lowest and target <= 0.0)
         ):
-            joint.acceleration = 0.0
-            return _link(joint, span, 0.0, 0.0, 0.0, 0.0, stretches, count)
+            arm.acceleration = 0.0
+            return _link(arm, span, 0.0, 0.0, 0.0, 0.0, count)
         error = target - omega
         excess = abs(error) - linear
         # what rounding leaves of an excess must not count as one, or the loop would never end
         if excess > 1e-12 * (linear + abs(target) + abs(omega)):
-            start = joint.most if error > 0.0 else -joint.most
-            used, count = _move(joint, min(span, excess / joint.most), 0.0, start, stretches, count)
+            start = arm.most if error > 0.0 else -arm.most
+            used, count = _move(arm, min(span, excess / arm.most), 0.0, start, count)
         else:
-            used, count = _move(joint, span, joint.decay, joint.decay * error, stretches, count)
+            used, count = _move(arm, span, arm.decay, arm.decay * error, count)
         span -= used
     return count

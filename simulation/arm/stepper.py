@@ -33,9 +33,9 @@ _INSIDE = 1e-9  # of a step: at its ends a law is asked just inside it, as it ma
 
 
 @compiled
-def tune(joint: Record, mode: Record, w: float) -> None:
+def tune(arm: Record, mode: Record, w: float) -> None:
     """Let a mode vibrate at another angular frequency from now on; damping ratio, deflection and rate stay."""
-    zeta, decay = mode.zeta, joint.decay
+    zeta, decay = mode.zeta, arm.decay
     mode.w, mode.sigma, mode.stiffness = w, zeta * w, w * w
     mode.damped = w * np.sqrt((1.0 - zeta) * (1.0 + zeta))
     mode.static = -mode.push / (w * w)
@@ -44,25 +44,25 @@ def tune(joint: Record, mode: Record, w: float) -> None:
 
 
 @compiled
-def _worked_out(joint: Record, mode: Record, h: float) -> Record:
+def _worked_out(arm: Record, mode: Record, h: float) -> Record:
     """A duration's step in the place of the older one of those remembered."""
     step = mode.one if mode.replaced == 0 else mode.other
     mode.replaced = 1 - mode.replaced
     half = 0.5 * h
-    step.h, step.fade = h, np.exp(-joint.decay * half)
+    step.h, step.fade = h, np.exp(-arm.decay * half)
     step.a, step.b, step.c, step.d = _transition(mode, half)
     step.wa, step.wb, step.wc, step.wd = _transition(mode, h)
     return step
 
 
 @inlined
-def _step(joint: Record, mode: Record, h: float) -> Record:
+def _step(arm: Record, mode: Record, h: float) -> Record:
     """What a duration does to a mode; two durations are remembered."""
     if mode.one.h == h:
         return mode.one
     if mode.other.h == h:
         return mode.other
-    return _worked_out(joint, mode, h)
+    return _worked_out(arm, mode, h)
 
 
 @compiled
@@ -87,34 +87,32 @@ def _linear(
 
 
 @inlined
-def _ratio(joint: Record, modes: Record, laws: Record, i: int, t: float) -> float:
+def _ratio(arm: Record, i: int, t: float) -> float:
     """A mode's frequency over the declared one at a time from the recording's start."""
     ratio = 1.0
-    if joint.changes == 0:
+    if arm.changes == 0:
         return ratio
-    for row in range(joint.laws):
-        if nth(laws, row).site == _FREQUENCY:
-            ratio *= frequency_law(nth(laws, row), max(t, 0.0), float(i), modes.hz)
+    for row in range(arm.laws):
+        if nth(arm.law, row).site == _FREQUENCY:
+            ratio *= frequency_law(nth(arm.law, row), max(t, 0.0), float(i), arm.mode.hz)
     return max(ratio, _LEAST_RATIO)
 
 
 @compiled
-def strike(
-    joints: Records, all_modes: Records, all_laws: Records, room: Records, i: int, t: float, deflection: float
-) -> None:
+def strike(arms: Records, i: int, t: float, deflection: float) -> None:
     """A blow on a mode, after which it rings with amplitude `deflection`, m: its rate jumps by w times that."""
-    ratio = _ratio(joints[0], all_modes[0], all_laws[0], i, t)
-    all_modes[i].v += 2.0 * np.pi * all_modes[i].hz * ratio * deflection
+    mode = nth(arms[0].mode, i)
+    mode.v += 2.0 * np.pi * mode.hz * _ratio(arms[0], i, t) * deflection
 
 
 @inlined
 def _pushed(
-    joint: Record, laws: Record, t: float, theta: float, omega: float, q: float, v: float, w: float
+    arm: Record, t: float, theta: float, omega: float, q: float, v: float, w: float
 ) -> tuple[float, float]:
     """What laws of force give the first mode, and the largest friction, m/s^2."""
     push, rub, since = 0.0, 0.0, max(t, 0.0)
-    for row in range(joint.laws):
-        law = nth(laws, row)
+    for row in range(arm.laws):
+        law = nth(arm.law, row)
         if law.site == _FORCE:
             push += state_law(law, since, theta, omega, q, v, w)
         elif law.site == _FRICTION:
@@ -124,35 +122,35 @@ def _pushed(
 
 @inlined
 def _deviation(
-    joint: Record, modes: Record, laws: Record, i: int, t: float, x: float, theta: float, omega: float,
+    arm: Record, i: int, t: float, x: float, theta: float, omega: float,
     q: float, v: float, ratio: float,
 ) -> tuple[float, float]:  # fmt: skip
     """q'' beyond the linear equation of the tuned mode, without friction, and the largest friction, m/s^2. x: s from
     the cycle's start."""
-    mode = nth(modes, i)
+    mode = nth(arm.mode, i)
     w0, w, extra, rub = mode.w, mode.w, 0.0, 0.0
-    if joint.changes != 0:
+    if arm.changes != 0:
         w = 2.0 * np.pi * mode.hz * ratio
         extra = -2.0 * mode.zeta * (w - w0) * v - (w * w - w0 * w0) * q
     if i == 0:
-        extra += joint.c0 + x * (joint.c1 + x * joint.c2)
-        if joint.pushes != 0:
-            push, rub = _pushed(joint, laws, t, theta, omega, q, v, w)
+        extra += arm.c0 + x * (arm.c1 + x * arm.c2)
+        if arm.pushes != 0:
+            push, rub = _pushed(arm, t, theta, omega, q, v, w)
             extra += push
     return extra, rub
 
 
 @compiled
 def _kicked(
-    joint: Record, modes: Record, laws: Record, i: int, t: float, x: float, at: float, h: float,
+    arm: Record, i: int, t: float, x: float, at: float, h: float,
     stretch: Record, q: float, v: float, direction: float,
 ) -> tuple[float, float]:  # fmt: skip
     """A mode on by h under all that acts, from time `at` of the stretch: one step of Lawson's fourth-order method.
 
     t: from the recording's start, x: from the cycle's, both at the step's beginning, s.
     """
-    mode, decay, half = nth(modes, i), stretch.decay, 0.5 * h
-    step = _step(joint, mode, h)
+    mode, decay, half = nth(arm.mode, i), stretch.decay, 0.5 * h
+    step = _step(arm, mode, h)
     start, theta, omega = stretch.start, stretch.theta, stretch.omega
     if at > 0.0:
         theta, omega = theta + way(omega, decay, start, at), omega + start * risen(decay, at)
@@ -166,22 +164,20 @@ def _kicked(
         theta_m = theta + omega * half + start / decay * (half - half_risen)
         theta_e = theta + omega * h + start / decay * (h - whole_risen)
     omega_m, omega_e = omega + start * half_risen, omega + start * whole_risen
-    r0, r1 = _ratio(joint, modes, laws, i, t + _INSIDE * h), _ratio(joint, modes, laws, i, t + half)
-    r2 = _ratio(joint, modes, laws, i, t + h - _INSIDE * h)
+    r0, r1 = _ratio(arm, i, t + _INSIDE * h), _ratio(arm, i, t + half)
+    r2 = _ratio(arm, i, t + h - _INSIDE * h)
     qh, vh = _linear(mode, q, v, decay, start, middle, (step.a, step.b, step.c, step.d))
     qe, ve = _linear(mode, q, v, decay, start, end, (step.wa, step.wb, step.wc, step.wd))
     b, d = step.b, step.d
-    push, rub = _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, r0)
+    push, rub = _deviation(arm, i, t, x, theta, omega, q, v, r0)
     k1 = push - direction * rub
     q2, v2 = qh + half * b * k1, vh + half * d * k1
-    push, rub = _deviation(joint, modes, laws, i, t + half, x + half, theta_m, omega_m, q2, v2, r1)
+    push, rub = _deviation(arm, i, t + half, x + half, theta_m, omega_m, q2, v2, r1)
     k2 = push - direction * rub
-    push, rub = _deviation(
-        joint, modes, laws, i, t + half, x + half, theta_m, omega_m, qh, vh + half * k2, r1
-    )
+    push, rub = _deviation(arm, i, t + half, x + half, theta_m, omega_m, qh, vh + half * k2, r1)
     k3 = push - direction * rub
     q4, v4 = qe + h * b * k3, ve + h * d * k3
-    push, rub = _deviation(joint, modes, laws, i, t + h, x + h, theta_e, omega_e, q4, v4, r2)
+    push, rub = _deviation(arm, i, t + h, x + h, theta_e, omega_e, q4, v4, r2)
     k4 = push - direction * rub
     both = 2.0 * (k2 + k3)
     return qe + h / 6.0 * (step.wb * k1 + b * both), ve + h / 6.0 * (step.wd * k1 + d * both + k4)
@@ -189,24 +185,22 @@ def _kicked(
 
 @inlined
 def _second(
-    joint: Record, modes: Record, laws: Record, i: int, t: float, x: float, theta: float, omega: float,
+    arm: Record, i: int, t: float, x: float, theta: float, omega: float,
     alpha: float, q: float, v: float,
 ) -> tuple[float, float]:  # fmt: skip
     """q_i'' without friction, and the largest friction, m/s^2."""
-    mode = nth(modes, i)
+    mode = nth(arm.mode, i)
     free = mode.force - mode.push * alpha - 2.0 * mode.sigma * v - mode.stiffness * q
     extra, rub = 0.0, 0.0
-    if joint.laws > 0 or (i == 0 and _acts(joint)):
-        ratio = _ratio(joint, modes, laws, i, t)
-        extra, rub = _deviation(joint, modes, laws, i, t, x, theta, omega, q, v, ratio)
+    if arm.laws > 0 or (i == 0 and _acts(arm)):
+        ratio = _ratio(arm, i, t)
+        extra, rub = _deviation(arm, i, t, x, theta, omega, q, v, ratio)
     return free + extra, rub
 
 
 @compiled
 def _pull(
-    joint: Record,
-    modes: Record,
-    laws: Record,
+    arm: Record,
     t: float,
     x: float,
     at: float,
@@ -218,14 +212,12 @@ def _pull(
     theta = stretch.theta + way(stretch.omega, stretch.decay, stretch.start, at)
     omega = stretch.omega + stretch.start * risen(stretch.decay, at)
     alpha = stretch.start * np.exp(-stretch.decay * at)
-    return _second(joint, modes, laws, 0, t + at, x + at, theta, omega, alpha, q, v)
+    return _second(arm, 0, t + at, x + at, theta, omega, alpha, q, v)
 
 
 @compiled
 def _first_through(
-    joint: Record,
-    modes: Record,
-    laws: Record,
+    arm: Record,
     t: float,
     x: float,
     at: float,
@@ -234,40 +226,38 @@ def _first_through(
     most: float,
 ) -> None:
     """The first mode through a part of a stretch in steps of at most `most` s, each with one direction of its rate."""
-    q, v = modes.q, modes.v
+    q, v = arm.mode.q, arm.mode.v
     for _ in range(_MOST_PIECES + int((end - at) / most)):
         if at >= end:
             break
         h = min(most, end - at)
         direction = np.sign(v)
         if v == 0.0:
-            pull, rub = _pull(joint, modes, laws, t, x, at, stretch, q, v)
+            pull, rub = _pull(arm, t, x, at, stretch, q, v)
             direction = np.sign(pull)
             if rub > 0.0 and abs(pull) <= rub:
-                at += _held(joint, modes, laws, t, x, at, h, stretch, q)
+                at += _held(arm, t, x, at, h, stretch, q)
                 continue
-        to_q, to_v = _kicked(joint, modes, laws, 0, t + at, x + at, at, h, stretch, q, v, direction)
+        to_q, to_v = _kicked(arm, 0, t + at, x + at, at, h, stretch, q, v, direction)
         if direction * to_v < 0.0:
             before = 0.0
             for _ in range(_BISECTIONS):
                 middle = 0.5 * (before + h)
-                _, to_v = _kicked(joint, modes, laws, 0, t + at, x + at, at, middle, stretch, q, v, direction)
+                _, to_v = _kicked(arm, 0, t + at, x + at, at, middle, stretch, q, v, direction)
                 if direction * to_v < 0.0:
                     h = middle
                 else:
                     before = middle
-            to_q, _ = _kicked(joint, modes, laws, 0, t + at, x + at, at, h, stretch, q, v, direction)
+            to_q, _ = _kicked(arm, 0, t + at, x + at, at, h, stretch, q, v, direction)
             to_v = 0.0
         q, v = to_q, to_v
         at += h
-    modes.q, modes.v = q, v
+    arm.mode.q, arm.mode.v = q, v
 
 
 @compiled
 def _held(
-    joint: Record,
-    modes: Record,
-    laws: Record,
+    arm: Record,
     t: float,
     x: float,
     at: float,
@@ -276,13 +266,13 @@ def _held(
     q: float,
 ) -> float:
     """How long friction holds the first mode, s, at most h: as theta'' decays one way in a stretch, the pull does."""
-    pull, rub = _pull(joint, modes, laws, t, x, at + h, stretch, q, 0.0)
+    pull, rub = _pull(arm, t, x, at + h, stretch, q, 0.0)
     if abs(pull) <= rub:
         return h
     before = 0.0
     for _ in range(_BISECTIONS):
         middle = 0.5 * (before + h)
-        pull, rub = _pull(joint, modes, laws, t, x, at + middle, stretch, q, 0.0)
+        pull, rub = _pull(arm, t, x, at + middle, stretch, q, 0.0)
         if abs(pull) > rub:
             h = middle
         else:
@@ -292,9 +282,7 @@ def _held(
 
 @compiled
 def _mode_through(
-    joint: Record,
-    modes: Record,
-    laws: Record,
+    arm: Record,
     i: int,
     t: float,
     x: float,
@@ -303,26 +291,23 @@ def _mode_through(
     stretch: Record,
 ) -> None:
     """A mode through a part of a stretch in which no law breaks off."""
-    h, mode = end_at - at, nth(modes, i)
-    middle = _ratio(joint, modes, laws, i, t + at + 0.5 * h)
+    h, mode = end_at - at, nth(arm.mode, i)
+    middle = _ratio(arm, i, t + at + 0.5 * h)
     varies = (
-        _ratio(joint, modes, laws, i, t + at + _INSIDE * h) != middle
-        or _ratio(joint, modes, laws, i, t + end_at - _INSIDE * h) != middle
+        _ratio(arm, i, t + at + _INSIDE * h) != middle or _ratio(arm, i, t + end_at - _INSIDE * h) != middle
     )
     w = 2.0 * np.pi * mode.hz * middle
     if w != mode.w:
-        tune(joint, mode, w)
-    if i == 0 and _acts(joint):
-        _first_through(joint, modes, laws, t, x, at, end_at, stretch, h / np.ceil(w * h / joint.turn))
+        tune(arm, mode, w)
+    if i == 0 and _acts(arm):
+        _first_through(arm, t, x, at, end_at, stretch, h / np.ceil(w * h / arm.turn))
     elif varies:
         parts = int(np.ceil(w * h / _TURN_OF_DRIFT))
         for part in range(parts):
             now = at + part * h / parts
-            mode.q, mode.v = _kicked(
-                joint, modes, laws, i, t + now, x + now, now, h / parts, stretch, mode.q, mode.v, 0.0
-            )
+            mode.q, mode.v = _kicked(arm, i, t + now, x + now, now, h / parts, stretch, mode.q, mode.v, 0.0)
     else:
-        step = _step(joint, mode, h)
+        step = _step(arm, mode, h)
         start, end = stretch.start, stretch.end
         if h != stretch.duration:
             start, end = start * np.exp(-stretch.decay * at), start * np.exp(-stretch.decay * end_at)
@@ -331,112 +316,95 @@ def _mode_through(
 
 
 @inlined
-def _acts(joint: Record) -> bool:
+def _acts(arm: Record) -> bool:
     """Whether anything but its own linear equation acts on the first mode."""
-    return bool(joint.pushes != 0 or joint.c0 != 0.0 or joint.c1 != 0.0 or joint.c2 != 0.0)
+    return bool(arm.pushes != 0 or arm.c0 != 0.0 or arm.c1 != 0.0 or arm.c2 != 0.0)
 
 
 @inlined
-def _freely_through(joint: Record, modes: Record, first: int, stretch: Record) -> None:
+def _freely_through(arm: Record, first: int, stretch: Record) -> None:
     """The modes from number `first` on through a stretch, where nothing but the joint moves them."""
-    for i in range(first, joint.modes):
-        mode = nth(modes, i)
+    for i in range(first, arm.modes):
+        mode = nth(arm.mode, i)
         if stretch.duration > 0.0:
-            step = _step(joint, mode, stretch.duration)
+            step = _step(arm, mode, stretch.duration)
             turn = (step.wa, step.wb, step.wc, step.wd)
             mode.q, mode.v = _linear(mode, mode.q, mode.v, stretch.decay, stretch.start, stretch.end, turn)
 
 
 @inlined
-def modes_through(
-    joint: Record, modes: Record, laws: Record, t: float, stretches: Record, count: int
-) -> None:
+def modes_through(arm: Record, t: float, count: int) -> None:
     """All modes through the first `count` stretches, from time t from the recording's start on."""
-    for i in range(joint.modes):
-        if nth(modes, i).w == 0.0:  # as made
-            tune(joint, nth(modes, i), 2.0 * np.pi * nth(modes, i).hz)
+    for i in range(arm.modes):
+        if nth(arm.mode, i).w == 0.0:  # as made
+            tune(arm, nth(arm.mode, i), 2.0 * np.pi * nth(arm.mode, i).hz)
     x = 0.0
-    acts, changes = _acts(joint), joint.changes != 0
+    acts, changes = _acts(arm), arm.changes != 0
     for k in range(count):
-        stretch = nth(stretches, k)
+        stretch = nth(arm.stretch, k)
         duration, at = stretch.duration, 0.0
         if not changes:
-            _freely_through(joint, modes, 1 if acts else 0, stretch)
+            _freely_through(arm, 1 if acts else 0, stretch)
         while (acts or changes) and at < duration:
             end = duration
-            for row in range(joint.laws):
-                if at < nth(laws, row).onset - t < end:
-                    end = nth(laws, row).onset - t
-            for i in range(joint.modes if changes else 1):
-                _mode_through(joint, modes, laws, i, t, x, at, end, stretch)
+            for row in range(arm.laws):
+                if at < nth(arm.law, row).onset - t < end:
+                    end = nth(arm.law, row).onset - t
+            for i in range(arm.modes if changes else 1):
+                _mode_through(arm, i, t, x, at, end, stretch)
             at = end
         t += duration
         x += duration
         if stretch.jump != 0.0:
-            for i in range(joint.modes):
-                nth(modes, i).v -= nth(modes, i).push * stretch.jump
+            for i in range(arm.modes):
+                nth(arm.mode, i).v -= nth(arm.mode, i).push * stretch.jump
 
 
 @inlined
-def cycle(
-    joint: Record, modes: Record, laws: Record, stretches: Record, t: float, early: float, late: float
-) -> None:
+def cycle(arm: Record, t: float, early: float, late: float) -> None:
     """Move on by one cycle, which begins t s after the recording's start (earlier, where t is negative).
 
     early, late: joint velocity that the drive aims at before and after a command's arrival in the cycle, rad/s.
-    stretches: room for work.
     """
-    count = hold(joint, joint.early, early, stretches, 0)
-    count = hold(joint, joint.late, late, stretches, count)
-    modes_through(joint, modes, laws, t, stretches, count)
+    count = hold(arm, arm.early, early, 0)
+    count = hold(arm, arm.late, late, count)
+    modes_through(arm, t, count)
 
 
 @inlined
-def link(joint: Record) -> tuple[float, float, float]:
+def link(arm: Record) -> tuple[float, float, float]:
     """theta, theta' and theta'' of the joint, behind any play. An impact is a jump of theta' and not in theta''."""
-    if joint.gap == 0.0 or joint.contact == 1.0:
-        return joint.motor - joint.ahead, joint.rate, joint.acceleration
-    return joint.motor - joint.ahead, 0.0, 0.0
+    if arm.gap == 0.0 or arm.contact == 1.0:
+        return arm.motor - arm.ahead, arm.rate, arm.acceleration
+    return arm.motor - arm.ahead, 0.0, 0.0
 
 
 @inlined
-def acceleration(joint: Record, modes: Record, laws: Record, i: int, t: float) -> float:
+def acceleration(arm: Record, i: int, t: float) -> float:
     """q_i'', m/s^2, from the equations at the present state."""
-    theta, omega, alpha = link(joint)
-    mode = nth(modes, i)
+    theta, omega, alpha = link(arm)
+    mode = nth(arm.mode, i)
     if mode.w == 0.0:
-        tune(joint, mode, 2.0 * np.pi * mode.hz)
-    free, rub = _second(joint, modes, laws, i, t, 0.0, theta, omega, alpha, mode.q, mode.v)
+        tune(arm, mode, 2.0 * np.pi * mode.hz)
+    free, rub = _second(arm, i, t, 0.0, theta, omega, alpha, mode.q, mode.v)
     return free - (rub * np.sign(mode.v) if mode.v != 0.0 else min(max(free, -rub), rub))
 
 
 @compiled
-def look(
-    joints: Records, all_modes: Records, all_laws: Records, room: Records, t: float, seen: Array
-) -> None:
-    """Fill what there is to see of the state: theta, theta', theta'', the motor's angle and rate, then q_i, q_i', q_i''
-    of all modes, in this order, (5 + 3 m,)."""
-    joint, modes, laws = joints[0], all_modes[0], all_laws[0]
-    m = joint.modes
-    seen[0], seen[1], seen[2] = link(joint)
-    seen[3], seen[4] = joint.motor, joint.rate
+def look(arms: Records, t: float, seen: Array) -> None:
+    """Fill what there is to see of an arm: theta, theta', theta'', the motor's angle and rate, then q_i, q_i', q_i'' of
+    all modes, in this order, (5 + 3 m,). arms: (1,), as in all that is called from outside."""
+    arm = arms[0]
+    m = arm.modes
+    seen[0], seen[1], seen[2] = link(arm)
+    seen[3], seen[4] = arm.motor, arm.rate
     for i in range(m):
-        seen[5 + i], seen[5 + m + i] = nth(modes, i).q, nth(modes, i).v
-        seen[5 + 2 * m + i] = acceleration(joint, modes, laws, i, t)
+        seen[5 + i], seen[5 + m + i] = nth(arm.mode, i).q, nth(arm.mode, i).v
+        seen[5 + 2 * m + i] = acceleration(arm, i, t)
 
 
 @compiled
-def advance(
-    joints: Records,
-    all_modes: Records,
-    all_laws: Records,
-    room: Records,
-    t: float,
-    early: float,
-    late: float,
-    seen: Array,
-) -> None:
+def advance(arms: Records, t: float, early: float, late: float, seen: Array) -> None:
     """A cycle, and what there is to see at its end."""
-    joint = joints[0]
-    cycle(joint, all_modes[0], all_laws[0], room[0], t, early, late)
-    look(joints, all_modes, all_laws, room, t + joint.early + joint.late, seen)
+    cycle(arms[0], t, early, late)
+    look(arms, t + arms[0].early + arms[0].late, seen)

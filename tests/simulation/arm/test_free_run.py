@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from common.model import Drive
 from simulation.arm.compiled_laws import laws_of, obeyed
 from simulation.arm.free_run import driven_run, free_run, reads_later
-from simulation.arm.state import make_arm, make_joint, make_modes
+from simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
@@ -95,8 +95,7 @@ def simulated(
 ) -> tuple[Array, ...]:
     """theta, omega, alpha and motor theta of the free run, its modes, q'', and alpha's jump."""
     named = [(one["cause"], USUAL | one) for one in effects]
-    link, whole = make_joint(drive, DT, gap, turn_rad=0.03)
-    arm = make_arm(link, make_modes(MODES * (1.0, 1.0, LENGTH)), laws_of(named))
+    arm, whole = make_arm(drive, DT, MODES * (1.0, 1.0, LENGTH), laws_of(named), gap, turn_rad=0.03)
     cycles = np.array([0, *sorted(blows or {})], dtype=np.int64)
     jumps = np.zeros((len(cycles), 2, 2))
     jumps[0] = np.array(START).reshape(2, 2)
@@ -106,7 +105,7 @@ def simulated(
     q, qdd = np.empty((CYCLES, 2)), np.empty((CYCLES, 2))
     limit = drive.max_velocity_rad_s
     command = obeyed(named, np.clip(COMMAND, -limit, limit))
-    free_run(*arm, command, whole, cycles, jumps, joint, motor, q, qdd)
+    free_run(arm, command, whole, cycles, jumps, joint, motor, q, qdd)
     return joint[:, 0], joint[:, 1], joint[:, 2], motor[:, 0], q, qdd, joint[:, 3]
 
 
@@ -314,11 +313,10 @@ def test_a_driven_oscillator_follows_a_force_between_its_samples() -> None:
         return [x[1], float(force(t)) - 2.0 * zeta * w * x[1] - w * w * (x[0] + cubic * x[0] ** 3)]
 
     wanted = solve_ivp(slope, (0.0, n * dt), [0.0, 0.0], t_eval=np.arange(n) * dt, rtol=1e-10, atol=1e-13)
-    link, _ = make_joint(DRIVE, dt, turn_rad=0.25)
     law = laws_of([("cubic_stiffness", {"coefficient_per_m2": cubic})])
-    arm = make_arm(link, make_modes(np.array([[70.0, zeta, 0.0]])), law)
+    arm, _ = make_arm(DRIVE, dt, np.array([[70.0, zeta, 0.0]]), law, turn_rad=0.25)
     q, qdd = np.empty((n, 1)), np.empty((n, 1))
     fine = np.asarray(force(np.arange(per_sample * n + 1) * dt / per_sample))
-    driven_run(*arm, fine, dt, per_sample // 2, np.zeros(1, np.int64), np.zeros((1, 1, 2)), q, qdd)
+    driven_run(arm, fine, dt, per_sample // 2, np.zeros(1, np.int64), np.zeros((1, 1, 2)), q, qdd)
     assert np.max(np.abs(q[:, 0])) ** 2 * cubic > 0.01  # it bends so far that the cubic part counts
     assert off(q[:, 0], wanted.y[0]) < 2e-4
