@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.mapped_data import import_mapped
-from common.model import Arm, Mode, Model
+from common.model import Arm, Drive, Mode, Model
 from common.user_error import UserError
 from diagnosis.diagnose import diagnose
-from diagnosis.kernel import K, run
+from simulation.arm.compiled_laws import laws_of
+from simulation.arm.free_run import free_run
+from simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
@@ -216,18 +218,15 @@ def simulation_speed() -> dict[str, float]:
     n, dt, length = 60_000, 0.001, 2.0
     modes = np.array([[2.6, 0.01, 1.14], [16.0, 0.01, -0.2]])
     command = np.repeat(0.2 * np.random.default_rng(1).standard_normal(n // 500), 500)
-    constants = np.zeros(K.SIZE)
-    for place, value in (
-        (K.LENGTH, length), (K.RATE, 2 * pi * 20.0), (K.MAX_VELOCITY, 1e9), (K.MAX_ACCELERATION, 1e9),
-        (K.LOWEST, -1e9), (K.HIGHEST, 1e9), (K.ONSET_S, 1e9), (K.RATIO, 1.0),
-    ):  # fmt: skip
-        constants[place] = value
-    joint, motor = np.empty((n, 3)), np.empty((n, 2))
+    drive = Drive(dead_time_s=0.0, max_acceleration_rad_s2=1e9, min_position_rad=-1e9, max_position_rad=1e9)
+    pushed = modes * (1.0, 1.0, length)
+    joint, motor = np.empty((n, 4)), np.empty((n, 2))
     q, qdd = np.empty((n, 2)), np.empty((n, 2))
-    first, none = np.zeros(1, np.int64), np.empty(0)
+    first, still = np.zeros(1, np.int64), np.zeros((1, 2, 2))
 
     def once() -> None:
-        run(command, none, dt, 1, constants, modes, first, np.zeros((1, 2, 2)), joint, motor, q, qdd)
+        arm, whole = make_arm(drive, dt, pushed, laws_of([]))
+        free_run(arm, command, whole, first, still, joint, motor, q, qdd)
 
     once()
     ours = min(_timed(once) for _ in range(5))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from common.causes import CAUSES, Cause, Parameter
+from common.causes.declaration import Acts
 from common.user_error import UserError
 
 if TYPE_CHECKING:
@@ -28,7 +29,8 @@ def check_effects(effects: Sequence[Mapping[str, "EffectValue"]], name: str) -> 
         if cause is None:
             near = difflib.get_close_matches(identifier, CAUSES, n=1, cutoff=0.0)[0]
             raise UserError(
-                f"{place}.cause = {identifier!r}: no such cause; the nearest is {near!r}, and docs/causes.md lists all"
+                f"{place}.cause = {identifier!r}: no such cause; the nearest is {near!r}, "
+                "and `stillarm causes` lists all"
             )
         if identifier in seen and not cause.repeatable:
             raise UserError(
@@ -87,6 +89,28 @@ def effect_of(model: "Model", identifier: str) -> Values | None:
     return next(iter(effects_of(model, identifier)), None)
 
 
+def acting(model: "Model") -> list[tuple[str, Values]]:
+    """(cause, parameters) of every effect that changes anything, in the catalogue's order, then the file's."""
+    return [
+        (identifier, values)
+        for identifier, cause in CAUSES.items()
+        for values in effects_of(model, identifier)
+        if not cause.is_idle(values)
+    ]
+
+
+def laws_at(model: "Model", acts: Acts) -> list[Callable[..., Any]]:
+    """The laws of the model's effects that act at a site, each with its own numbers filled in: what the site gives ->
+    what the law returns (common.causes.declaration)."""
+    acting_there = [(CAUSES[name], values) for name, values in acting(model) if CAUSES[name].acts == acts]
+    return [filled_in(cause.law, cause.arguments(values)) for cause, values in acting_there if cause.law]
+
+
+def filled_in(law: Callable[..., Any], own: tuple[float, ...]) -> Callable[..., Any]:
+    """A law with its own numbers, which come last, in their places."""
+    return lambda *given: law(*given, *own)
+
+
 def declared(model: "Model") -> "Model":
     """The model with those effects folded in that are but another value of a key; the other effects stay.
 
@@ -94,11 +118,11 @@ def declared(model: "Model") -> "Model":
     """
     remaining = []
     for effect in model.effects:
-        fold = _FOLDS.get(str(effect["cause"]))
-        if fold is None:
+        key = CAUSES[str(effect["cause"])].key
+        if not key:
             remaining.append(effect)
         else:
-            model = fold(model, {key: value for key, value in effect.items() if key != "cause"})
+            model = _fold(model, key, {name: value for name, value in effect.items() if name != "cause"})
     return msgspec.structs.replace(model, effects=remaining)
 
 
@@ -111,32 +135,20 @@ def not_used_by_controller(model: "Model") -> str | None:
     return f"the controller makes no use of these effects of its model: {', '.join(causes)}"
 
 
-def _second_bending_mode(model: "Model", values: Values) -> "Model":
-    mode = msgspec.structs.replace(model.arm.modes[0], **values)
-    return msgspec.structs.replace(
-        model, arm=msgspec.structs.replace(model.arm, modes=[*model.arm.modes, mode])
-    )
+def _fold(model: "Model", key: str, values: Values) -> "Model":
+    """The model with the values in a key's place, or at the end of a list of them."""
+    section, name = key.split(".")
+    old = getattr(model, section)
+    if name in values:
+        changed = msgspec.structs.replace(old, **{name: values[name]})
+    else:
+        listed = getattr(old, name)
+        changed = msgspec.structs.replace(
+            old, **{name: [*listed, msgspec.structs.replace(listed[0], **values)]}
+        )
+    return msgspec.structs.replace(model, **{section: changed})
 
 
-def _replace_in(section: str) -> Callable[["Model", Values], "Model"]:
-    """A fold for a cause whose parameter has the name of the key that it replaces."""
-
-    def fold(model: "Model", values: Values) -> "Model":
-        changed = msgspec.structs.replace(getattr(model, section), **values)
-        return msgspec.structs.replace(model, **{section: changed})
-
-    return fold
-
-
-_FOLDS: dict[str, Callable[["Model", Values], "Model"]] = {
-    "second_bending_mode": _second_bending_mode,
-    "drive_dead_time": _replace_in("drive"),
-    "drive_lag": _replace_in("drive"),
-    "drive_saturation": _replace_in("drive"),
-    "accelerometer_clipping": _replace_in("accelerometer"),
-    "accelerometer_lag": _replace_in("accelerometer"),
-    "camera_tilt_coupling": _replace_in("camera"),
-}
 _OBEYED_BY_CONTROLLER = "gear_backlash"
-FOLDED_CAUSES = frozenset(_FOLDS)
+FOLDED_CAUSES = frozenset(cause.identifier for cause in CAUSES.values() if cause.key)
 """Those that are but another value of a key."""

@@ -1,12 +1,23 @@
-"""All deterministic causes, by identifier; laws of noise and timing are in laws.py."""
+"""All causes that change a mean, by identifier: searched as their file in causes/ says, else as their declaration does.
+
+Laws of noise and timing, which change none, are in laws.py.
+"""
 
 from importlib import import_module
 from pkgutil import iter_modules
 
+from common.causes import CAUSES as DECLARED
 from diagnosis import causes
 from diagnosis.cause import Cause
+from diagnosis.declared_cause import declared_cause
+
+_OF_CHANCE = ("impulse", "burst", "loss")
+_OWN_SEARCH = {module.name for module in iter_modules(causes.__path__)}
 
 CAUSES: dict[str, Cause] = {
     name: import_module(f"diagnosis.causes.{name}").CAUSE
-    for name in sorted(module.name for module in iter_modules(causes.__path__))
+    if name in _OWN_SEARCH
+    else declared_cause(DECLARED[name])
+    for name in sorted(DECLARED)
+    if DECLARED[name].acts not in _OF_CHANCE
 }

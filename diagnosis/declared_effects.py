@@ -5,10 +5,19 @@ again was there to another amount. Effects that are but another value of a key a
 Lost frames, bursts, spikes and steps of a clock come by chance: no simulation foretells them, and they are found anew.
 """
 
-from math import cos, sin
+from collections.abc import Mapping
+from math import atan2, cos, hypot, isnan, sin, sqrt
 
+import numpy as np
+from numpy.typing import NDArray
+
+from common.causes import CAUSES, Parameter
+from common.causes.declaration import Acts
 from common.effects import effect_of
 from common.model import EffectValue, Model
+from diagnosis.space import Quantity
+
+Array = NDArray[np.float64]
 
 _QUANTITIES: dict[str, dict[str, str]] = {
     "coulomb_damping": {"force_per_mass_m_s2": "arm.coulomb_m_s2"},
@@ -32,27 +41,84 @@ _QUANTITIES: dict[str, dict[str, str]] = {
     "stale_frame_buffer": {"onset_s": "timing.stale_onset_s", "frames": "timing.stale_frames"},
 }
 _WAVES = {"periodic_disturbance": "arm.periodic", "mains_hum": "accelerometer.hum"}
+_OWN_WAY = {"stiffness_drift", *_WAVES}
+_FITTED: set[Acts] = {"force", "friction", "frequency", "command", "sensitivity", "reading", "image"}
+"""Sites whose laws a simulation of a recording obeys whatever the cause."""
+
+
+def quantity_of(cause: str, parameter: str) -> str:
+    """Where a parameter of a cause stands in the vector: at a name of its own, unless it is a key's or an older one."""
+    return CAUSES[cause].key or _QUANTITIES.get(cause, {}).get(parameter, f"{cause}.{parameter}")
+
+
+def own_quantities() -> list[Quantity]:
+    """Of causes that stand in the vector at names of their own, as their declarations have them."""
+    return [
+        _own_quantity(cause.identifier, one)
+        for cause in CAUSES.values()
+        if cause.acts in _FITTED and cause.identifier not in _QUANTITIES.keys() | _OWN_WAY
+        for one in cause.numbers
+    ]
+
+
+def _own_quantity(cause: str, one: Parameter) -> Quantity:
+    low, high = one.typical
+    if not isnan(one.neutral):
+        return Quantity(quantity_of(cause, one.name), one.neutral, one.lowest, one.highest, 1e-3 * low)
+    start = one.default if one.default is not None else sqrt(low * high)
+    return Quantity(
+        quantity_of(cause, one.name), float(start), one.lowest, one.highest, 1e-4 * (abs(float(start)) or 1.0)
+    )
 
 
 def declared_quantities(model: Model) -> dict[str, float]:
     """Start values by quantity, for the effects of a model whose foldable ones have been folded in."""
     found: dict[str, float] = {}
-    for cause, quantities in _QUANTITIES.items():
-        effect = effect_of(model, cause)
-        if effect is not None:
-            found |= {quantity: float(effect[name]) for name, quantity in quantities.items()}
+    for identifier, cause in CAUSES.items():
+        effect = effect_of(model, identifier)
+        if (
+            effect is not None
+            and identifier not in _OWN_WAY
+            and (identifier in _QUANTITIES or cause.acts in _FITTED)
+        ):
+            found |= {quantity_of(identifier, one.name): float(effect[one.name]) for one in cause.numbers}
     drift = effect_of(model, "stiffness_drift")
     if drift is not None:
         found["arm.frequency_rate_per_s"] = drift["frequency_rate_hz_per_s"] / model.arm.modes[0].frequency_hz
         found["arm.higher_modes_share"] = drift["higher_modes_share"]
-    for cause, prefix in _WAVES.items():
-        wave = effect_of(model, cause)
+    for wavy, prefix in _WAVES.items():
+        wave = effect_of(model, wavy)
         if wave is not None:
             found[f"{prefix}_hz"] = wave["frequency_hz"]
             amplitude = wave["amplitude_m_s2"]
             found[f"{prefix}_sin"] = amplitude * cos(wave["phase_rad"])
             found[f"{prefix}_cos"] = amplitude * sin(wave["phase_rad"])
     return found
+
+
+def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[str, float]]]:
+    """The effects that a vector says change anything by a law that is fitted, each with its values by name.
+
+    place: of each quantity in the vector.
+    """
+    found = [
+        (
+            identifier,
+            {one.name: float(vector[place[quantity_of(identifier, one.name)]]) for one in cause.numbers},
+        )
+        for identifier, cause in CAUSES.items()
+        if cause.acts in _FITTED and identifier not in _OWN_WAY
+    ]
+    relative = float(vector[place["arm.frequency_rate_per_s"]])
+    rate = {"frequency_rate_hz_per_s": relative * float(vector[place["modes.0.frequency_hz"]])}
+    found.append(
+        ("stiffness_drift", rate | {"higher_modes_share": float(vector[place["arm.higher_modes_share"]])})
+    )
+    for cause, prefix in _WAVES.items():
+        hz, sine, cosine = (float(vector[place[f"{prefix}_{part}"]]) for part in ("hz", "sin", "cos"))
+        wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(sine, cosine), "phase_rad": atan2(cosine, sine)}
+        found.append((cause, wave))
+    return [(cause, values) for cause, values in found if not CAUSES[cause].is_idle(values)]
 
 
 def waves_to_refit(model: Model) -> list[str]:

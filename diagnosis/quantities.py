@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from common.model import Model
-from diagnosis.declared_effects import declared_quantities, waves_to_refit
+from diagnosis.declared_effects import declared_quantities, own_quantities, waves_to_refit
 from diagnosis.frame_clock import FrameClock
 from diagnosis.measured import Measured
 from diagnosis.space import Quantity, Space
@@ -112,6 +112,8 @@ class Layout:
             ("pair.input_offset", 0.0, -1e9, 1e9, 1e-6),
         ):  # fmt: skip
             space.add(Quantity(name, start, low, high, step))
+        for one in own_quantities():
+            space.add(one)
         return self._with_starts(space)
 
     def _with_starts(self, space: Space) -> Space:

@@ -210,7 +210,7 @@ def findings(found: Found, judged: Judged, split: Split) -> list[dict[str, Any]]
                 },
                 "held_out": _held_out(one, previous, split),
                 "indistinguishable_from": near,
-                "experiment": experiment(one.cause, near, found.final.world) if near else None,
+                "experiment": experiment(one.cause, near) if near else None,
                 "note": one.note or None,
             }
         )

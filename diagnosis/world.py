@@ -4,24 +4,33 @@ Channels: acceleration, joint_position, joint_velocity, deflection (on the contr
 arrival (per frame: when it was read, less when it was exposed).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from common.beam import tip_slopes_per_m
+from common.causes import CAUSES
+from common.causes.declaration import Acts
+from common.effects import filled_in
 from common.model import Model
 from diagnosis.budget import check_time
 from diagnosis.channels import FRAME_CHANNELS, present_channels
-from diagnosis.declared_effects import is_behind_encoder
+from diagnosis.declared_effects import effects_in, is_behind_encoder
 from diagnosis.exposure import expose
 from diagnosis.fine_sensors import tip_moved, within_reach
 from diagnosis.frame_clock import FrameClock, frame_clock
-from diagnosis.kernel import K, add_decay, free_decay, reads_later, run, tip_of
+from diagnosis.kernel import add_decay, free_decay, tip_of
 from diagnosis.measured import Measured
-from diagnosis.quantities import ARRIVAL, HIGHER, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layout
+from diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layout
 from diagnosis.struck_flanks import without_strikes
+from simulation.arm.compiled_laws import laws_of, obeyed
+from simulation.arm.free_run import driven_run, free_run, reads_later
+from simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
@@ -29,6 +38,10 @@ _TIE_S, _JUST_S = 2e-7, 1e-7  # between frames read at once; less than that
 _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 _GRANTED = 0.9
+_OF_TIME = ("periodic_disturbance",)  # forces that ask for no state: a linear mode stays one
+_TURN = 0.03  # rad of the first mode in a step of its laws: to 1e-7 of the amplitude
+_TURN_OF_PAIR = 0.25  # to 1e-4: a pair has few samples a period
+_SUBSTEPS_OF_PAIR = 2
 
 
 @dataclass(frozen=True)
@@ -81,8 +94,7 @@ class World:
         self.modes = len(model.arm.modes) + extra_modes
         self.length = 0.0 if measured.pair else (model.arm.length_m or 1.0)
         self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
-        self.substeps = 4 if measured.pair else 1
-        self._force = _upsampled(measured.force, self.substeps) if measured.pair else np.empty(0)
+        self._force = _upsampled(measured.force, 2 * _SUBSTEPS_OF_PAIR) if measured.pair else np.empty(0)
         self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
         self._command = np.nan_to_num(measured.command)
         self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
@@ -140,43 +152,33 @@ class World:
         """The arm's motion under the recorded inputs. Raises OutOfTime within a limit that has passed."""
         check_time()
         at, n, m = self.space.place, self.measured.cycles, self.modes
-        constants = np.zeros(K.SIZE)
-        drive = self.model.drive
-        constants[K.LENGTH] = self.length
-        constants[K.RATE] = 2.0 * pi * vector[at["drive.bandwidth_hz"]]
-        constants[K.DEAD_S] = self._dead_s(vector)
-        constants[K.MAX_VELOCITY] = vector[at["drive.max_velocity_rad_s"]]
-        constants[K.MAX_ACCELERATION] = drive.max_acceleration_rad_s2
-        constants[K.LOWEST], constants[K.HIGHEST] = drive.min_position_rad, drive.max_position_rad
-        constants[K.DEADBAND] = vector[at["drive.deadband_rad_s"]]
-        constants[K.LOSS] = vector[at["drive.velocity_loss_rad_s"]]
-        constants[K.GAP] = vector[at["drive.gap_rad"]]
-        constants[K.COULOMB] = vector[at["arm.coulomb_m_s2"]]
-        constants[K.QUADRATIC] = vector[at["arm.quadratic_per_m"]]
-        constants[K.CUBIC] = vector[at["arm.cubic_per_m2"]]
-        constants[K.ONSET_S] = vector[at["arm.onset_s"]]
-        constants[K.RATIO] = vector[at["arm.frequency_ratio"]]
-        constants[K.DRIFT] = vector[at["arm.frequency_rate_per_s"]]
-        constants[K.HIGHER] = vector[at[HIGHER]]
-        constants[K.PERIODIC_W] = 2.0 * pi * vector[at["arm.periodic_hz"]]
-        constants[K.PERIODIC_SIN] = vector[at["arm.periodic_sin"]]
-        constants[K.PERIODIC_COS] = vector[at["arm.periodic_cos"]]
-        constants[K.THETA0], constants[K.OMEGA0] = vector[at["start.theta"]], vector[at["start.omega"]]
-        constants[K.FORCE_GAIN] = vector[at["pair.gain"]]
-        modes = np.empty((m, 3))
+        rows = np.empty((m, 3))
         jumps = np.empty((len(self._jump_cycles), m, 2))
         for i in range(m):
             first = at[f"modes.{i}.frequency_hz"]
-            modes[i] = vector[first : first + 3]
+            rows[i] = vector[first : first + 3]
             count = len(self._jump_cycles)
             jumps[:, i, :] = vector[first + 3 : first + 3 + 2 * count].reshape(count, 2)
-        joint, motor = np.empty((n, 4)), np.empty((n, 2))
+        rows[:, 2] *= self.length
+        effects = effects_in(vector, at)
+        drive = msgspec.structs.replace(
+            self.model.drive,
+            bandwidth_hz=float(vector[at["drive.bandwidth_hz"]]),
+            dead_time_s=self._dead_s(vector),
+        )
+        turn = _TURN_OF_PAIR if self.measured.pair else _TURN
+        gap = float(vector[at["drive.gap_rad"]])
+        arm, whole = make_arm(drive, self.measured.cycle_s, rows, laws_of(effects), gap, turn)
+        arm["motor"], arm["rate"] = vector[at["start.theta"]], vector[at["start.omega"]]
+        joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
         q, qdd = np.empty((n, m)), np.empty((n, m))
-        force = self._force + vector[at["pair.input_offset"]]
-        run(
-            self._command, force, self.measured.cycle_s, self.substeps, constants, modes,
-            self._jump_cycles, jumps, joint, motor, q, qdd,
-        )  # fmt: skip
+        if self.measured.pair:
+            force = vector[at["pair.gain"]] * (self._force + vector[at["pair.input_offset"]])
+            driven_run(arm, force, self.measured.cycle_s, _SUBSTEPS_OF_PAIR, self._jump_cycles, jumps, q, qdd)
+        else:
+            limit = vector[at["drive.max_velocity_rad_s"]]
+            command = obeyed(effects, np.clip(self._command, -limit, limit))
+            free_run(arm, command, whole, self._jump_cycles, jumps, joint, motor, q, qdd)
         deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
         tip_of(joint, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
         of = vector[self._moving]
@@ -239,10 +241,10 @@ class World:
 
     def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
         """Whether these modes keep their frequency, and answer a jump whatever else they do."""
-        at = self.space.place
-        steady = vector[at["arm.frequency_ratio"]] == 1.0 and vector[at["arm.frequency_rate_per_s"]] == 0.0
-        bends = ("arm.coulomb_m_s2", "arm.quadratic_per_m", "arm.cubic_per_m2")
-        return bool(steady) and (0 not in modes or not any(vector[at[name]] for name in bends))
+        acting = {
+            CAUSES[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
+        }
+        return "frequency" not in acting and (0 not in modes or not acting & {"force", "friction"})
 
     def _decay(self, vector: Array, mode: int) -> Array:
         """What a jump of a mode does from then on; the last few are remembered."""
@@ -287,15 +289,13 @@ class World:
             value = _late(value, cycles)
         if vector[at[OF_LAST_JUMP]]:
             value = value + self._of_last_jump(motion, vector, int(cycles))
-        gain = vector[at["accelerometer.scale"]] * (1.0 + vector[at["accelerometer.rate_per_s"]] * t)
-        value = (
-            gain * value + vector[at["accelerometer.bias_m_s2"]] + vector[at["accelerometer.rate_m_s3"]] * t
-        )
-        value = value + vector[at["accelerometer.gravity_m_s2_per_rad"]] * motion.tip_angle
-        sine, cosine = vector[at["accelerometer.hum_sin"]], vector[at["accelerometer.hum_cos"]]
-        if sine or cosine:
-            phase = 2.0 * pi * vector[at["accelerometer.hum_hz"]] * t
-            value = value + sine * np.sin(phase) + cosine * np.cos(phase)
+        gain = vector[at["accelerometer.scale"]]
+        effects = effects_in(vector, at)
+        for law in _laws_at(effects, "sensitivity"):
+            gain = gain * law(t)
+        value = gain * value + vector[at["accelerometer.bias_m_s2"]]
+        for law in _laws_at(effects, "reading"):
+            value = value + law(t, motion.tip_angle)
         most = vector[at[RANGE]]
         shown: Array = np.clip(value, -most, most)
         return shown
@@ -370,13 +370,11 @@ class World:
         instants = self.instants(vector)
         value, rate = np.empty(len(instants)), np.empty(len(instants))
         expose(scene, instants, self.model.camera.exposure_s, self.measured.cycle_s, value, rate)
-        value = (
-            value + vector[at["camera.offset_px"]] + vector[at["camera.rate_px_per_s"]] * frames.received_s
-        )
-        bend = vector[at["camera.lens_per_px2"]]
-        if bend:
-            with np.errstate(over="ignore"):  # a candidate that runs away
-                value = value * (1.0 + bend * value * value)
+        value = value + vector[at["camera.offset_px"]]
+        with np.errstate(over="ignore"):  # a candidate that runs away
+            added = [law(value, frames.received_s) for law in _laws_at(effects_in(vector, at), "image")]
+            for one in added:
+                value = value + one
         sine, cosine = vector[at["camera.locking_sin_px"]], vector[at["camera.locking_cos_px"]]
         if sine or cosine:
             value = value + sine * np.sin(2.0 * pi * value) + cosine * np.cos(2.0 * pi * value)
@@ -395,6 +393,12 @@ class World:
             moved = tip_moved(off, modes, self.length, self.measured.cycle_s)
             self._joint_seen = (joint, modes, moved)
         return motion.tip + moved
+
+
+def _laws_at(effects: list[tuple[str, dict[str, float]]], acts: Acts) -> list[Callable[..., Any]]:
+    """The laws of effects that act at a site, with their own numbers."""
+    found = [(CAUSES[cause], values) for cause, values in effects if CAUSES[cause].acts == acts]
+    return [filled_in(cause.law, cause.arguments(values)) for cause, values in found if cause.law]
 
 
 def _late(values: Array, cycles: float) -> Array:

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import msgspec
 
+from common.causes.clock_step import law
 from common.configuration import Rig
 from common.effects import Values, effects_of
 from common.model import Model
@@ -67,4 +68,4 @@ def refuse_step_of_controller_clock(model: Model, name: str) -> None:
 
 
 def _stepped(time_s: float, steps: list[Values]) -> float:
-    return time_s + float(sum(step["step_s"] for step in steps if time_s >= step["onset_s"]))
+    return time_s + float(sum(law(time_s, step["onset_s"], step["step_s"]) for step in steps))

@@ -1,12 +1,15 @@
 """What shakes the arm from outside in a scenario: strikes by time, and white noise on every mode."""
 
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from common.scenario import Scenario, Strike
 from common.user_error import UserError
-from simulation.plant import Plant
+
+if TYPE_CHECKING:
+    from simulation.plant import Plant
 
 DISTURBANCE_STREAM = 2  # of the seed's random streams
 _BLOCK = 1024  # numbers are cheap to draw by the thousand, and dear one by one
@@ -62,7 +65,7 @@ class Disturbance:
             self._block = drawn[::-1].tolist()
         return self._block.pop()
 
-    def act_on(self, plant: Plant, time_s: float) -> list[Strike]:
+    def act_on(self, plant: "Plant", time_s: float) -> list[Strike]:
         """Shake the plant as is due for the cycle that begins at `time_s`; call it before each advance().
 
         Returns the strikes that fell.

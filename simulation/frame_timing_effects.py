@@ -1,14 +1,20 @@
 """The causes that sit in the camera's timing: skew, losses, bursts, drift, stale frames, a stepping camera clock."""
 
 from collections import deque
+from collections.abc import Callable
+from itertools import compress
+from math import prod
 
 import numpy as np
 
-from common.effects import Values, effect_of, effects_of
+from common.causes import CAUSES
+from common.causes.declaration import Acts
+from common.effects import Values, acting, laws_at
 from common.model import Model
 from simulation.effect_clock import EffectClock
 
 _LOSS_STREAM, _BURST_STREAM = 0x1057F, 0xB0257
+_MOST_FRAMES = 64  # that a stale buffer holds: two laws of the catalogue's most
 
 
 class FrameTimingEffects:
@@ -18,67 +24,69 @@ class FrameTimingEffects:
     def __init__(self, model: Model, seed: int, clock: EffectClock) -> None:
         """As the model's effects name them; losses and bursts come from the seed. clock: that of the exposures."""
         self._clock = clock
-        skew, drift = effect_of(model, "camera_clock_skew"), effect_of(model, "delay_drift")
-        drops, bursts = effect_of(model, "frame_drops"), effect_of(model, "delay_bursts")
-        stale = effect_of(model, "stale_frame_buffer")
-        self.period_ratio = 1.0 + 1e-6 * (skew["skew_ppm"] if skew else 0.0)
+        self.period_ratio = prod(law() for law in laws_at(model, "period"))
         """Frame period over the declared one."""
-        self._drift_s_per_s = drift["rate_s_per_s"] if drift else 0.0
-        self._lost_share = drops["fraction"] if drops else 0.0
+        self._delays = laws_at(model, "delay")
+        self._losing = laws_at(model, "loss")
         self._losses = np.random.default_rng((seed, _LOSS_STREAM))
-        self._bursts = _Bursts(bursts, np.random.default_rng((seed, _BURST_STREAM))) if bursts else None
-        self._stale_from_s = stale["onset_s"] if stale else float("inf")
-        self._stale_frames = int(stale["frames"]) if stale else 0
-        self._starts: deque[float] = deque(maxlen=self._stale_frames + 1)
-        self._steps = [
-            (step["onset_s"], step["step_s"])
-            for step in effects_of(model, "clock_step")
-            if step["clock"] == "camera"
+        self._bursts = [
+            _Bursts(law, values["rate_hz"], np.random.default_rng((seed, _BURST_STREAM)))
+            for law, values in zip(laws_at(model, "burst"), _values_at(model, "burst"), strict=True)
         ]
+        self._ages = laws_at(model, "age")
+        self._starts: deque[float] = deque(maxlen=_MOST_FRAMES + 1)
+        of_camera = [values["clock"] == "camera" for values in _values_at(model, "clock")]
+        self._steps = list(compress(laws_at(model, "clock"), of_camera))
 
     def further_delay_s(self, mid_s: float, handover_s: float) -> float:
         """What is added to the delay of a frame that would be handed over at `handover_s`."""
-        delay = self._drift_s_per_s * self._clock.at(mid_s)
-        if self._bursts is not None:
-            delay += self._bursts.delay_s(handover_s)
-        return delay
+        since_start_s = self._clock.at(mid_s)
+        delay = sum(law(since_start_s) for law in self._delays)
+        return float(delay + sum(bursts.delay_s(handover_s) for bursts in self._bursts))
 
     def is_lost(self) -> bool:
         """Whether the next frame is lost. Once for each frame."""
-        return self._lost_share > 0.0 and float(self._losses.random()) < self._lost_share
+        lost = [
+            law(float(self._losses.random())) for law in self._losing
+        ]  # each draws, whatever the others say
+        return any(lost)
 
     def shown_start_s(self, start_s: float) -> float:
         """Start of the exposure whose image is handed over as the one that starts at `start_s`. Once for each."""
         self._starts.append(start_s)
-        return self._starts[0] if self._clock.at(start_s) >= self._stale_from_s else start_s
+        age = sum(law(self._clock.at(start_s)) for law in self._ages)
+        return self._starts[-1 - min(age, len(self._starts) - 1)]
 
     def stamp_step_s(self, mid_s: float) -> float:
         """What the camera's own clock has jumped by, at mid-exposure."""
         time_s = self._clock.at(mid_s)
-        return float(sum(step_s for onset_s, step_s in self._steps if time_s >= onset_s))
+        return float(sum(law(time_s) for law in self._steps))
+
+
+def _values_at(model: Model, acts: Acts) -> list[Values]:
+    """Parameters of the effects whose laws `laws_at` gives, in its order."""
+    return [values for identifier, values in acting(model) if CAUSES[identifier].acts == acts]
 
 
 class _Bursts:
     """Spells of delay that begin at Poisson instants; one that begins while another lasts prolongs it."""
 
-    def __init__(self, values: Values, generator: np.random.Generator) -> None:
-        self._rate_hz: float = values["rate_hz"]
-        self._duration_s: float = values["duration_s"]
-        self._delay_s: float = values["delay_s"]
+    def __init__(self, law: Callable[[float], float], rate_hz: float, generator: np.random.Generator) -> None:
+        """law: s since a burst began -> delay, s."""
+        self._law = law
+        self._rate_hz = rate_hz
         self._generator = generator
         self._next_s: float | None = None
-        self._until_s = float("-inf")
+        self._began_s = float("-inf")
 
     def delay_s(self, time_s: float) -> float:
         """At an instant; to be asked in (nearly) increasing order."""
-        if self._rate_hz == 0.0:
-            return 0.0
         if self._next_s is None:
             self._next_s = time_s + self._gap()
         while self._next_s <= time_s:
-            self._until_s = self._next_s + self._duration_s
+            self._began_s = self._next_s
             self._next_s += self._gap()
-        return self._delay_s if time_s < self._until_s else 0.0
+        return self._law(time_s - self._began_s)
 
     def _gap(self) -> float:
         return float(self._generator.exponential(1.0 / self._rate_hz))

@@ -1,9 +1,9 @@
-"""The causes that sit in the image: a lens that distorts, tracking that drifts."""
+"""The causes that sit in the image, such as a lens that distorts or tracking that drifts."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from common.effects import effect_of
+from common.effects import laws_at
 from common.model import Model
 from simulation.effect_clock import EffectClock
 
@@ -11,21 +11,19 @@ FloatArray = NDArray[np.float64]
 
 
 class ImageEffects:
-    """A displacement d shows as d (1 + c d^2) + rate t, at the time of the exposure."""
+    """A displacement d shows as d and all that the laws of the image add to it, at the time of the exposure."""
 
     def __init__(self, model: Model, clock: EffectClock) -> None:
         """As the model's effects name them. clock: that of the exposures."""
-        lens, drift = effect_of(model, "lens_distortion"), effect_of(model, "tracking_drift")
-        self._bend_per_px2: float = lens["coefficient_per_px2"] if lens else 0.0
-        self._drift_px_per_s: float = drift["rate_px_per_s"] if drift else 0.0
+        self._laws = laws_at(model, "image")
         self._clock = clock
-        self.happens = bool(self._bend_per_px2 or self._drift_px_per_s)
+        self.happens = bool(self._laws)
 
     def shown_px(self, displacements_px: FloatArray, times_s: FloatArray) -> FloatArray:
         """What the image shows of displacements, at instants of the simulation's clock; arrays of one shape."""
-        drifted_s = np.maximum(0.0, times_s - self._clock.origin_s)
-        bent = displacements_px * (1.0 + self._bend_per_px2 * displacements_px * displacements_px)
-        return np.asarray(bent + self._drift_px_per_s * drifted_s, dtype=np.float64)
+        since_start_s = np.maximum(0.0, times_s - self._clock.origin_s)
+        added = sum(law(displacements_px, since_start_s) for law in self._laws)
+        return np.asarray(displacements_px + added, dtype=np.float64)
 
 
 def image_effects(model: Model, clock: EffectClock) -> ImageEffects | None:

@@ -48,7 +48,6 @@ from simulation.camera_timing import AFTER_DELIVERY_S, CameraTiming
 from simulation.clock_steps import refuse_step_of_absent_stamps, refuse_step_of_controller_clock
 from simulation.disturbance import DISTURBANCE_STREAM, Disturbance
 from simulation.effect_clock import EffectClock
-from simulation.plant import Plant
 from simulation.pose_history import PoseHistory
 from simulation.rig_drive import RigDrive, rig_drive
 from simulation.truth import strike_line, true_state
@@ -142,8 +141,12 @@ class _PlantProcess:
             raise UserError(
                 f"camera.driver = {configuration.camera.driver!r}: the simulated rig needs 'shared_memory'"
             )
+        from simulation.plant import Plant  # not above: the camera's process needs no compiler
+
         self._cycle_s = model.timing.cycle_s
-        self._plant = Plant(model)
+        self._plant = Plant(
+            model
+        )  # compiles what a cycle calls, or finds it on disk, before the clock starts
         self._plant.effect_clock = EffectClock.waiting()
         self.started_s = RawValue(c_double, inf)
         """When the first command came, on the monotonic clock: the recording's start, for the camera's process."""

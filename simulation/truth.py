@@ -1,13 +1,17 @@
 """What the simulated rig truly did, as messages for the truth file: for scoring, never for replay or diagnosis."""
 
+from typing import TYPE_CHECKING
+
 from common.recording.topics import LogLine, TrueState
 from common.scenario import Strike
-from simulation.plant import Plant
+
+if TYPE_CHECKING:
+    from simulation.plant import Plant
 
 STRIKE = "strike"
 
 
-def true_state(plant: Plant, time_s: float) -> TrueState:
+def true_state(plant: "Plant", time_s: float) -> TrueState:
     """The plant's state, at a time of the rig's clock."""
     return TrueState(
         time_s,

@@ -23,6 +23,7 @@ COMMANDS = {
     "commission": "identify the rig's model file from small, supervised moves",
     "calibrate": "identify the model's parameters from a recording, with uncertainties",
     "diagnose": "find where the simulation differs from measured data, name the cause, extend the model",
+    "causes": "print the causes that can be declared, hidden and named",
     "import": "read measured data (a CSV bundle, or one file with --map) into a recording",
     "export": "write a recording as CSV or Parquet",
     "recover": "repair a cut recording",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.estimators.generator import expose, vision_errors
-from benchmarks.estimators.plant import Plant
+from benchmarks.estimators.plant import amplitude_m, arm_plant, rate_m_s, strike
 from benchmarks.estimators.regimes import CYCLE_S, Arm, Regime
 from benchmarks.estimators.trial import LENGTH_M, assumed_model, scale_error, visual_sample
 from common.configuration import Controller as Settings
@@ -17,6 +17,7 @@ from controller.cycle_input import CycleInput
 from controller.estimate import DelayEstimate, Estimate, Observation, Status
 from controller.frame_delays import FrameDelays
 from controller.step import Controller
+from simulation.plant import Plant
 
 Values = NDArray[np.float64]
 ORACLE = "oracle"  # knows the momentary deflection and rate exactly
@@ -59,7 +60,7 @@ class _Oracle:
         self._delay = DelayEstimate(delay_s, 0.0, Status.ESTIMATED)
 
     def update(self, observation: Observation) -> Estimate:
-        return Estimate(self._delay, self._plant.deflection, self._plant.rate, 0.0, Status.ESTIMATED)
+        return Estimate(self._delay, self._plant.deflection_m, rate_m_s(self._plant), 0.0, Status.ESTIMATED)
 
 
 def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], course: Course) -> Run:
@@ -67,7 +68,9 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
     arm, model = Arm(), assumed_model(regime, noise)
     random = np.random.default_rng(seed)
     mode, drive = model.arm.modes[0], model.drive
-    plant = Plant(arm, LENGTH_M, mode.participation, drive.bandwidth_hz, round(drive.dead_time_s / CYCLE_S))
+    plant = arm_plant(
+        arm, LENGTH_M, mode.participation, drive.bandwidth_hz, round(drive.dead_time_s / CYCLE_S)
+    )
     controller = _controller(name, model, plant)
     frames = expose(regime, course.duration_s, random)
     count = round(course.duration_s / CYCLE_S)
@@ -87,8 +90,9 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
         time_s = cycle * CYCLE_S
         while pending and pending[0][0] <= time_s:
             _strike(plant, arm, pending.pop(0)[1], phases.pop())
-        tip[cycle], tip_rate[cycle] = plant.tip_m, plant.tip_rate_m_s
-        plant.force_m_s2 = pushed[cycle]
+        tip[cycle] = plant.tip_position_m
+        tip_rate[cycle] = LENGTH_M * plant.joint_velocity_rad_s + rate_m_s(plant)
+        plant.modal_forces_m_s2 = [pushed[cycle]]
         samples = []
         while next_frame < len(read_cycle) and read_cycle[next_frame] <= cycle:
             shown = _between(tip, tip_rate, float(frames.exposed_s[next_frame]), cycle) + float(
@@ -99,13 +103,14 @@ def run_closed(name: str, regime: Regime, noise: float, seed: tuple[int, ...], c
             next_frame += 1
         output = controller.step(
             CycleInput(
-                cycle, plant.tip_acceleration_m_s2 + felt[cycle], plant.theta, plant.theta_rate, 0.0,
+                cycle, plant.tip_acceleration_m_s2 + felt[cycle],
+                plant.joint_position_rad, plant.joint_velocity_rad_s, 0.0,
                 course.reference(time_s), course.damping(time_s) and name != NO_DAMPING, samples,
             )
         )  # fmt: skip
         estimate = output.estimate
         said[:, cycle] = (
-            plant.deflection, plant.amplitude_m, estimate.deflection_m, estimate.deflection_std_m
+            plant.deflection_m, amplitude_m(plant, arm), estimate.deflection_m, estimate.deflection_std_m
         )  # fmt: skip
         for frame, delay in delays.told(samples, estimate):
             true_delay = CYCLE_S * read_cycle[frame] - float(frames.exposed_s[frame])
@@ -125,11 +130,11 @@ def _controller(name: str, model: Model, plant: Plant) -> Controller:
     return controller
 
 
-def _strike(plant: Plant, arm: Arm, amplitude_m: float, share: float) -> None:
-    """Bring the arm to an amplitude. `share` (0 to 1) determines the direction of the impact."""
+def _strike(plant: Plant, arm: Arm, wanted_m: float, share: float) -> None:
+    """Bring the arm to an amplitude. At rest, `share` (0 to 1) determines the direction of the impact."""
     sign = 1.0 if share > 0.5 else -1.0
-    turn = arm.angular_frequency * max(0.0, amplitude_m**2 - plant.deflection**2) ** 0.5
-    plant.strike(sign * turn - plant.rate)
+    turn = arm.angular_frequency * max(0.0, wanted_m**2 - plant.deflection_m**2) ** 0.5
+    strike(plant, arm, sign * turn - rate_m_s(plant))
 
 
 def _between(position: Values, rate: Values, time_s: float, newest: int) -> float:

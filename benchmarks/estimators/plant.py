@@ -1,81 +1,39 @@
-"""The benchmark's own arm and joint: exact from cycle to cycle, for a command and a force held over it."""
-
-from math import pi
-
-import numpy as np
-from numpy.typing import NDArray
+"""The benchmark's arm: one mode behind a joint without limits, moved by the simulation's own stepper."""
 
 from benchmarks.estimators.regimes import CYCLE_S, Arm
+from common.model import Arm as ModelArm
+from common.model import Drive, Mode, Model
+from simulation.plant import Plant
 
-Values = NDArray[np.float64]
-
-
-class Plant:
-    """theta'' = b (u - theta'), q'' + 2 zeta w q' + w^2 q = - p L theta'' + f; u is the command, dead_cycles old.
-
-    b = 2 pi bandwidth_hz. The state is (theta, theta', q, q'); its transition is the matrix exponential, by its series.
-    """
-
-    def __init__(
-        self, arm: Arm, length_m: float, participation: float, bandwidth_hz: float, dead_cycles: int
-    ) -> None:
-        """At rest at zero."""
-        w, lag = arm.angular_frequency, 2.0 * pi * bandwidth_hz
-        decay, lever = 2.0 * arm.damping_ratio * w, participation * length_m
-        rates = np.zeros((6, 6))
-        rates[0, 1] = rates[2, 3] = 1.0
-        rates[1, 1], rates[1, 4] = -lag, lag
-        rates[3] = (0.0, lever * lag, -w * w, -decay, -lever * lag, 1.0)
-        self._rows: list[list[float]] = _exponential(rates * CYCLE_S)[:4].tolist()
-        self._tip: list[float] = (length_m * rates[1] + rates[3]).tolist()
-        self._length = length_m
-        self._w = w
-        self._under_way = [0.0] * dead_cycles
-        self.theta = self.theta_rate = self.deflection = self.rate = 0.0
-        self._command = 0.0
-        self.force_m_s2 = 0.0
-
-    @property
-    def tip_m(self) -> float:
-        """Transverse position of the tip."""
-        return self._length * self.theta + self.deflection
-
-    @property
-    def tip_rate_m_s(self) -> float:
-        """Its rate."""
-        return self._length * self.theta_rate + self.rate
-
-    @property
-    def tip_acceleration_m_s2(self) -> float:
-        """Its acceleration under the command and the force that act now."""
-        t = self._tip
-        return (
-            t[1] * self.theta_rate + t[2] * self.deflection + t[3] * self.rate + t[4] * self._command
-            + t[5] * self.force_m_s2
-        )  # fmt: skip
-
-    @property
-    def amplitude_m(self) -> float:
-        """Momentary amplitude of the deflection."""
-        return float(np.hypot(self.deflection, self.rate / self._w))
-
-    def strike(self, velocity_m_s: float) -> None:
-        """Add to the deflection's rate at once."""
-        self.rate += velocity_m_s
-
-    def advance(self, command_rad_s: float) -> None:
-        """Move on by one cycle."""
-        self._under_way.append(command_rad_s)
-        self._command = u = self._under_way.pop(0)
-        a, b, c, d, f = self.theta, self.theta_rate, self.deflection, self.rate, self.force_m_s2
-        self.theta, self.theta_rate, self.deflection, self.rate = [
-            r[0] * a + r[1] * b + r[2] * c + r[3] * d + r[4] * u + r[5] * f for r in self._rows
-        ]
+_UNLIMITED = 1e9
 
 
-def _exponential(matrix: Values) -> Values:
-    result = term = np.eye(len(matrix))
-    for order in range(1, 20):
-        term = term @ matrix / order
-        result = result + term
-    return result
+def arm_plant(
+    arm: Arm, length_m: float, participation: float, bandwidth_hz: float, dead_cycles: int
+) -> Plant:
+    """At rest at zero; commands arrive dead_cycles late."""
+    drive = Drive(
+        bandwidth_hz=bandwidth_hz,
+        dead_time_s=dead_cycles * CYCLE_S,
+        max_velocity_rad_s=_UNLIMITED,
+        max_acceleration_rad_s2=_UNLIMITED,
+        min_position_rad=-_UNLIMITED,
+        max_position_rad=_UNLIMITED,
+    )
+    mode = Mode(arm.frequency_hz, arm.damping_ratio, participation)
+    return Plant(Model(arm=ModelArm(length_m=length_m, modes=[mode]), drive=drive))
+
+
+def rate_m_s(plant: Plant) -> float:
+    """Rate of the deflection."""
+    return plant.modal_rates_m_s[0]
+
+
+def amplitude_m(plant: Plant, arm: Arm) -> float:
+    """Momentary amplitude of the deflection."""
+    return float(abs(complex(plant.deflection_m, rate_m_s(plant) / arm.angular_frequency)))
+
+
+def strike(plant: Plant, arm: Arm, velocity_m_s: float) -> None:
+    """Add to the deflection's rate at once."""
+    plant.strike(1, velocity_m_s / arm.angular_frequency)

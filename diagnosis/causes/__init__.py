@@ -1,1 +1,1 @@
-"""The catalogue: one file for each cause that the simulation can be extended by."""
+"""How causes are looked for that need more than their declaration says (common.causes): a file for each of them."""

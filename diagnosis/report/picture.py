@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from common.causes import CAUSES, Place
 from diagnosis.laws import OF_STAMPS
 from diagnosis.report import panels
 from diagnosis.report.case import ARM_CHANNELS, Case
@@ -16,35 +17,34 @@ def _against(variable: str) -> Panel:
 
 _ARM, _JOINT = ARM_CHANNELS, ("joint_velocity", "joint_position")
 _TELLING: dict[str, tuple[Panel, tuple[str, ...]]] = {
-    "second_bending_mode": (panels.residual_spectrum, _ARM),
     "coulomb_damping": (panels.amplitude_in_time, _ARM),
     "quadratic_damping": (panels.amplitude_in_time, _ARM),
     "cubic_stiffness": (panels.frequency_against_amplitude, _ARM),
     "payload_change": (panels.frequency_in_time, _ARM),
     "stiffness_drift": (panels.frequency_in_time, _ARM),
-    "periodic_disturbance": (panels.residual_spectrum, _ARM),
     "drive_dead_time": (_against("joint acceleration"), _JOINT),
     "drive_lag": (_against("joint acceleration"), _JOINT),
     "drive_saturation": (panels.speed_against_command, _JOINT),
     "drive_deadband": (panels.speed_against_command, _JOINT),
     "joint_friction": (panels.speed_against_command, _JOINT),
     "gear_backlash": (_against("sign of the joint velocity"), ("joint_position", "displacement")),
-    "accelerometer_bias_drift": (_against("time"), ("acceleration",)),
     "accelerometer_sensitivity_drift": (panels.gain_in_time, ("acceleration",)),
     "accelerometer_clipping": (panels.measured_against_simulated, ("acceleration",)),
     "accelerometer_lag": (_against("speed of the deflection"), ("acceleration",)),
     "gravity_leakage": (_against("joint position"), ("acceleration",)),
     "mains_hum": (panels.residual_spectrum, ("acceleration",)),
     "impulse_noise": (panels.histogram, ("acceleration",)),
-    "tracking_drift": (_against("time"), ("displacement",)),
     "lens_distortion": (panels.measured_against_simulated, ("displacement",)),
     "camera_tilt_coupling": (_against("deflection"), ("displacement",)),
-    "camera_clock_skew": (panels.arrivals, ("arrival",)),
     "frame_drops": (panels.missing_frames, ("displacement",)),
-    "delay_bursts": (panels.arrivals, ("arrival",)),
-    "delay_drift": (panels.arrivals, ("arrival",)),
     "stale_frame_buffer": (panels.image_lateness, ("displacement",)),
-    "clock_step": (panels.arrivals, ("arrival",)),
+}
+_BY_PLACE: dict[Place, tuple[Panel, tuple[str, ...]]] = {
+    "arm": (panels.residual_spectrum, _ARM),
+    "drive": (panels.residual_spectrum, _ARM),
+    "accelerometer": (_against("time"), ("acceleration",)),
+    "camera": (_against("time"), ("displacement",)),
+    "timing": (panels.arrivals, ("arrival",)),
 }
 _BY_TIMING: Panel = panels.image_lateness
 
@@ -53,7 +53,7 @@ def picture(case: Case) -> str:
     """The picture of a finding as SVG."""
     assert case.finding is not None
     cause = case.finding.cause
-    panel, channels = _TELLING.get(cause, (panels.residual_in_time, ()))
+    panel, channels = _TELLING.get(cause, _BY_PLACE[CAUSES[cause].place])
     if cause == "clock_step" and case.finding.note == OF_STAMPS:
         return svg([panels.stamp_offsets(case, "displacement")], f"{cause}: stamps", panel_in=(7.0, 2.9))
     if cause == "clock_step" and case.finding.law is not None:

@@ -12,37 +12,7 @@ from diagnosis.scatter import ON_ITS_PAST
 from diagnosis.use import MEASURES, outcome
 from diagnosis.verdict import is_sure_of
 
-NAMES = {
-    "second_bending_mode": "a second bending mode",
-    "coulomb_damping": "dry friction in the arm",
-    "quadratic_damping": "damping that grows with the square of the speed",
-    "cubic_stiffness": "a stiffness that changes with the deflection",
-    "payload_change": "a payload taken up or put down",
-    "stiffness_drift": "a stiffness that drifts",
-    "periodic_disturbance": "a periodic force on the arm",
-    "drive_dead_time": "a drive that answers later than declared",
-    "drive_lag": "a drive of another bandwidth than declared",
-    "drive_saturation": "a drive that stops at a lower speed than declared",
-    "drive_deadband": "a drive that ignores small commands",
-    "gear_backlash": "play in the gear",
-    "joint_friction": "friction in the joint",
-    "accelerometer_bias_drift": "an accelerometer whose zero drifts",
-    "accelerometer_sensitivity_drift": "an accelerometer whose sensitivity drifts",
-    "accelerometer_clipping": "an accelerometer that clips",
-    "accelerometer_lag": "an accelerometer that lags",
-    "gravity_leakage": "gravity in the accelerometer",
-    "mains_hum": "mains hum in the accelerometer",
-    "impulse_noise": "spikes in the acceleration",
-    "tracking_drift": "tracking that drifts",
-    "lens_distortion": "a lens that distorts",
-    "camera_tilt_coupling": "a camera whose image moves as it turns",
-    "camera_clock_skew": "a camera clock that runs at another rate",
-    "frame_drops": "frames that are lost",
-    "delay_bursts": "bursts in which frames come late",
-    "delay_drift": "a capture delay that drifts",
-    "stale_frame_buffer": "a buffer that hands over old frames",
-    "clock_step": "a clock that stepped",
-}
+NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
 
 
 def number(value: float, std: float | None = None) -> str:

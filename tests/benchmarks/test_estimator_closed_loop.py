@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from benchmarks.estimators.closed_loop import NO_DAMPING, ORACLE, Course, run_closed
 from benchmarks.estimators.damping_table import settling_time_s
-from benchmarks.estimators.plant import Plant
+from benchmarks.estimators.plant import arm_plant, rate_m_s, strike
 from benchmarks.estimators.regimes import CYCLE_S, REGIMES, Arm
 
 UNIT = Arm().amplitude_m
@@ -26,8 +26,8 @@ def test_the_plant_is_its_equations(
     """Against Runge-Kutta at a twentieth of the cycle, with a command, a force and a blow."""
     arm = Arm(damping_ratio=damping_ratio)
     w, lag = arm.angular_frequency, 2 * np.pi * bandwidth_hz
-    plant = Plant(arm, 2.0, 1.14, bandwidth_hz, dead_cycles)
-    plant.strike(0.1)
+    plant = arm_plant(arm, 2.0, 1.14, bandwidth_hz, dead_cycles)
+    strike(plant, arm, 0.1)
     x = np.array([0.0, 0.0, 0.0, 0.1])
 
     def slope(x: np.ndarray, u: float) -> np.ndarray:
@@ -37,18 +37,18 @@ def test_the_plant_is_its_equations(
     h = CYCLE_S / 20
     for cycle in range(60):
         u = command if cycle >= dead_cycles else 0.0
-        plant.force_m_s2 = 0.7
+        plant.modal_forces_m_s2 = [0.7]
         plant.advance(command)
         for _ in range(20):
             k1 = slope(x, u)
             k2 = slope(x + 0.5 * h * k1, u)
             k3 = slope(x + 0.5 * h * k2, u)
             x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + slope(x + h * k3, u))
-    found = (plant.theta, plant.theta_rate, plant.deflection, plant.rate)
+    found = (plant.joint_position_rad, plant.joint_velocity_rad_s, plant.deflection_m, rate_m_s(plant))
     assert found == pytest.approx(tuple(x), rel=1e-6, abs=1e-9)
     now = slope(x, command)
     assert plant.tip_acceleration_m_s2 == pytest.approx(2.0 * now[1] + now[3], rel=1e-5, abs=1e-7)
-    assert plant.tip_m == pytest.approx(2.0 * x[0] + x[2], rel=1e-6, abs=1e-9)
+    assert plant.tip_position_m == pytest.approx(2.0 * x[0] + x[2], rel=1e-6, abs=1e-9)
 
 
 def test_the_oracle_settles_as_fast_as_the_added_damping_says() -> None:
@@ -64,11 +64,11 @@ def test_a_steady_random_force_keeps_up_the_amplitude_that_theory_says() -> None
     """A white force of density S keeps up a variance of S / (4 zeta w^3)."""
     arm, random = Arm(), np.random.default_rng(1)
     force = 0.3 * UNIT * np.sqrt(4 * arm.damping_ratio * arm.angular_frequency**3 / CYCLE_S)
-    plant, squares = Plant(arm, 2.0, 1.14, 20.0, 2), 0.0
+    plant, squares = arm_plant(arm, 2.0, 1.14, 20.0, 2), 0.0
     for cycle, push in enumerate((force * random.standard_normal(320_000)).tolist()):
-        plant.force_m_s2 = push
+        plant.modal_forces_m_s2 = [push]
         plant.advance(0.0)
-        squares += plant.deflection**2 if cycle >= 20_000 else 0.0
+        squares += plant.deflection_m**2 if cycle >= 20_000 else 0.0
     assert np.sqrt(squares / 300_000) / UNIT == pytest.approx(0.3, rel=0.15)
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.estimators.generator import expose
-from benchmarks.estimators.plant import Plant
+from benchmarks.estimators.plant import amplitude_m, arm_plant, strike
 from benchmarks.estimators.regimes import REGIMES, Arm
 from benchmarks.estimators.trial import LENGTH_M, assumed_model, visual_sample
 from common.configuration import Controller as Settings
@@ -44,16 +44,16 @@ def test_faded_in_and_out_it_leaves_the_joint_where_it_was_and_the_arm_still() -
     """Zero mean; and less than a hundredth of its own tip motion is left as vibration."""
     settings = Dither(True)
     model = assumed_model(REGIMES["triggered drift"], 0.3)
-    plant = Plant(Arm(), LENGTH_M, model.arm.modes[0].participation, model.drive.bandwidth_hz, 2)
+    plant = arm_plant(Arm(), LENGTH_M, model.arm.modes[0].participation, model.drive.bandwidth_hz, 2)
     state, positions = STILL, []
     for cycle in range(13_500):
         state, velocity = dither_on(state, cycle < 10_000, CYCLE_S, settings)
         plant.advance(velocity)
         positions.append(state.position_rad)
     assert state == STILL
-    assert abs(plant.theta) < 1e-9
+    assert abs(plant.joint_position_rad) < 1e-9
     assert abs(np.mean(positions[4000:10_000])) < 1e-5
-    assert plant.amplitude_m < 0.01 * settings.amplitude_rad * LENGTH_M
+    assert amplitude_m(plant, Arm()) < 0.01 * settings.amplitude_rad * LENGTH_M
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,9 @@ def run(
     regime, arm = REGIMES["triggered drift"], Arm()
     model, random = assumed_model(regime, 0.3), np.random.default_rng(2718)
     mode, drive = model.arm.modes[0], model.drive
-    plant = Plant(arm, LENGTH_M, mode.participation, drive.bandwidth_hz, round(drive.dead_time_s / CYCLE_S))
+    plant = arm_plant(
+        arm, LENGTH_M, mode.participation, drive.bandwidth_hz, round(drive.dead_time_s / CYCLE_S)
+    )
     controller = Controller(
         model, Settings(arm_at_start=True, method="fused", dither=dither), "the test's model"
     )
@@ -90,8 +92,8 @@ def run(
     for cycle in range(len(tips) - 1):
         time_s = cycle * CYCLE_S
         if cycle % 2700 == 10:
-            plant.strike(arm.angular_frequency * arm.amplitude_m)
-        tips[cycle] = plant.tip_m
+            strike(plant, arm, arm.angular_frequency * arm.amplitude_m)
+        tips[cycle] = plant.tip_position_m
         samples = []
         while next_frame < len(frames.number) and frames.read_cycle[next_frame] <= cycle:
             at = float(frames.exposed_s[next_frame]) / CYCLE_S
@@ -103,7 +105,7 @@ def run(
         felt = plant.tip_acceleration_m_s2 + noise * random.standard_normal()
         output = controller.step(
             CycleInput(
-                cycle, felt if time_s < dies_s else nan, plant.theta, plant.theta_rate, 0.0,
+                cycle, felt if time_s < dies_s else nan, plant.joint_position_rad, plant.joint_velocity_rad_s, 0.0,
                 moves_rad_s * float(np.sin(2.0 * np.pi * 0.7 * time_s)), damped, samples,
             )
         )  # fmt: skip

@@ -1,11 +1,13 @@
 """Recordings made in virtual time, with one effect in the rig that the assumed model does not have."""
 
+from math import isnan
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import tomli_w
 
+from common.causes import CAUSES, Cause
 from common.model import Model, load_model
 from common.scenario import Move, Scenario, Strike
 from simulation.simulated_recording import default_simulation_configuration, write_simulated_recording
@@ -30,7 +32,7 @@ SCENARIO = Scenario(
 )
 """Three blows and moves both quick and slow: each cause has something to show itself by."""
 
-SIZES: dict[str, dict[str, Any]] = {
+_SIZES: dict[str, dict[str, Any]] = {
     "second_bending_mode": {"frequency_hz": 15.0, "damping_ratio": 0.01, "participation": -0.3},
     "coulomb_damping": {"force_per_mass_m_s2": 0.05},
     "quadratic_damping": {"coefficient_per_m": 10.0},
@@ -61,6 +63,19 @@ SIZES: dict[str, dict[str, Any]] = {
     "stale_frame_buffer": {"onset_s": 9.0, "frames": 2},
     "clock_step": {"onset_s": 9.0, "step_s": 0.1},
 }
+
+
+def _largest_usual(cause: Cause) -> dict[str, Any]:
+    """Sizes at the upper end of what is usual, other numbers in the middle of it."""
+    values = {}
+    for one in cause.numbers:
+        low, high = one.typical
+        if one.default is None:
+            values[one.name] = (low * high) ** 0.5 if isnan(one.neutral) else one.neutral + high
+    return values
+
+
+SIZES = {name: _SIZES.get(name) or _largest_usual(cause) for name, cause in CAUSES.items()}
 """Each cause at a size that shows clearly within twenty seconds."""
 
 

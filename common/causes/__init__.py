@@ -1,0 +1,31 @@
+"""The catalogue of causes: what can make a rig depart from its model, one file each, as [[effects]] of a model file.
+
+Here belongs all that is said of a cause in any part of the program; how its effects are checked and folded into a model
+is common.effects, how a search looks for it diagnosis.causes. A new file is found by itself; docs/causes.md comes from
+`stillarm causes --markdown`. Begin to read at declaration.py.
+"""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from common.causes.declaration import Cause, Parameter, Place, Value
+
+__all__ = ["CAUSES", "Cause", "Parameter", "Place", "Value", "experiment_between"]
+
+_PLACES: tuple[Place, ...] = ("arm", "drive", "accelerometer", "camera", "timing")
+
+
+def _found() -> dict[str, Cause]:
+    names = [one.name for one in iter_modules(__path__) if one.name not in ("declaration", "page")]
+    causes: list[Cause] = [import_module(f"{__name__}.{name}").CAUSE for name in names]
+    in_order = sorted(causes, key=lambda cause: (_PLACES.index(cause.place), cause.identifier))
+    return {cause.identifier: cause for cause in in_order}
+
+
+CAUSES: dict[str, Cause] = _found()
+"""All of them by identifier: by place, then by name."""
+
+
+def experiment_between(cause: str, other: str) -> str | None:
+    """What to record to tell two causes apart; None where neither declaration names the other."""
+    return CAUSES[cause].confused_with.get(other) or CAUSES[other].confused_with.get(cause)

@@ -1,0 +1,5 @@
+"""The arm with its joint: the equations of motion, once, compiled, for the rig, `simulate`, diagnosis and benchmarks.
+
+Here belongs what moves by those equations; what sensors and camera make of the motion does not. A cause that acts in
+the arm comes in by its declaration (common.causes), not by a change here. Begin to read at stepper.py.
+"""

@@ -1,0 +1,95 @@
+"""The causes' laws for the stepper: each compiled on its own, and called by its address.
+
+So the stepper is compiled once, whatever causes there are, and each law is compiled (and kept on disk) by itself, when
+a model first asks for it.
+"""
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import cfunc, types
+from numpy.typing import NDArray
+
+from common.causes import CAUSES
+from simulation.arm.compiler import call, compiled, inlined
+from simulation.arm.state import FORCE, FREQUENCY, FRICTION, LAW, Record, Records
+
+Array = NDArray[np.float64]
+
+_SITES = {"force": (FORCE, 6), "friction": (FRICTION, 6), "frequency": (FREQUENCY, 3), "command": (-1, 1)}
+"""By what a cause acts on: the stepper's site, and how many arguments that gives."""
+_MOST_NUMBERS = 4
+
+
+def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]]) -> Records:
+    """Records of the laws that act in the arm, (n,), of effects, each a cause with its values by name; none of idle
+    ones."""
+    rows = []
+    for identifier, values in effects:
+        site, _ = _SITES.get(CAUSES[identifier].acts, (-1, 0))
+        if site < 0 or CAUSES[identifier].is_idle(values):
+            continue
+        own = CAUSES[identifier].arguments(values)
+        padded = (*own, *[0.0] * (_MOST_NUMBERS - len(own)))
+        rows.append((address_of(identifier), site, len(own), values.get("onset_s", np.inf), *padded))
+    return np.array(rows, dtype=LAW)
+
+
+@cache
+def address_of(identifier: str) -> int:
+    """Where the compiled law of a cause lies in memory. ValueError for one with more numbers than the stepper hands
+    over."""
+    cause = CAUSES[identifier]
+    if len(cause.numbers) > _MOST_NUMBERS:
+        raise ValueError(f"{identifier}: a law of over {_MOST_NUMBERS} numbers; the stepper calls none")
+    arguments = [types.float64] * (_SITES[cause.acts][1] + len(cause.numbers))
+    compiled: Any = cfunc(types.float64(*arguments), cache=True, error_model="numpy")(cause.law)
+    return int(compiled.address)
+
+
+def obeyed(effects: Iterable[tuple[str, Mapping[str, Any]]], commands: Array) -> Array:
+    """What the drive makes of commands, rad/s, (n,), by the effects that have a law for it, in their order."""
+    for identifier, values in effects:
+        cause = CAUSES[identifier]
+        if cause.acts == "command" and not cause.is_idle(values):
+            commands = _each(address_of(identifier), np.array(cause.arguments(values)), commands)
+    return commands
+
+
+@compiled
+def _each(address: int, own: Array, commands: Array) -> Array:
+    out = np.empty_like(commands)
+    for k in range(len(commands)):
+        if len(own) == 1:
+            out[k] = call(address, (commands[k], own[0]))
+        elif len(own) == 2:
+            out[k] = call(address, (commands[k], own[0], own[1]))
+        else:
+            out[k] = call(address, (commands[k], own[0], own[1], own[2]))
+    return out
+
+
+@inlined
+def state_law(law: Record, t: float, theta: float, omega: float, q: float, v: float, w: float) -> float:
+    """A law of force or friction, m/s^2."""
+    if law.count == 1:
+        return call(law.address, (t, theta, omega, q, v, w, law.n0))
+    if law.count == 2:
+        return call(law.address, (t, theta, omega, q, v, w, law.n0, law.n1))
+    if law.count == 3:
+        return call(law.address, (t, theta, omega, q, v, w, law.n0, law.n1, law.n2))
+    return call(law.address, (t, theta, omega, q, v, w, law.n0, law.n1, law.n2, law.n3))
+
+
+@inlined
+def frequency_law(law: Record, t: float, mode: float, first_hz: float) -> float:
+    """A law of frequency: a mode's over the declared one."""
+    if law.count == 1:
+        return call(law.address, (t, mode, first_hz, law.n0))
+    if law.count == 2:
+        return call(law.address, (t, mode, first_hz, law.n0, law.n1))
+    if law.count == 3:
+        return call(law.address, (t, mode, first_hz, law.n0, law.n1, law.n2))
+    return call(law.address, (t, mode, first_hz, law.n0, law.n1, law.n2, law.n3))

@@ -1,0 +1,49 @@
+"""How the arm's functions are compiled: kept on disk, without the interpreter's lock, and given records.
+
+A record is a pointer to named numbers; where there are several, it is the first of them and `nth` gives the others.
+Arrays are counted references, and each call that hands one on counts twice: records make a cycle ten times as fast.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def compiled(function: Function) -> Function:
+    """Compile on first use."""
+    return cast(Function, njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+def inlined(function: Function) -> Function:
+    """The same, and let it become a part of whatever calls it: for what a cycle always passes through."""
+    return cast(Function, njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function))
+
+
+def _nth(typing_context: Any, first: Any, place: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        width = ir.Constant(values[1].type, signature.args[0].size)
+        start = builder.bitcast(values[0], ir.IntType(8).as_pointer())
+        return builder.bitcast(builder.gep(start, [builder.mul(values[1], width)]), values[0].type)
+
+    return first(first, types.intp), generate
+
+
+def _call(typing_context: Any, address: Any, arguments: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        double = ir.DoubleType()
+        count = signature.args[1].count
+        pointer = builder.inttoptr(values[0], ir.FunctionType(double, [double] * count).as_pointer())
+        return builder.call(pointer, [builder.extract_value(values[1], place) for place in range(count)])
+
+    return types.float64(address, arguments), generate
+
+
+nth: Callable[[Any, int], Any] = cast(Any, intrinsic(_nth))
+"""Record number `place` (from 0) of those that begin with `first`. Nothing is checked."""
+call: Callable[[int, tuple[float, ...]], float] = cast(Any, intrinsic(_call))
+"""Call the function of floats at an address with a tuple of them."""

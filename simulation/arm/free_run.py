@@ -1,0 +1,115 @@
+"""The arm over a whole recording at once, under commands that are known: what every fit and every candidate runs."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulation.arm.compiler import compiled, inlined, nth
+from simulation.arm.state import Record, Records
+from simulation.arm.stepper import acceleration, cycle, link, modes_through
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_NEAR = 0.2  # cycles between a sensor's reading and a command's arrival, at which either may come first
+
+
+@compiled
+def free_run(
+    arms: Records,
+    command: Array,
+    whole: int,
+    jump_cycles: Integers,
+    jumps: Array,
+    out_joint: Array,
+    out_motor: Array,
+    out_q: Array,
+    out_qdd: Array,
+) -> None:
+    """Free run over all cycles, from the arm's state on.
+
+    command: (n,) rad/s that the drive aims at once it has arrived, `whole` cycles and the joint's early part of one
+    after its own; before the first it aimed at that. jump_cycles: (j,) ascending; jumps: (j, m, 2) added to q_i and
+    q_i' at the start of that cycle. Fills out_joint (n, 4): theta, theta', theta'' of the joint, and by how much
+    theta'' jumps with a command that arrives near the start of the cycle (`reads_later`), less the further from it;
+    out_motor (n, 2): of the motor; out_q (n, m) and out_qdd (n, m): q_i and q_i'' at the start of each cycle.
+    """
+    arm, n, m = arms[0], len(command), arms[0].modes
+    dt = arm.early + arm.late
+    fraction = arm.early / dt
+    near = max(0.0, 1.0 - min(fraction, 1.0 - fraction) / _NEAR)
+    next_jump, jump = 0, 0.0
+    for k in range(n):
+        next_jump = _jumped(arm, k, next_jump, jump_cycles, jumps)
+        out_joint[k, 0], out_joint[k, 1], out_joint[k, 2] = link(arm)
+        out_joint[k, 3] = jump
+        out_motor[k, 0], out_motor[k, 1] = arm.motor, arm.rate
+        for i in range(m):
+            out_q[k, i] = nth(arm.mode, i).q
+            out_qdd[k, i] = acceleration(arm, i, k * dt)
+        older, newer = max(k - whole - 1, 0), max(k - whole, 0)
+        cycle(arm, k * dt, command[older], command[newer])
+        beside = max(k - whole + 1, 0) if fraction < 0.5 else older
+        jump = 0.0
+        if near > 0.0 and beside < n:
+            jump = near * _jump_of(arm, command[beside], fraction < 0.5)
+
+
+@inlined
+def _jumped(arm: Record, k: int, next_jump: int, jump_cycles: Integers, jumps: Array) -> int:
+    """Add what jumps at a cycle's start; returns which jump is next."""
+    while next_jump < len(jump_cycles) and jump_cycles[next_jump] <= k:
+        for i in range(arm.modes):
+            nth(arm.mode, i).q += jumps[next_jump, i, 0]
+            nth(arm.mode, i).v += jumps[next_jump, i, 1]
+        next_jump += 1
+    return next_jump
+
+
+@inlined
+def _jump_of(arm: Record, command: float, to_come: bool) -> float:
+    """By how much theta'' jumps as the drive's aim becomes `command`, or became another than that."""
+    _, omega, alpha = link(arm)
+    if (arm.gap > 0.0 and arm.contact == 0.0) or not arm.lowest < arm.motor < arm.highest:
+        return 0.0
+    beside: float = min(max(arm.decay * (command - omega), -arm.most), arm.most)
+    return beside - alpha if to_come else alpha - beside
+
+
+@compiled
+def driven_run(
+    arms: Records,
+    force: Array,
+    dt: float,
+    substeps: int,
+    jump_cycles: Integers,
+    jumps: Array,
+    out_q: Array,
+    out_qdd: Array,
+) -> None:
+    """Free run of modes at a joint that stands still, the first under a known force; as free_run else.
+
+    force: (2 n substeps + 1,) acceleration of the first mode, m/s^2, at the ends and the middle of each substep.
+    """
+    arm, stretch, n, m = arms[0], arms[0].stretch, len(out_q), arms[0].modes
+    h = dt / substeps
+    stretch.duration, stretch.decay, stretch.start, stretch.end = h, 0.0, 0.0, 0.0
+    stretch.jump, stretch.theta, stretch.omega = 0.0, 0.0, 0.0
+    next_jump = 0
+    for k in range(n):
+        next_jump = _jumped(arm, k, next_jump, jump_cycles, jumps)
+        for i in range(m):
+            out_q[k, i] = nth(arm.mode, i).q
+        for part in range(substeps):
+            at = 2 * (k * substeps + part)
+            before, between, after = force[at], force[at + 1], force[at + 2]
+            arm.c0 = before
+            arm.c1 = (4.0 * between - 3.0 * before - after) / h
+            arm.c2 = 2.0 * (before + after - 2.0 * between) / (h * h)
+            for i in range(m if part == 0 else 0):
+                out_qdd[k, i] = acceleration(arm, i, k * dt)
+            modes_through(arm, k * dt + part * h, 1)
+
+
+def reads_later(dead_s: float, dt: float) -> bool:
+    """Whether `free_run` has the sensors read after a command's arrival that is near: it is just before the cycle."""
+    return bool(dead_s / dt - np.floor(dead_s / dt + 1e-9) > 0.5)

@@ -1,0 +1,125 @@
+"""What the declarations of the causes say, as text for people and as a JSON schema: docs/causes.md comes from here."""
+
+from typing import Any
+
+from common.causes import CAUSES, Cause, Parameter, experiment_between
+from common.causes.declaration import SEPARATES
+
+_HEAD = """# Causes: how a rig departs from its model
+
+Each is a named extension of the simulation. A model file takes any number of them, each at most once unless it says
+*may be repeated*:
+
+```toml
+[[effects]]
+cause = "cubic_stiffness"
+coefficient_per_m2 = 300.0
+```
+
+`stillarm simulate --model FILE` and the rig of the demo then obey it. The controller and `replay` also take up
+second_bending_mode and the causes that are another value of a model key ("replaces"); they say once which of the others
+they make no use of. All that the program knows of a cause stands in one file of `common/causes/`, and this page is made
+from those files (`stillarm causes --markdown`). `stillarm causes NAME` prints one of them, `stillarm causes --schema`
+the JSON schema of an entry.
+
+t is time from the recording's start; for the live rig, from the first drive command, which is within a cycle or two of
+it. A cause of the arm sets in at its onset, one of the images on the first exposure at or after it. An effect of no
+size changes nothing, to the last bit, and no effect changes the random numbers of the rest (a second mode alone takes
+its own share of a random disturbance): runs with and without it, from one seed, can be compared sample by sample.
+
+`stillarm demo --hide SEED` draws a cause, its size and its sign from the usual ranges below and puts it into the rig
+alone, with moves of the joint that make it show. Only truth.mcap says what it was (`stillarm export truth.mcap -o DIR`
+writes its model.toml).
+
+A closed damping loop hides what the arm does by itself: for the arm's causes record with damping off.
+"""
+
+_PLACES = {
+    "arm": "The arm",
+    "drive": "The drive",
+    "accelerometer": "The accelerometer",
+    "camera": "The image",
+    "timing": "Timing",
+}
+
+
+def page() -> str:
+    """The whole of docs/causes.md."""
+    parts = [_HEAD]
+    for place, title in _PLACES.items():
+        parts.append(f"## {title}\n")
+        parts += [section(cause) for cause in CAUSES.values() if cause.place == place]
+    return "\n".join(parts)
+
+
+def section(cause: Cause) -> str:
+    """All that is said of one cause."""
+    told = f"{cause.sees[0].upper()}{cause.sees[1:]}. {cause.note}".strip()
+    lines = [f"### {cause.identifier}", "", told + (" *May be repeated.*" if cause.repeatable else ""), ""]
+    lines += [f"    {cause.equation}", ""]
+    lines += [f"- `{one.name}`: {_allowed(one)}" for one in cause.parameters]
+    lines += ["", f"To provoke it: {cause.provoke}", ""]
+    lines += [f"To tell it from {other}: {how}." for other, how in _separated(cause).items()] or [
+        f"To tell it from others: {SEPARATES[cause.place]}."
+    ]
+    return "\n".join([*lines, ""])
+
+
+def _separated(cause: Cause) -> dict[str, str]:
+    """What to record to tell a cause from each that it is easily confused with."""
+    between = {
+        other: experiment_between(cause.identifier, other) for other in CAUSES if other != cause.identifier
+    }
+    return {other: how for other, how in between.items() if how is not None}
+
+
+def _allowed(parameter: Parameter) -> str:
+    left_out = "" if parameter.default is None else f"; {_said(parameter.default)} when left out"
+    if parameter.kind == "truth":
+        return f"true or false{left_out}"
+    if parameter.kind == "text":
+        return " or ".join(f'"{choice}"' for choice in parameter.choices) + left_out
+    low, high = parameter.typical
+    usual = f"; usually {low:g} to {high:g}" if high > 0.0 and not left_out else ""
+    if usual and parameter.neutral == 1.0:
+        usual += " off 1"
+    if usual and parameter.signed:
+        usual += ", of either sign"
+    return f"{parameter.unit}, {parameter.lowest:g} to {parameter.highest:g}{usual}{left_out}"
+
+
+def _said(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, int | float) else f'"{value}"'
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema of one entry of [[effects]] in a model file."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "effect",
+        "oneOf": [_schema_of(cause) for cause in CAUSES.values()],
+    }
+
+
+def _schema_of(cause: Cause) -> dict[str, Any]:
+    properties: dict[str, Any] = {"cause": {"const": cause.identifier}}
+    for one in cause.parameters:
+        if one.kind == "truth":
+            properties[one.name] = {"type": "boolean"}
+        elif one.kind == "text":
+            properties[one.name] = {"enum": list(one.choices)}
+        else:
+            kind = "integer" if one.kind == "whole" else "number"
+            properties[one.name] = {"type": kind, "minimum": one.lowest, "maximum": one.highest}
+            properties[one.name]["description"] = one.unit
+        if one.default is not None:
+            properties[one.name]["default"] = one.default
+    return {
+        "type": "object",
+        "description": cause.sees,
+        "properties": properties,
+        "required": ["cause", *(one.name for one in cause.parameters if one.default is None)],
+        "additionalProperties": False,
+    }

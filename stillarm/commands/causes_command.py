@@ -1,0 +1,36 @@
+"""`stillarm causes`: every cause that can be declared, hidden and named, from its declaration."""
+
+import argparse
+import difflib
+import json
+
+from common.causes import CAUSES
+from common.user_error import UserError
+from stillarm.causes_page import page, schema, section
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("name", nargs="?", metavar="NAME", help="all that is said of one cause")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--markdown", action="store_true", help="all causes, as docs/causes.md has them")
+    form.add_argument("--schema", action="store_true", help="the JSON schema of an entry of [[effects]]")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print a list, one cause, the page or the schema. Raises UserError for a name that is no cause's."""
+    if arguments.markdown:
+        print(page(), end="")
+    elif arguments.schema:
+        print(json.dumps(schema(), indent=2))
+    elif arguments.name is None:
+        for cause in CAUSES.values():
+            print(f"{cause.identifier:<32} {cause.place:<14} {cause.name}")
+    elif arguments.name in CAUSES:
+        print(section(CAUSES[arguments.name]), end="")
+    else:
+        near = difflib.get_close_matches(arguments.name, CAUSES, n=1, cutoff=0.0)[0]
+        raise UserError(
+            f"causes {arguments.name}: no such cause; the nearest is {near}, and `stillarm causes` lists all"
+        )
+    return 0

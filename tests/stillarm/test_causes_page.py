@@ -1,0 +1,53 @@
+"""`stillarm causes`: what it prints, and the page that comes from it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from common.causes import CAUSES
+from stillarm.causes_page import page, schema, section
+from stillarm.main import main
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_documentation_is_what_the_declarations_say() -> None:
+    """After a change: stillarm causes --markdown > docs/causes.md"""
+    assert (ROOT / "docs" / "causes.md").read_text() == page()
+
+
+@pytest.mark.parametrize("identifier", CAUSES)
+def test_a_section_tells_every_parameter_with_its_range(identifier: str) -> None:
+    cause, text = CAUSES[identifier], section(CAUSES[identifier])
+    for one in cause.parameters:
+        line = next(line for line in text.splitlines() if line.startswith(f"- `{one.name}`: "))
+        if one.kind in ("number", "whole"):
+            assert f"{one.unit}, {one.lowest:g} to {one.highest:g}" in line
+        assert ("when left out" in line) == (one.default is not None)
+    assert f"    {cause.equation}\n" in text
+    assert "\nTo provoke it: " in text and "\nTo tell it from " in text
+
+
+def test_the_schema_bounds_what_the_checks_bound() -> None:
+    entries = {entry["properties"]["cause"]["const"]: entry for entry in schema()["oneOf"]}
+    assert list(entries) == list(CAUSES)
+    cubic = entries["cubic_stiffness"]
+    assert cubic["required"] == ["cause", "coefficient_per_m2"]
+    assert cubic["properties"]["coefficient_per_m2"]["maximum"] == 1e7
+    assert entries["clock_step"]["properties"]["clock"] == {
+        "enum": ["frames", "camera", "all"],
+        "default": "frames",
+    }
+    assert entries["stale_frame_buffer"]["properties"]["frames"]["type"] == "integer"
+
+
+def test_the_command_prints_a_list_one_cause_or_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["causes"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(CAUSES)
+    assert main(["causes", "gear_backlash"]) == 0
+    assert capsys.readouterr().out == section(CAUSES["gear_backlash"])
+    assert main(["causes", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == schema()
+    assert main(["causes", "gear_backslash"]) == 1
+    assert "the nearest is gear_backlash" in capsys.readouterr().err
