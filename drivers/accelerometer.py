@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
-STANDARD_GRAVITY_M_S2 = 9.80665
-
 
 class SampleStatus(IntEnum):
     """Result of a read. All but the first two are faults, and their sample is NaN."""

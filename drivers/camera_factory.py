@@ -7,12 +7,12 @@ from drivers.camera import Camera
 from drivers.stream_camera import StreamCamera
 
 BACKENDS = {
-    "basler": ("basler_camera", "BaslerBackend"),
-    "genicam": ("genicam_camera", "GenicamBackend"),
-    "aravis": ("aravis_camera", "AravisBackend"),
-    "ids_peak": ("ids_peak_camera", "IdsPeakBackend"),
-    "ueye": ("ueye_camera", "UeyeBackend"),
-    "libcamera": ("libcamera_camera", "LibcameraBackend"),
+    "basler": ("drivers.basler_camera", "BaslerBackend"),
+    "genicam": ("drivers.genicam_camera", "GenicamBackend"),
+    "aravis": ("drivers.aravis_camera", "AravisBackend"),
+    "ids_peak": ("drivers.ids_peak_camera", "IdsPeakBackend"),
+    "ueye": ("drivers.ueye_camera", "UeyeBackend"),
+    "libcamera": ("drivers.libcamera_camera", "LibcameraBackend"),
 }
 
 
@@ -20,7 +20,7 @@ def open_camera(config: CameraDevice, in_flight: int = 1) -> Camera:
     """The camera of section [camera], with `in_flight` images requested ahead. Opens nothing; start() does."""
     if config.driver in BACKENDS:
         module, name = BACKENDS[config.driver]
-        backend = getattr(importlib.import_module(f"drivers.{module}"), name)
+        backend = getattr(importlib.import_module(module), name)
         return StreamCamera(backend(config), config, in_flight=in_flight)
     if config.driver == "opencv":
         from drivers.opencv_camera import OpenCvCamera

@@ -12,7 +12,7 @@ import smbus2
 
 from common.configuration import AccelerometerDevice
 from common.user_error import UserError
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2, Reading, SampleStatus
+from drivers.accelerometer import Reading, SampleStatus
 from drivers.accelerometer_tables.register_table import RegisterTable
 from drivers.i2c import open_bus
 from drivers.i2c_fifo import I2cFifo
@@ -26,6 +26,7 @@ from drivers.i2c_set_up import (
 )
 from drivers.i2c_transfer import StatusAndData
 from drivers.mounting import measured_direction
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 _STALE_AFTER_READS = 5  # reads without new data, after which the last sample is no longer used
 _LOST_AFTER_READS = 50  # reads without new data, after which the device is set up again

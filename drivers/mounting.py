@@ -3,7 +3,7 @@
 from math import cos, radians, sin
 
 from common.configuration import AccelerometerDevice
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 Vector = tuple[float, float, float]
 

@@ -7,13 +7,13 @@ of a frame on the serial line at the usual baud rate.
 from dataclasses import dataclass
 from functools import reduce
 
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 from drivers.accelerometer_tables.register_table import first_order_delay_s
 from drivers.serial_decoders.framing import Framing
 from drivers.serial_decoders.microcontroller import MICROCONTROLLER
 from drivers.serial_decoders.vectornav import VECTORNAV
 from drivers.serial_decoders.witmotion import WITMOTION
 from drivers.serial_decoders.xsens import XSENS
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 
 @dataclass(frozen=True)

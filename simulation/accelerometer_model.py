@@ -9,7 +9,7 @@ from common.model import Accelerometer
 from drivers.accelerometer_factory import mean_hold_s, open_accelerometer
 from drivers.accelerometer_tables import TABLES
 from drivers.emulation.emulated_accelerometer import emulated_driver
-from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
+from drivers.i2c import MEMORY_PREFIX
 from drivers.i2c_set_up import choose_filter
 from drivers.serial_devices import SERIAL_DEVICES
 from drivers.serial_port import PTY_PREFIX
@@ -22,7 +22,7 @@ def presented_by(device: AccelerometerDevice, name: str) -> AccelerometerDevice:
     return msgspec.structs.replace(
         device,
         driver=emulated_driver(name),
-        bus=device.bus if device.bus.startswith(BUS_PREFIX) else f"{BUS_PREFIX}rig-i2c",
+        bus=device.bus if device.bus.startswith(MEMORY_PREFIX) else f"{MEMORY_PREFIX}rig-i2c",
         port=device.port if device.port.startswith(PTY_PREFIX) else f"{PTY_PREFIX}rig-accelerometer",
     )
 

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from math import nan
 
 from common.configuration import AccelerometerDevice
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 from drivers.accelerometer_tables import TABLES
 from drivers.i2c_set_up import choose_filter, choose_full_scale
 from drivers.mounting import measured_direction, sensed_axes
 from drivers.serial_devices import SERIAL_DEVICES
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 _SINGLE = struct.Struct("<f")
 

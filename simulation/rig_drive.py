@@ -13,9 +13,9 @@ from drivers.drive_gateway import DEAD_MAN_S, DriveGateway
 from drivers.drive_gateway_socket import DriveGatewaySocket
 from drivers.emulation.cia402_node import Cia402Node
 from drivers.emulation.mcp4725_chip import Mcp4725Output
-from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
 from drivers.emulation.odrive_motor import OdriveMotor
 from drivers.emulation.pty_port import PtyPort
+from drivers.i2c import MEMORY_PREFIX
 
 _MAX_MESSAGES = 64
 _NOT_A_WIRE = ("virtual", "udp_multicast")
@@ -178,7 +178,7 @@ class RigMcp4725:
     def __init__(self, config: DriveDevice) -> None:
         """Raises UserError for a bus that is no emulator's."""
         dac = config.mcp4725
-        if not dac.bus.startswith(BUS_PREFIX):
+        if not dac.bus.startswith(MEMORY_PREFIX):
             raise UserError(
                 f"drive.mcp4725.bus = {dac.bus!r}: the simulated rig needs a bus in memory, such as 'memory:rig-dac'"
             )
@@ -186,7 +186,7 @@ class RigMcp4725:
         self._zero_v = dac.zero_v
         self._rad_s_per_volt = dac.turns_s_per_v * 2.0 * pi / config.gear_ratio
         self.output = Mcp4725Output(
-            dac.bus.removeprefix(BUS_PREFIX), round(dac.zero_v / self._volts_per_code)
+            dac.bus.removeprefix(MEMORY_PREFIX), round(dac.zero_v / self._volts_per_code)
         )
         self._writes = 0
         self._written_s = float("-inf")

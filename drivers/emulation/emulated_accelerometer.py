@@ -4,10 +4,10 @@ from typing import Literal, Protocol, cast, get_args
 
 from common.configuration import AccelerometerDevice
 from common.user_error import UserError
-from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
 from drivers.emulation.parts import SENSED_PARTS
 from drivers.emulation.serial_accelerometer_device import EmulatedSerialAccelerometer
 from drivers.emulation.shared_registers import Failure, SensedRegisters
+from drivers.i2c import MEMORY_PREFIX
 from drivers.serial_devices import SERIAL_DEVICES
 from drivers.serial_port import PTY_PREFIX
 
@@ -80,8 +80,8 @@ def emulate_accelerometer(device: AccelerometerDevice, period_s: float) -> Emula
             f"accelerometer.driver = {device.driver!r}: the simulated rig cannot stand in for it; "
             f"use {', '.join(SENSED_PARTS)} or {', '.join(SERIAL_DEVICES)}"
         )
-    if not device.bus.startswith(BUS_PREFIX):
+    if not device.bus.startswith(MEMORY_PREFIX):
         raise UserError(
             f"accelerometer.bus = {device.bus!r}: the simulated rig needs a bus in memory, such as 'memory:rig-i2c'"
         )
-    return SensedRegisters(device.bus.removeprefix(BUS_PREFIX), SENSED_PARTS[device.driver], period_s)
+    return SensedRegisters(device.bus.removeprefix(MEMORY_PREFIX), SENSED_PARTS[device.driver], period_s)

@@ -13,9 +13,6 @@ import smbus2.smbus2
 
 from drivers.emulation.i2c_adapter import I2cAdapter
 from drivers.emulation.parts import open_part
-from drivers.i2c import MEMORY_PREFIX
-
-PREFIX = MEMORY_PREFIX
 
 _adapters: dict[int, I2cAdapter] = {}
 _waiting: dict[str, float] = {}
@@ -36,9 +33,9 @@ def open_memory_bus(name: str, wait_s: float) -> smbus2.SMBus:
 
 
 def _open(path: Any, flags: int) -> int:
-    if not isinstance(path, str) or not path.startswith(PREFIX):
+    if path not in _waiting:
         return os.open(path, flags)
-    adapter = open_part(path.removeprefix(PREFIX), _waiting.get(path, 0.0))
+    adapter = open_part(path.partition(":")[2], _waiting[path])
     descriptor = os.open(os.devnull, flags)  # reserves a descriptor number
     _adapters[descriptor] = adapter
     return descriptor

@@ -15,7 +15,7 @@ from enum import IntEnum
 
 from common.shared_memory import SharedBlock, word_at
 from common.user_error import UserError
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 REGISTERS = 512
 RING = 256

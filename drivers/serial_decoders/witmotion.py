@@ -2,8 +2,8 @@
 
 import struct
 
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 from drivers.serial_decoders.framing import Framing, SerialSample
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 _LENGTH = 11
 _ACCELERATION = 0x51

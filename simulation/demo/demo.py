@@ -14,7 +14,7 @@ from common.scenario import Scenario
 from common.shared_memory import block_path
 from common.user_error import UserError
 from controller.replay import LiveComparison, RecordedRun, compare_with_live, read_run, replay_method
-from drivers.emulation.memory_bus import PREFIX as BUS_PREFIX
+from drivers.i2c import MEMORY_PREFIX
 from drivers.serial_port import port_path
 from simulation.camera_process import pose_history_name
 from simulation.demo.hidden_effect import SHORTEST_S as SHORTEST_HIDDEN_S
@@ -145,12 +145,12 @@ def remove_shared_memory(configuration: Configuration) -> None:
     """What a rig that had to be killed could not remove; the names are this demo's own."""
     camera = configuration.camera.device
     for name in (
-        configuration.accelerometer.bus.removeprefix(BUS_PREFIX),
+        configuration.accelerometer.bus.removeprefix(MEMORY_PREFIX),
         camera,
         pose_history_name(configuration),
     ):
         block_path(name).unlink(missing_ok=True)
-    block_path(configuration.drive.mcp4725.bus.removeprefix(BUS_PREFIX)).unlink(missing_ok=True)
+    block_path(configuration.drive.mcp4725.bus.removeprefix(MEMORY_PREFIX)).unlink(missing_ok=True)
     for port in (configuration.accelerometer.port, configuration.drive.odrive.port):
         Path(port_path(port)).unlink(missing_ok=True)
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from common.configuration import AccelerometerDevice
 from common.model import Model
 from common.user_error import UserError
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2, Accelerometer, SampleStatus
+from drivers.accelerometer import Accelerometer, SampleStatus
 from drivers.mounting import measured_direction, sensed_axes
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
 _SLOWEST_BUS_HZ = 300_000

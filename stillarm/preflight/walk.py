@@ -11,7 +11,7 @@ from common.model import Model
 from common.user_error import UserError
 from drivers.accelerometer_factory import open_accelerometer
 from drivers.camera_factory import open_camera
-from drivers.emulation.memory_bus import PREFIX as MEMORY
+from drivers.i2c import MEMORY_PREFIX
 from stillarm.preflight.camera import CameraFacts, judge_camera, watch_camera
 from stillarm.preflight.drive import judge_drive, probe_drive
 from stillarm.preflight.link import (
@@ -76,7 +76,7 @@ def walk(path: Path) -> Iterator[Verdict]:
 def is_emulated(configuration: Configuration) -> bool:
     """Whether the rig is simulated."""
     return configuration.camera.driver == "shared_memory" or configuration.accelerometer.bus.startswith(
-        MEMORY
+        MEMORY_PREFIX
     )
 
 

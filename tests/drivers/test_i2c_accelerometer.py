@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from common.configuration import AccelerometerDevice
 from common.shared_memory import block_path
 from common.user_error import UserError
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2, SampleStatus
+from drivers.accelerometer import SampleStatus
 from drivers.accelerometer_factory import held_samples_statement, open_accelerometer
 from drivers.accelerometer_tables import TABLES
 from drivers.emulation.parts import SENSED_PARTS
@@ -22,6 +22,7 @@ from drivers.emulation.shared_registers import LATE_S, Failure, SensedRegisters
 from drivers.i2c import open_bus
 from drivers.i2c_accelerometer import I2cAccelerometer
 from drivers.mounting import sensed_axes
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 NAME = f"test-i2c-accelerometer-{os.getpid()}"
 BUS = f"memory:{NAME}"

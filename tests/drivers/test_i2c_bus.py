@@ -9,12 +9,12 @@ import pytest
 
 from common.configuration import AccelerometerDevice
 from common.user_error import UserError
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 from drivers.accelerometer_tables import TABLES
 from drivers.emulation.lis3lv02dq_registers import LIS3LV02DQ_PART
 from drivers.emulation.shared_registers import SensedRegisters
 from drivers.i2c import open_bus
 from drivers.i2c_accelerometer import I2cAccelerometer
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 NAME = f"test-bus-{os.getpid()}"
 BUS = f"memory:{NAME}"

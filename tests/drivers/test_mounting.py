@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.configuration import AccelerometerDevice
-from drivers.accelerometer import STANDARD_GRAVITY_M_S2
 from drivers.mounting import measured_direction, sensed_axes
+from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 ANGLES = st.tuples(*[st.floats(-360.0, 360.0)] * 3)
 MOUNTS = st.builds(

@@ -1,19 +1,14 @@
 """What a lost scene costs in one image, counted and not timed; and that what is found is never wrong."""
 
-import sys
-from pathlib import Path
-
 import cv2
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sinusoid_scene import SinusoidScene, photographed
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
 from supervisor.tracking import flow, locate
 from supervisor.tracking.tracker import FeatureTracker
+from tests.supervisor.sinusoid_scene import SinusoidScene, photographed
 
 # Lucas-Kanade forward costs about 20 us a feature where it does not settle, an image 0.3 to 1 ms, a coarse
 # search 6 ms: this is one frame's period.

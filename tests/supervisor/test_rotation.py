@@ -1,17 +1,12 @@
 """Turning through a tenth of a radian: further than one key frame reaches in fine texture."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sinusoid_scene import SinusoidScene, photographed
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
 from supervisor.tracking.tracker import FeatureTracker
+from tests.supervisor.sinusoid_scene import SinusoidScene, photographed
 
 
 @pytest.mark.slow

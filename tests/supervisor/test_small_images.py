@@ -1,17 +1,12 @@
 """Images hardly larger than a window."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sinusoid_scene import SinusoidScene, photographed
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
 from supervisor.tracking.tracker import FeatureTracker
+from tests.supervisor.sinusoid_scene import SinusoidScene, photographed
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (40, 200), (300, 36), (48, 48)])

@@ -1,18 +1,13 @@
 """The stated covariance holds the whole error, the interpolation's included."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sinusoid_scene import SinusoidScene, photographed
 
 from common.configuration import Tracker
 from supervisor.tracking.features import spread_corners
 from supervisor.tracking.interpolation_bias import bias_variance, interpolation_bias
 from supervisor.tracking.tracker import FeatureTracker
+from tests.supervisor.sinusoid_scene import SinusoidScene, photographed
 
 
 @pytest.mark.slow

@@ -1,18 +1,14 @@
 """The supervisor's step: frame and timestamp in, visual sample out."""
 
-import sys
 from math import isnan
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sinusoid_scene import SinusoidScene, photographed
 
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
 from drivers.camera import Frame
 from supervisor.step import Supervisor
+from tests.supervisor.sinusoid_scene import SinusoidScene, photographed
 
 SHAPE = (96, 128)
 

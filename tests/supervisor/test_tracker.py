@@ -1,21 +1,16 @@
 """The tracker on a scene whose displacement is known exactly."""
 
-import sys
-from pathlib import Path
-
 import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-sys.path.insert(0, str(Path(__file__).parent))
-from sinusoid_scene import SHAPE, SinusoidScene, photographed
-
 from common.configuration import Tracker
 from common.visual_sample import TrackingStatus
 from supervisor.tracking.displacement import Displacement
 from supervisor.tracking.tracker import UNCONFIRMED_FRAMES, FeatureTracker, warm_up
+from tests.supervisor.sinusoid_scene import SHAPE, SinusoidScene, photographed
 
 RATE_HZ = 65.0
 
