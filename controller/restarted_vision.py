@@ -8,14 +8,15 @@ from math import isfinite, nan
 
 import msgspec
 
-from controller.estimate import DelayEstimate, Estimate, Method, Observation, Status
+from controller.estimate import DelayEstimate, Estimate, Method, Observation, OutlivesSupervisor, Status
 
 _FAILED = "numbers out of range: started again"
 _KNOWN = (Status.ESTIMATED, Status.HELD)
 
 
 class MethodAcrossRestarts:
-    """Begins anew with the first sample of a supervisor that was started anew. 5 to 200 us, once, for the making.
+    """Begins anew with the first sample of a supervisor that was started anew. 5 to 200 us, once, for the making. A method
+    that can tell the zero of images from all else is told of it instead, and keeps what it knows.
 
     A method whose numbers have left the range of floats would never come back by itself: it begins anew as well.
     failures: how often that has happened.
@@ -32,7 +33,7 @@ class MethodAcrossRestarts:
         samples = observation.samples
         for place in range(len(samples) - 1, -1, -1):
             if samples[place].restarted:
-                self._method = self._make()
+                self._see_new_zero()
                 if place:  # of the supervisor before
                     observation = msgspec.structs.replace(observation, samples=samples[place:])
                 break
@@ -45,6 +46,12 @@ class MethodAcrossRestarts:
         ):
             return self._failed()
         return estimate
+
+    def _see_new_zero(self) -> None:
+        if isinstance(self._method, OutlivesSupervisor):
+            self._method.see_new_zero()
+        else:
+            self._method = self._make()
 
     def _failed(self) -> Estimate:
         self.failures += 1
