@@ -2,7 +2,7 @@
 
 from enum import StrEnum
 from math import nan
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import msgspec
 
@@ -95,6 +95,14 @@ class Estimate(msgspec.Struct, frozen=True, gc=False):
         if self.trust is not None:
             return self.trust
         return Trust.STARTING if self.delay.status is Status.UNESTIMATED else Trust.SETTLED
+
+
+@runtime_checkable
+class OutlivesSupervisor(Protocol):
+    """A method that goes on with a new supervisor's images: camera, arm and sensors are the same, the zero is not."""
+
+    def see_new_zero(self) -> None:
+        """The next image counts its displacement from another zero."""
 
 
 class Method(Protocol):

@@ -8,14 +8,15 @@ from math import isfinite, nan
 
 import msgspec
 
-from controller.estimate import DelayEstimate, Estimate, Method, Observation, Status
+from controller.estimate import DelayEstimate, Estimate, Method, Observation, OutlivesSupervisor, Status
 
 _FAILED = "numbers out of range: started again"
 _KNOWN = (Status.ESTIMATED, Status.HELD)
 
 
 class MethodAcrossRestarts:
-    """Restarts the method at the first sample of a restarted supervisor, which takes 5 to 200 us once.
+    """Restarts the method at the first sample of a restarted supervisor, which takes 5 to 200 us once. A method that can
+    separate the zero of the images from everything else is told of the new zero instead, and keeps what it knows.
 
     A method whose numbers have left the range of floats would never recover by itself, and is restarted as well.
     failures: number of such restarts.
@@ -32,7 +33,7 @@ class MethodAcrossRestarts:
         samples = observation.samples
         for place in range(len(samples) - 1, -1, -1):
             if samples[place].restarted:
-                self._method = self._make()
+                self._see_new_zero()
                 if place:  # samples of the previous supervisor
                     observation = msgspec.structs.replace(observation, samples=samples[place:])
                 break
@@ -45,6 +46,12 @@ class MethodAcrossRestarts:
         ):
             return self._failed()
         return estimate
+
+    def _see_new_zero(self) -> None:
+        if isinstance(self._method, OutlivesSupervisor):
+            self._method.see_new_zero()
+        else:
+            self._method = self._make()
 
     def _failed(self) -> Estimate:
         self.failures += 1

@@ -270,11 +270,16 @@ class FilterBank:
         self.x[:, at.cosine], self.x[:, at.sine] = turned.real, -turned.imag
         self.x[:, at.shift] += later_s
         self.x[:, at.late] -= later_s
-        by_date = -1j * self._w_modes * turned
+        self.doubt_dates((_REDATED * later_s) ** 2)
+
+    def doubt_dates(self, variance: float) -> None:
+        """All frames may have been exposed earlier or later, variance in s^2; what they show goes with their dates."""
+        at = self._at
+        by_date = -1j * self._w_modes * self.phasors()
         direction = np.zeros(self.x.shape)
         direction[:, at.cosine], direction[:, at.sine] = by_date.real, -by_date.imag
         direction[:, at.shift], direction[:, at.late] = 1.0, -1.0
-        self.p += (_REDATED * later_s) ** 2 * direction[:, :, None] * direction[:, None, :]
+        self.p += variance * direction[:, :, None] * direction[:, None, :]
 
     def begin_late(self, one: int, late_s: float) -> None:
         """Filter `one`: the mean delay is unknown; arrivals are late_s later than their nominal instants say."""
@@ -312,7 +317,7 @@ class FilterBank:
 
     def start_vibration(self, states: list[int], mean: Array, covariance: Array, parts: int) -> None:
         """Take the vibration from a fit to images alone (fresh_fit.Fresh), and the force, where one was fitted, or else
-        none. What the fit says of the other states moves those that it did not ask for, as far as they are correlated."""
+        none. What the fit says of other states moves those that it did not ask for, as far as they are correlated."""
         at = self._at
         known = states[parts:]
         rest = [i for i in range(2 * at.modes, at.size) if i != at.force and i not in known]
@@ -496,6 +501,13 @@ class FilterBank:
         self.p -= gain[:, :, None] * ph[:, None, :]
         self.x[:, i] = 0.0
         self.p[:, i, :] = self.p[:, :, i] = 0.0
+
+    def forget_zero(self) -> None:
+        """Images count from another zero."""
+        c = self._at.offset
+        self.x[:, c] = 0.0
+        self.p[:, c, :] = self.p[:, :, c] = 0.0
+        self.p[:, c, c] = self._first[:, c]
 
     def add(self, increment: list[complex]) -> None:
         """A blow that is known has moved the phasors by `increment`, (m,)."""

@@ -1,7 +1,7 @@
 """Images in their order with the accelerometer's blocks before them, and what follows for the delay."""
 
 from collections import deque
-from math import isfinite, log, sqrt
+from math import isfinite, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -29,14 +29,14 @@ from controller.fused.consistency import Consistency
 from controller.fused.date_watch import DateWatch
 from controller.fused.evidence import Evidence
 from controller.fused.frame_dates import FrameDates
-from controller.fused.fresh_fit import Fresh, HeldImages, fresh_fit
+from controller.fused.fresh_fit import Fresh
+from controller.fused.fresh_start import FreshStart, Situation
 from controller.fused.held_force import HeldForce, SlowPull
 from controller.fused.joint_input import JointInput
 from controller.fused.layout import Layout
 from controller.fused.learnt_force import LearntForce
 from controller.fused.learnt_walks import LearntWalks
 from controller.fused.reductions import largest
-from controller.fused.remembered import Remembered
 from controller.fused.scale_watch import ScaleWatch
 from controller.fused.sensor_health import AccelerometerHealth
 from controller.fused.stated_scale import stated_scale, with_stated_scale
@@ -61,16 +61,9 @@ _SAMPLED_CYCLES = (
     0.4  # standard deviation: a sensor that runs by itself was sampled some time within the last cycle
 )
 _UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
-_LARGEST_SURPRISE, _RECENT_IMAGES, _INCONSISTENT = 30.0, 6.0, 3.0
-_ASTRAY_PERIODS = 3.0
-_FRESH_PERIODS = (0.6, 1.2)  # of the images that a fresh fit takes
-_AGAIN_PERIODS = 0.5
+_NO_RANDOM_FORCE = 1.2  # misfit: such a force would leave more
+_DATES_DOUBT = 0.5  # frames: of the dates, where the filters were led astray by what is not known
 _PATIENCE_S = 4.0
-_FORCED_PERIODS = 1.0  # at least, to tell a constant force from the vibration about it
-_SHAKEN = 0.1  # of the amplitude, in a period
-_GOOD_MISFIT = 1.5
-_CHEAPER, _NO_DEARER = 6.0, -6.0  # what less a fit must cost; what more the simpler explanation may
-_GOOD_SHARE = 0.05  # of the amplitude, its deviation
 _STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
 _BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
 _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
@@ -107,8 +100,8 @@ class Look(NamedTuple):
 
 class Joint(NamedTuple):
     """What the joint did by an image's instants: how far it alone moved the tip, m, at what rate, m/s, both (filters,);
-    and the modes' phasor increments since the bank's instant, (filters, m). tip_variance, rate_variance: of both, by the
-    encoder's noise, m^2 and m^2/s^2."""
+    and the modes' phasor increments since the bank's instant, (filters, m). tip_variance, rate_variance: of both, by
+    the encoder's noise, m^2 and m^2/s^2."""
 
     tip: Array
     rate: Array
@@ -187,14 +180,10 @@ class FrameFusion:
         self.consistency = Consistency()
         self._date_watch = DateWatch()
         self._surprise = 1.0  # normalised innovation squared of the image looked at last
-        self._held_images = HeldImages(self._frame_s)
-        self._remembered = Remembered()
-        self._dates_changes = 0
-        self._slow_states = [*range(2 * at.modes, 4 * at.modes), at.scale, at.offset]
-        self._model = model
+        self._fresh = FreshStart(at, self._frame_s, self._noise_m2, self._state_noise, start.spread_s(model))
+        self._received_s = 0.0
         self._joint_input: JointInput | None = None
-        self._recent_surprise = 1.0
-        self._astray_until_s = self._fresh_s = float("-inf")
+        self._dates_doubted_until_s = float("-inf")
         self._slow_pull = SlowPull(0.5 * at.period_s / self._frame_s)
         self.delay_s = model.timing.capture_delay_s
         self.delay_std_s = start.first_shift_s(model)
@@ -251,10 +240,11 @@ class FrameFusion:
 
     def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
         # A random force moves images and accelerometer alike: their departures do add up. So do a misled filter's.
-        if self.force.intensity or block.end_s < self._astray_until_s:
+        if self.force.intensity or self._fresh.astray(block.end_s):
             self._scale_watch.restart()
         elif self._scale_watch.see(difference, expected, variance, block.end_s - block.start_s):
             self._as_calibrated = False
+            self._fresh.remembered.forget()
 
     def leave_block(self) -> bool:
         """Take in the block looked at last, then, in a second call, move on to its end; False where all is done."""
@@ -284,8 +274,8 @@ class FrameFusion:
 
     @property
     def _shaken(self) -> bool:
-        """Whether a steady random force moves the vibration by much within a period."""
-        return self.force.intensity * self._at.period_s > (_SHAKEN * self.amplitude_m) ** 2
+        """Whether a steady random force moves the arm: then nothing tells another force, or a free vibration."""
+        return self.force.intensity > 0.0
 
     def _begin_force(self, time_s: float, size_m: float) -> bool:
         """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
@@ -322,6 +312,18 @@ class FrameFusion:
         images_tell = self._clock_known and step_m * step_m > _TELLING**2 * self._noise_m2
         return self.dates.accept(sample, received_s, images_tell=images_tell)
 
+    def see_new_zero(self) -> None:
+        """The images that follow count from another zero: a force that was held is in it."""
+        self.learn()
+        self.finish_block()
+        if self.held_force.active:
+            self.bank.end_force()
+            self.held_force.end(self.bank.edge_s, explained=True)
+        self.bank.forget_zero()
+        self._images = self._outliers = self._votes = 0
+        self._slow_pull.restart()
+        self._fresh.forget()
+
     def take_arrival(self) -> None:
         """What the arrival of the frame accepted last tells, if that has not been taken in."""
         if self.dates.take_arrival():
@@ -331,8 +333,7 @@ class FrameFusion:
         """What a wrong clock has taught of the accelerometer is wrong, too."""
         self.health.begin_comparison()
         self._date_watch.restart()
-        self._remembered.forget()
-        self._held_images.forget()
+        self._fresh.forget()
         self._scale_watch.restart()
         self._images = self._outliers = self._votes = 0
         self._as_calibrated = True
@@ -382,8 +383,9 @@ class FrameFusion:
         best = self.evidence.best
         self._surprise = float(surprise[best])
         own = image.noise + joint.tip_variance
-        cost = min(self._surprise, _LARGEST_SURPRISE) + log(max(float(seen.variance[best]), own) / own)
-        self._held_images.add(self.dates.dating.nominal, image.value_m, own, cost)
+        self._fresh.add(
+            self.dates.dating.nominal, image.value_m, own, self._surprise, float(seen.variance[best])
+        )
         if surprise[self.evidence.best] > _OUTLIER and float(surprise[weights > 0.05].min()) > 9.0:
             if not self._explain(image, times, received_s, seen, report):
                 self._tell_delay(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
@@ -470,62 +472,21 @@ class FrameFusion:
         return self._check(received_s) or self._start_fresh(received_s)
 
     def _start_fresh(self, received_s: float) -> bool:
-        """Where the filters may have been led astray, start the vibration from the last images alone, if a free
-        vibration, or one about a constant force, explains them."""
-        held, best = self.held_force, self.evidence.best
-        if self.dates.changes != self._dates_changes:
-            self._dates_changes = self.dates.changes
-            self._remembered.forget()
-            self._held_images.forget()
-        self._recent_surprise += (
-            min(self._surprise, _LARGEST_SURPRISE) - self._recent_surprise
-        ) / _RECENT_IMAGES
-        inconsistent = self._recent_surprise > _INCONSISTENT
-        astray = held.active or inconsistent or self.blow or self._outliers > 0
-        if astray:
-            self._astray_until_s = received_s + _ASTRAY_PERIODS * self._at.period_s
-            self._remembered.trouble()
-        elif self.consistency.calm and received_s > self._astray_until_s and best < LAWS and self._zero_known:
-            self._remembered.calm(received_s, self.bank.x, self.bank.p, self.evidence.log_weights)
-        if received_s < self._fresh_s:
-            return False
-        differs = self._remembered.differs(self.bank.x[best], self._slow_states)
-        if received_s > self._astray_until_s and not differs:
-            return False
-        for periods in _FRESH_PERIODS:
-            if (differs or held.active) and self._begin_as_remembered(received_s, periods):
-                return True
-            free = self._fit(periods, received_s, force=False, learn=False)
-            if free is None:
-                return False
-            if self._good(free, _CHEAPER):
-                return self._begin_with(free, received_s, periods)
-            if held.active and periods >= _FORCED_PERIODS:
-                forced = self._fit(periods, received_s, force=True, learn=False)
-                if forced is not None and self._good(forced, _CHEAPER):
-                    return self._begin_with(forced, received_s, periods)
-        return False
-
-    def _begin_as_remembered(self, received_s: float, periods: float) -> bool:
-        """If what was known when all was well explains the last images, nothing of it has changed."""
-        known, bank = self._remembered.known, self.bank
-        if known is None or periods < _FORCED_PERIODS:
-            return False
-        before = bank.x.copy(), bank.p.copy()
-        since_s = received_s - known.time_s
-        grown = self._state_noise * since_s
-        grown[:, self._at.shift] += np.minimum(
-            self.dates.shift_noise * since_s, start.spread_s(self._model) ** 2
+        """Start the vibration anew where the filters were led astray, if the last images tell from what."""
+        held = self.held_force
+        now = Situation(
+            received_s, self._surprise, self.blow or self._outliers > 0, held.active, held.moves, self._shaken,
+            self.consistency.calm and self._zero_known,
+            self._date_watch.suspected_rad != 0.0 or self._scale_watch.drifts, self.amplitude_m,
+        )  # fmt: skip
+        dates = self.dates
+        fresh = self._fresh.choose(
+            now, dates.changes, self.bank, self.evidence, self._joint_input, dates.shift_noise
         )
-        bank.restore(known.x, known.p, grown)
-        for force in (False, True):
-            fresh = self._fit(periods, received_s, force=force, learn=True)
-            if fresh is not None and self._good(fresh, _NO_DEARER):
-                self.evidence.restore(known.log_weights)
-                return self._begin_with(fresh, received_s, periods)
-        bank.x, bank.p = before
-        self._fresh_s = received_s + _AGAIN_PERIODS * self._at.period_s
-        return False
+        self._received_s = received_s
+        if fresh is not None:
+            self._begin_with(fresh, received_s)
+        return fresh is not None
 
     @property
     def _zero_known(self) -> bool:
@@ -533,42 +494,25 @@ class FrameFusion:
         best, c = self.evidence.best, self._at.offset
         return float(self.bank.p[best, c, c]) < _ZERO_LEARNT * self._noise_m2
 
-    def _fit(self, periods: float, now_s: float, *, force: bool, learn: bool) -> Fresh | None:
-        law = self.evidence.best % LAWS
-        window = self._held_images.newest(periods * self._at.period_s, law, now_s)
-        if window is None or self._joint_input is None:
-            return None
-        return fresh_fit(
-            window, self.bank, self._at, self._joint_input, self.amplitude_m, force=force, learn=learn
-        )
-
-    def _good(self, fresh: Fresh, least_gain: float) -> bool:
-        """Whether images are explained, cost so much less than they have cost the filters, and tell the vibration well."""
-        best, m = self.evidence.best, self._at.modes
-        found, covariance = fresh.mean[best], fresh.covariance[best]
-        if fresh.gain[best] < least_gain or fresh.misfit[best] > _GOOD_MISFIT + 3.0 * sqrt(
-            2.0 / fresh.freedom
-        ):
-            return False
-        power = float(found[: 2 * m] @ found[: 2 * m])
-        return float(np.trace(covariance[: 2 * m, : 2 * m])) < max(_GOOD_SHARE**2 * power, self._noise_m2)
-
-    def _begin_with(self, fresh: Fresh, now_s: float, periods: float) -> bool:
+    def _begin_with(self, fresh: Fresh, now_s: float) -> None:
         bank, held, m = self.bank, self.held_force, self._at.modes
+        forced = held.active
         bank.start_vibration(fresh.states, fresh.mean, fresh.covariance, fresh.parts)
         if fresh.parts > 2 * m:
             held.rests(float(fresh.mean[self.evidence.best, 2 * m]), now_s)
         elif held.active:
             held.end(now_s, explained=True)
-        self.force.restart()  # images show none
-        self._scale_watch.begin()
         self.health.begin_comparison()
-        self._date_watch.restart()
+        if forced:  # what a force did looked like a phase, another scale, or a random force
+            self._date_watch.restart()
+            self._scale_watch.begin()
+            if fresh.misfit[self.evidence.best] < _NO_RANDOM_FORCE:
+                self.force.restart()
+        if not self._blind:  # the dates may have been wrong: images cannot tell, the accelerometer will
+            bank.doubt_dates((_DATES_DOUBT * self._frame_s) ** 2)
+        self._dates_doubted_until_s = now_s + self._at.period_s
         self._slow_pull.restart()
         self._outliers = self._votes = 0
-        self._recent_surprise = 1.0
-        self._fresh_s = now_s + periods * self._at.period_s
-        return True
 
     def _check(self, received_s: float) -> bool:
         bank, at, best = self.bank, self._at, self.evidence.best
@@ -585,7 +529,7 @@ class FrameFusion:
             return True
         if (
             lost
-            and self._remembered.known is not None
+            and self._fresh.remembered.known is not None
             and not self.consistency.lost_for(received_s, _PATIENCE_S)
         ):
             return False  # what was known may still explain the images
@@ -603,6 +547,11 @@ class FrameFusion:
     def suspected_rad(self) -> float:
         """By what phase of the vibration the frames' dates may be off, by what the accelerometer shows; 0 for none."""
         return self._date_watch.suspected_rad
+
+    @property
+    def dates_doubted(self) -> bool:
+        """Whether the vibration was lately started anew, and nothing has told why it had to be."""
+        return self._received_s < self._dates_doubted_until_s
 
     @property
     def scale_drifts(self) -> bool:

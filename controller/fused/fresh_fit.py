@@ -2,13 +2,14 @@
 
 Over a window of about a period, by each filter's own dates, the images are (docs/fused.md, section 9)
 
-    y_k = (1 + e)(L theta_k + Re(G_k exp(j w t_k)) + Re(Z exp((slow + j w)(t_k - t) + j w t)) + f) + c + noise       (9.1)
+    y_k = (1 + e)(L theta_k + Re(G_k exp(j w t_k)) + Re(Z exp((slow + j w)(t_k - t) + j w t)) + f) + c + noise    (9.1)
 
 with Z the phasors at the bank's instant t, of which nothing is supposed to be known, and f a constant force, or none.
 What else is in it (c, e, the dates' shift, frequencies, decay) is known with the filter's mean and covariance. Where
 that is from before these images, it is the prior of least squares, linearised once about the vibration that fits best
-(Gauss and Newton); what images do not tell, as the date of a vibration whose phase is unknown, so stays as it was. Where
-it has taken these images in already, it stays as it is, and is uncertain of the fit (Schmidt's consider parameters).
+(Gauss and Newton); what images do not tell, as the date of a vibration whose phase is unknown, so stays as it was.
+Where it has taken these images in already, it stays as it is, and its doubt is in the fit's (consider parameters;
+Schmidt 1966).
 """
 
 from collections import deque
@@ -32,8 +33,8 @@ _RIDGE = 1e-6  # of one image's information: a window too short for two phasors 
 class Window(NamedTuple):
     """The newest k images: nominal instants by each law, s, (k, laws); values, m, and their variances, m^2, (k,).
 
-    cost: what they have cost the filters, sum of nu^2 / S + log(S / R), innovation nu with variance S, of which R is the
-    image's own; a fit that explains them costs k.
+    cost: what they have cost the filters, sum of nu^2 / S + log(S / R), innovation nu with variance S, of which R is
+    the image's own; a fit that explains them costs k.
     """
 
     nominal_s: Array
@@ -43,8 +44,8 @@ class Window(NamedTuple):
 
 
 class Fresh(NamedTuple):
-    """What images alone say, by each filter. states: indices, (q,): phasors, the force, where one is fitted, and what was
-    supposed to be known; mean: of them, (filters, q); covariance: (filters, q, q). parts: how many come before what was
+    """What images alone say, by each filter. states: indices, (q,): phasors, the force, where one is fitted, and what
+    was supposed to be known; mean: of them, (filters, q); covariance: (filters, q, q). parts: how many come before what was
     supposed to be known.
 
     misfit: mean squared normalised residual, that of what was supposed to be known included, (filters,), of `freedom`

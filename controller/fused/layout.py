@@ -5,8 +5,8 @@ from math import pi, sqrt
 import numpy as np
 
 from common.beam import tip_slopes_per_m
-from controller.sensor_deflection import shown_of
 from common.model import Model
+from controller.sensor_deflection import shown_of
 
 
 class Layout:

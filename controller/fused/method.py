@@ -148,6 +148,14 @@ class FusedMethod:
             self._work_off()
         return self._estimate(turn, time_s)
 
+    def see_new_zero(self) -> None:
+        """OutlivesSupervisor: the dates, the arm and the accelerometer are as they were."""
+        while self._work in _OF_FRAME:
+            self._work_off()
+        self._take_what_was_seen()
+        self.frames.see_new_zero()
+        self._snapshot = None
+
     def _see_acceleration(self, observation: Observation, turn: list[complex]) -> None:
         raw, sensor = observation.acceleration_m_s2, self._model.accelerometer
         if self._filter_cycles:
@@ -500,7 +508,7 @@ class FusedMethod:
             self._dated.clear()
         of_deflection = Status.UNESTIMATED if self._last_frame_s == float("-inf") else Status.ESTIMATED
         trust = Trust.SETTLED if self._known else Trust.STARTING
-        if consistency.doubtful or suspected:
+        if consistency.doubtful or suspected or frames.dates_doubted:
             trust, self.reason = Trust.DOUBTFUL, self.reason or _DOUBTFUL
         static_m = self._present.force
         return Estimate(

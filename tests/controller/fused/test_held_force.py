@@ -93,20 +93,19 @@ def test_what_reverses_with_the_vibration_is_no_force() -> None:
             break
     assert found is not None and found < 1.2
     held.end(found)
-    held.begin(found + 0.1, 0.004)
-    assert not held.active
+    assert not held.may_begin(found + 0.1)
 
 
 def test_forces_that_are_over_at_once_again_and_again_are_none() -> None:
-    """As a steady random force seems to be some; one that lasted counts for itself."""
-    for lasts_s, refused in ((0.3, True), (2.0, False)):
+    """As a steady random force seems to be some; one that lasted counts for itself, and so does one that was explained."""
+    for lasts_s, explained, refused in ((0.3, False, True), (2.0, False, False), (0.3, True, False)):
         held = HeldForce(1, IMAGE_M**2, PERIOD_S)
         for at_s in (1.0, 4.0):
             held.begin(at_s, 0.004)
             assert held.active
-            held.end(at_s + lasts_s)
-        held.begin(7.0, 0.004)
-        assert held.active != refused
+            held.end(at_s + lasts_s, explained=explained)
+        assert held.may_begin(4.0 + lasts_s + 1.0) != refused
+        assert held.may_begin(8.0)
 
 
 def test_innovations_that_keep_their_sign_are_a_slow_pull_and_noise_is_none() -> None:
