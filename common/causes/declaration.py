@@ -83,7 +83,8 @@ class Cause:
     name: a noun phrase, as the report has it. sees, note: what one sees, in one sentence, and what else is to be known.
     provoke: what to do so that it shows. confused_with: by other cause, the experiment that separates the two (said in
     one of the two files). acts: where the law enters, see above. key: dotted key of the model file that it replaces, or
-    the list that it adds to. repeatable: whether a model may hold several effects of it. limit: what has gone wrong,
+    the list that it adds to. repeatable: whether a model may hold several effects of it. corner: whether a
+    law of force has a corner where the first mode turns, v = 0 (friction always has). limit: what has gone wrong,
     where the cause has taken the arm beyond what the equation holds for; takes t, first_hz, q and the law's numbers.
     """
 
@@ -100,6 +101,7 @@ class Cause:
     note: str = ""
     confused_with: Mapping[str, str] = field(default_factory=dict)
     repeatable: bool = False
+    corner: bool = False
     limit: Callable[..., str | None] | None = None
 
     @property

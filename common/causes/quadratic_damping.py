@@ -24,6 +24,7 @@ CAUSE = Cause(
     provoke="ring-downs from a large and from a small blow, damping off.",
     acts="force",
     law=law,
+    corner=True,
     confused_with={
         "accelerometer_sensitivity_drift": (
             "record the camera too, or strike the arm equally hard at the beginning and at the end"

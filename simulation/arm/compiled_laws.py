@@ -33,7 +33,9 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]]) -> Records:
             continue
         own = CAUSES[identifier].arguments(values)
         padded = (*own, *[0.0] * (_MOST_NUMBERS - len(own)))
-        rows.append((address_of(identifier), site, len(own), values.get("onset_s", np.inf), *padded))
+        corner = site == FRICTION or CAUSES[identifier].corner
+        onset = values.get("onset_s", np.inf)
+        rows.append((address_of(identifier), site, len(own), corner, onset, *padded))
     return np.array(rows, dtype=LAW)
 
 

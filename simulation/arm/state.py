@@ -62,6 +62,7 @@ LAW = np.dtype(
         ("address", "i8"),
         ("site", "i8"),  # FORCE, FRICTION or FREQUENCY
         ("count", "i8"),  # how many numbers of its own
+        ("corner", "i8"),  # whether it has one where the first mode turns
         ("onset", "f8"),  # instant at which it breaks off, s; infinite where it does not
         ("n0", "f8"),
         ("n1", "f8"),
@@ -103,6 +104,7 @@ ARM = np.dtype(
         ("laws", "i8"),
         ("pushes", "i8"),  # whether a law pushes or rubs on the first mode
         ("changes", "i8"),  # whether a law changes frequencies
+        ("turns", "i8"),  # whether steps are to end where the first mode turns
         # a further acceleration of the first mode, c0 + c1 x + c2 x^2 with x in s from the cycle's start
         ("c0", "f8"),
         ("c1", "f8"),
@@ -155,6 +157,8 @@ def make_arm(
     arm["motor"] = min(max(0.0, drive.min_position_rad), drive.max_position_rad)
     arm["modes"], arm["laws"] = len(modes), len(laws)
     arm["changes"] = np.any(laws["site"] == FREQUENCY)
+    # the corner of a force, v |v| say, adds less than a coarse step's own error
+    arm["turns"] = np.any((laws["site"] == FRICTION) | ((laws["corner"] != 0) & (turn_rad <= FINE_TURN)))
     arm["pushes"] = np.any(laws["site"] != FREQUENCY)
     room = modes_of(arm)
     room["hz"], room["zeta"], room["push"] = np.reshape(modes, (-1, 3)).T

@@ -8,7 +8,7 @@ linear part of a mode is solved exactly (`_linear`), for any frequency and durat
 shorter step. Laws of causes come in by address (compiled_laws.py). Where any acts on a mode, its deviation from
 the linear part is integrated by the classical Runge-Kutta method of fourth order in the frame that moves with the
 linear solution (Lawson, 1967), in steps of so many radians at most, broken where the rate of the first mode passes
-through zero (dry friction and drag have a corner there) and at the laws' onsets. Forward sensitivities would move
+through zero, if a law has a corner there, and at the laws' onsets. Forward sensitivities would move
 beside the state in `_kicked`: the laws are differentiable between those breaks.
 """
 
@@ -231,8 +231,8 @@ def _first_through(
         if at >= end:
             break
         h = min(most, end - at)
-        direction = np.sign(v)
-        if v == 0.0:
+        direction = np.sign(v) if arm.turns != 0 else 0.0
+        if v == 0.0 and arm.turns != 0:
             pull, rub = _pull(arm, t, x, at, stretch, q, v)
             direction = np.sign(pull)
             if rub > 0.0 and abs(pull) <= rub:
@@ -240,19 +240,33 @@ def _first_through(
                 continue
         to_q, to_v = _kicked(arm, 0, t + at, x + at, at, h, stretch, q, v, direction)
         if direction * to_v < 0.0:
-            before = 0.0
-            for _ in range(_BISECTIONS):
-                middle = 0.5 * (before + h)
-                _, to_v = _kicked(arm, 0, t + at, x + at, at, middle, stretch, q, v, direction)
-                if direction * to_v < 0.0:
-                    h = middle
-                else:
-                    before = middle
-            to_q, _ = _kicked(arm, 0, t + at, x + at, at, h, stretch, q, v, direction)
+            h, to_q = _reversal(arm, t, x, at, h, stretch, q, v, to_v, direction)
             to_v = 0.0
         q, v = to_q, to_v
         at += h
     arm.mode.q, arm.mode.v = q, v
+
+
+@compiled
+def _reversal(
+    arm: Record, t: float, x: float, at: float, h: float, stretch: Record, q: float, v: float, end_v: float,
+    direction: float,
+) -> tuple[float, float]:  # fmt: skip
+    """When the rate of the first mode passes through zero within a step of h, and where the mode is then: by secants
+    that keep it bracketed (the Illinois method), or by halves from a rate of zero on."""
+    before, after, low, high, there = 0.0, h, direction * v, direction * end_v, q
+    middle, least = h, 1e-15 * abs(v - end_v)
+    for _ in range(_BISECTIONS):
+        middle = before + (after - before) * (low / (low - high) if low > 0.0 else 0.5)
+        there, rate = _kicked(arm, 0, t + at, x + at, at, middle, stretch, q, v, direction)
+        rate *= direction
+        if abs(rate) <= least or not before < middle < after:
+            break
+        if rate < 0.0:
+            after, high, low = middle, rate, 0.5 * low
+        else:
+            before, low, high = middle, rate, 0.5 * high
+    return middle, there
 
 
 @compiled
