@@ -15,8 +15,8 @@ _KNOWN = (Status.ESTIMATED, Status.HELD)
 
 
 class MethodAcrossRestarts:
-    """Restarts the method at the first sample of a restarted supervisor, which takes 5 to 200 us once. A method that can
-    separate the zero of the images from everything else is told of the new zero instead, and keeps what it knows.
+    """Restarts the method at the first sample of a restarted supervisor, which takes 5 to 200 us once. A method that
+    can separate the zero of the images from everything else is told of the new zero instead, and keeps what it knows.
 
     A method whose numbers have left the range of floats would never recover by itself, and is restarted as well.
     failures: number of such restarts.

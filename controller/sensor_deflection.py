@@ -8,7 +8,7 @@ from controller.joint_motion import JointMotion
 
 
 def shown_of(mode: Mode, camera: Camera) -> float:
-    """What an image shows of a vibration: its mean over the exposure T, sin(w T / 2) / (w T / 2) of it in mid-exposure."""
+    """What an image shows of a vibration: its mean over the exposure T, sin(w T / 2) / (w T / 2) of mid-exposure's."""
     half_rad = 0.5 * mode.angular_frequency * camera.exposure_s
     return sin(half_rad) / half_rad if half_rad else 1.0
 

@@ -45,8 +45,8 @@ class Window(NamedTuple):
 
 class Fresh(NamedTuple):
     """What images alone say, by each filter. states: indices, (q,): phasors, the force, where one is fitted, and what
-    was supposed to be known; mean: of them, (filters, q); covariance: (filters, q, q). parts: how many come before what was
-    supposed to be known.
+    was supposed to be known; mean: of them, (filters, q); covariance: (filters, q, q). parts: how many are phasors
+    and force.
 
     misfit: mean squared normalised residual, that of what was supposed to be known included, (filters,), of `freedom`
     degrees of freedom. gain: by how much less the images cost than they have cost the filters, (filters,), what the fit
@@ -71,8 +71,8 @@ class HeldImages:
         self._held: deque[tuple[Array, float, float, float]] = deque(maxlen=_HELD_IMAGES)
 
     def add(self, nominal_s: Array, value_m: float, noise_m2: float, cost: float) -> None:
-        """An image: its nominal instant by each law, s, (laws,), what it shows, m, with its variance, m^2, and what it has
-        cost the filters (Window)."""
+        """An image: its nominal instant by each law, s, (laws,), what it shows, m, with its variance, m^2, and what
+        it has cost the filters (Window)."""
         self._held.append((nominal_s.copy(), value_m, noise_m2, cost))
 
     def forget(self) -> None:
@@ -168,7 +168,7 @@ def _known(at: Layout) -> list[int]:
 
 
 def _solve(slope: Array, weight: Array, residual: Array, precision: Array) -> tuple[Array, Array]:
-    """Weighted least squares with a prior about zero of that precision: mean (filters, q), covariance (filters, q, q)."""
+    """Weighted least squares with a prior of that precision about zero: mean (filters, q), covariance."""
     weighted = (slope * weight[:, :, None]).transpose(0, 2, 1)
     ridge = _RIDGE * weight.mean(axis=1)[:, None, None] * np.eye(slope.shape[2])
     covariance = np.linalg.inv(weighted @ slope + precision + ridge)

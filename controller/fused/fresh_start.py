@@ -90,8 +90,8 @@ class FreshStart:
         self, now: Situation, changes: int, bank: FilterBank, evidence: Evidence, joint: JointInput | None,
         shift_noise: Array,
     ) -> Fresh | None:  # fmt: skip
-        """A fit to start from, or None. changes: how often the dates' count or clock has changed; shift_noise: growth of
-        the variance of the dates' shift, (filters,), s^2/s. Where it is a fit with what was known before, the bank has
+        """A fit to start from, or None. changes: how often the dates' count or clock has changed. shift_noise: growth
+        of the variance of the dates' shift, (filters,), s^2/s. Where it is a fit with what was known before, the bank has
         that already."""
         if changes != self._changes:
             self._changes = changes
@@ -166,7 +166,7 @@ class FreshStart:
         return fresh_fit(window, bank, self._at, joint, now.amplitude_m, force=force, learn=learn)
 
     def _good(self, fresh: Fresh, best: int, least_gain: float) -> bool:
-        """Whether images are explained, cost so much less than they have cost the filters, and tell the vibration well."""
+        """Whether it explains the images, at so much less than they have cost the filters, and tells the vibration."""
         if fresh.gain[best] < least_gain or fresh.misfit[best] > _GOOD_MISFIT + 3.0 * sqrt(
             2.0 / fresh.freedom
         ):

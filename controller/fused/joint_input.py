@@ -109,8 +109,8 @@ class JointInput:
 
     @property
     def position_variance(self) -> float:
-        """Variance of theta by the encoder's noise, rad^2, of a joint that has lately moved: between two samples its mean
-        is two thirds of a sample's."""
+        """Variance of theta by the encoder's noise, rad^2, of a joint that has lately moved: between two samples, two
+        thirds of a sample's."""
         return _BETWEEN_SAMPLES * self._noise if self._moved_lately else 0.0
 
     @property

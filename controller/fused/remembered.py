@@ -19,7 +19,7 @@ _DIFFERS_STDS = 4.0
 
 @dataclass(frozen=True)
 class Knowledge:
-    """States x (filters, n), covariances p (filters, n, n), and the logarithms of the filters' probabilities (filters,),
+    """States x (filters, n), covariances p (filters, n, n), and logarithms of the filters' probabilities, (filters,),
     at time_s."""
 
     time_s: float
@@ -52,7 +52,7 @@ class Remembered:
             self._pending = Knowledge(time_s, x.copy(), p.copy(), log_weights.copy())
 
     def differs(self, x: Array, states: list[int]) -> bool:
-        """Whether a filter's state, (n,) of the most likely one, is none that was likely then; states: to be compared."""
+        """Whether the state (n,) of the most likely filter is none that was likely then. states: to be compared."""
         known = self.known
         if known is None:
             return False

@@ -188,13 +188,17 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
     try:
         return [float(one) for one in text.split(",")] if text else None
     except ValueError:
-        raise UserError(f"--{option} {text}: numbers separated by commas are needed, such as 0.1,0.3") from None
+        raise UserError(
+            f"--{option} {text}: numbers separated by commas are needed, such as 0.1,0.3"
+        ) from None
 
 
 def _noises(text: str | None) -> list[float] | None:
     numbers = _numbers("noises", text)
     if numbers and not all(0.0 < one <= 100.0 for one in numbers):
-        raise UserError(f"--noises {text}: each must be above 0 and at most 100 (of the amplitude's acceleration)")
+        raise UserError(
+            f"--noises {text}: each must be above 0 and at most 100 (of the amplitude's acceleration)"
+        )
     return numbers
 
 

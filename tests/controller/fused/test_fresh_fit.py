@@ -1,4 +1,4 @@
-"""The vibration from the last images alone: exact without noise, honest with it, and blind to what images cannot tell."""
+"""The vibration from the last images alone: exact without noise, honest with it, blind to dates."""
 
 from cmath import exp as complex_exp
 

@@ -97,7 +97,7 @@ def test_what_reverses_with_the_vibration_is_no_force() -> None:
 
 
 def test_forces_that_are_over_at_once_again_and_again_are_none() -> None:
-    """As a steady random force seems to be some; one that lasted counts for itself, and so does one that was explained."""
+    """As a steady random force seems to be some. One that lasted, or that was explained, counts for itself."""
     for lasts_s, explained, refused in ((0.3, False, True), (2.0, False, False), (0.3, True, False)):
         held = HeldForce(1, IMAGE_M**2, PERIOD_S)
         for at_s in (1.0, 4.0):
