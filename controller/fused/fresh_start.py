@@ -90,9 +90,11 @@ class FreshStart:
         self, now: Situation, changes: int, bank: FilterBank, evidence: Evidence, joint: JointInput | None,
         shift_noise: Array,
     ) -> Fresh | None:  # fmt: skip
-        """A fit to start from, or None. changes: how often the dates' count or clock has changed. shift_noise: growth
-        of the variance of the dates' shift, (filters,), s^2/s. Where it is a fit with what was known before, the bank has
-        that already."""
+        """A fit to start from, or None. Where it is a fit with what was known before, the bank has that already.
+
+        changes: how often the dates' count or clock has changed. shift_noise: growth of the variance of the dates' shift,
+        (filters,), s^2/s.
+        """
         if changes != self._changes:
             self._changes = changes
             self.forget()

@@ -11,7 +11,10 @@ from math import sqrt
 
 _SHORT_CYCLES = 16  # the mean that is compared with the position held
 _REST_CYCLES = 64  # without a sign of motion; the position held then is their mean
-_SIGNIFICANT = 4.5  # standard deviations of the short mean
+_OF_DEPARTURE = (
+    1.0 / _SHORT_CYCLES + 1.0 / _REST_CYCLES
+)  # variance of the difference of both means, by the noise's
+_SIGNIFICANT = 5.0  # standard deviations of that: by chance once in a day
 _SLOW_SHARE = (
     0.002  # of a resting joint's drift, a cycle: thermal drift and creep are followed within half a second
 )
@@ -46,7 +49,7 @@ class RestingJoint:
             return False
         place = self.held_rad if self.resting else self._long_sum / _REST_CYCLES
         departure = self._short_sum / _SHORT_CYCLES - place
-        if abs(departure) > _SIGNIFICANT * sqrt(noise_variance / _SHORT_CYCLES) + _LEAST_RAD:
+        if abs(departure) > _SIGNIFICANT * sqrt(noise_variance * _OF_DEPARTURE) + _LEAST_RAD:
             was, self.resting, self._calm = self.resting, False, 0
             return was
         self._calm += 1
