@@ -16,17 +16,20 @@ import msgspec
 import numpy as np
 import tomli_w
 
-from common.model import Mode, Model, load_model
-from common.recording.reader import open_recording
-from common.scenario import Scenario, Strike, Window
-from common.user_error import UserError
-from diagnosis.commissioning.plan import Limits
-from diagnosis.commissioning.procedure import Commissioning, commission
-from diagnosis.commissioning.watch import Bounds
-from diagnosis.diagnose import model_text
-from diagnosis.measured import Measured, read_measured
-from simulation.ring_down import envelope_m, settling_time_s
-from simulation.simulated_recording import default_simulation_configuration, write_simulated_recording
+from stillarm.common.files.model import Mode, Model, load_model
+from stillarm.common.files.scenario import Scenario, Strike, Window
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.commissioning.plan import Limits
+from stillarm.diagnosis.commissioning.procedure import Commissioning, commission
+from stillarm.diagnosis.commissioning.watch import Bounds
+from stillarm.diagnosis.diagnose import model_text
+from stillarm.diagnosis.measured import Measured, read_measured
+from stillarm.simulation.demo.ring_down import envelope_m, settling_time_s
+from stillarm.simulation.virtual_time.simulated_recording import (
+    default_simulation_configuration,
+    write_simulated_recording,
+)
 
 _STREAM = 9117
 _NEED = {  # allowed relative errors: the requirements on commissioning
@@ -88,7 +91,7 @@ def draw_rig(seed: int) -> Model:
         return float(np.exp(random.uniform(np.log(low), np.log(high))))
 
     base, replace = assumed_model(), msgspec.structs.replace
-    felt, seen = (float(sign) for sign in random.choice([-1.0, 1.0], 2))
+    accelerometer_sign, seen = (float(sign) for sign in random.choice([-1.0, 1.0], 2))
     mode = Mode(between(1.0, 8.0), between(0.002, 0.03), float(random.uniform(0.9, 1.4)))
     delay = float(random.uniform(0.02, 0.15))
     return replace(
@@ -99,7 +102,7 @@ def draw_rig(seed: int) -> Model:
         ),
         accelerometer=replace(
             base.accelerometer,
-            scale=felt * between(0.3, 3.0),
+            scale=accelerometer_sign * between(0.3, 3.0),
             bias_m_s2=float(random.normal(0.0, 0.3)),
             noise_std_m_s2=between(0.1, 0.8),
         ),
@@ -155,8 +158,8 @@ def damped(true: Model, assumed: Model, seed: int, folder: Path) -> tuple[float 
     over the struck amplitude.
     """
     w = true.arm.modes[0].angular_frequency
-    felt = abs(true.accelerometer.scale) * w * w
-    struck = min(_STRUCK_M, 0.4 * true.accelerometer.range_m_s2 / felt)
+    accelerometer_sign = abs(true.accelerometer.scale) * w * w
+    struck = min(_STRUCK_M, 0.4 * true.accelerometer.range_m_s2 / accelerometer_sign)
     scenario = Scenario(
         duration_s=_STRUCK_S + _DAMPED_S,
         strikes=[Strike(_STRUCK_S, struck)],

@@ -12,14 +12,14 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from common.configuration import AccelerometerDevice
-from drivers.accelerometer import SampleStatus
-from drivers.accelerometer_factory import open_accelerometer
-from drivers.accelerometer_tables import TABLES
-from drivers.emulation.emulated_accelerometer import emulate_accelerometer, emulated_driver
-from drivers.i2c_transfer import StatusAndData
-from drivers.mounting import sensed_axes
-from drivers.serial_devices import SERIAL_DEVICES
+from stillarm.common.files.configuration import AccelerometerDevice
+from stillarm.drivers.accelerometers.accelerometer import SampleStatus
+from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerometer
+from stillarm.drivers.accelerometers.i2c_transfer import StatusAndData
+from stillarm.drivers.accelerometers.mounting import sensed_axes
+from stillarm.drivers.accelerometers.register_tables import TABLES
+from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
+from stillarm.drivers.emulation.emulated_accelerometer import emulate_accelerometer, emulated_driver
 
 _READS = 2000  # a trial
 _CYCLE_S = 0.001

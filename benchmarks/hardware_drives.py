@@ -17,12 +17,12 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from common.configuration import CameraDevice, Cia402Device, DriveDevice
-from common.user_error import UserError
-from drivers.camera_factory import open_camera
-from drivers.drive import Drive
-from drivers.drive_factory import open_drive
-from simulation.rig_drive import RigDrive, rig_drive
+from stillarm.common.files.configuration import CameraDevice, Cia402Device, DriveDevice
+from stillarm.common.user_error import UserError
+from stillarm.drivers.cameras.camera_factory import open_camera
+from stillarm.drivers.drives.drive import Drive
+from stillarm.drivers.drives.drive_factory import open_drive
+from stillarm.simulation.rig.rig_drive import RigDrive, rig_drive
 
 _KEY = b"the key of the benchmark"
 _CYCLES = 2000  # a trial

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from common.mapped_data import import_mapped
-from common.model import Arm, Drive, Mode, Model
-from common.user_error import UserError
-from diagnosis.diagnose import diagnose
-from simulation.arm.compiled_laws import laws_of
-from simulation.arm.free_run import free_run
-from simulation.arm.state import make_arm
+from stillarm.common.csv_bundle.mapped_data import import_mapped
+from stillarm.common.files.model import Arm, Drive, Mode, Model
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.diagnose import diagnose
+from stillarm.simulation.arm.compiled_laws import laws_of
+from stillarm.simulation.arm.free_run import free_run
+from stillarm.simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 

@@ -13,10 +13,10 @@ import msgspec
 import numpy as np
 import tomli_w
 
-from common.shared_memory import block_path
-from common.user_error import UserError
-from simulation.demo.processes import DemoProcesses
-from simulation.demo.set_up import write_demo_configuration
+from stillarm.common.memory.shared_memory import block_path
+from stillarm.common.user_error import UserError
+from stillarm.simulation.demo.processes import DemoProcesses
+from stillarm.simulation.demo.set_up import write_demo_configuration
 
 _START_SHARE = 0.2  # of the time; caches fill and pools grow in it
 _SAMPLE_EVERY_S = 1.0

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from common.configuration import Tracker
-from supervisor.tracking.tracker import FeatureTracker, warm_up
+from stillarm.common.files.configuration import Tracker
+from stillarm.supervisor.tracking.tracker import FeatureTracker, warm_up
 
 Image = NDArray[np.uint8]
 Method = Callable[[Image], tuple[float, float]]

@@ -1,1 +1,1 @@
-"""Configuration, model and scenario files that come with the program."""
+"""Examples of the three kinds of files, installed with the program: configuration, model, scenario."""

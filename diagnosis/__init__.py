@@ -1,1 +1,4 @@
-"""Shows what a simulation gets wrong in measured data, names the cause, extends the model, measures the gain."""
+"""What a recording shows that the simulation does not, why, and a model that does. docs/diagnosis.md
+
+Not here: the simulation of rendered images and processes. Begin with diagnose.py.
+"""

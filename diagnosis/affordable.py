@@ -2,8 +2,8 @@
 
 from itertools import pairwise
 
-from diagnosis.budget import Budget
-from diagnosis.world import World
+from stillarm.diagnosis.budget import Budget
+from stillarm.diagnosis.world import World
 
 RUNS = (
     700  # simulations in a baseline and a round of the search, the median of the table in docs/diagnosis.md

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.fit import THIN, Data, Fit, jacobian, thinned, thinned_mask
-from diagnosis.world import Motion
+from stillarm.diagnosis.fit import THIN, Data, Fit, jacobian, thinned, thinned_mask
+from stillarm.diagnosis.world import Motion
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class Explained:
     names: tuple[str, ...]
     amounts: tuple[float, ...]
     channel: str
-    train_nats: float
+    train_log_likelihood: float
     first_nats: float
     block_nats: Array
     first_blocks: Array

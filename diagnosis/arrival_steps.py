@@ -1,7 +1,8 @@
 """Where the arrivals step for good, beside a delay that wanders: the law of the wander learnt with the step in.
 
 A step that is not in the model makes the wander seem quicker and larger than it is, and such a wander then explains
-the step. So each law (diagnosis.noise) is tried with a step before each frame, by its likelihood, a level and a trend
+the step. So each law (stillarm.diagnosis.noise) is tried with a step before each frame, by its likelihood, a
+level and a trend
 fitted beside it.
 """
 
@@ -12,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.fit import WANDER_S, Fit
-from diagnosis.noise import Colour, wander_colours
+from stillarm.diagnosis.fit import WANDER_S, Fit
+from stillarm.diagnosis.noise import Colour, wander_colours
 
 Array = NDArray[np.float64]
 

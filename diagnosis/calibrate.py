@@ -1,7 +1,8 @@
 """The model's parameters from a recording, with uncertainties: modes, drive, signs and scales, delay, noise levels.
 
 The same simulation and the same likelihood as the diagnosis, with more set free, and started where the data point
-(diagnosis.start_values), whatever the model says; where the joint has not moved, or what it did explains too little,
+(stillarm.diagnosis.start_values), whatever the model says; where the joint has not moved, or what it did
+explains too little,
 from a grid of frequencies and capture delays, signs and scales being linear.
 """
 
@@ -12,17 +13,17 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from common.model import Model
-from common.user_error import UserError
-from diagnosis.channels import ARM_CHANNELS, without_dead_sensors
-from diagnosis.delay_spread import DelaySpread, delay_spread
-from diagnosis.extended_model import refitted_model
-from diagnosis.fit import Data, Fit, Split, fit, make_data
-from diagnosis.impacts import fit_with_impacts, refit_with
-from diagnosis.measured import Measured
-from diagnosis.screen import residual_peaks
-from diagnosis.start_values import start_values
-from diagnosis.world import World
+from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.channels import ARM_CHANNELS, without_dead_sensors
+from stillarm.diagnosis.delay_spread import DelaySpread, delay_spread
+from stillarm.diagnosis.extended_model import refitted_model
+from stillarm.diagnosis.fit import Data, Fit, Split, fit, make_data
+from stillarm.diagnosis.impacts import fit_with_impacts, refit_with
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.screen import residual_peaks
+from stillarm.diagnosis.start_values import start_values
+from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 
@@ -141,7 +142,7 @@ def _first(data: Data) -> Fit:
             start[place["modes.0.frequency_hz"]] = frequency
             start[place["timing.capture_delay_s"]] = delay
             one = fit(data, start, linear, iterations=2, prior=start)
-            if best is None or one.train_nats > best.train_nats:
+            if best is None or one.train_log_likelihood > best.train_log_likelihood:
                 best = one
     assert best is not None
     free = (*linear, "modes.0.frequency_hz", "modes.0.damping_ratio")

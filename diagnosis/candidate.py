@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Fit
-from diagnosis.laws import LawFound
-from diagnosis.screen import Screening
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.laws import LawFound
+from stillarm.diagnosis.screen import Screening
 
 Array = NDArray[np.float64]
 
@@ -21,21 +21,21 @@ class Candidate:
     cause: str
     fit: Fit
     train_gain: float
-    held_gain: float
-    held_std: float
+    held_out_gain: float
+    held_out_std: float
     block_gains: Array
     values: dict[str, tuple[float, float]]
     law: LawFound | None = None
     free: tuple[str, ...] = ()
     note: str = ""
-    surprise: float = 0.0
+    prior_penalty: float = 0.0
     certain: bool = False
     train_blocks: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def gain(self) -> float:
         """Nats gained by all data."""
-        return self.train_gain + self.held_gain
+        return self.train_gain + self.held_out_gain
 
     @property
     def all_block_gains(self) -> Array:

@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Fit
-from diagnosis.frequency_course import Course, frequency_courses
-from diagnosis.quantities import HIGHER
-from diagnosis.world import World
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.frequency_course import Course, frequency_courses
+from stillarm.diagnosis.quantities import HIGHER
+from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 Overrides = Mapping[str, float]
@@ -125,7 +125,7 @@ class Cause:
     free: Callable[[World], tuple[str, ...]]
     parameters_of: Callable[[Fit], Values]
     settle: Mapping[str, float] = field(default_factory=dict)
-    surprise: Callable[[Fit], float] = lambda fit: 0.0
+    prior_penalty: Callable[[Fit], float] = lambda fit: 0.0
     possible: Callable[[Fit], bool] = lambda fit: True
     holds: str | None = None
 

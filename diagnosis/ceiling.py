@@ -6,8 +6,8 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured import Measured
-from diagnosis.noise import log_likelihood
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.noise import log_likelihood
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,8 @@
 """Which channels a recording has for a diagnosis, and why each of the others is left out.
 
 No recording need hold any one of them: this is the one place that decides, and everybody else asks for a channel by
-name and is told None (diagnosis.fit.Fit.channel) or finds it missing (diagnosis.world.World.channels).
+name and is told None (stillarm.diagnosis.fit.Fit.channel) or finds it missing
+(stillarm.diagnosis.world.World.channels).
 """
 
 from dataclasses import dataclass, replace
@@ -9,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.frame_clock import FrameClock
-from diagnosis.measured import Measured
+from stillarm.diagnosis.frame_clock import FrameClock
+from stillarm.diagnosis.measured import Measured
 
 Array = NDArray[np.float64]
 

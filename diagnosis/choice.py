@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from common.causes import CAUSES as CATALOGUE
-from diagnosis.candidate import Candidate, Found, Stage
-from diagnosis.catalogue import CAUSES
-from diagnosis.onset import AT_ONCE, ONSETS, onset_of
-from diagnosis.repeated_stamps import MOST_HELD
-from diagnosis.screen import Screening
-from diagnosis.worth import worth_a_name
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.diagnosis.candidate import Candidate, Found, Stage
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.onset import AT_ONCE, ONSETS, onset_of
+from stillarm.diagnosis.repeated_stamps import MOST_HELD
+from stillarm.diagnosis.screen import Screening
+from stillarm.diagnosis.worth import worth_a_name
 
 Array = NDArray[np.float64]
 
@@ -120,7 +120,7 @@ def _stands_alone(one: Candidate, stage: Stage, larger: list[Candidate], left: R
     ]
     next_gain = max(others, default=0.0)
     cleared = _MOSTLY_CLEARED if next_gain < _FAR_AHEAD * one.gain else _CLEARED
-    steadily = one.held_std > 0.0 and one.held_gain > _STEADY * one.held_std
+    steadily = one.held_out_std > 0.0 and one.held_out_gain > _STEADY * one.held_out_std
     return next_gain <= one.gain and (steadily or left.share < cleared)
 
 
@@ -190,15 +190,15 @@ def _tie(one: Candidate, other: Candidate) -> bool:
     if one.law is not None or other.law is not None:
         return False
     difference = one.block_gains - other.block_gains
-    lead = float(difference.sum()) + other.surprise - one.surprise
-    few = (1.0 - _NEARLY) * max(one.held_gain, other.held_gain)
+    lead = float(difference.sum()) + other.prior_penalty - one.prior_penalty
+    few = (1.0 - _NEARLY) * max(one.held_out_gain, other.held_out_gain)
     return abs(lead) < max(_SURE * max(1.0, _spread(difference)), few)
 
 
 def _weight(one: Candidate) -> float:
     """Nats gained in all data, less what its numbers, an onset among them, gain by being fitted."""
     onset = one.law is None and onset_of(CAUSES[one.cause]) is not None
-    return one.gain - one.surprise - 2.0 * len(one.fit.free) - (log(ONSETS) if onset else 0.0)
+    return one.gain - one.prior_penalty - 2.0 * len(one.fit.free) - (log(ONSETS) if onset else 0.0)
 
 
 def in_doubt(chosen: Candidate | None, ranked: list[Candidate]) -> bool:
@@ -223,7 +223,7 @@ def rank(candidates: list[Candidate]) -> list[Candidate]:
 
 def _merit(one: Candidate) -> float:
     """Held-out gain, less what each number beyond the first costs, and what is unlikely before any data."""
-    return one.held_gain - 1.0 * (max(len(one.free), 1) - 1) - one.surprise
+    return one.held_out_gain - 1.0 * (max(len(one.free), 1) - 1) - one.prior_penalty
 
 
 def _convincing(one: Candidate, screening: Screening) -> bool:
@@ -236,20 +236,20 @@ def _more_than_chance(one: Candidate, screening: Screening) -> bool:
     penalty = LEAST_HELD_NATS + 0.5 * len(one.free)
     onset = onset_of(CAUSES[one.cause]) if one.law is None else None
     if onset is not None:  # it may lie in the held-out part altogether
-        seen = one.held_gain > 0.0 and one.gain > screening.threshold_nats + penalty
+        seen = one.held_out_gain > 0.0 and one.gain > screening.threshold_nats + penalty
         return seen and (onset in AT_ONCE or _in_places(one, penalty)) and _plausible(one)
     # it may lie where it is held out, or where nothing is
-    anywhere = one.held_gain > -penalty and one.gain > screening.threshold_nats + penalty
+    anywhere = one.held_out_gain > -penalty and one.gain > screening.threshold_nats + penalty
     if one.certain:
         return anywhere and _plausible(one)
     if anywhere and one.cause in _LIMITS and _at_extremes(one, penalty):
         return _plausible(one)
     return (
         one.train_gain > screening.threshold_nats
-        and one.held_gain > penalty
+        and one.held_out_gain > penalty
         and (
             (one.law is not None and one.law.alone)
-            or one.held_gain > one.held_std
+            or one.held_out_gain > one.held_out_std
             or _rarely_seen(one, penalty)
         )
         and not _spoken_against(one, penalty)
@@ -337,7 +337,7 @@ def confidence(stage: Stage) -> float:
     if taken is None:
         return 0.0
     rivals = [one for one in stage.candidates if one.cause != taken.cause and _rivals(taken, one)]
-    gain, spread = taken.held_gain, taken.held_std
+    gain, spread = taken.held_out_gain, taken.held_out_std
     if taken.certain and len(taken.train_blocks):  # it may show where nothing is held out
         gain, spread = taken.gain, _spread(taken.all_block_gains)
     certain = 0.5 * (1.0 + erf((gain / max(spread, 1.0)) / sqrt(2.0)))
@@ -373,10 +373,10 @@ def inseparable(stage: Stage) -> list[str]:
         if one.cause == taken.cause or one.law is not None or not _rivals(taken, one):
             continue
         difference = taken.block_gains - one.block_gains
-        lead = float(difference.sum()) + one.surprise - taken.surprise
-        train = taken.train_gain - one.train_gain + one.surprise - taken.surprise
+        lead = float(difference.sum()) + one.prior_penalty - taken.prior_penalty
+        train = taken.train_gain - one.train_gain + one.prior_penalty - taken.prior_penalty
         as_good = (lead < max(2.0, _spread(difference)) and train < 6.0) or lead + train < 0.0
-        if (as_good and one.held_gain > 0.7 * taken.held_gain) or one.cause in stage.other_names:
+        if (as_good and one.held_out_gain > 0.7 * taken.held_out_gain) or one.cause in stage.other_names:
             near.append(one.cause)
     return list(dict.fromkeys(near))
 

@@ -6,12 +6,12 @@ from math import isnan
 
 import numpy as np
 
-from common.causes import Cause as Declaration
-from common.causes import Parameter, Place
-from common.causes.declaration import OTHERS
-from diagnosis.cause import Cause, Context, Trial, arm_moves, driven, has, plain
-from diagnosis.declared_effects import quantity_of
-from diagnosis.world import World
+from stillarm.common.causes import Cause as Declaration
+from stillarm.common.causes import Parameter, Place
+from stillarm.common.causes.declaration import OTHERS
+from stillarm.diagnosis.cause import Cause, Context, Trial, arm_moves, driven, has, plain
+from stillarm.diagnosis.declared_effects import quantity_of
+from stillarm.diagnosis.world import World
 
 _NEEDS: dict[Place, Callable[[World], bool]] = {
     "arm": arm_moves,

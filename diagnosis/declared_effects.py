@@ -1,7 +1,8 @@
 """The effects that a model file already has, as values of the simulation's quantities.
 
 A recording is held against its model as it is: an effect that the model has is no departure, and one that is found
-again was there to another amount. Effects that are but another value of a key are folded in before (common.effects).
+again was there to another amount. Effects that are but another value of a key are folded in before
+(stillarm.common.files.effects).
 Lost frames, bursts, spikes and steps of a clock come by chance: no simulation foretells them, and they are found anew.
 """
 
@@ -11,11 +12,12 @@ from math import atan2, cos, hypot, isnan, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from common.causes import CAUSES, Parameter
-from common.causes.declaration import Acts
-from common.effects import effect_of
-from common.model import EffectValue, Model
-from diagnosis.space import Quantity
+from stillarm.common.causes import CAUSES, Parameter
+from stillarm.common.causes.declaration import Acts
+from stillarm.common.files.effects import effect_of
+from stillarm.common.files.effects_check import EffectValue
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.space import Quantity
 
 Array = NDArray[np.float64]
 

@@ -9,36 +9,41 @@ import msgspec
 import numpy as np
 import tomli_w
 
-from common.effects import declared
-from common.model import Model, check_model
-from common.recording.reader import Recording, open_recording
-from common.typed_toml import parse_toml
-from common.user_error import UserError
-from diagnosis import verdict as say
-from diagnosis.affordable import affordable
-from diagnosis.budget import Budget, OutOfTime, unlimited
-from diagnosis.candidate import Found
-from diagnosis.ceiling import below, ceiling_of
-from diagnosis.channels import without_dead_sensors
-from diagnosis.declared_effects import with_found
-from diagnosis.extended_model import baseline_changes, effect_of, refitted_model
-from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, gain_of_each_block, make_data
-from diagnosis.frequency_course import frequency_courses, seen_frequency
-from diagnosis.image_dating import dated
-from diagnosis.impacts import carried, fit_with_impacts, with_impacts_in_place, with_impacts_sought
-from diagnosis.late_queue import late_queue
-from diagnosis.laws import LawFound, as_one, forward_step
-from diagnosis.lost_modes import with_lost_modes
-from diagnosis.measured import ClockGap, Measured, first_part, read_measured, reclocked
-from diagnosis.pair_start import with_resonance_of
-from diagnosis.quantities import RANGE
-from diagnosis.recount import recounted
-from diagnosis.repeated_stamps import held_back, without
-from diagnosis.search import search
-from diagnosis.set_stamps import without_set_stamps
-from diagnosis.split import interleaved, stated
-from diagnosis.verdict import Judged
-from diagnosis.world import World
+from stillarm.common.files.effects import declared
+from stillarm.common.files.model import Model, check_model
+from stillarm.common.files.typed_toml import parse_toml
+from stillarm.common.recording.reader import Recording, open_recording
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis import verdict as say
+from stillarm.diagnosis.affordable import affordable
+from stillarm.diagnosis.budget import Budget, OutOfTime, unlimited
+from stillarm.diagnosis.candidate import Found
+from stillarm.diagnosis.ceiling import below, ceiling_of
+from stillarm.diagnosis.channels import without_dead_sensors
+from stillarm.diagnosis.declared_effects import with_found
+from stillarm.diagnosis.extended_model import baseline_changes, effect_of, refitted_model
+from stillarm.diagnosis.fit import CHANGED_NATS, Fit, Split, fit, gain_of_each_block, make_data
+from stillarm.diagnosis.frequency_course import frequency_courses, seen_frequency
+from stillarm.diagnosis.image_dating import dated
+from stillarm.diagnosis.impacts import (
+    carried_over,
+    fit_with_impacts,
+    with_impacts_in_place,
+    with_impacts_sought,
+)
+from stillarm.diagnosis.late_queue import late_queue
+from stillarm.diagnosis.laws import LawFound, as_one, forward_step
+from stillarm.diagnosis.lost_modes import with_lost_modes
+from stillarm.diagnosis.measured import ClockGap, Measured, first_part, read_measured, reclocked
+from stillarm.diagnosis.pair_start import with_resonance_of
+from stillarm.diagnosis.quantities import RANGE
+from stillarm.diagnosis.recount import recounted
+from stillarm.diagnosis.repeated_stamps import held_back, without
+from stillarm.diagnosis.search import search
+from stillarm.diagnosis.set_stamps import without_set_stamps
+from stillarm.diagnosis.split import interleaved, stated
+from stillarm.diagnosis.verdict import Judged
+from stillarm.diagnosis.world import World
 
 Tick = Callable[[float, str], None]
 
@@ -219,10 +224,12 @@ def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
     those that show once its limit is simulated from there: a vibration is below it long after the blow."""
     below_it = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
     there = world.changed(impacts=below_it.world.impacts)
-    start = there.space.with_values(carried(below_it, there), {RANGE: ceiling})
+    start = there.space.with_values(carried_over(below_it, there), {RANGE: ceiling})
     kept = fit(make_data(there, split), start, there.baseline_names())
-    sought = fit_with_impacts(world, split, world.space.with_values(carried(kept, world), {RANGE: ceiling}))
-    return max(kept, sought, key=lambda one: one.train_nats)
+    sought = fit_with_impacts(
+        world, split, world.space.with_values(carried_over(kept, world), {RANGE: ceiling})
+    )
+    return max(kept, sought, key=lambda one: one.train_log_likelihood)
 
 
 def _at_the_seen_frequency(world: World, split: Split) -> Fit:
@@ -238,7 +245,7 @@ def _at_the_seen_frequency(world: World, split: Split) -> Fit:
         return usual
     begun = world.space.with_values(world.space.vector(), {"modes.0.frequency_hz": hz})
     other = fit_with_impacts(world, split, begun)
-    return other if other.train_nats > usual.train_nats + CHANGED_NATS else usual
+    return other if other.train_log_likelihood > usual.train_log_likelihood + CHANGED_NATS else usual
 
 
 def _left_by_a_wrong_start(usual: Fit) -> bool:
@@ -262,10 +269,10 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
     course = max(courses.values(), key=lambda one: one.nats)
     starts = course.starts(world)
     sought = with_impacts_sought(world, split, world.space.with_values(begun, starts[0]))
-    if _steady_with_blows_of(_likeliest(sought, split, starts[1:]), split, starts[0]) is None:
+    if _steady_with_impacts_of(_likeliest(sought, split, starts[1:]), split, starts[0]) is None:
         return None  # before its blows are put in place, which takes long
     struck = with_impacts_in_place(sought, split)
-    return _steady_with_blows_of(_likeliest(struck, split, starts[1:]), split, starts[0])
+    return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), split, starts[0])
 
 
 def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) -> Fit:
@@ -273,17 +280,17 @@ def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) ->
     there = struck.world
     data, names = make_data(there, split), there.baseline_names()
     others = [fit(data, there.space.with_values(struck.vector, one), names) for one in starts]
-    return max((struck, *others), key=lambda one: one.train_nats)
+    return max((struck, *others), key=lambda one: one.train_log_likelihood)
 
 
-def _steady_with_blows_of(seen: Fit, split: Split, course: Iterable[str]) -> Fit | None:
+def _steady_with_impacts_of(seen: Fit, split: Split, course: Iterable[str]) -> Fit | None:
     """The fit of one frequency with the blows that are seen with a course of these quantities; None where it does as
     well."""
     there = seen.world
     usual = {name: there.space[name].start for name in course}
     start = there.space.with_values(seen.vector, usual)
     one = fit(make_data(there, split), start, there.baseline_names())
-    return one if seen.train_nats - one.train_nats > CHANGED_NATS else None
+    return one if seen.train_log_likelihood - one.train_log_likelihood > CHANGED_NATS else None
 
 
 def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
@@ -299,8 +306,8 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
         if _frames_go_on(baseline.world, gap):
             continue
         other = fit_with_impacts(World(reclocked(measured, gap), baseline.world.model), split)
-        gains = other.held_nats - baseline.held_nats
-        gained = other.train_nats - baseline.train_nats + float(gains.sum())
+        gains = other.held_out_score - baseline.held_out_score
+        gained = other.train_log_likelihood - baseline.train_log_likelihood + float(gains.sum())
         if gained > _RECLOCKED_NATS:
             steps.append(forward_step(gap, measured, gains, gained))
             baseline = other
@@ -320,7 +327,7 @@ def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound
     if held is None:
         return baseline, []
     mended = World(without(world.measured, held, period), world.model, world.impacts)
-    other = fit(make_data(mended, split), carried(baseline, mended), mended.baseline_names())
+    other = fit(make_data(mended, split), carried_over(baseline, mended), mended.baseline_names())
     gains = gain_of_each_block(other, baseline)
     gained = float(gains.sum())
     onset = float((frames.received_s if repeated else frames.started_s)[held.first])

@@ -1,7 +1,7 @@
 """What to record next to tell causes apart that the data cannot."""
 
-from common.causes import CAUSES, experiment_between
-from common.causes.declaration import SEPARATES
+from stillarm.common.causes import CAUSES, experiment_between
+from stillarm.common.causes.declaration import SEPARATES
 
 
 def experiment(cause: str, near: list[str]) -> str:

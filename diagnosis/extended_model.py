@@ -4,11 +4,12 @@ from math import atan2
 
 import msgspec
 
-from common.causes import CAUSES
-from common.model import EffectValue, Model
-from diagnosis.candidate import Candidate
-from diagnosis.fit import Fit
-from diagnosis.laws import OF_STAMPS
+from stillarm.common.causes import CAUSES
+from stillarm.common.files.effects_check import EffectValue
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.candidate import Candidate
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.laws import OF_STAMPS
 
 
 def refitted_model(model: Model, final: Fit) -> Model:
@@ -47,7 +48,7 @@ def refitted_model(model: Model, final: Fit) -> Model:
 
 def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:
     """A finding as an entry of [[effects]], its values those of the last fit."""
-    from diagnosis.catalogue import CAUSES as SEARCHED
+    from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
 
     values = one.values
     if one.law is None and one.cause in SEARCHED:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.noise import LEAST
-from diagnosis.robust import OF_FIFTH, OF_SECOND, std_about_zero
+from stillarm.diagnosis.noise import LEAST
+from stillarm.diagnosis.robust import OF_FIFTH, OF_SECOND, std_about_zero
 
 Array = NDArray[np.float64]
 

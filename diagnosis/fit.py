@@ -7,24 +7,24 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.channels import FRAME_CHANNELS
-from diagnosis.noise import (
+from stillarm.diagnosis.channels import FRAME_CHANNELS
+from stillarm.diagnosis.noise import (
     HUBER,
     LEAST,
     Colour,
-    DoubtColour,
+    InstantUncertainty,
     doubt_colour,
     level,
     log_likelihood,
     slow_colour,
     wander_colour,
 )
-from diagnosis.side_by_side import side_by_side
-from diagnosis.world import Predicted, World
+from stillarm.diagnosis.side_by_side import side_by_side
+from stillarm.diagnosis.world import Predicted, World
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Colours = dict[str, Colour | DoubtColour]
+Colours = dict[str, Colour | InstantUncertainty]
 
 WANDER_S = 15.0
 _WANDERS = 2.0  # times the stated deviation: a delay that strays further is no wander of the usual one
@@ -56,7 +56,7 @@ class FittedChannel:
     predicted: Array
     residual: Array
     sigma: float
-    colour: Colour | DoubtColour | None
+    colour: Colour | InstantUncertainty | None
 
     @property
     def off(self) -> Array:
@@ -80,8 +80,8 @@ class Fit:
     colour: Colours
     residuals: dict[str, Array]
     predicted: Predicted
-    train_nats: float
-    held_nats: Array
+    train_log_likelihood: float
+    held_out_score: Array
     covariance: Array = field(default_factory=lambda: np.empty((0, 0)))
     train_blocks: Array = field(default_factory=lambda: np.empty(0))
 
@@ -106,7 +106,7 @@ class Fit:
 
 def gain_of_each_block(after: Fit, before: Fit) -> Array:
     """Log-likelihood gained in each block, held out or not: what shows at one instant may show in any. (blocks,)"""
-    return after.held_nats - before.held_nats + after.train_blocks - before.train_blocks
+    return after.held_out_score - before.held_out_score + after.train_blocks - before.train_blocks
 
 
 @dataclass(frozen=True)
@@ -271,7 +271,7 @@ def colours(data: Data, vector: Array) -> Colours:
     if images is not None and world.measured.frames.asked:
         noise_px = max(world.model.camera.noise_std_px, LEAST["displacement"])
         noted_s = world.measured.cycle_s / sqrt(12.0)
-        found["displacement"] = DoubtColour(
+        found["displacement"] = InstantUncertainty(
             predicted.rate_px_s, world.measured.frames.received_s, noise_px, noted_s, 0.0, 1.0
         )
     return found

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from common.model import Model
-from diagnosis.lost_frames import lost_before, scatter
-from diagnosis.measured import Frames
-from diagnosis.robust import std_about_zero, step_at
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.lost_frames import lost_before, scatter
+from stillarm.diagnosis.measured import Frames
+from stillarm.diagnosis.robust import std_about_zero, step_at
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.quantities import HIGHER
-from diagnosis.side_by_side import side_by_side
-from diagnosis.world import Motion, World
+from stillarm.diagnosis.quantities import HIGHER
+from stillarm.diagnosis.side_by_side import side_by_side
+from stillarm.diagnosis.world import Motion, World
 
 Array = NDArray[np.float64]
 

@@ -8,13 +8,13 @@ clock that was set, and a buffer that from some instant on hands over images som
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
-from diagnosis.impacts import fit_with_impacts
-from diagnosis.measured import dated_by_requests
-from diagnosis.noise import DoubtColour, log_likelihood
-from diagnosis.repeated_stamps import MOST_HELD
-from diagnosis.request_times import request_intervals
-from diagnosis.world import World
+from stillarm.diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
+from stillarm.diagnosis.impacts import fit_with_impacts
+from stillarm.diagnosis.measured import dated_by_requests
+from stillarm.diagnosis.noise import InstantUncertainty, log_likelihood
+from stillarm.diagnosis.repeated_stamps import MOST_HELD
+from stillarm.diagnosis.request_times import request_intervals
+from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def older_from(asked: Fit) -> tuple[int, float] | None:
     if len(known) < _FEWEST_REQUESTS:
         return None
     colour = images.colour
-    weight = colour.noise_px / colour.stds[known] if isinstance(colour, DoubtColour) else 1.0
+    weight = colour.noise_px / colour.stds[known] if isinstance(colour, InstantUncertainty) else 1.0
     slope = rate[known] * weight
     along, power = np.cumsum(-slope * residual[known]), np.cumsum(slope * slope)
     inner = slice(_FEWEST_REQUESTS // 2, -_FEWEST_REQUESTS // 2)
@@ -103,6 +103,6 @@ def image_nats(fitted: Fit) -> float:
     residual, sigma, colour = images.residual, images.sigma, images.colour
     known = np.isfinite(residual)
     nats = float(np.sum(log_likelihood(residual[known] / sigma, sigma)))
-    if isinstance(colour, DoubtColour):
+    if isinstance(colour, InstantUncertainty):
         nats -= float(np.sum(np.log(colour.stds[known] / colour.noise_px)))
     return nats

@@ -10,10 +10,10 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Fit, Split, colours, fit, make_data
-from diagnosis.robust import std_about_zero
-from diagnosis.side_by_side import side_by_side
-from diagnosis.world import World
+from stillarm.diagnosis.fit import Fit, Split, colours, fit, make_data
+from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.side_by_side import side_by_side
+from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ _CLOSE_S = 2.0
 _REDATED_NATS = 20.0
 _HOPELESS_NATS = 300.0  # that a fit of all else hardly gains
 _WRONG, _FAR = 4.0, 8.0  # times a channel's variance, outliers bounded to so many deviations
-_ONE_BLOW, _PLACES = 2.0, 9  # periods between two that may be one; where that may have been
+_ONE_IMPACT, _PLACES = 2.0, 9  # periods between two that may be one; where that may have been
 
 
 def _series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> tuple[Array, Array] | None:
@@ -141,11 +141,11 @@ def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
     return refit_with(last, split, last.world.impacts)
 
 
-def with_hidden_blows(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
+def with_hidden_impacts(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
     """The fit with blows that show only now that it holds a cause more (of quantities `extra`), if they are any that
     the held-out part bears out."""
     more = _in_place(_sought(last, split, extra), split, extra)
-    gained = float((more.held_nats - last.held_nats).sum())
+    gained = float((more.held_out_score - last.held_out_score).sum())
     return more if more.world.impacts != last.world.impacts and gained > 0.0 else last
 
 
@@ -186,7 +186,7 @@ def _redated(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
                 continue
             struck = refit_with(last, split, tuple(sorted((*others, moved))), extra)
             struck = _sharpened(struck, split, extra)[0]
-            better = struck.train_nats > last.train_nats + _REDATED_NATS
+            better = struck.train_log_likelihood > last.train_log_likelihood + _REDATED_NATS
             if better and not _wrong_about(struck, split, moved, half):
                 last = struck
                 break
@@ -213,13 +213,15 @@ def _merged(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
         cycles = last.world.impacts
         period = 1.0 / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
         near = [
-            pair for pair in pairwise(cycles) if pair[1] - pair[0] < _ONE_BLOW * period and pair not in tried
+            pair
+            for pair in pairwise(cycles)
+            if pair[1] - pair[0] < _ONE_IMPACT * period and pair not in tried
         ]
         if not near:
             return last
         tried.add(near[0])
         one = _in_place_of(last, near[0], split, extra)
-        last = one if one.train_nats > last.train_nats else last
+        last = one if one.train_log_likelihood > last.train_log_likelihood else last
 
 
 def _in_place_of(last: Fit, pair: tuple[int, int], split: Split, extra: tuple[str, ...]) -> Fit:
@@ -232,19 +234,19 @@ def _in_place_of(last: Fit, pair: tuple[int, int], split: Split, extra: tuple[st
         world = last.world.changed(impacts=tuple(impacts))
         number = impacts.index(round(cycle)) + 1
         own = [name for j in (number - 1, number, number + 1) for name in world.space.names(f"jump.{j}.")]
-        return fit(make_data(world, split), carried(last, world), own, colour=last.colour)
+        return fit(make_data(world, split), carried_over(last, world), own, colour=last.colour)
 
-    best = max(side_by_side(struck, np.linspace(*pair, _PLACES)), key=lambda one: one.train_nats)
-    if best.train_nats < last.train_nats - _HOPELESS_NATS:
+    best = max(side_by_side(struck, np.linspace(*pair, _PLACES)), key=lambda one: one.train_log_likelihood)
+    if best.train_log_likelihood < last.train_log_likelihood - _HOPELESS_NATS:
         return last
     best = refit_with(best, split, best.world.impacts, extra)
-    return max(best, _sharpened(best, split, extra)[0], key=lambda one: one.train_nats)
+    return max(best, _sharpened(best, split, extra)[0], key=lambda one: one.train_log_likelihood)
 
 
 def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = ()) -> Fit:
     """Fit again with these segments, from what is known."""
     world = last.world.changed(impacts=impacts)
-    start = carried(last, world)
+    start = carried_over(last, world)
     there = [
         name for name in extra if name in world.space.place
     ]  # segments of a further mode go with their blow
@@ -253,7 +255,7 @@ def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[s
     return fit(data, start, free, colour=last.colour | colours(data, start))
 
 
-def carried(last: Fit, world: World) -> Array:
+def carried_over(last: Fit, world: World) -> Array:
     """The values of a fit in another world's vector, as far as it has them; segments are matched by their cycle."""
     start = world.space.vector()
     old = last.world

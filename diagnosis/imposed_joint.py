@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from common.model import Drive
-from diagnosis.robust import std_about_zero
+from stillarm.common.files.model import Drive
+from stillarm.diagnosis.robust import std_about_zero
 
 Array = NDArray[np.float64]
 

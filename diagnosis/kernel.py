@@ -1,6 +1,6 @@
 """What follows from the arm's motion in closed form: the tip, and how a linear mode answers a jump. Compiled.
 
-The motion itself is that of simulation.arm.
+The motion itself is that of stillarm.simulation.arm.
 """
 
 import numpy as np

@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from diagnosis.robust import std_about_median
+from stillarm.diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
 

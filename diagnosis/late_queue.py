@@ -10,11 +10,11 @@ from math import hypot
 
 import numpy as np
 
-from diagnosis.arrival_steps import SIDE, ArrivalStep, step_of_arrivals
-from diagnosis.fit import Fit
-from diagnosis.measured import Frames
-from diagnosis.repeated_stamps import MOST_HELD, Held
-from diagnosis.robust import step_at
+from stillarm.diagnosis.arrival_steps import SIDE, ArrivalStep, step_of_arrivals
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.measured import Frames
+from stillarm.diagnosis.repeated_stamps import MOST_HELD, Held
+from stillarm.diagnosis.robust import step_at
 
 _SURE = 2.0  # standard deviations of the step
 _ALIKE, _FEWEST = 0.25, 5  # of the step; frames on either side

@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Data, Fit
-from diagnosis.late_bursts import find_bursts
-from diagnosis.measured import ClockGap, Measured
-from diagnosis.noise import HUBER, LEAST
-from diagnosis.outliers import SURE_NATS, outliers, pulses, strikes, tops_of
-from diagnosis.repeated_stamps import held_back
-from diagnosis.request_times import missing_requests
-from diagnosis.robust import std_about_median
+from stillarm.diagnosis.fit import Data, Fit
+from stillarm.diagnosis.late_bursts import find_bursts
+from stillarm.diagnosis.measured import ClockGap, Measured
+from stillarm.diagnosis.noise import HUBER, LEAST
+from stillarm.diagnosis.outliers import SURE_NATS, outliers, pulses, strikes, tops_of
+from stillarm.diagnosis.repeated_stamps import held_back
+from stillarm.diagnosis.request_times import missing_requests
+from stillarm.diagnosis.robust import std_about_median
 
 Array = NDArray[np.float64]
 
@@ -37,8 +37,8 @@ class LawFound:
 
     cause: str
     values: dict[str, tuple[float, float]]
-    train_nats: float
-    held_nats: Array
+    train_log_likelihood: float
+    held_out_score: Array
     note: str = ""
     alone: bool = False
 
@@ -132,7 +132,7 @@ def _frame_drops(data: Data, last: Fit) -> LawFound | None:
 
 
 def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
-    """Stretches in which frames come late (diagnosis.late_bursts), three ways of holding out a third."""
+    """Stretches in which frames come late (stillarm.diagnosis.late_bursts), three ways of holding out a third."""
     arrivals = last.channel("arrival")
     if arrivals is None:
         return None
@@ -290,8 +290,8 @@ def as_one(steps: list[LawFound]) -> list[LawFound]:
         length, doubt = last.values["step_s"]
         values = last.values | {"step_s": (length + step.values["step_s"][0], doubt)}
         merged[-1] = replace(
-            last, values=values, train_nats=last.train_nats + step.train_nats,
-            held_nats=last.held_nats + step.held_nats,
+            last, values=values, train_log_likelihood=last.train_log_likelihood + step.train_log_likelihood,
+            held_out_score=last.held_out_score + step.held_out_score,
         )  # fmt: skip
     return merged
 

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from diagnosis.robust import std_about_median, std_about_zero
+from stillarm.diagnosis.robust import std_about_median, std_about_zero
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]

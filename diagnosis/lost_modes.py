@@ -7,9 +7,9 @@ it: its frequency goes elsewhere, and its share to nothing or to another sign. F
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Fit, Split, fit, make_data
-from diagnosis.frequency_course import shares
-from diagnosis.quantities import HIGHER
+from stillarm.diagnosis.fit import Fit, Split, fit, make_data
+from stillarm.diagnosis.frequency_course import shares
+from stillarm.diagnosis.quantities import HIGHER
 
 Array = NDArray[np.float64]
 
@@ -48,8 +48,8 @@ def with_lost_modes(one: Fit, split: Split) -> Fit:
             for off in _OFF
             for others in (shares(one.world) if HIGHER in one.free else ({},))
         ]
-        best = max(tried, key=lambda other: other.train_nats)
-        one = best if best.train_nats > one.train_nats + _BETTER_NATS else one
+        best = max(tried, key=lambda other: other.train_log_likelihood)
+        one = best if best.train_log_likelihood > one.train_log_likelihood + _BETTER_NATS else one
     return one
 
 

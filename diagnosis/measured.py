@@ -7,15 +7,15 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from common.model import Model
-from common.recording.reader import Recording
-from common.user_error import UserError
-from common.visual_sample import TrackingStatus
-from diagnosis.fast_rows import row_step_s, rows_in_order
-from diagnosis.fine_sensors import is_fine_encoder, is_fine_image
-from diagnosis.imposed_joint import imposed_command
-from diagnosis.robust import std_about_median
-from diagnosis.struck_flanks import fast_noise
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.common.files.model import Model
+from stillarm.common.recording.reader import Recording
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.fast_rows import row_step_s, rows_in_order
+from stillarm.diagnosis.fine_sensors import is_fine_encoder, is_fine_image
+from stillarm.diagnosis.imposed_joint import imposed_command
+from stillarm.diagnosis.robust import std_about_median
+from stillarm.diagnosis.struck_flanks import fast_noise
 
 Array = NDArray[np.float64]
 

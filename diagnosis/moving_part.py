@@ -13,8 +13,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import Colours, Data, Fit, fit, least_level
-from diagnosis.side_by_side import side_by_side
+from stillarm.diagnosis.fit import Colours, Data, Fit, fit, least_level
+from stillarm.diagnosis.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -40,8 +40,8 @@ def begun_on_what_moves(
     ways = [_STEP, 1.0 / _STEP]
     for _ in range(_MOST_STEPS):
         tried = side_by_side(partial(_beside, part, best, size, colour), ways)
-        better, way = max(zip(tried, ways, strict=True), key=lambda one: one[0].train_nats)
-        if better.train_nats < best.train_nats + _BETTER_NATS:
+        better, way = max(zip(tried, ways, strict=True), key=lambda one: one[0].train_log_likelihood)
+        if better.train_log_likelihood < best.train_log_likelihood + _BETTER_NATS:
             break
         best, ways = better, [way]  # there is one optimum: the other way is where it came from
     return best.vector

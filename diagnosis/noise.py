@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.robust import std_about_zero
+from stillarm.diagnosis.robust import std_about_zero
 
 Array = NDArray[np.float64]
 
@@ -175,7 +175,7 @@ def _doubt_innovations(
         late += gains[k] * out[k]
 
 
-class DoubtColour:
+class InstantUncertainty:
     """Displacement of a triggered camera: each frame's instant is off by a delay that wanders and scatters.
 
     r_k = rate_k (wander_k + white_k) + noise. Innovations are scaled to the deviation that they would have at rest,
@@ -214,14 +214,14 @@ class DoubtColour:
 
 def doubt_colour(
     residual: Array, rate_px_s: Array, received_s: Array, noise_px: float, spread_s: float
-) -> DoubtColour:
+) -> InstantUncertainty:
     """The likeliest share and correlation time of the delay's wander, its spread at most as stated."""
     known = np.isfinite(residual)
-    best: tuple[float, DoubtColour] | None = None
+    best: tuple[float, InstantUncertainty] | None = None
     for size in (0.3, 0.6, 1.0, 1.3):
         for share in (0.0, 0.4, 0.8, 0.97):
             for time_s in (0.3, 1.0, 3.0, 10.0, 30.0) if share else (1.0,):
-                one = DoubtColour(rate_px_s, received_s, noise_px, size * spread_s, share, time_s)
+                one = InstantUncertainty(rate_px_s, received_s, noise_px, size * spread_s, share, time_s)
                 scaled = one.whiten(residual)[known] / noise_px
                 short = np.minimum(scaled * scaled, 25.0)
                 cost = float(0.5 * np.sum(short) + np.sum(np.log(one.stds[known])))

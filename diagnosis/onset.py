@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from diagnosis.cause import Cause
-from diagnosis.fit import Fit, Split, fit, make_data
+from stillarm.diagnosis.cause import Cause
+from stillarm.diagnosis.fit import Fit, Split, fit, make_data
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def onset_seen(refitted: Fit, cause: Cause, split: Split) -> tuple[Fit, float]:
     spread = float(np.sqrt(located @ (tried - located @ tried) ** 2)) + 0.25 * float(
         np.median(np.diff(tried))
     )
-    return replace(moved, held_nats=averaged), spread
+    return replace(moved, held_out_score=averaged), spread
 
 
 def _odds(nats: Array) -> Array:
@@ -60,7 +60,7 @@ def _by_onset(one: Fit, name: str, tried: Array, split: Split) -> tuple[Array, A
     for k, onset in enumerate(tried):
         vector = one.world.space.with_values(one.vector, {name: onset})
         there = fit(data, vector, (), iterations=0, colour=one.colour)
-        train[k], held[k] = there.train_nats, there.held_nats
+        train[k], held[k] = there.train_log_likelihood, there.held_out_score
     return train, held
 
 
@@ -87,7 +87,7 @@ def settled(refitted: Fit, cause: Cause, split: Split) -> Fit:
                 trials += 1
                 start = best.world.space.with_values(best.vector, {name: best.value(name) + sign * step})
                 trial = fit(data, start, [n for n in along if n != name], iterations=1, colour=best.colour)
-                if trial.train_nats > best.train_nats + 0.02:
+                if trial.train_log_likelihood > best.train_log_likelihood + 0.02:
                     best, moved = trial, True
                     break
             if not moved:

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from diagnosis.fit import Data, Fit
-from diagnosis.quantities import RANGE
-from diagnosis.robust import std_about_median
-from diagnosis.unforetold import unforetold
+from stillarm.diagnosis.fit import Data, Fit
+from stillarm.diagnosis.quantities import RANGE
+from stillarm.diagnosis.robust import std_about_median
+from stillarm.diagnosis.unpredictable import unpredictable
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
         return None
     predicted, residual = sensor.predicted, sensor.off
     known = np.isfinite(residual) & within_range(last)
-    known &= ~unforetold(data, last)[data.blocks_of("acceleration")] & ~_just_begun(data)
+    known &= ~unpredictable(data, last)[data.blocks_of("acceleration")] & ~_just_begun(data)
     if known.sum() < _FEWEST_SAMPLES:
         return None
     sigma = std_about_median(residual[known]) + 1e-12

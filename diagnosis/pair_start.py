@@ -4,8 +4,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from common.model import Mode, Model
-from diagnosis.measured import Measured
+from stillarm.common.files.model import Mode, Model
+from stillarm.diagnosis.measured import Measured
 
 Array = NDArray[np.float64]
 

@@ -5,11 +5,11 @@ from math import pi
 
 import numpy as np
 
-from common.model import Model
-from diagnosis.declared_effects import declared_quantities, own_quantities, waves_to_refit
-from diagnosis.frame_clock import FrameClock
-from diagnosis.measured import Measured
-from diagnosis.space import Quantity, Space
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.declared_effects import declared_quantities, own_quantities, waves_to_refit
+from stillarm.diagnosis.frame_clock import FrameClock
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.space import Quantity, Space
 
 _NEVER_S = 1e9
 _UNLIMITED = 1e9

@@ -4,8 +4,8 @@ the data tell apart, and none of its derivatives says how far apart those are: s
 
 from collections.abc import Callable
 
-from diagnosis.cause import Cause
-from diagnosis.fit import Fit, Split, fit, make_data
+from stillarm.diagnosis.cause import Cause
+from stillarm.diagnosis.fit import Fit, Split, fit, make_data
 
 _DROP_NATS = 0.5  # of a Gaussian likelihood one standard deviation off
 _FIRST, _GROWTH = 1e-4, 1.6  # of the value
@@ -23,7 +23,7 @@ def reach_of(final: Fit, cause: Cause, split: Split) -> dict[str, float]:
     def nats(name: str, off: float) -> float:
         vector = final.world.space.with_values(final.vector, {name: final.value(name) + off})
         at = fit(data, vector, (), iterations=0, colour=final.colour)
-        return at.train_nats + float(at.held_nats.sum())
+        return at.train_log_likelihood + float(at.held_out_score.sum())
 
     def reach(name: str) -> float:
         least, whole = nats(name, 0.0) - _DROP_NATS, abs(final.value(name))

@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
-from diagnosis.image_dating import image_nats, older_from
-from diagnosis.impacts import carried
-from diagnosis.robust import step_at
-from diagnosis.world import World
+from stillarm.diagnosis.fit import CHANGED_NATS, Fit, Split, fit, make_data
+from stillarm.diagnosis.image_dating import image_nats, older_from
+from stillarm.diagnosis.impacts import carried_over
+from stillarm.diagnosis.robust import step_at
+from stillarm.diagnosis.world import World
 
 Counts = NDArray[np.int64]
 
@@ -28,7 +28,7 @@ def recounted(baseline: Fit, split: Split) -> Fit:
     """The baseline without the losses that the images speak against, and with those that they speak for."""
     for _ in range(_MOST):
         others = [
-            fit(make_data(world, split), carried(baseline, world), world.baseline_names())
+            fit(make_data(world, split), carried_over(baseline, world), world.baseline_names())
             for world in _miscounted(baseline)
         ]
         best = max(others, key=image_nats, default=None)

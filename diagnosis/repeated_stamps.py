@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.measured import Frames, Measured
-from diagnosis.robust import step_at
+from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.robust import step_at
 
 MOST_HELD = 4
 """Frames that a queue is taken to hold at most, where nothing but the images tells."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured import Frames, Measured
-from diagnosis.robust import std_about_median, std_about_zero
+from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.robust import std_about_median, std_about_zero
 
 Array = NDArray[np.float64]
 

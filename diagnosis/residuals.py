@@ -12,11 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
-from diagnosis.channels import FRAME_CHANNELS
-from diagnosis.fit import Fit
-from diagnosis.residual_tests import Correlation, autocorrelation, crosscorrelation, square_correlation
-from diagnosis.robust import std_about_median
-from diagnosis.world import World
+from stillarm.diagnosis.channels import FRAME_CHANNELS
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.residual_tests import (
+    Correlation,
+    autocorrelation,
+    crosscorrelation,
+    square_correlation,
+)
+from stillarm.diagnosis.robust import std_about_median
+from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 

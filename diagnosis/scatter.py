@@ -12,11 +12,11 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.channels import FRAME_CHANNELS
-from diagnosis.fit import Data, Fit
-from diagnosis.outliers import outliers, pulses, within_range
-from diagnosis.steady_spectrum import steady_spectrum
-from diagnosis.unforetold import unforetold
+from stillarm.diagnosis.channels import FRAME_CHANNELS
+from stillarm.diagnosis.fit import Data, Fit
+from stillarm.diagnosis.outliers import outliers, pulses, within_range
+from stillarm.diagnosis.steady_spectrum import steady_spectrum
+from stillarm.diagnosis.unpredictable import unpredictable
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -31,9 +31,8 @@ LASTING = "what stands out lasts for several samples"
 _LAGS = 12
 _CLIP = 6.0
 _SPIKE = 5.0
-_AT_THE_FLOOR = (
-    0.5  # of the level: what is left lies below what a simulation is taken to reach (diagnosis.noise.LEAST)
-)
+# Of the level: what is left lies below what a simulation is taken to reach (stillarm.diagnosis.noise.LEAST)
+_AT_THE_FLOOR = 0.5
 ENCODER = ("joint_position", "joint_velocity")  # whose steps scatter less while the joint stands
 _ROUNDED = (
     0.5  # of an encoder's step: below it what is left is its rounding, which stays while the joint stands
@@ -52,7 +51,7 @@ class Uneven:
 
     channel: str
     law: str
-    train_nats: float
+    train_log_likelihood: float
     block_nats: Array
     everywhere: bool = False
     most: float = np.inf
@@ -86,7 +85,7 @@ def uneven(data: Data, last: Fit, without_spikes: bool = False) -> list[Uneven]:
         if name in ("acceleration", "displacement", "deflection"):
             found.append(told("the arm is driven at its own frequency", _driven(data, last, name, r, train)))
         if name in ("acceleration", "deflection"):
-            counts = known & ~unforetold(data, last)[block]
+            counts = known & ~unpredictable(data, last)[block]
             gains = steady_spectrum(r, counts, block, count)
             found.append(Uneven(name, ITS_SPECTRUM_STAYS, float(gains.sum()), gains, everywhere=True))
         lasting = pulses(data, outliers(data, last)) if name == "acceleration" else None

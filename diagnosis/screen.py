@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.cause import Cause, Context, Trial
-from diagnosis.fit import THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask
-from diagnosis.impacts import carried
-from diagnosis.noise import HUBER
-from diagnosis.quantities import ARRIVAL
-from diagnosis.side_by_side import side_by_side
-from diagnosis.world import Predicted, World
+from stillarm.diagnosis.cause import Cause, Context, Trial
+from stillarm.diagnosis.fit import THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask
+from stillarm.diagnosis.impacts import carried_over
+from stillarm.diagnosis.noise import HUBER
+from stillarm.diagnosis.quantities import ARRIVAL
+from stillarm.diagnosis.side_by_side import side_by_side
+from stillarm.diagnosis.world import Predicted, World
 
 Array = NDArray[np.float64]
 
@@ -179,7 +179,7 @@ def screen(
             todo.append((cause, trial))
             if trial.options not in worlds:
                 world = variant(last.world, dict(trial.options))
-                start = carried(last, world)
+                start = carried_over(last, world)
                 worlds[trial.options] = (world, start, world.predict(start))
 
     def score(one: tuple[Cause, Trial]) -> tuple[Scored | None, Array]:

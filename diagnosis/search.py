@@ -8,12 +8,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from common.causes import CAUSES as CATALOGUE
-from diagnosis.budget import OutOfTime
-from diagnosis.candidate import Candidate, Found, Stage
-from diagnosis.catalogue import CAUSES
-from diagnosis.cause import Cause
-from diagnosis.choice import (
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.diagnosis.budget import OutOfTime
+from stillarm.diagnosis.candidate import Candidate, Found, Stage
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.cause import Cause
+from stillarm.diagnosis.choice import (
     ALL,
     LEAST_HELD_NATS,
     Rest,
@@ -25,17 +25,17 @@ from diagnosis.choice import (
     rest,
     too_small,
 )
-from diagnosis.fit import Colours, Data, Fit, Split, colours, fit, make_data, strayed
-from diagnosis.impacts import carried, pruned, with_hidden_blows
-from diagnosis.laws import LawFound, backward_steps, laws
-from diagnosis.lost_modes import with_lost_modes
-from diagnosis.moving_part import begun_on_what_moves
-from diagnosis.onset import AT_ONCE, onset_of, onset_seen, settled
-from diagnosis.screen import Scored, Screening, screen, variant
-from diagnosis.seen_at_joint import most_left_elsewhere
-from diagnosis.side_by_side import meanwhile, side_by_side
-from diagnosis.structure import examine
-from diagnosis.unforetold import foretold
+from stillarm.diagnosis.fit import Colours, Data, Fit, Split, colours, fit, make_data, strayed
+from stillarm.diagnosis.impacts import carried_over, pruned, with_hidden_impacts
+from stillarm.diagnosis.laws import LawFound, backward_steps, laws
+from stillarm.diagnosis.lost_modes import with_lost_modes
+from stillarm.diagnosis.moving_part import begun_on_what_moves
+from stillarm.diagnosis.onset import AT_ONCE, onset_of, onset_seen, settled
+from stillarm.diagnosis.screen import Scored, Screening, screen, variant
+from stillarm.diagnosis.seen_at_joint import most_left_elsewhere
+from stillarm.diagnosis.side_by_side import meanwhile, side_by_side
+from stillarm.diagnosis.structure import examine
+from stillarm.diagnosis.unpredictable import predictable
 
 Array = NDArray[np.float64]
 
@@ -48,14 +48,14 @@ _SHARE_TO_BEGIN_ANEW = 0.1  # of what the best cause explains
 
 def block_gain(after: Fit, before: Fit) -> Array:
     """Held-out log-likelihood gained, per held-out block."""
-    return after.held_nats - before.held_nats
+    return after.held_out_score - before.held_out_score
 
 
-def _gain_where_foretold(after: Fit, before: Fit, split: Split) -> Array:
+def _gain_where_predictable(after: Fit, before: Fit, split: Split) -> Array:
     """The same where both could have foretold the block: elsewhere a thousand nats either way would take, or drop, the
     very cause that explains the recording. A mode that a fit adds has a state after a blow, too."""
     gains = block_gain(after, before)
-    gains[~(foretold(split, before) & foretold(split, after, closely=True))] = 0.0
+    gains[~(predictable(split, before) & predictable(split, after, closely=True))] = 0.0
     return gains
 
 
@@ -185,7 +185,7 @@ def _completed(taken: Candidate, split: Split, free: tuple[str, ...]) -> Fit:
     """The fit of a cause that is taken: without blows that were none, with those that it hid, and with the law of the
     arrivals as it is without the cause in it."""
     kept = pruned(taken.fit, split, free)
-    final = with_hidden_blows(kept, split, free)
+    final = with_hidden_impacts(kept, split, free)
     if final.world.impacts != kept.world.impacts:
         final = settled(final, CAUSES[taken.cause], split)
     final = with_lost_modes(final, split)
@@ -215,11 +215,13 @@ def _stage(
     by_law = [_of_law(data, last, law) for law in found_laws.result() if law.cause not in taken]
     refits = side_by_side(lambda one: (one.cause, _refitted(one, free, last, split)), _to_refit(screening))
     refits = [(cause, one) for cause, one in _held_begun_anew(refits, last, split) if cause.possible(one)]
-    top = max((refitted.train_nats for _, refitted in refits), default=last.train_nats)
+    top = max((refitted.train_log_likelihood for _, refitted in refits), default=last.train_log_likelihood)
 
     def near_the_top(one: tuple[Cause, Fit]) -> tuple[Cause, Fit]:
         cause, refitted = one
-        close = refitted.train_nats - last.train_nats > 0.5 * (top - last.train_nats)
+        close = refitted.train_log_likelihood - last.train_log_likelihood > 0.5 * (
+            top - last.train_log_likelihood
+        )
         return cause, with_lost_modes(settled(refitted, cause, split), split) if close else refitted
 
     near = side_by_side(near_the_top, refits)
@@ -228,7 +230,11 @@ def _stage(
     ranked = rank([*by_law, *(replace(one, certain=one.cause in certain) for one in fits)])
     chosen = choose(ranked, screening)
     small = too_small(ranked, screening)
-    if small is None and in_doubt(chosen, ranked) and top - last.train_nats > 2.0 * screening.threshold_nats:
+    if (
+        small is None
+        and in_doubt(chosen, ranked)
+        and top - last.train_log_likelihood > 2.0 * screening.threshold_nats
+    ):
         others = rank([*by_law, *_with_straying(data, last, split, near)])
         other = choose(others, screening)
         if other is not None and (chosen is None or other.law is None):
@@ -263,70 +269,75 @@ def _refitted(one: Scored, free: tuple[str, ...], last: Fit, split: Split) -> Fi
     # a law learnt without the step takes it for its own
     if onset_of(one.cause) in AT_ONCE and "arrival" in found.colour:
         own = _with_own_wander(found, split)
-        found = own if own.train_nats > found.train_nats else found
+        found = own if own.train_log_likelihood > found.train_log_likelihood else found
     return found
 
 
 def _held_begun_anew(refits: list[tuple[Cause, Fit]], last: Fit, split: Split) -> list[tuple[Cause, Fit]]:
     """The refits, the best of each cause that holds the arm begun on what moves where that explains more, unless it
     explains next to nothing beside the others."""
-    most = max((one.train_nats for _, one in refits), default=last.train_nats) - last.train_nats
+    most = (
+        max((one.train_log_likelihood for _, one in refits), default=last.train_log_likelihood)
+        - last.train_log_likelihood
+    )
     found = list(refits)
     sizes = {cause.id: cause.holds for cause, _ in refits if cause.holds is not None}
     for holding, size in sizes.items():
         places = [place for place, (cause, _) in enumerate(refits) if cause.id == holding]
-        place = max(places, key=lambda place: refits[place][1].train_nats)
+        place = max(places, key=lambda place: refits[place][1].train_log_likelihood)
         cause, one = refits[place]
-        if one.train_nats - last.train_nats < _SHARE_TO_BEGIN_ANEW * most:
+        if one.train_log_likelihood - last.train_log_likelihood < _SHARE_TO_BEGIN_ANEW * most:
             continue
         data = make_data(one.world, split)
         begun = begun_on_what_moves(data, one.vector, size, one.free, last.colour)
         if begun is not None:
             other = fit(data, begun, one.free, iterations=_ITERATIONS_FAR, colour=last.colour)
-            found[place] = cause, max(one, other, key=lambda fitted: fitted.train_nats)
+            found[place] = cause, max(one, other, key=lambda fitted: fitted.train_log_likelihood)
     return found
 
 
 def _with_straying(data: Data, last: Fit, split: Split, refits: list[tuple[Cause, Fit]]) -> list[Candidate]:
     """The leading candidates once more, what the best of them leaves taken for noise that strays slowly."""
-    best = max((one for _, one in refits), key=lambda one: one.train_nats)
+    best = max((one for _, one in refits), key=lambda one: one.train_log_likelihood)
     colour = strayed(make_data(best.world, split), best)
     again = _under(data, last, colour)
     if again is None:
         return []
     found = []
     for cause, one in refits:
-        if one.train_nats - last.train_nats > 0.3 * (best.train_nats - last.train_nats):
+        if one.train_log_likelihood - last.train_log_likelihood > 0.3 * (
+            best.train_log_likelihood - last.train_log_likelihood
+        ):
             other = fit(make_data(one.world, split), one.vector, one.free, iterations=8, colour=colour)
             found.append(_of_fit(cause, other, again, split))
     return found
 
 
 def _of_law(data: Data, last: Fit, law: LawFound) -> Candidate:
-    everywhere = np.ones(len(law.held_nats), bool)
+    everywhere = np.ones(len(law.held_out_score), bool)
     return Candidate(
-        law.cause, last, law.train_nats, float(law.held_nats.sum()), _spread(law.held_nats, everywhere),
-        law.held_nats, law.values, law, tuple(law.values), law.note,
+        law.cause, last, law.train_log_likelihood, float(law.held_out_score.sum()),
+        _spread(law.held_out_score, everywhere), law.held_out_score, law.values, law, tuple(law.values), law.note,
     )  # fmt: skip
 
 
 def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
     refitted, spread = onset_seen(refitted, cause, split)
-    gains = _gain_where_foretold(refitted, last, split)
+    gains = _gain_where_predictable(refitted, last, split)
     values = cause.parameters_of(refitted)
     if "onset_s" in values:
         values["onset_s"] = (values["onset_s"][0], spread)
     return Candidate(
         cause.id,
         refitted,
-        refitted.train_nats - last.train_nats,
+        refitted.train_log_likelihood - last.train_log_likelihood,
         float(gains[split.held].sum()),
         _spread(gains, split.held),
         gains,
         values,
         None,
         cause.free(refitted.world),
-        surprise=cause.surprise(refitted),
+        prior_penalty=cause.prior_penalty(refitted),
         train_blocks=refitted.train_blocks - last.train_blocks,
     )
 
@@ -334,7 +345,7 @@ def _of_fit(cause: Cause, refitted: Fit, last: Fit, split: Split) -> Candidate:
 def _lost(one: Candidate, final: Fit, without: Fit, split: Split) -> float:
     """Held-out nats that go with a finding; all, where it need not show where something is held out: it has an onset,
     by an edge perhaps; or the data show it by themselves; or all blocks together speak for it."""
-    held = _gain_where_foretold(final, without, split)
+    held = _gain_where_predictable(final, without, split)
     train = final.train_blocks - without.train_blocks
     anywhere = one.certain or onset_of(CAUSES[one.cause]) is not None or by_all_blocks(held + train)
     return float(held[split.held].sum()) + (float(train.sum()) if anywhere else 0.0)
@@ -357,7 +368,7 @@ def _drop_needless(found: Found, split: Split) -> None:
             start = world.space.with_values(found.final.vector, neutral)
             if cause.id == "second_bending_mode":
                 world = variant(world, {"extra_modes": -1})
-                start = carried(found.final, world)
+                start = carried_over(found.final, world)
             names = tuple(dict.fromkeys((*world.baseline_names(), *rest)))
             without = fit(make_data(world, split), start, names, colour=found.final.colour)
             losses.append((_lost(one, found.final, without, split), one, without))

@@ -2,10 +2,10 @@
 
 from math import inf
 
-from common.causes import CAUSES as CATALOGUE
-from diagnosis.candidate import Candidate, Found
-from diagnosis.fit import Fit, Split, fit, make_data, train_nats_of_channels
-from diagnosis.structure import examine
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.diagnosis.candidate import Candidate, Found
+from stillarm.diagnosis.fit import Fit, Split, fit, make_data, train_nats_of_channels
+from stillarm.diagnosis.structure import examine
 
 _AT_JOINT = ("joint_position", "joint_velocity")
 _AS_AT_JOINT = 3.0

@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.arrival_steps import arrival_step
-from diagnosis.fit import CHANGED_NATS, WANDER_S, Fit, Split, gain_of_each_block
-from diagnosis.impacts import fit_with_impacts
-from diagnosis.laws import OF_STAMPS, LawFound
-from diagnosis.measured import Frames, Measured
-from diagnosis.robust import std_about_median, step_at
-from diagnosis.world import World
+from stillarm.diagnosis.arrival_steps import arrival_step
+from stillarm.diagnosis.fit import CHANGED_NATS, WANDER_S, Fit, Split, gain_of_each_block
+from stillarm.diagnosis.impacts import fit_with_impacts
+from stillarm.diagnosis.laws import OF_STAMPS, LawFound
+from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.robust import std_about_median, step_at
+from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 

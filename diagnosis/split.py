@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from common.user_error import UserError
-from diagnosis.fit import Split
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.fit import Split
 
 _SHORTEST_S, _BLOCKS = 0.8, 30
 _EVERY = 3

@@ -3,7 +3,7 @@
 In this order, each from what those before it have given:
 
     drive            the joint's report under its commands: bandwidth and dead time
-    frequency, decay the free vibration while the joint stands (diagnosis.ring_down)
+    frequency, decay the free vibration while the joint stands (stillarm.diagnosis.ring_down)
     participation, signs and scales
                      each channel is linear in the joint's rigid part and in the vibration that a unit of participation
                      would have; the capture delay is that of a grid at which the image fits best
@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from common.model import Model
-from diagnosis.measured import Measured
-from diagnosis.ring_down import Stretch, peaks, ringing
-from diagnosis.robust import std_about_zero
-from diagnosis.world import World
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.ring_down import Stretch, peaks, ringing
+from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]

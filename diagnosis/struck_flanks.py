@@ -7,7 +7,7 @@ play foretells, and little more: a residual there is no longer than noise often 
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.robust import OF_FIFTH, std_about_zero
+from stillarm.diagnosis.robust import OF_FIFTH, std_about_zero
 
 Array = NDArray[np.float64]
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.anonymous import Explained, explained
-from diagnosis.fit import Data, Fit
-from diagnosis.noise import DoubtColour
-from diagnosis.scatter import Uneven, uneven
-from diagnosis.unforetold import unforetold
+from stillarm.diagnosis.anonymous import Explained, explained
+from stillarm.diagnosis.fit import Data, Fit
+from stillarm.diagnosis.noise import InstantUncertainty
+from stillarm.diagnosis.scatter import Uneven, uneven
+from stillarm.diagnosis.unpredictable import unpredictable
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class Structure:
     white: bool
     nats: float
     std_nats: float
-    train_nats: float
+    train_log_likelihood: float
     band_hz: tuple[float, float]
     dependence: str
     term: str
@@ -45,7 +45,7 @@ class Remains:
     @property
     def left(self) -> dict[str, float]:
         """Nats that are left of the training part, by each channel in which something can be predicted."""
-        return {name: one.train_nats for name, one in self.channels.items() if not one.white}
+        return {name: one.train_log_likelihood for name, one in self.channels.items() if not one.white}
 
     @property
     def worst(self) -> Structure | None:
@@ -61,19 +61,21 @@ def examine(data: Data, last: Fit, known_laws: frozenset[str] = frozenset()) -> 
     laws = uneven(data, last, "impulse_noise" in known_laws or last.value("drive.gap_rad") > 0.0)
     excused = {"arrival"} if "delay_bursts" in known_laws else set()
     held = data.split.held if data.split.held.any() else ~data.split.held
-    held = held & ~unforetold(data, last)
+    held = held & ~unpredictable(data, last)
     by_terms = _of_terms(terms, last)
     found = {}
     for name in last.residuals:
         choices = [
-            _Choice(one.law, "", one.train_nats, one.block_nats if one.everywhere else one.block_nats[held],
+            _Choice(one.law, "", one.train_log_likelihood, one.block_nats if one.everywhere else one.block_nats[held],
                     float(held.mean()) if one.everywhere else 1.0)
             for one in laws
             if one.channel == name
             and not (name in excused or _dated_by_arrival(one, last) or _within_its_spread(one, last))
         ]  # fmt: skip
         if by_terms == name:
-            choices.append(_Choice(terms.names[0], _words(terms), terms.train_nats, terms.block_nats[held]))
+            choices.append(
+                _Choice(terms.names[0], _words(terms), terms.train_log_likelihood, terms.block_nats[held])
+            )
         found[name] = _best(name, choices, last)
     return Remains(found, terms)
 
@@ -84,7 +86,7 @@ def _dated_by_arrival(one: Uneven, last: Fit) -> bool:
     if one.channel != "displacement" or not last.world.frame_clock.arrival:
         return False
     images = last.channel("displacement")
-    if images is None or not isinstance(images.colour, DoubtColour):
+    if images is None or not isinstance(images.colour, InstantUncertainty):
         return True
     return images.sigma < _IN_DOUBT * images.colour.noise_px
 
@@ -114,7 +116,7 @@ class _Choice:
 
     law: str
     term: str
-    train_nats: float
+    train_log_likelihood: float
     gains: Array
     held: float = 1.0
 
@@ -125,9 +127,9 @@ def _best(name: str, choices: list[_Choice], last: Fit) -> Structure:
     for one in choices:
         total = float(one.gains.sum())
         spread = float(np.std(one.gains) * len(one.gains) ** 0.5)
-        sure = one.train_nats > _LEAST_TRAIN_NATS and total > max(_LEAST_HELD_NATS, spread)
+        sure = one.train_log_likelihood > _LEAST_TRAIN_NATS and total > max(_LEAST_HELD_NATS, spread)
         if sure and one.held * total > best.nats:
-            train = one.train_nats if one.held == 1.0 else (1.0 - one.held) * total
+            train = one.train_log_likelihood if one.held == 1.0 else (1.0 - one.held) * total
             best = Structure(name, False, one.held * total, one.held * spread, train, band, one.law, one.term)
     return best
 

@@ -13,15 +13,16 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from common.causes import CAUSES
-from common.configuration import Configuration
-from common.effects import not_used_by_controller
-from common.model import EffectValue, Model
-from common.recording.topics import EstimateSample, TrueState
-from common.scenario import Move, Scenario, Strike, Window
-from common.user_error import UserError
-from simulation.ring_down import envelope_m, settling_time_s
-from simulation.virtual_time import VirtualRun, simulate
+from stillarm.common.causes import CAUSES
+from stillarm.common.files.configuration import Configuration
+from stillarm.common.files.effects import not_used_by_controller
+from stillarm.common.files.effects_check import EffectValue
+from stillarm.common.files.model import Model
+from stillarm.common.files.scenario import Move, Scenario, Strike, Window
+from stillarm.common.recording.topics import EstimateSample, TrueState
+from stillarm.common.user_error import UserError
+from stillarm.simulation.demo.ring_down import envelope_m, settling_time_s
+from stillarm.simulation.virtual_time.virtual_time import VirtualRun, simulate
 
 Array = NDArray[np.float64]
 

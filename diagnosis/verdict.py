@@ -7,19 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from common.causes import CAUSES as CATALOGUE
-from diagnosis.candidate import Candidate, Found, Stage
-from diagnosis.catalogue import CAUSES
-from diagnosis.cause import Values
-from diagnosis.choice import confidence, inseparable
-from diagnosis.experiments import experiment
-from diagnosis.fit import Data, Fit, Split, least_level, make_data
-from diagnosis.reach import reach_of
-from diagnosis.residuals import noise_floor
-from diagnosis.scatter import ENCODER
-from diagnosis.side_by_side import meanwhile
-from diagnosis.structure import Remains, Structure, examine
-from diagnosis.unforetold import foretold
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.diagnosis.candidate import Candidate, Found, Stage
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.cause import Values
+from stillarm.diagnosis.choice import confidence, inseparable
+from stillarm.diagnosis.experiments import experiment
+from stillarm.diagnosis.fit import Data, Fit, Split, least_level, make_data
+from stillarm.diagnosis.reach import reach_of
+from stillarm.diagnosis.residuals import noise_floor
+from stillarm.diagnosis.scatter import ENCODER
+from stillarm.diagnosis.side_by_side import meanwhile
+from stillarm.diagnosis.structure import Remains, Structure, examine
+from stillarm.diagnosis.unpredictable import predictable
 
 Array = NDArray[np.float64]
 
@@ -60,9 +60,9 @@ def judge(found: Found, split: Split) -> Judged:
     last = first if after is None else after.result()
     worst = last.worst
     named = [one for one in found.findings if one.law is None]
-    gained = sum(max(one.held_gain, 0.0) for one in found.findings)
+    gained = sum(max(one.held_out_gain, 0.0) for one in found.findings)
     left = worst if worst is not None and worst.nats > _SHARE_LEFT * gained else None
-    judging = split.held & foretold(split, found.baseline)
+    judging = split.held & predictable(split, found.baseline)
     # what was taken first as the data plainly show it may be a small thing beside the others
     main = max(named, key=lambda one: one.gain, default=None)
     ahead = _ahead(main, first, judging) if main else -np.inf
@@ -96,7 +96,9 @@ def _beyond_chance(ahead: float, one: Candidate) -> float:
 def _lead_of_laws(one: Candidate, first: Remains) -> float:
     """The same of laws without a name: where one goes on explaining what is left, and explained more than the finding
     did before there was any, the finding may be but the part of it that has a name."""
-    return _beyond_chance(max(law.train_nats + law.nats for law in first.channels.values()) - one.gain, one)
+    return _beyond_chance(
+        max(law.train_log_likelihood + law.nats for law in first.channels.values()) - one.gain, one
+    )
 
 
 def _too_many(found: Found, one: Candidate) -> bool:
@@ -116,8 +118,8 @@ def _too_small(found: Found, first: Remains) -> Structure | None:
     if left in ENCODER:
         return None
     return replace(
-        first.channels[left], white=False, nats=one.held_gain, std_nats=one.held_std, train_nats=one.train_gain,
-        dependence=likeness,
+        first.channels[left], white=False, nats=one.held_out_gain, std_nats=one.held_out_std,
+        train_log_likelihood=one.train_gain, dependence=likeness,
     )  # fmt: skip
 
 
@@ -138,7 +140,7 @@ def _unnamed(first: Remains) -> Structure:
 
 def sure(one: Candidate, stage: Stage, judged: Judged) -> float:
     """Probability that a finding is right: by its lead over the other causes, and over what has no name."""
-    gained = max(one.held_gain, 1e-9)
+    gained = max(one.held_out_gain, 1e-9)
     channel = judged.left.channel if judged.left is not None else None
     # what a wrong simulation leaves looks like noise of another law
     doubtful = one.law is not None and channel == _CHANNEL_OF_LAWS.get(CATALOGUE[one.cause].place)
@@ -165,7 +167,7 @@ def _error(fit: Fit, data: Data, name: str, judging: NDArray[np.bool_]) -> tuple
 def channel_table(found: Found, judged: Judged, split: Split) -> dict[str, dict[str, Any]]:
     """Per channel: samples, held-out errors before and after, noise floor, whether white."""
     first, last = make_data(found.baseline.world, split), make_data(found.final.world, split)
-    judging = foretold(split, found.baseline, found.final)
+    judging = predictable(split, found.baseline, found.final)
     table = {}
     for name in found.final.world.channels:
         before, spread, count = _error(found.baseline, first, name, judging)
@@ -236,7 +238,7 @@ def _held_out(one: Candidate, previous: Fit, split: Split) -> dict[str, float]:
     does where the simulation itself may be off by as much as levels are never below."""
     best = (0.0, 1.0, 1.0)
     first, last = make_data(previous.world, split), make_data(one.fit.world, split)
-    judging = foretold(split, previous, one.fit)
+    judging = predictable(split, previous, one.fit)
     for name in previous.world.channels:
         before, spread, count = _error(previous, first, name, judging)
         after, _, _ = _error(one.fit, last, name, judging)
@@ -249,7 +251,7 @@ def _held_out(one: Candidate, previous: Fit, split: Split) -> dict[str, float]:
         "nrmse_before": before,
         "nrmse_after": after,
         "reduction": reduction,
-        "log_score_gain": one.held_gain,
+        "log_score_gain": one.held_out_gain,
     }
 
 

@@ -13,24 +13,24 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from common.beam import tip_slopes_per_m
-from common.causes import CAUSES
-from common.causes.declaration import Acts
-from common.effects import filled_in
-from common.model import Model
-from diagnosis.budget import check_time
-from diagnosis.channels import FRAME_CHANNELS, present_channels
-from diagnosis.declared_effects import effects_in, is_behind_encoder
-from diagnosis.exposure import expose
-from diagnosis.fine_sensors import tip_moved, within_reach
-from diagnosis.frame_clock import FrameClock, frame_clock
-from diagnosis.kernel import add_decay, free_decay, tip_of
-from diagnosis.measured import Measured
-from diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layout
-from diagnosis.struck_flanks import without_strikes
-from simulation.arm.compiled_laws import laws_of, obeyed
-from simulation.arm.free_run import driven_run, free_run, reads_later
-from simulation.arm.state import make_arm
+from stillarm.common.causes import CAUSES
+from stillarm.common.causes.declaration import Acts
+from stillarm.common.files.beam import tip_slopes_per_m
+from stillarm.common.files.effects import filled_in
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.budget import check_time
+from stillarm.diagnosis.channels import FRAME_CHANNELS, present_channels
+from stillarm.diagnosis.declared_effects import effects_in, is_behind_encoder
+from stillarm.diagnosis.exposure import expose
+from stillarm.diagnosis.fine_sensors import tip_moved, within_reach
+from stillarm.diagnosis.frame_clock import FrameClock, frame_clock
+from stillarm.diagnosis.kernel import add_decay, free_decay, tip_of
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layout
+from stillarm.diagnosis.struck_flanks import without_strikes
+from stillarm.simulation.arm.compiled_laws import laws_of, obeyed
+from stillarm.simulation.arm.free_run import driven_run, free_run, reads_later
+from stillarm.simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 

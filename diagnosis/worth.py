@@ -9,9 +9,9 @@ from math import isnan
 
 import numpy as np
 
-from common.causes import CAUSES as CATALOGUE
-from common.causes import Parameter
-from diagnosis.candidate import Candidate
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.common.causes import Parameter
+from stillarm.diagnosis.candidate import Candidate
 
 _SHARE = 0.01  # of the least that is typical; of a declared bandwidth
 _RELATIVE = ("bandwidth_hz",)

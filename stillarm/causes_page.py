@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from common.causes import CAUSES, Cause, Parameter, experiment_between
-from common.causes.declaration import SEPARATES
+from stillarm.common.causes import CAUSES, Cause, Parameter, experiment_between
+from stillarm.common.causes.declaration import SEPARATES
 
 _HEAD = """# Causes: how a rig departs from its model
 

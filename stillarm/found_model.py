@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
-    from common.model import Model
+    from stillarm.common.files.model import Model
 
 
 def print_parameters(parameters: Mapping[str, tuple[float, float]]) -> None:
@@ -18,7 +18,7 @@ def print_parameters(parameters: Mapping[str, tuple[float, float]]) -> None:
 
 def write_model(model: "Model", path: Path) -> None:
     """Write the model file. Raises UserError if it cannot be written."""
-    from diagnosis.diagnose import model_text
+    from stillarm.diagnosis.diagnose import model_text
 
     try:
         path.write_text(model_text(model))

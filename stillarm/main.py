@@ -8,7 +8,7 @@ import warnings
 from types import FrameType
 from typing import NoReturn
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 COMMANDS = {
     "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",

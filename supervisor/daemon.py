@@ -5,28 +5,28 @@ from pathlib import Path
 
 import cv2
 
-from common.configuration import Configuration, load_configuration
-from common.link_key import is_loopback, load_key
-from common.loop_processor import leave_it_to_the_loop
-from common.messages import Timestamp
-from common.priority import raise_priority, run_fifo
-from common.recording.header import live_header
-from common.recording.recorder_client import RECORDING_CUT, RecorderClient
-from common.recording.topics import TOPIC_INDEX
-from common.service_notify import Watchdog, notify
-from common.single_instance import hold_instance
-from common.steady_memory import settle_memory
-from common.stop_signal import StopSignal
-from common.structured_log import log, log_start
-from common.udp import UdpSocket, new_session
-from common.visual_sample import TrackingStatus, VisualSample
-from drivers.camera import Camera, EndOfStream, Frame
-from drivers.camera_factory import open_camera
-from supervisor.exchange import SupervisorExchange
-from supervisor.recorded_images import image_sample
-from supervisor.start_up import discard_queued, warm_up_recording
-from supervisor.step import Supervisor
-from supervisor.tracking.tracker import warm_up
+from stillarm.common.datagrams.messages import Timestamp
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.files.configuration import Configuration, load_configuration
+from stillarm.common.link.link_key import is_loopback, load_key
+from stillarm.common.link.udp import UdpSocket, new_session
+from stillarm.common.memory.steady_memory import settle_memory
+from stillarm.common.process.loop_processor import leave_it_to_the_loop
+from stillarm.common.process.priority import raise_priority, run_fifo
+from stillarm.common.process.service_notify import Watchdog, notify
+from stillarm.common.process.single_instance import hold_instance
+from stillarm.common.process.stop_signal import StopSignal
+from stillarm.common.recorder.recorder_client import RECORDING_CUT, RecorderClient
+from stillarm.common.recorder.structured_log import log, log_start
+from stillarm.common.recording.header import live_header
+from stillarm.common.recording.topics import TOPIC_INDEX
+from stillarm.drivers.cameras.camera import Camera, EndOfStream, Frame
+from stillarm.drivers.cameras.camera_factory import open_camera
+from stillarm.supervisor.exchange import SupervisorExchange
+from stillarm.supervisor.recorded_images import image_sample
+from stillarm.supervisor.start_up import discard_queued, warm_up_recording
+from stillarm.supervisor.step import Supervisor
+from stillarm.supervisor.tracking.tracker import warm_up
 
 _NICENESS = -5  # ahead of ordinary programs on this computer
 _PRIORITY = 30  # SCHED_FIFO: below the controller's loop, above everything without a deadline

@@ -4,10 +4,10 @@ from collections import deque
 from math import nan
 from typing import NamedTuple
 
-from common.messages import Timestamp
-from common.peer import LinkCounts, Peer
-from common.visual_datagram import LinkTimes, visual_message
-from common.visual_sample import VisualSample
+from stillarm.common.datagrams.messages import Timestamp
+from stillarm.common.datagrams.visual_datagram import LinkTimes, visual_message
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.link.peer import LinkCounts, Peer
 
 
 class Started(NamedTuple):

@@ -7,14 +7,14 @@ from math import isnan, nan
 import cv2
 import numpy as np
 
-from common.configuration import Configuration
-from common.recording.reader import Recording
-from common.recording.topics import ImageSample
-from common.typed_toml import parse_toml
-from common.user_error import UserError
-from common.visual_sample import VisualSample
-from drivers.camera import Frame
-from supervisor.step import Supervisor
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.files.configuration import Configuration
+from stillarm.common.files.typed_toml import parse_toml
+from stillarm.common.recording.reader import Recording
+from stillarm.common.recording.topics import ImageSample
+from stillarm.common.user_error import UserError
+from stillarm.drivers.cameras.camera import Frame
+from stillarm.supervisor.step import Supervisor
 
 _FAST_PNG = [cv2.IMWRITE_PNG_COMPRESSION, 1]
 

@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from common.visual_sample import VisualSample
-from drivers.camera import Camera, Frame
-from supervisor.recorded_images import image_sample
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.drivers.cameras.camera import Camera, Frame
+from stillarm.supervisor.recorded_images import image_sample
 
 _QUEUED_WITHIN_S = 0.002  # a frame that read() returns sooner was queued: a camera's period is longer
 _MOST_QUEUED = 64  # more than any driver queues; do not wait for a camera that delivers faster

@@ -5,10 +5,10 @@ The same step runs live, in virtual time and in replay.
 
 from math import nan
 
-from common.configuration import Tracker
-from common.visual_sample import TrackingStatus, VisualSample
-from drivers.camera import Frame
-from supervisor.tracking.tracker import FeatureTracker
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.files.configuration import Tracker
+from stillarm.drivers.cameras.camera import Frame
+from stillarm.supervisor.tracking.tracker import FeatureTracker
 
 
 class Supervisor:

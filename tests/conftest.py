@@ -4,7 +4,7 @@ the run's last line says how many tests of measured data ran, or were left out."
 from collections.abc import Sequence
 from pathlib import Path
 
-from common.blas_threads import one_blas_thread
+from stillarm.common.process.blas_threads import one_blas_thread
 
 one_blas_thread()
 
@@ -14,7 +14,12 @@ from hypothesis import settings  # noqa: E402
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
-pytest_plugins = ("pytester", "tests.plugins.blind_slices", "tests.plugins.quick_tests")
+pytest_plugins = (
+    "pytester",
+    "tests.fixtures.emulated_ports",
+    "tests.plugins.blind_slices",
+    "tests.plugins.quick_tests",
+)
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
 MARK = "hardware_data"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from common.csv_bundle.bundle_import import import_bundle
+from stillarm.common.csv_bundle.bundle_import import import_bundle
 from tests.hidden_world.bundle import write_bundle
 from tests.hidden_world.draw import departure_of, draw_case, sized
 from tests.hidden_world.effects import CAUSES, UNKNOWN, Effect

@@ -1,15 +1,15 @@
 """The hidden world judges the diagnosis: it shares no code with what it judges."""
 
-from tests.test_imports import ROOT, imported
+from tests.fixtures.imports import ROOT, imported
 
 JUDGED = {
+    "stillarm",
     "simulation",
     "diagnosis",
     "controller",
     "supervisor",
     "drivers",
     "common",
-    "stillarm",
     "benchmarks",
 }
 

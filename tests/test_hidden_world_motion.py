@@ -25,11 +25,11 @@ def moved(
     reference: Array | None = None,
     bending: float = 0.0,
     hold_up_s: float = 0.0024,
-    blows: dict[float, float] | None = None,
+    impacts: dict[float, float] | None = None,
     push: Array | None = None,
 ) -> Array:
     reference = np.zeros(CYCLES) if reference is None else reference
-    cycles, start, blows = len(reference), np.zeros(WIDTH), blows or {}
+    cycles, start, impacts = len(reference), np.zeros(WIDTH), impacts or {}
     start[2] = bending
     fine = cycles * FINE + 1
     rows, _ = move(
@@ -40,8 +40,8 @@ def moved(
         np.zeros(cycles),
         np.zeros(cycles),
         1.0,
-        np.array(sorted(blows)),
-        np.array([blows[t] for t in sorted(blows)]),
+        np.array(sorted(impacts)),
+        np.array([impacts[t] for t in sorted(impacts)]),
         np.ones(fine),
         np.zeros(fine) if push is None else push,
     )
@@ -65,9 +65,9 @@ def test_a_step_of_the_command_reaches_the_drive_after_its_hold_up_exactly() -> 
     assert np.max(np.abs(rows[:, 1] - exact)) < 1e-9
 
 
-def test_a_blow_between_steps_starts_the_swing_at_its_instant() -> None:
+def test_an_impact_between_steps_starts_the_swing_at_its_instant() -> None:
     at = 0.512345
-    rows = moved(PLAIN._replace(z1=0.0), blows={at: 0.1})
+    rows = moved(PLAIN._replace(z1=0.0), impacts={at: 0.1})
     t = np.maximum(np.arange(len(rows)) * STEP_S - at, 0.0)
     assert np.max(np.abs(rows[:, 2] - 0.1 / W * np.sin(W * t))) < 1e-10
 

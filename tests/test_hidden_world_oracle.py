@@ -72,7 +72,7 @@ def test_a_scale_of_the_image_is_worth_nothing_however_images_are_weighed() -> N
     case = replace(draw_case(6, None, None, SECONDS), effects=(), damped=False)
     case = replace(case, rig=replace(case.rig, eye=replace(case.rig.eye, free=False)))
     clean = run(case)
-    base = Oracle(case).base(case, clean.command, len(clean.blow_time))
+    base = Oracle(case).base(case, clean.command, len(clean.impact_time))
     centre = case.rig.eye.centre_px
     larger = replace(clean, image=centre + 1.01 * (clean.image - centre))
     difference = whitened(case, larger) - base.at

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from benchmarks.diagnosis.warm import Lost, Warm
+from stillarm.benchmarks.diagnosis.warm import Lost, Warm
 
 LONGEST_S = 600.0
 

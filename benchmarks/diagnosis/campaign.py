@@ -12,12 +12,12 @@ from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
-from benchmarks.diagnosis.ask import LONGEST_S
-from benchmarks.diagnosis.hidden import hidden_world
-from benchmarks.diagnosis.picture import draw_campaign
-from benchmarks.diagnosis.summary import summary
-from benchmarks.diagnosis.warm import Lost, Warm
-from common.user_error import UserError
+from stillarm.benchmarks.diagnosis.ask import LONGEST_S
+from stillarm.benchmarks.diagnosis.hidden import hidden_world
+from stillarm.benchmarks.diagnosis.picture import draw_campaign
+from stillarm.benchmarks.diagnosis.summary import summary
+from stillarm.benchmarks.diagnosis.warm import Lost, Warm
+from stillarm.common.user_error import UserError
 
 Row = dict[str, Any]
 Trial = Callable[[str, int, int], Row]
@@ -72,7 +72,8 @@ def _side_by_side(keys: list[tuple[str, int]], seed: int) -> Iterator[tuple[tupl
         return
     lanes: queue.SimpleQueue[Warm] = queue.SimpleQueue()
     all_lanes = [
-        Warm("benchmarks.diagnosis.trial", own_group=True) for _ in range(len(os.sched_getaffinity(0)))
+        Warm("stillarm.benchmarks.diagnosis.trial", own_group=True)
+        for _ in range(len(os.sched_getaffinity(0)))
     ]
     for lane in all_lanes:
         lanes.put(lane)

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any, Protocol, cast
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 _ROOT = Path(__file__).resolve().parents[2]
 

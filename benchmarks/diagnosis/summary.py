@@ -4,7 +4,7 @@ from itertools import pairwise
 from math import sqrt
 from typing import Any
 
-from benchmarks.diagnosis.mark import median_of
+from stillarm.benchmarks.diagnosis.mark import median_of
 
 _BINS = (50.0, 100.0, 200.0, 400.0, 800.0, float("inf"))  # sizes, nats
 _LEAST_TRIALS = 3  # for a size from which 80 % are named

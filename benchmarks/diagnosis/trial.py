@@ -1,4 +1,5 @@
-"""`python -m benchmarks.diagnosis.trial`: makes, asks and marks one trial per line: [kind, number, seed] to a row."""
+"""`python -m stillarm.benchmarks.diagnosis.trial`: makes, asks and marks one trial per line: [kind, number,
+seed] to a row."""
 
 import shutil
 import tempfile
@@ -8,10 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from benchmarks.diagnosis.ask import ask
-from benchmarks.diagnosis.hidden import Prepare, hidden_world
-from benchmarks.diagnosis.mark import mark
-from benchmarks.diagnosis.warm import Warm, serve
+from stillarm.benchmarks.diagnosis.ask import ask
+from stillarm.benchmarks.diagnosis.hidden import Prepare, hidden_world
+from stillarm.benchmarks.diagnosis.mark import mark
+from stillarm.benchmarks.diagnosis.warm import Warm, serve
 
 Ask = Callable[[Path, Path, list[list[float]]], dict[str, Any]]
 
@@ -30,7 +31,7 @@ def trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> d
 
 def main() -> None:
     """Answer until standard input ends."""
-    with Warm("benchmarks.diagnosis.user") as user:
+    with Warm("stillarm.benchmarks.diagnosis.user") as user:
         prepare = hidden_world()
 
         def row(question: list[Any]) -> dict[str, Any]:

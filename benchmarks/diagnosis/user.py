@@ -1,4 +1,5 @@
-"""`python -m benchmarks.diagnosis.user`: runs `stillarm` commands, one per line, as a user would, without restarts.
+"""`python -m stillarm.benchmarks.diagnosis.user`: runs `stillarm` commands, one per line, as a user would,
+without restarts.
 
 This process sees only a bundle's folder. Only the process that asks knows what is hidden in it.
 """
@@ -8,7 +9,7 @@ import io
 import os
 from typing import Any
 
-from benchmarks.diagnosis.warm import serve
+from stillarm.benchmarks.diagnosis.warm import serve
 
 
 def _run(words: list[str]) -> dict[str, Any]:

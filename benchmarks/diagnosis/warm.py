@@ -10,7 +10,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
-from common.blas_threads import BLAS_THREADS
+from stillarm.common.process.blas_threads import BLAS_THREADS
 
 _ONE_THREAD = dict.fromkeys(BLAS_THREADS, "1")
 

@@ -12,8 +12,8 @@ from math import exp, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.estimators.generator import Data, cycle_times
-from benchmarks.estimators.regimes import CYCLE_S, DRIFT_TIME_S, FRAME_S, Regime
+from stillarm.benchmarks.estimators.world.generator import Data, cycle_times
+from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, DRIFT_TIME_S, FRAME_S, Regime
 
 Values = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class Bound:
 
 def bound(data: Data) -> Bound:
     """The bound for each frame of a trial, from all measurements up to its reading."""
-    regime, frames, blows = data.regime, data.frames, data.motion.blows_s
+    regime, frames, impacts = data.regime, data.frames, data.motion.impacts_s
     covariance = _prior(data)
     sums = _acceleration_information(data)
     transition, growth = _frame_step(regime)
@@ -50,8 +50,8 @@ def bound(data: Data) -> Bound:
     cycle, struck, number = 0, 0, int(frames.number[0])
     first = True
     for k, read in enumerate(frames.read_cycle):
-        while struck < len(blows) and blows[struck] < read * CYCLE_S:
-            at = int(blows[struck] / CYCLE_S)
+        while struck < len(impacts) and impacts[struck] < read * CYCLE_S:
+            at = int(impacts[struck] / CYCLE_S)
             covariance = _informed(covariance, sums[at] - sums[cycle])
             covariance = _struck(covariance, data, struck)
             cycle, struck = at, struck + 1
@@ -72,7 +72,7 @@ def bound(data: Data) -> Bound:
         for row, variance in _time_measurements(regime, exposed):
             covariance = _measured(covariance, row, variance)
         row = np.zeros(_STATES)
-        segment = _BEFORE if struck and exposed < blows[struck - 1] else _NOW
+        segment = _BEFORE if struck and exposed < impacts[struck - 1] else _NOW
         row[segment] = _free_motion(data, np.array([exposed]))[0, 0]
         row[_EXPOSED], row[_ZERO] = truth[1][k], 1.0
         covariance = _measured(covariance, row, (data.arm.vision_noise * data.arm.amplitude_m) ** 2)
@@ -158,8 +158,8 @@ def _acceleration_information(data: Data) -> Values:
     time_s = cycle_times(len(data.acceleration_m_s2))
     row = np.array([-w * w, -2.0 * arm.damping_ratio * w]) @ _free_motion(data, time_s)
     quiet = np.ones(len(time_s))
-    for blow in data.motion.blows_s:
-        quiet[np.abs(time_s - blow) <= 0.5 * arm.blow_s] = 0.0
+    for impact in data.motion.impacts_s:
+        quiet[np.abs(time_s - impact) <= 0.5 * arm.impact_s] = 0.0
     noise = data.noise * w * w * arm.amplitude_m
     each = quiet[:, None, None] * row[:, :, None] * row[:, None, :] / noise**2
     return np.concatenate([np.zeros((1, 2, 2)), np.cumsum(each, axis=0)])
@@ -173,7 +173,7 @@ def _informed(covariance: Values, information: Values) -> Values:
     return 0.5 * (reduced + reduced.T)
 
 
-def _struck(covariance: Values, data: Data, blow: int) -> Values:
+def _struck(covariance: Values, data: Data, impact: int) -> Values:
     """The covariance after an impact that the accelerometer has measured while it lasted.
 
     The samples determine its size to the noise of their sum, and its instant to a cycle at best: a constant force that
@@ -182,12 +182,12 @@ def _struck(covariance: Values, data: Data, blow: int) -> Values:
     copy = np.eye(_STATES)
     copy[_BEFORE, _BEFORE], copy[_BEFORE, _NOW] = 0.0, np.eye(2)
     covariance = copy @ covariance @ copy.T
-    arm, blow_s = data.arm, float(data.motion.blows_s[blow])
+    arm, impact_s = data.arm, float(data.motion.impacts_s[impact])
     noise = data.noise * arm.angular_frequency**2 * arm.amplitude_m
-    shown = noise**2 * CYCLE_S * arm.blow_s
-    size = 1.0 / (1.0 / arm.blow_std_m_s**2 + 1.0 / shown)
-    before, kick, behind = (_kick(data, blow_s + step) for step in (-_STEP_S, 0.0, _STEP_S))
-    by_instant = (behind - before) / (2.0 * _STEP_S) * data.motion.blow_velocity_m_s[blow]
+    shown = noise**2 * CYCLE_S * arm.impact_s
+    size = 1.0 / (1.0 / arm.impact_std_m_s**2 + 1.0 / shown)
+    before, kick, behind = (_kick(data, impact_s + step) for step in (-_STEP_S, 0.0, _STEP_S))
+    by_instant = (behind - before) / (2.0 * _STEP_S) * data.motion.impact_velocity_m_s[impact]
     covariance[_NOW, _NOW] += size * np.outer(kick, kick)
     covariance[_NOW, _NOW] += CYCLE_S**2 / 12.0 * np.outer(by_instant, by_instant)
     return covariance

@@ -7,17 +7,17 @@ from math import floor, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.estimators.generator import expose, vision_errors
-from benchmarks.estimators.plant import amplitude_m, arm_plant, rate_m_s, strike
-from benchmarks.estimators.regimes import CYCLE_S, Arm, Regime
-from benchmarks.estimators.trial import LENGTH_M, assumed_model, scale_error, visual_sample
-from common.configuration import Controller as Settings
-from common.model import Model
-from controller.cycle_input import CycleInput
-from controller.estimate import DelayEstimate, Estimate, Observation, Status
-from controller.frame_delays import FrameDelays
-from controller.step import Controller
-from simulation.plant import Plant
+from stillarm.benchmarks.estimators.trial import LENGTH_M, assumed_model, scale_error, visual_sample
+from stillarm.benchmarks.estimators.world.generator import expose, vision_errors
+from stillarm.benchmarks.estimators.world.plant import amplitude_m, arm_plant, rate_m_s, strike
+from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, Arm, Regime
+from stillarm.common.files.configuration import Controller as Settings
+from stillarm.common.files.model import Model
+from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, Observation, Status
+from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.loop.step import Controller
+from stillarm.controller.replay.frame_delays import FrameDelays
+from stillarm.simulation.arm.plant import Plant
 
 Values = NDArray[np.float64]
 ORACLE = "oracle"  # knows the momentary deflection and rate exactly

@@ -7,11 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.estimators.closed_loop import Course, run_closed
-from benchmarks.estimators.condition import Condition
-from benchmarks.estimators.generator import Change, Data, cycle_times, generate
-from benchmarks.estimators.regimes import AFTER_BLOW_S, CYCLE_S, DURATION_S, REGIMES, SETTLING_S, Arm, Regime
-from benchmarks.estimators.starts import (
+from stillarm.benchmarks.estimators.closed_loop import Course, run_closed
+from stillarm.benchmarks.estimators.starts import (
     CLOSED_STARTS,
     FIGURES,
     OPEN_STARTS,
@@ -20,8 +17,8 @@ from benchmarks.estimators.starts import (
     during_of,
     within,
 )
-from benchmarks.estimators.tables import failure_of, mean_score
-from benchmarks.estimators.trial import (
+from stillarm.benchmarks.estimators.tables import failure_of, mean_score
+from stillarm.benchmarks.estimators.trial import (
     Said,
     Score,
     assumed_model,
@@ -30,6 +27,17 @@ from benchmarks.estimators.trial import (
     scale_error,
     score,
     score_of,
+)
+from stillarm.benchmarks.estimators.world.condition import Condition
+from stillarm.benchmarks.estimators.world.generator import Change, Data, cycle_times, generate
+from stillarm.benchmarks.estimators.world.regimes import (
+    AFTER_IMPACT_S,
+    CYCLE_S,
+    DURATION_S,
+    REGIMES,
+    SETTLING_S,
+    Arm,
+    Regime,
 )
 
 REGIMES_CHANGED = ("freerun drift", "triggered drift")
@@ -71,7 +79,7 @@ OPEN_LOOP: dict[str, Condition] = {
     "accelerometer dead at 20 s": Condition(duration_s=80.0, from_s=ONSET_S, change_data=_die),
     "accelerometer stuck at 20 s": Condition(duration_s=80.0, from_s=ONSET_S, change_data=_stick),
     "vibration kept up by a force in step": Condition(
-        Arm(damping_ratio=0.0, blow_every_s=(1e3, 2e3), blow_to=(1.0, 1.0))
+        Arm(damping_ratio=0.0, impact_every_s=(1e3, 2e3), impact_to=(1.0, 1.0))
     ),
 }
 
@@ -179,7 +187,7 @@ def _closed(name: str, regime: Regime, seed: tuple[int, ...]) -> Judge:
         late = time_s >= from_s
         scored = late.copy()
         for strike in course.strikes:
-            scored &= (time_s < strike) | (time_s > strike + AFTER_BLOW_S)
+            scored &= (time_s < strike) | (time_s > strike + AFTER_IMPACT_S)
         nominal_m = Arm().amplitude_m
         said = Said(
             run.deflection_m, run.predicted_m, run.predicted_std_m,

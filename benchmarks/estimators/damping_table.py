@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.estimators.closed_loop import NO_DAMPING, ORACLE, Course, Run, run_closed
-from benchmarks.estimators.regimes import CYCLE_S, REGIMES, Arm
-from benchmarks.estimators.tables import failure_of
+from stillarm.benchmarks.estimators.closed_loop import NO_DAMPING, ORACLE, Course, Run, run_closed
+from stillarm.benchmarks.estimators.tables import failure_of
+from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, REGIMES, Arm
 
 REGIMES_DAMPED = ("freerun drift", "triggered jitter")
 NOISE = 0.3

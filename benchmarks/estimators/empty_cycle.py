@@ -4,11 +4,11 @@ from time import perf_counter_ns
 
 import numpy as np
 
-from benchmarks.estimators.regimes import CYCLE_S, FRAME_S
-from common.datagram import encode
-from common.visual_datagram import visual_message
-from common.visual_sample import TrackingStatus, VisualSample
-from controller.exchange import ControllerExchange
+from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, FRAME_S
+from stillarm.common.datagrams.datagram import encode
+from stillarm.common.datagrams.visual_datagram import visual_message
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.controller.input.exchange import ControllerExchange
 
 _KEY, _SESSION, _PEER_SESSION = bytes(32), 1, 2
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.estimators.generator import generate
-from benchmarks.estimators.regimes import CYCLE_S, NOISES, REGIMES, Arm
-from benchmarks.estimators.trial import assumed_model, run_method, scored_cycles
+from stillarm.benchmarks.estimators.trial import assumed_model, run_method, scored_cycles
+from stillarm.benchmarks.estimators.world.generator import generate
+from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, NOISES, REGIMES, Arm
 
 _FROM_S, _TO_S = 4.0, 9.0
 _SHOWN_REGIME, _SHOWN_NOISE = "freerun drift", 0.3
@@ -39,8 +39,10 @@ def draw_predictions(methods: Sequence[str], seed: int, path: Path) -> None:
         over, below = panels[2 * index], panels[2 * index + 1]
         for panel in (over, below):
             panel.margins(x=0.0)
-            for blow in data.motion.blows_s[(data.motion.blows_s > _FROM_S) & (data.motion.blows_s < _TO_S)]:
-                panel.axvline(blow, color="0.4", lw=0.8, ls=":")
+            for impact in data.motion.impacts_s[
+                (data.motion.impacts_s > _FROM_S) & (data.motion.impacts_s < _TO_S)
+            ]:
+                panel.axvline(impact, color="0.4", lw=0.8, ls=":")
         over.plot(time_s, truth, color="0.55", lw=2.5, label="truth")
         try:
             predicted = run_method(name, data, assumed_model(regime, _SHOWN_NOISE)).deflection_m[shown] / unit

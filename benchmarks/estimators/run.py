@@ -8,7 +8,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from benchmarks.estimators.conditions_table import (
+from stillarm.benchmarks.estimators.conditions_table import (
     CONDITIONS,
     ConditionJob,
     Withstood,
@@ -16,12 +16,18 @@ from benchmarks.estimators.conditions_table import (
     regimes_of,
     withstand,
 )
-from benchmarks.estimators.damping_table import REGIMES_DAMPED, Damped, DampingJob, damp, damping_rows
-from benchmarks.estimators.empty_cycle import empty_cycle_us
-from benchmarks.estimators.regimes import DURATION_S, NOISES, REGIMES, regimes_named
-from benchmarks.estimators.tables import Job, Judged, comparison_rows, estimator_rows, judge
-from common.user_error import UserError
-from controller.methods import METHODS
+from stillarm.benchmarks.estimators.damping_table import (
+    REGIMES_DAMPED,
+    Damped,
+    DampingJob,
+    damp,
+    damping_rows,
+)
+from stillarm.benchmarks.estimators.empty_cycle import empty_cycle_us
+from stillarm.benchmarks.estimators.tables import Job, Judged, comparison_rows, estimator_rows, judge
+from stillarm.benchmarks.estimators.world.regimes import DURATION_S, NOISES, REGIMES, regimes_named
+from stillarm.common.user_error import UserError
+from stillarm.controller.estimation.methods import METHODS
 
 MOST_TRIALS_OF_LATER_TABLES = 10
 QUICK_REGIMES = ("freerun constant", "freerun drift", "triggered jitter")
@@ -161,7 +167,7 @@ def run_job(job: AnyJob) -> AnyResult:
 
 def draw(result: dict[str, Any], what: Campaign, folder: Path) -> list[Path]:
     """Write the pictures into `folder`. Returns their paths."""
-    from benchmarks.estimators.figures import draw_errors_against_noise, draw_predictions
+    from stillarm.benchmarks.estimators.figures import draw_errors_against_noise, draw_predictions
 
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / "predictions.png"]

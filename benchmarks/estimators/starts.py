@@ -7,18 +7,18 @@ from math import cos, nan, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.estimators.closed_loop import Course
-from benchmarks.estimators.condition import Condition, Span
-from benchmarks.estimators.excitation import (
+from stillarm.benchmarks.estimators.closed_loop import Course
+from stillarm.benchmarks.estimators.trial import Mask, Said
+from stillarm.benchmarks.estimators.world.condition import Condition, Span
+from stillarm.benchmarks.estimators.world.excitation import (
     FIRST_S,
     pulled_slowly_at,
     pushed_again,
     released_again,
     struck_once,
 )
-from benchmarks.estimators.generator import Data
-from benchmarks.estimators.regimes import AFTER_BLOW_S
-from benchmarks.estimators.trial import Mask, Said
+from stillarm.benchmarks.estimators.world.generator import Data
+from stillarm.benchmarks.estimators.world.regimes import AFTER_IMPACT_S
 
 Values = NDArray[np.float64]
 REGIMES_STARTED = ("freerun drift", "triggered drift", "live")
@@ -104,7 +104,7 @@ def _without_images(lasts_s: float, restarted: bool = False) -> Condition:
     ends = begins + lasts_s
     return Condition(
         duration_s=ends + _AFTER_GAP_S,
-        from_s=ends + (AFTER_BLOW_S if restarted else 0.0),  # a restarted method needs images first
+        from_s=ends + (AFTER_IMPACT_S if restarted else 0.0),  # a restarted method needs images first
         change_data=lose,
         during=lambda data: [(begins, ends)],
     )

@@ -7,10 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.estimators.bound import bound
-from benchmarks.estimators.generator import generate
-from benchmarks.estimators.regimes import DURATION_S, REGIMES, Arm
-from benchmarks.estimators.trial import Score, assumed_model, run_method, scale_error, score, scored_frames
+from stillarm.benchmarks.estimators.bound import bound
+from stillarm.benchmarks.estimators.trial import (
+    Score,
+    assumed_model,
+    run_method,
+    scale_error,
+    score,
+    scored_frames,
+)
+from stillarm.benchmarks.estimators.world.generator import generate
+from stillarm.benchmarks.estimators.world.regimes import DURATION_S, REGIMES, Arm
 
 Row = dict[str, Any]
 _UNCERTAIN = (

@@ -8,23 +8,23 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.estimators.generator import Data, Frames, cycle_times
-from benchmarks.estimators.regimes import (
+from stillarm.benchmarks.estimators.world.generator import Data, Frames, cycle_times
+from stillarm.benchmarks.estimators.world.regimes import (
     ACCELEROMETER_SCALE_STD,
-    AFTER_BLOW_S,
+    AFTER_IMPACT_S,
     CAMERA_SCALE_STD,
     CYCLE_S,
     SETTLING_S,
     Arm,
     Regime,
 )
-from common.configuration import Controller as Settings
-from common.model import Accelerometer, Camera, Commissioned, Mode, Model
-from common.model import Arm as ArmModel
-from common.visual_sample import TrackingStatus, VisualSample
-from controller.cycle_input import CycleInput
-from controller.frame_delays import FrameDelays
-from controller.step import Controller
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.files.configuration import Controller as Settings
+from stillarm.common.files.model import Accelerometer, Camera, Commissioned, Mode, Model
+from stillarm.common.files.model import Arm as ArmModel
+from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.loop.step import Controller
+from stillarm.controller.replay.frame_delays import FrameDelays
 
 Values = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -36,7 +36,7 @@ _ANSWERED_CYCLES = 20  # cycles within which a method dates a frame
 
 @dataclass(frozen=True)
 class Answers:
-    """A method's estimates. Shapes (cycles,), and (frames,) for delays: controller.frame_delays."""
+    """A method's estimates. Shapes (cycles,), and (frames,) for delays: stillarm.controller.replay.frame_delays."""
 
     deflection_m: Values
     deflection_std_m: Values
@@ -184,9 +184,9 @@ def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
     """The scored cycles: settled, ringing, and no impact within the last AFTER_BLOW_S. Shape (cycles,)."""
     time_s = cycle_times(len(data.deflection_m))
     scored = swinging_cycles(data, from_s)
-    for blow in data.motion.blows_s:
-        begun = blow - 0.5 * data.arm.blow_s
-        scored &= (time_s < begun) | (time_s > begun + AFTER_BLOW_S)
+    for impact in data.motion.impacts_s:
+        begun = impact - 0.5 * data.arm.impact_s
+        scored &= (time_s < begun) | (time_s > begun + AFTER_IMPACT_S)
     return scored
 
 

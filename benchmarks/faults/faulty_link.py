@@ -3,8 +3,8 @@
 import random
 from dataclasses import dataclass
 
-from common.datagram import MAX_DATAGRAM_BYTES, TAG_BYTES, encode
-from common.messages import MESSAGES
+from stillarm.common.datagrams.datagram import MAX_DATAGRAM_BYTES, TAG_BYTES, encode
+from stillarm.common.datagrams.messages import MESSAGES
 
 _WRONG_KEY = b"the key of someone who has none."
 _REMEMBERED = 2000

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.faults.flood_sender import RATE_HZ, sent_by, start_flood
-from benchmarks.faults.live_rig import LiveRig
-from benchmarks.loop.counters import block_name
-from benchmarks.loop.run import Window
-from common.recording.reader import Recording, open_recording
-from common.user_error import UserError
-from controller.loop_block import LoopBlock
+from stillarm.benchmarks.faults.flood_sender import RATE_HZ, sent_by, start_flood
+from stillarm.benchmarks.faults.live_rig import LiveRig
+from stillarm.benchmarks.loop.counters import block_name
+from stillarm.benchmarks.loop.run import Window
+from stillarm.common.recording.reader import Recording, open_recording
+from stillarm.common.user_error import UserError
+from stillarm.controller.statistics.loop_block import LoopBlock
 
 _SETTLE_S = 2.0
 _REFUSED = ("forged", "malformed", "foreign_version", "unexpected", "unproven", "duplicate", "shed")

@@ -9,10 +9,10 @@ import time
 
 import msgspec
 
-from benchmarks.faults.faulty_link import forged
-from common.child_process import start_module
-from common.loop_processor import leave_it_to_the_loop
-from common.user_error import UserError
+from stillarm.benchmarks.faults.faulty_link import forged
+from stillarm.common.process.child_process import start_module
+from stillarm.common.process.loop_processor import leave_it_to_the_loop
+from stillarm.common.user_error import UserError
 
 RATE_HZ = 20_000
 _FORGERIES = 2000
@@ -30,7 +30,7 @@ def start_flood(
     datagrams = [forged(rng.choice(true), rng) for _ in range(_FORGERIES)]
     words = ("127.0.0.1", str(port), str(rate_hz), str(duration_s))
     process = start_module(
-        "benchmarks.faults.flood_sender", *words, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        "stillarm.benchmarks.faults.flood_sender", *words, stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     assert process.stdin is not None
     with process.stdin as stdin:

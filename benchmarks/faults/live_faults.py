@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from benchmarks.faults.faulty_link import PERFECT, LinkFault
-from benchmarks.faults.flood_sender import RATE_HZ, sent_by, start_flood
-from benchmarks.faults.judge import Verdict, judge
-from benchmarks.faults.live_rig import LiveRig
-from common.recording.reader import open_recording
-from common.user_error import UserError
-from drivers.emulation.shared_registers import Failure
+from stillarm.benchmarks.faults.faulty_link import PERFECT, LinkFault
+from stillarm.benchmarks.faults.flood_sender import RATE_HZ, sent_by, start_flood
+from stillarm.benchmarks.faults.judge import Verdict, judge
+from stillarm.benchmarks.faults.live_rig import LiveRig
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
+from stillarm.drivers.emulated_chips.shared_registers import Failure
 
 LAST_SECOND_S = 1.0
 _FLOOD_S = 2.0

@@ -10,17 +10,17 @@ from pathlib import Path
 import msgspec
 import tomli_w
 
-from benchmarks.faults.judge import Trace
-from benchmarks.faults.udp_proxy import UdpProxy
-from common.child_process import start_module
-from common.model import load_model
-from common.priority import run_fifo
-from common.shared_memory import SharedBlock, block_path
-from common.user_error import UserError
-from drivers.drive_gateway import DEAD_MAN_S
-from drivers.emulation.shared_registers import _FAILURE_AT, Failure
-from simulation.demo.parent_death import ended_with_parent
-from simulation.demo.set_up import write_demo_configuration
+from stillarm.benchmarks.faults.judge import Trace
+from stillarm.benchmarks.faults.udp_proxy import UdpProxy
+from stillarm.common.files.model import load_model
+from stillarm.common.memory.shared_memory import SharedBlock, block_path
+from stillarm.common.process.child_process import start_module
+from stillarm.common.process.parent_death import ended_with_parent
+from stillarm.common.process.priority import run_fifo
+from stillarm.common.user_error import UserError
+from stillarm.drivers.drives.drive_gateway import DEAD_MAN_S
+from stillarm.drivers.emulated_chips.shared_registers import _FAILURE_AT, Failure
+from stillarm.simulation.demo.set_up import write_demo_configuration
 
 _STRIKE_EVERY_S = 0.4
 _LONGEST_S = 3600.0

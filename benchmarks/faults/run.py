@@ -6,15 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from benchmarks.faults.judge import Verdict, table
-from benchmarks.faults.live_faults import FAULTS as LIVE_FAULTS
-from benchmarks.faults.live_faults import run_live_fault
-from benchmarks.faults.live_rig import LiveRig
-from benchmarks.faults.virtual_faults import FAULTS as VIRTUAL_FAULTS
-from benchmarks.faults.virtual_faults import run_virtual_fault
-from common.configuration import load_assumed_model, load_configuration
-from common.user_error import UserError
-from simulation.simulated_recording import default_simulation_configuration
+from stillarm.benchmarks.faults.judge import Verdict, table
+from stillarm.benchmarks.faults.live_faults import FAULTS as LIVE_FAULTS
+from stillarm.benchmarks.faults.live_faults import run_live_fault
+from stillarm.benchmarks.faults.live_rig import LiveRig
+from stillarm.benchmarks.faults.virtual_faults import FAULTS as VIRTUAL_FAULTS
+from stillarm.benchmarks.faults.virtual_faults import run_virtual_fault
+from stillarm.common.files.configuration import load_assumed_model, load_configuration
+from stillarm.common.user_error import UserError
+from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
 
 _LIVE_SHARE = 4  # injections in virtual time for each live one
 

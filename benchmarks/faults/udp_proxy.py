@@ -8,9 +8,9 @@ import socket
 import time
 from dataclasses import dataclass, field
 
-from benchmarks.faults.faulty_link import PERFECT, LinkFault, faulty_link
-from common.datagram import DEMO_KEY, Datagram, decode
-from common.messages import DriveCommand
+from stillarm.benchmarks.faults.faulty_link import PERFECT, LinkFault, faulty_link
+from stillarm.common.datagrams.datagram import DEMO_KEY, Datagram, decode
+from stillarm.common.datagrams.messages import DriveCommand
 
 _HOST = "127.0.0.1"
 _REMEMBERED = 2000

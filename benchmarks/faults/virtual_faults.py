@@ -4,12 +4,12 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from benchmarks.faults.faulty_link import PERFECT, LinkFault
-from benchmarks.faults.judge import Trace, Verdict, judge
-from benchmarks.faults.virtual_rig import CYCLE_S, VirtualRig
-from common.configuration import Configuration
-from common.model import Model
-from drivers.emulation.shared_registers import Failure
+from stillarm.benchmarks.faults.faulty_link import PERFECT, LinkFault
+from stillarm.benchmarks.faults.judge import Trace, Verdict, judge
+from stillarm.benchmarks.faults.virtual_rig import CYCLE_S, VirtualRig
+from stillarm.common.files.configuration import Configuration
+from stillarm.common.files.model import Model
+from stillarm.drivers.emulated_chips.shared_registers import Failure
 
 _SETTLE_CYCLES = 2500  # from a start until damping is surely on
 

@@ -12,28 +12,28 @@ from math import inf, nan
 import msgspec
 import numpy as np
 
-from benchmarks.faults.faulty_link import Wire
-from common.configuration import Configuration
-from common.datagram import DEMO_KEY
-from common.messages import DriveCommand, DriveState, Hello
-from common.model import Model
-from common.peer import Peer
-from common.visual_sample import TrackingStatus, VisualSample
-from controller.cycle_input import CycleInput
-from controller.exchange import ControllerExchange, oldest_sample_s
-from controller.step import Controller
-from drivers.accelerometer_tables import TABLES
-from drivers.camera import Frame
-from drivers.drive_gateway import DriveGateway
-from drivers.emulation.emulated_accelerometer import emulate_accelerometer
-from drivers.i2c_accelerometer import I2cAccelerometer
-from drivers.mounting import sensed_axes
-from simulation.accelerometer_signal import AccelerometerSignal
-from simulation.plant import Plant
-from simulation.pose_history import PoseHistory
-from simulation.virtual_camera import Delivery, VirtualCamera
-from supervisor.exchange import SupervisorExchange
-from supervisor.step import Supervisor
+from stillarm.benchmarks.faults.faulty_link import Wire
+from stillarm.common.datagrams.datagram import DEMO_KEY
+from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.files.configuration import Configuration
+from stillarm.common.files.model import Model
+from stillarm.common.link.peer import Peer
+from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.input.exchange import ControllerExchange, oldest_sample_s
+from stillarm.controller.loop.step import Controller
+from stillarm.drivers.accelerometers.i2c_accelerometer import I2cAccelerometer
+from stillarm.drivers.accelerometers.mounting import sensed_axes
+from stillarm.drivers.accelerometers.register_tables import TABLES
+from stillarm.drivers.cameras.camera import Frame
+from stillarm.drivers.drives.drive_gateway import DriveGateway
+from stillarm.drivers.emulation.emulated_accelerometer import emulate_accelerometer
+from stillarm.simulation.arm.plant import Plant
+from stillarm.simulation.camera.pose_history import PoseHistory
+from stillarm.simulation.camera.virtual_camera import Delivery, VirtualCamera
+from stillarm.simulation.sensors.accelerometer_signal import AccelerometerSignal
+from stillarm.supervisor.exchange import SupervisorExchange
+from stillarm.supervisor.step import Supervisor
 
 CYCLE_S = 0.001
 STRIKE_EVERY = 400  # cycles
@@ -43,7 +43,7 @@ _ACCELEROMETER_WORD = "faults"
 
 
 class _DriveEnd:
-    """The controller's side of the drive link: drivers.udp_gateway_drive without its socket."""
+    """The controller's side of the drive link: stillarm.drivers.drives.udp_gateway_drive without its socket."""
 
     def __init__(self, session: int) -> None:
         self._peer = Peer(DEMO_KEY, (DriveState, Hello), session)

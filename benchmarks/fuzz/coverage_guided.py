@@ -1,11 +1,12 @@
-"""Coverage-guided fuzzing with atheris: `python -m benchmarks.fuzz.coverage_guided datagram -max_total_time=60`.
+"""Coverage-guided fuzzing with atheris: `python -m stillarm.benchmarks.fuzz.coverage_guided datagram
+-max_total_time=60`.
 
 Options after the target are libFuzzer's; a folder among them is the corpus. Install with `pip install stillarm[fuzz]`.
 """
 
 import sys
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 
 def main(words: list[str]) -> int:
@@ -14,14 +15,14 @@ def main(words: list[str]) -> int:
         import atheris
     except ImportError:
         print(
-            "benchmarks.fuzz: atheris is missing; install it with `pip install stillarm[fuzz]`",
+            "stillarm.benchmarks.fuzz: atheris is missing; install it with `pip install stillarm[fuzz]`",
             file=sys.stderr,
         )
         return 1
     with atheris.instrument_imports(include=["common", "controller", "drivers", "supervisor"]):
-        from benchmarks.fuzz.targets import TARGETS
+        from stillarm.benchmarks.fuzz.targets import TARGETS
     if not words or words[0] not in TARGETS:
-        print(f"benchmarks.fuzz: name a target: {', '.join(TARGETS)}", file=sys.stderr)
+        print(f"stillarm.benchmarks.fuzz: name a target: {', '.join(TARGETS)}", file=sys.stderr)
         return 1
     atheris.Setup([sys.argv[0], *words[1:]], TARGETS[words[0]])
     atheris.Fuzz()

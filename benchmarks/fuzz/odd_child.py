@@ -11,7 +11,7 @@ import resource
 import signal
 import traceback
 
-from benchmarks.fuzz.odd_world import Odd, Plan, Verdict, World, run
+from stillarm.benchmarks.fuzz.odd_world import Odd, Plan, Verdict, World, run
 
 DEADLINE_S = 20  # of processor time; a run takes 0.2 to 0.6 s
 STEP_S = 0.002  # longest allowed step

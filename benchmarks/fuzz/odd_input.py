@@ -1,4 +1,4 @@
-"""Fuzzes the step with odd values and pauses: `python -m benchmarks.fuzz.odd_input --minutes 10 --seed 1`.
+"""Fuzzes the step with odd values and pauses: `python -m stillarm.benchmarks.fuzz.odd_input --minutes 10 --seed 1`.
 
 Each method in turn runs plans of odd values (odd_plans.py) in child processes. A finding is printed as the smallest
 plan that still shows it. Needs hypothesis: `pip install stillarm[dev]`.
@@ -9,10 +9,10 @@ import sys
 import time
 from itertools import count
 
-from benchmarks.fuzz.odd_child import run_in_child
-from benchmarks.fuzz.odd_world import Plan, Verdict, World, warmed
-from common.blas_threads import one_blas_thread
-from controller.methods import METHODS
+from stillarm.benchmarks.fuzz.odd_child import run_in_child
+from stillarm.benchmarks.fuzz.odd_world import Plan, Verdict, World, warmed
+from stillarm.common.process.blas_threads import one_blas_thread
+from stillarm.controller.estimation.methods import METHODS
 
 _BATCH = 25  # plans
 
@@ -45,7 +45,7 @@ def batch_of(world: World, usual: Verdict, batch_seed: int) -> int:
     """
     from hypothesis import HealthCheck, Phase, given, seed, settings
 
-    from benchmarks.fuzz.odd_plans import plans
+    from stillarm.benchmarks.fuzz.odd_plans import plans
 
     runs = 0
 
@@ -88,7 +88,7 @@ def fuzz(minutes: float, first_seed: int) -> int:
 
 def main(words: list[str]) -> int:
     """Run the command line. Returns 0 without a finding."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.fuzz.odd_input", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m stillarm.benchmarks.fuzz.odd_input", description=__doc__)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args(words)
@@ -97,7 +97,7 @@ def main(words: list[str]) -> int:
         return 1 if fuzz(asked.minutes, asked.seed) else 0
     except ModuleNotFoundError as missing:
         print(
-            f"benchmarks.fuzz: {missing.name} is missing; install it with `pip install stillarm[dev]`",
+            f"stillarm.benchmarks.fuzz: {missing.name} is missing; install it with `pip install stillarm[dev]`",
             file=sys.stderr,
         )
         return 1

@@ -5,8 +5,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from benchmarks.fuzz.odd_world import Odd, Plan
-from common.visual_sample import TrackingStatus
+from stillarm.benchmarks.fuzz.odd_world import Odd, Plan
+from stillarm.common.datagrams.visual_sample import TrackingStatus
 
 _FAR = (nan, inf, -inf, 1e308, -1e308, 1e300, -1e300, 1e18, -1e18, float(2**40), -float(2**63))
 _WHOLE = (-(2**63), -(2**40), -2, 2**31, 2**32, 2**40, 2**53 + 1, 2**62, 2**63 - 1, 2**64, 10**400)

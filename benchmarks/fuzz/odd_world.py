@@ -13,14 +13,14 @@ from typing import Any, NamedTuple
 import msgspec
 import numpy as np
 
-from common.configuration import Controller as Settings
-from common.model import Accelerometer, Arm, Mode, Model
-from common.visual_sample import VisualSample
-from controller.cycle_input import CycleInput
-from controller.drive_model import DriveModel
-from controller.estimate import Status
-from controller.modal_response import ModalResponse
-from controller.step import Controller, CycleOutput
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.files.configuration import Controller as Settings
+from stillarm.common.files.model import Accelerometer, Arm, Mode, Model
+from stillarm.controller.estimation.estimate import Status
+from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.joint.drive_model import DriveModel
+from stillarm.controller.joint.modal_response import ModalResponse
+from stillarm.controller.loop.step import Controller, CycleOutput
 
 CYCLE_S = 0.001
 AMPLITUDE_M = 0.006
@@ -245,7 +245,7 @@ def not_numbers(root: object) -> set[str]:
             waiting += [(f"{path}[]", each) for each in one.values()]
         elif isinstance(one, list | tuple | deque):
             waiting += [(f"{path}[]", each) for each in one]
-        elif type(one).__module__.split(".")[0] in ("controller", "common"):
+        elif type(one).__module__.startswith(("stillarm.controller.", "stillarm.common.")):
             names: Any = getattr(one, "__dict__", None) or getattr(type(one), "__slots__", ())
             waiting += [(f"{path}.{name}", getattr(one, name, None)) for name in names]
     return found

@@ -1,6 +1,7 @@
 """The decoders of external input, each as a function of bytes that must never misbehave.
 
-tests/fuzz runs them with hypothesis; `python -m benchmarks.fuzz.coverage_guided TARGET` runs them coverage-guided.
+tests/benchmarks/fuzz runs them with hypothesis; `python -m stillarm.benchmarks.fuzz.coverage_guided TARGET`
+runs them coverage-guided.
 A target raises AssertionError if its result breaks its contract. Every other exception is a finding as well.
 """
 
@@ -13,22 +14,29 @@ from pathlib import Path
 
 import msgspec
 
-from common.configuration import Configuration
-from common.csv_bundle.bundle_import import import_bundle
-from common.datagram import DEMO_KEY, MAX_DATAGRAM_BYTES, TAG_BYTES, Datagram, decode, kind_of
-from common.mapped_data import import_mapped
-from common.messages import MESSAGES
-from common.model import Model, check_model
-from common.recording.reader import open_recording
-from common.scenario import Scenario
-from common.typed_toml import parse_toml
-from common.user_error import UserError
-from controller.exchange import ControllerExchange, ReferenceExchange
-from drivers.drive_gateway import DriveGateway
-from drivers.odrive_lines import LineReader
-from drivers.serial_decoders.framing import FrameDecoder
-from drivers.serial_devices import SERIAL_DEVICES
-from supervisor.exchange import SupervisorExchange
+from stillarm.common.csv_bundle.bundle_import import import_bundle
+from stillarm.common.csv_bundle.mapped_data import import_mapped
+from stillarm.common.datagrams.datagram import (
+    DEMO_KEY,
+    MAX_DATAGRAM_BYTES,
+    TAG_BYTES,
+    Datagram,
+    decode,
+    kind_of,
+)
+from stillarm.common.datagrams.messages import MESSAGES
+from stillarm.common.files.configuration import Configuration
+from stillarm.common.files.model import Model, check_model
+from stillarm.common.files.scenario import Scenario
+from stillarm.common.files.typed_toml import parse_toml
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
+from stillarm.controller.input.exchange import ControllerExchange, ReferenceExchange
+from stillarm.drivers.accelerometers.serial_decoders.framing import FrameDecoder
+from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
+from stillarm.drivers.drives.drive_gateway import DriveGateway
+from stillarm.drivers.drives.odrive_lines import LineReader
+from stillarm.supervisor.exchange import SupervisorExchange
 
 _OWN, _PEER = 11, 12
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 
-from benchmarks.live.misses import Gap
-from common.child_process import start_module, stop_process
-from controller.loop_block import LoopBlock
-from simulation.demo.parent_death import ended_with_parent
+from stillarm.benchmarks.live.misses import Gap
+from stillarm.common.process.child_process import start_module, stop_process
+from stillarm.common.process.parent_death import ended_with_parent
+from stillarm.controller.statistics.loop_block import LoopBlock
 
 _STOP_WITHIN_S = 5.0
 
@@ -30,8 +30,10 @@ def company(controller: int, cycle_s: float, load: int, floor: Floor) -> Iterato
     block = LoopBlock(f"floor-{os.getpid()}-{secrets.token_hex(4)}", create=True)
     with ExitStack() as stack:
         stack.callback(block.close)
-        words: list[tuple[str, ...]] = [("benchmarks.live.floor", block.name, str(controller), repr(cycle_s))]
-        words += [("benchmarks.live.busy",)] * load
+        words: list[tuple[str, ...]] = [
+            ("stillarm.benchmarks.live.floor", block.name, str(controller), repr(cycle_s))
+        ]
+        words += [("stillarm.benchmarks.live.busy",)] * load
         for module, *arguments in words:
             process = start_module(
                 module,

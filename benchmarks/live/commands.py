@@ -7,8 +7,8 @@ Limits are those of the model file. Grounds: the joint may be commanded in the s
 from collections.abc import Sequence
 from math import isfinite
 
-from common.model import Drive
-from controller.states.table import State
+from stillarm.common.files.model import Drive
+from stillarm.controller.safety.table import State
 
 _MOVES = (State.ARMED, State.DAMPING, State.DEGRADED)
 _FADED_WITHIN_S = 0.1  # from when the permission or the last ground is gone: docs/safety.md

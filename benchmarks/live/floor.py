@@ -7,12 +7,12 @@ import os
 import sys
 import time
 
-from benchmarks.loop.counters import block_name
-from benchmarks.loop.floor_timer import keep_time
-from common.stop_signal import StopSignal
-from common.user_error import UserError
-from controller.loop_block import LoopBlock
-from controller.realtime import RealTime
+from stillarm.benchmarks.loop.counters import block_name
+from stillarm.benchmarks.loop.floor_timer import keep_time
+from stillarm.common.process.stop_signal import StopSignal
+from stillarm.common.user_error import UserError
+from stillarm.controller.loop.realtime import RealTime
+from stillarm.controller.statistics.loop_block import LoopBlock
 
 _LOOK_S = 0.001
 _LOOK_SELDOM_S = 0.05

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from common.output_folder import make_folder
+from stillarm.common.files.output_folder import make_folder
 
 _LIVE_COLOUR, _OTHER_COLOUR, _FLOOR_COLOUR = "#55a868", "#4c72b0", "#8c8c8c"
 _STYLE: Any = {"axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False, "axes.spines.right": False}

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.live.scoring import Estimates
+from stillarm.benchmarks.live.scoring import Estimates
 
 
 def read_estimates(directory: Path) -> dict[str, Estimates]:

@@ -9,20 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.live.beside import Floor, company
-from benchmarks.live.commands import judge_commands
-from benchmarks.live.misses import gaps, own_misses
-from benchmarks.live.replay_tables import read_estimates
-from benchmarks.live.scoring import score
-from benchmarks.live.truth import TrueRun, read_truth
-from common.recording.reader import open_recording
-from common.user_error import UserError
-from controller.methods import METHODS
-from controller.replay import RecordedRun, read_run, replay_method
-from controller.replay_tables import write_tables
-from simulation.demo.demo import Progress, run_processes
-from simulation.demo.own_folder import own_folder
-from simulation.ring_down import envelope_m, settling_time_s
+from stillarm.benchmarks.live.beside import Floor, company
+from stillarm.benchmarks.live.commands import judge_commands
+from stillarm.benchmarks.live.misses import gaps, own_misses
+from stillarm.benchmarks.live.replay_tables import read_estimates
+from stillarm.benchmarks.live.scoring import score
+from stillarm.benchmarks.live.truth import TrueRun, read_truth
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
+from stillarm.controller.estimation.methods import METHODS
+from stillarm.controller.replay.replay import RecordedRun, read_run, replay_method
+from stillarm.controller.replay.replay_tables import write_tables
+from stillarm.simulation.demo.demo import Progress, run_processes
+from stillarm.simulation.demo.own_folder import own_folder
+from stillarm.simulation.demo.ring_down import envelope_m, settling_time_s
 
 DURATION_S = 30.0
 SHORTEST_S, LONGEST_S = 12.0, 600.0  # as for a demo

@@ -20,7 +20,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.live.truth import Swing, TrueRun, Values
+from stillarm.benchmarks.live.truth import Swing, TrueRun, Values
 
 _VISIBLE = 0.3  # of the swing's largest amplitude: below it, a relative error says little
 _ERROR_FROM_S, _DELAY_FROM_S = 0.5, 1.0

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from common.recording.reader import open_recording
-from common.user_error import UserError
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
 
 Values = NDArray[np.float64]
 

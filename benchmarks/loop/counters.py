@@ -1,6 +1,6 @@
 """Finds a running controller's counters."""
 
-from common.shared_memory import block_path
+from stillarm.common.memory.shared_memory import block_path
 
 
 def block_name(controller: int) -> str | None:

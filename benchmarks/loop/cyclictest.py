@@ -4,8 +4,8 @@ import re
 import shutil
 import subprocess
 
-from benchmarks.loop.slices import Measured
-from controller.realtime import PRIORITY
+from stillarm.benchmarks.loop.slices import Measured
+from stillarm.controller.loop.realtime import PRIORITY
 
 _LONGEST_US = 20_000
 

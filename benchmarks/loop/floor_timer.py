@@ -9,11 +9,11 @@ import sys
 import time
 from collections.abc import Callable
 
-from common.stop_signal import StopSignal
-from controller.loop_block import LoopBlock
-from controller.realtime import RealTime
-from controller.schedule import CycleClock
-from controller.states.table import State
+from stillarm.common.process.stop_signal import StopSignal
+from stillarm.controller.loop.realtime import RealTime
+from stillarm.controller.loop.schedule import CycleClock
+from stillarm.controller.safety.table import State
+from stillarm.controller.statistics.loop_block import LoopBlock
 
 _MISSED = (0.0, 0.0, 0.0, 0.0), (0, 0, 0, 0, 0)
 

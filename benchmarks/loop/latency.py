@@ -8,13 +8,17 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-from benchmarks.loop import cyclictest
-from benchmarks.loop.own_work import OwnWork
-from benchmarks.loop.slices import Measured, by_name, run_slice
-from common.configuration import default_configuration_path, load_assumed_model, load_configuration
-from common.loop_processor import loop_processor
-from controller.realtime import FIFO, RealTime
-from controller.warm_up import warm_up
+from stillarm.benchmarks.loop import cyclictest
+from stillarm.benchmarks.loop.own_work import OwnWork
+from stillarm.benchmarks.loop.slices import Measured, by_name, run_slice
+from stillarm.common.files.configuration import (
+    default_configuration_path,
+    load_assumed_model,
+    load_configuration,
+)
+from stillarm.common.process.loop_processor import loop_processor
+from stillarm.controller.loop.realtime import FIFO, RealTime
+from stillarm.controller.loop.warm_up import warm_up
 
 _SLICE_S = 1.0
 _WARM_CYCLES = 500

@@ -4,17 +4,17 @@ from math import cos, pi
 
 import msgspec
 
-from common.configuration import Controller as ControllerSettings
-from common.datagram import DEMO_KEY, encode
-from common.messages import DriveCommand, Message, Timestamp, Visual
-from common.model import Model
-from common.peer import Peer
-from common.udp import UdpSocket, new_session
-from common.visual_datagram import visual_message, visual_sample
-from common.visual_sample import TrackingStatus, VisualSample
-from controller.cycle_input import CycleInput
-from controller.recorded import estimate_sample, fast_sample
-from controller.step import Controller
+from stillarm.common.datagrams.datagram import DEMO_KEY, encode
+from stillarm.common.datagrams.messages import DriveCommand, Message, Timestamp, Visual
+from stillarm.common.datagrams.visual_datagram import visual_message, visual_sample
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.files.configuration import Controller as ControllerSettings
+from stillarm.common.files.model import Model
+from stillarm.common.link.peer import Peer
+from stillarm.common.link.udp import UdpSocket, new_session
+from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.loop.recorded import estimate_sample, fast_sample
+from stillarm.controller.loop.step import Controller
 
 _CYCLES_A_FRAME = 15  # 65 frames a second
 _DELAY_CYCLES = 74  # the model's mean capture delay

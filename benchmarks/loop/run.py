@@ -10,15 +10,15 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from benchmarks.loop.counters import block_name
-from benchmarks.loop.slices import by_name
-from common.child_process import start_module
-from common.shared_memory import block_path
-from common.user_error import UserError
-from controller.histogram import WORDS, MicrosecondHistogram
-from controller.loop_block import LoopBlock
-from simulation.demo.processes import DemoProcesses
-from simulation.demo.set_up import write_demo_configuration
+from stillarm.benchmarks.loop.counters import block_name
+from stillarm.benchmarks.loop.slices import by_name
+from stillarm.common.memory.shared_memory import block_path
+from stillarm.common.process.child_process import start_module
+from stillarm.common.user_error import UserError
+from stillarm.controller.statistics.histogram import WORDS, MicrosecondHistogram
+from stillarm.controller.statistics.loop_block import LoopBlock
+from stillarm.simulation.demo.processes import DemoProcesses
+from stillarm.simulation.demo.set_up import write_demo_configuration
 
 _SETTLE_S = 2.0  # after the loop's first cycle, so that the start-up is not measured
 _READY_WITHIN_S = 30.0
@@ -111,7 +111,7 @@ _CYCLE_S = 0.001
 
 
 def _start_timer(block_name: str, origin_s: float) -> subprocess.Popen[bytes]:
-    return start_module("benchmarks.loop.floor_timer", block_name, repr(origin_s), repr(_CYCLE_S))
+    return start_module("stillarm.benchmarks.loop.floor_timer", block_name, repr(origin_s), repr(_CYCLE_S))
 
 
 def _wait(condition: Callable[[], bool], processes: DemoProcesses) -> None:

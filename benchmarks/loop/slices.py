@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from controller.histogram import MicrosecondHistogram
-from controller.schedule import CycleClock
+from stillarm.controller.loop.schedule import CycleClock
+from stillarm.controller.statistics.histogram import MicrosecondHistogram
 
 _LEAD_CYCLES = 3
 

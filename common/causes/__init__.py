@@ -1,16 +1,15 @@
 """The catalogue of causes: what can make a rig depart from its model, one file each, as [[effects]] of a model file.
 
 Here belongs all that is said of a cause in any part of the program; how its effects are checked and folded into a model
-is common.effects, how a search looks for it diagnosis.causes. A new file is found by itself; docs/causes.md comes from
+is stillarm.common.files.effects, how a search looks for it stillarm.diagnosis.causes. A new file is found by
+itself; docs/causes.md comes from
 `stillarm causes --markdown`. Begin to read at declaration.py.
 """
 
 from importlib import import_module
 from pkgutil import iter_modules
 
-from common.causes.declaration import Cause, Parameter, Place, Value
-
-__all__ = ["CAUSES", "Cause", "Parameter", "Place", "Value", "experiment_between"]
+from stillarm.common.causes.declaration import Cause, Parameter, Place, Value
 
 _PLACES: tuple[Place, ...] = ("arm", "drive", "accelerometer", "camera", "timing")
 
@@ -29,3 +28,15 @@ CAUSES: dict[str, Cause] = _found()
 def experiment_between(cause: str, other: str) -> str | None:
     """What to record to tell two causes apart; None where neither declaration names the other."""
     return CAUSES[cause].confused_with.get(other) or CAUSES[other].confused_with.get(cause)
+
+
+__all__ = [
+    "CAUSES",
+    "Cause",
+    "Parameter",
+    "Place",
+    "Value",
+    "clock_step",
+    "declaration",
+    "experiment_between",
+]

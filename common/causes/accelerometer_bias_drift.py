@@ -1,6 +1,6 @@
 """An accelerometer whose zero drifts."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(t: float, tip_angle: float, rate_m_s3: float) -> float:

@@ -1,6 +1,6 @@
 """An accelerometer that clips."""
 
-from common.causes.declaration import Cause, replacing
+from stillarm.common.causes.declaration import Cause, replacing
 
 CAUSE = Cause(
     "accelerometer_clipping",

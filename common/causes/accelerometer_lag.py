@@ -1,6 +1,6 @@
 """An accelerometer that lags."""
 
-from common.causes.declaration import Cause, replacing
+from stillarm.common.causes.declaration import Cause, replacing
 
 CAUSE = Cause(
     "accelerometer_lag",

@@ -1,6 +1,6 @@
 """An accelerometer whose sensitivity drifts."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(t: float, rate_per_s: float) -> float:

@@ -1,6 +1,6 @@
 """A camera clock that runs at another rate."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(skew_ppm: float) -> float:

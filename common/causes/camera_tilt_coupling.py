@@ -1,6 +1,6 @@
 """A camera whose image moves as it turns."""
 
-from common.causes.declaration import Cause, Parameter
+from stillarm.common.causes.declaration import Cause, Parameter
 
 CAUSE = Cause(
     "camera_tilt_coupling",

@@ -1,6 +1,6 @@
 """A clock that stepped."""
 
-from common.causes.declaration import ONSET, Cause, Parameter, size
+from stillarm.common.causes.declaration import ONSET, Cause, Parameter, size
 
 
 def law(t: float, onset_s: float, step_s: float) -> float:

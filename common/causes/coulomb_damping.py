@@ -1,6 +1,6 @@
 """Dry friction in the arm."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(

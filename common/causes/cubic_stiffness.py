@@ -1,6 +1,6 @@
 """A stiffness that changes with the deflection."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(

@@ -1,6 +1,6 @@
 """Bursts in which frames come late."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(since: float, rate_hz: float, duration_s: float, delay_s: float) -> float:

@@ -1,6 +1,6 @@
 """A capture delay that drifts."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(t: float, rate_s_per_s: float) -> float:

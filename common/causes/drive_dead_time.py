@@ -1,6 +1,6 @@
 """A drive that answers later than declared."""
 
-from common.causes.declaration import Cause, replacing
+from stillarm.common.causes.declaration import Cause, replacing
 
 CAUSE = Cause(
     "drive_dead_time",

@@ -1,6 +1,6 @@
 """A drive that ignores small commands."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(command: float, deadband_rad_s: float) -> float:

@@ -1,6 +1,6 @@
 """A drive of another bandwidth than declared."""
 
-from common.causes.declaration import Cause, replacing
+from stillarm.common.causes.declaration import Cause, replacing
 
 CAUSE = Cause(
     "drive_lag",

@@ -1,6 +1,6 @@
 """A drive that stops at a lower speed than declared."""
 
-from common.causes.declaration import Cause, replacing
+from stillarm.common.causes.declaration import Cause, replacing
 
 CAUSE = Cause(
     "drive_saturation",

@@ -1,6 +1,6 @@
 """Frames that are lost."""
 
-from common.causes.declaration import Cause, Parameter
+from stillarm.common.causes.declaration import Cause, Parameter
 
 
 def law(drawn: float, fraction: float) -> bool:

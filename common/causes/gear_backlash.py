@@ -1,6 +1,6 @@
 """Play in the gear."""
 
-from common.causes.declaration import Cause, Parameter, size
+from stillarm.common.causes.declaration import Cause, Parameter, size
 
 
 def law(gap_rad: float) -> float:

@@ -1,6 +1,6 @@
 """Gravity in the accelerometer."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(t: float, tip_angle: float, gain_m_s2_per_rad: float) -> float:

@@ -1,6 +1,6 @@
 """Spikes in the acceleration."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(sign: float, rate_hz: float, amplitude_m_s2: float) -> float:

@@ -1,6 +1,6 @@
 """Friction in the joint."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(command: float, velocity_loss_rad_s: float) -> float:

@@ -1,6 +1,6 @@
 """A lens that distorts."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(d: float, t: float, coefficient_per_px2: float) -> float:

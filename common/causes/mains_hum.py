@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.causes.declaration import PHASE, Cause, frequency, size
+from stillarm.common.causes.declaration import PHASE, Cause, frequency, size
 
 
 def law(t: float, tip_angle: float, frequency_hz: float, amplitude_m_s2: float, phase_rad: float) -> float:

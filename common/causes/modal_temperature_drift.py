@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.causes.declaration import OTHERS, Cause, Parameter, size
+from stillarm.common.causes.declaration import OTHERS, Cause, Parameter, size
 
 
 def law(

@@ -1,6 +1,6 @@
 """A payload taken up or put down."""
 
-from common.causes.declaration import ONSET, OTHERS, Cause, Parameter
+from stillarm.common.causes.declaration import ONSET, OTHERS, Cause, Parameter
 
 
 def law(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.causes.declaration import PHASE, Cause, frequency, size
+from stillarm.common.causes.declaration import PHASE, Cause, frequency, size
 
 
 def law(

@@ -1,6 +1,6 @@
 """Damping that grows with the square of the speed."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(

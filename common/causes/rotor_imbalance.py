@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common.causes.declaration import PHASE, Cause, Parameter, size
+from stillarm.common.causes.declaration import PHASE, Cause, Parameter, size
 
 
 def law(

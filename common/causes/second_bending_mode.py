@@ -1,6 +1,6 @@
 """A second bending mode."""
 
-from common.causes.declaration import Cause, Parameter
+from stillarm.common.causes.declaration import Cause, Parameter
 
 CAUSE = Cause(
     "second_bending_mode",

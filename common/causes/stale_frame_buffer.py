@@ -1,6 +1,6 @@
 """A buffer that hands over old frames."""
 
-from common.causes.declaration import ONSET, Cause, Parameter
+from stillarm.common.causes.declaration import ONSET, Cause, Parameter
 
 
 def law(t: float, onset_s: float, frames: float) -> int:

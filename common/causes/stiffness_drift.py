@@ -1,6 +1,6 @@
 """A stiffness that drifts."""
 
-from common.causes.declaration import OTHERS, Cause, size
+from stillarm.common.causes.declaration import OTHERS, Cause, size
 
 _LEAST = 0.01  # of the declared frequency: an arm that has lost its stiffness is no longer one
 

@@ -1,6 +1,6 @@
 """Tracking that drifts."""
 
-from common.causes.declaration import Cause, size
+from stillarm.common.causes.declaration import Cause, size
 
 
 def law(d: float, t: float, rate_px_per_s: float) -> float:

@@ -11,13 +11,13 @@ from math import isnan
 from pathlib import Path
 from typing import Any
 
-from common.csv_bundle.bundle_import import UNCOUNTED, known_columns, status_of
-from common.model import Model
-from common.recording.header import model_was_given
-from common.recording.reader import Recording
-from common.recording.topics import TOPICS, FastSample, FrameSample, ImageSample, Topic
-from common.typed_toml import parse_toml
-from common.user_error import UserError
+from stillarm.common.csv_bundle.bundle_import import UNCOUNTED, known_columns, status_of
+from stillarm.common.files.model import Model
+from stillarm.common.files.typed_toml import parse_toml
+from stillarm.common.recording.header import model_was_given
+from stillarm.common.recording.reader import Recording
+from stillarm.common.recording.topics import TOPICS, FastSample, FrameSample, ImageSample, Topic
+from stillarm.common.user_error import UserError
 
 Table = dict[str, list[Any]]  # columns of one length by name; None where there is no value
 

@@ -10,8 +10,7 @@ from typing import Any
 
 import msgspec
 
-from common.configuration import default_configuration_path, load_configuration
-from common.csv_bundle.csv_table import (
+from stillarm.common.csv_bundle.csv_table import (
     CsvTable,
     booleans,
     floats,
@@ -20,13 +19,14 @@ from common.csv_bundle.csv_table import (
     read_csv,
     read_text,
 )
-from common.fields import plain_types
-from common.model import Model, load_model
-from common.recording.header import RecordingHeader, program_version
-from common.recording.topics import FastSample, ForeignColumns, FrameSample
-from common.recording.writer import RecordingWriter
-from common.user_error import UserError
-from common.visual_sample import TrackingStatus
+from stillarm.common.datagrams.fields import plain_types
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.common.files.configuration import default_configuration_path, load_configuration
+from stillarm.common.files.model import Model, load_model
+from stillarm.common.recording.header import RecordingHeader, program_version
+from stillarm.common.recording.topics import FastSample, ForeignColumns, FrameSample
+from stillarm.common.recording.writer import RecordingWriter
+from stillarm.common.user_error import UserError
 
 UNCOUNTED = -1  # a frame number that is not there; a cycle that is not known
 _MAX_TIME_S = 9e9  # what fits a log time in nanoseconds

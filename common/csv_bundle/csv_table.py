@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import isfinite, isnan, nan
 from pathlib import Path
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 _NO_MEASUREMENT = frozenset({"", "nan", "na", "n/a", "null", "none"})
 

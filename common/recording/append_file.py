@@ -9,7 +9,7 @@ from typing import IO, cast
 
 from mcap.writer import MCAP0_MAGIC
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 
 def _spare_other_files(path: Path) -> None:

@@ -22,7 +22,7 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import Chunk, Metadata
 from mcap.writer import MCAP0_MAGIC
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 _RECORD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from common.fields import plain_types
+from stillarm.common.datagrams.fields import plain_types
 
 
 class MessageMismatch(Exception):

@@ -9,9 +9,9 @@ from typing import Literal
 
 import msgspec
 
-from common.configuration import Configuration, model_path
-from common.typed_toml import read_toml_text
-from common.user_error import UserError
+from stillarm.common.files.configuration import Configuration, model_path
+from stillarm.common.files.typed_toml import read_toml_text
+from stillarm.common.user_error import UserError
 
 FORMAT = 1  # of messages and header; goes up when an old reader would misread a new file
 METADATA_NAME = "stillarm"

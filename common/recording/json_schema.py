@@ -2,7 +2,7 @@
 
 import msgspec
 
-from common.fields import plain_types
+from stillarm.common.datagrams.fields import plain_types
 
 _KEPT = (
     "type",

@@ -7,11 +7,11 @@ from typing import Any
 import msgspec
 from numpy.typing import NDArray
 
-from common.recording.container import Contents, messages, scan
-from common.recording.decoding import MessageDecoder, MessageMismatch
-from common.recording.header import METADATA_NAME, NOTES_NAME, RecordingHeader, read_header
-from common.recording.topics import TOPIC_INDEX, TOPICS
-from common.user_error import UserError
+from stillarm.common.recording.container import Contents, messages, scan
+from stillarm.common.recording.decoding import MessageDecoder, MessageMismatch
+from stillarm.common.recording.header import METADATA_NAME, NOTES_NAME, RecordingHeader, read_header
+from stillarm.common.recording.topics import TOPIC_INDEX, TOPICS
+from stillarm.common.user_error import UserError
 
 
 class Recording:
@@ -35,7 +35,7 @@ class Recording:
         self._contents = contents
 
     def messages(self, topic: str) -> Iterator[Any]:
-        """The topic's messages in the file's order, as Structs of its type in common.recording.topics; null
+        """The topic's messages in the file's order, as Structs of its type in stillarm.common.recording.topics; null
         is NaN.
 
         Raises UserError, naming topic and index, when the recording has no such topic or a message does not

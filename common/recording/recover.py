@@ -7,10 +7,10 @@ from pathlib import Path
 
 import msgspec
 
-from common.recording.reader import open_recording
-from common.recording.topics import TOPIC_INDEX
-from common.recording.writer import RecordingWriter
-from common.user_error import UserError
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.recording.topics import TOPIC_INDEX
+from stillarm.common.recording.writer import RecordingWriter
+from stillarm.common.user_error import UserError
 
 
 class RecoverReport(msgspec.Struct, frozen=True):

@@ -2,7 +2,7 @@
 
 Each name carries its unit as a suffix. A number that is not there is NaN in memory and null in the file. Schemas,
 decoders, telemetry and docs/topics.md are made from this table. A field may be added with a default, for recordings
-that lack it; any other change goes with common.recording.header.FORMAT.
+that lack it; any other change goes with stillarm.common.recording.header.FORMAT.
 """
 
 from math import nan
@@ -10,7 +10,7 @@ from typing import Annotated
 
 import msgspec
 
-from common.fields import about
+from stillarm.common.datagrams.fields import about
 
 Time = Annotated[float, about("the controller's clock")]
 RigTime = Annotated[float, about("the rig's monotonic clock")]
@@ -35,7 +35,7 @@ class FastSample(msgspec.Struct, frozen=True, gc=False):
     deflection_m: Annotated[float, about("where measured directly, e.g. by a strain gauge")] = nan
     joint_torque_n_m: Annotated[float, about("as measured")] = nan
     damping_allowed: Annotated[bool, about("the operator's permission")] = False
-    operator: Annotated[int, about("bits of controller.states.table.Operator")] = 0
+    operator: Annotated[int, about("bits of stillarm.controller.safety.table.Operator")] = 0
 
 
 class FrameSample(msgspec.Struct, frozen=True, gc=False):
@@ -47,7 +47,7 @@ class FrameSample(msgspec.Struct, frozen=True, gc=False):
     received_s: Annotated[float, about("when the controller read it: cycle * cycle_s")]
     started_s: Annotated[float, about("n_i * cycle_s")]
     started_cycle: Annotated[int, about("n_i; -1: not known")]
-    status: Annotated[int, about("common.visual_sample.TrackingStatus; 0: measured")]
+    status: Annotated[int, about("stillarm.common.datagrams.visual_sample.TrackingStatus; 0: measured")]
     displacement_px: Annotated[float, about("of the static scene, along the image's x axis")] = nan
     displacement_y_px: Annotated[float, about("the same along its y axis")] = nan
     rotation_rad: Annotated[float, about("of the scene, about the image's centre")] = nan
@@ -79,7 +79,7 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
     predicted_deflection_m: Annotated[float, about("when the joint will answer: the drive's lead ahead")]
     damping_rad_s: Annotated[float, about("the damping part of the command")]
     damping_status: Annotated[str, about("active, or why the joint does not damp")]
-    state: Annotated[str, about("controller.states.table.State; empty in older recordings")] = ""
+    state: Annotated[str, about("stillarm.controller.safety.table.State; empty in older recordings")] = ""
     reason: Annotated[str, about("the Event behind the state; empty where nothing is wrong")] = ""
     deflection_status: Annotated[str, about("as delay_status")] = ""
     estimate_reason: Annotated[str, about("why, in words")] = ""
@@ -183,7 +183,7 @@ class ImageSample(msgspec.Struct, frozen=True, gc=False):
     started_cycle: Annotated[int, about("n_i; -1: none")]
     stamp_s: Annotated[float, about("the camera's stamp, on its own clock")]
     exposure_s: Annotated[float, about("exposure time")]
-    status: Annotated[int, about("common.visual_sample.TrackingStatus")]
+    status: Annotated[int, about("stillarm.common.datagrams.visual_sample.TrackingStatus")]
     displacement_px: Annotated[float, about("along the image's x axis")]
     displacement_y_px: Annotated[float, about("along its y axis")]
     rotation_rad: Annotated[float, about("about its centre")]

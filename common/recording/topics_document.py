@@ -1,12 +1,12 @@
 """docs/topics.md and the overview in docs/recording.md, out of common/recording/topics.py.
 
-`python -m common.recording.topics_document > docs/topics.md` writes the first.
+`python -m stillarm.common.recording.topics_document > docs/topics.md` writes the first.
 """
 
 from collections.abc import Iterator
 
-from common.fields import field_table, markdown_table
-from common.recording.topics import TOPICS
+from stillarm.common.datagrams.fields import field_table, markdown_table
+from stillarm.common.recording.topics import TOPICS
 
 _TITLE = """# Topics
 

@@ -12,12 +12,12 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import DataEnd, Footer
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
-from common.recording.append_file import AppendFile
-from common.recording.chunk_indices import PackedChunkIndices
-from common.recording.header import METADATA_NAME, NOTES_NAME, RecordingHeader, header_metadata
-from common.recording.json_schema import json_schema
-from common.recording.topics import TOPIC_INDEX, TOPICS
-from common.user_error import UserError
+from stillarm.common.recording.append_file import AppendFile
+from stillarm.common.recording.chunk_indices import PackedChunkIndices
+from stillarm.common.recording.header import METADATA_NAME, NOTES_NAME, RecordingHeader, header_metadata
+from stillarm.common.recording.json_schema import json_schema
+from stillarm.common.recording.topics import TOPIC_INDEX, TOPICS
+from stillarm.common.user_error import UserError
 
 _CHUNK_BYTES = 1 << 20
 _CHUNK_NS = 500_000_000  # of log time: what a killed writer may lose

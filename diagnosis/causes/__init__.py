@@ -1,1 +1,2 @@
-"""How causes are looked for that need more than their declaration says (common.causes): a file for each of them."""
+"""How causes are looked for that need more than their declaration says (stillarm.common.causes): a file for
+each of them."""

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from diagnosis.cause import Cause, Context, Trial, Values, free_of, has
-from diagnosis.ceiling import ceiling_of, plateau_of
-from diagnosis.fit import Fit
-from diagnosis.quantities import RANGE
+from stillarm.diagnosis.cause import Cause, Context, Trial, Values, free_of, has
+from stillarm.diagnosis.ceiling import ceiling_of, plateau_of
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.quantities import RANGE
 
 
 def _trials(context: Context) -> list[Trial]:

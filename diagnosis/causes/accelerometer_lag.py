@@ -1,7 +1,7 @@
 """An accelerometer that lags."""
 
-from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
-from diagnosis.quantities import OF_LAST_JUMP
+from stillarm.diagnosis.cause import Cause, Context, Trial, free_of, has, plain
+from stillarm.diagnosis.quantities import OF_LAST_JUMP
 
 
 def _trials(context: Context) -> list[Trial]:

@@ -1,6 +1,6 @@
 """A camera clock that runs fast or slow."""
 
-from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 
 
 def _trials(context: Context) -> list[Trial]:

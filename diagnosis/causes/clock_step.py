@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from diagnosis.arrival_steps import SIDE, step_of_arrivals
-from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
-from diagnosis.fit import Fit
-from diagnosis.request_times import request_intervals
-from diagnosis.robust import std_about_median, step_at
+from stillarm.diagnosis.arrival_steps import SIDE, step_of_arrivals
+from stillarm.diagnosis.cause import Cause, Context, Trial, free_of, has, plain
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.request_times import request_intervals
+from stillarm.diagnosis.robust import std_about_median, step_at
 
 _OUTSTANDING = 6.0  # robust deviations
 _ASIDE_S = 0.3  # of an onset: a frame that is under way when the clock is set was asked for before
@@ -39,13 +39,13 @@ def _seen(context: Context) -> float | None:
     arrivals = context.fit.channel("arrival")
     if arrivals is None:
         return None
-    surprise, late = np.nan_to_num(arrivals.residual), arrivals.off
-    usual = std_about_median(surprise) + 1e-9
-    i = int(np.argmax(np.abs(surprise[SIDE:-SIDE]))) + SIDE if len(surprise) > 3 * SIDE else 0
-    if i == 0 or abs(surprise[i]) < _OUTSTANDING * usual:
+    prior_penalty, late = np.nan_to_num(arrivals.residual), arrivals.off
+    usual = std_about_median(prior_penalty) + 1e-9
+    i = int(np.argmax(np.abs(prior_penalty[SIDE:-SIDE]))) + SIDE if len(prior_penalty) > 3 * SIDE else 0
+    if i == 0 or abs(prior_penalty[i]) < _OUTSTANDING * usual:
         return None
     step = step_at(late, i, SIDE)
-    if step * surprise[i] <= 0.0 or abs(step) < 0.5 * abs(float(surprise[i])):
+    if step * prior_penalty[i] <= 0.0 or abs(step) < 0.5 * abs(float(prior_penalty[i])):
         return None
     return float(context.world.just_before(i))
 
@@ -70,5 +70,5 @@ CAUSE = Cause(
     free=free_of("timing.step_s"),
     parameters_of=lambda fit: plain(fit, onset_s="timing.step_onset_s", step_s="timing.step_s"),
     settle={"timing.step_onset_s": 0.5},
-    surprise=_unseen,
+    prior_penalty=_unseen,
 )

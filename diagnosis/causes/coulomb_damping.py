@@ -2,7 +2,7 @@
 
 from math import pi
 
-from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:

@@ -1,6 +1,6 @@
 """A stiffness that grows or falls with deflection."""
 
-from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:

@@ -1,6 +1,6 @@
 """A drive that cannot go as fast as declared."""
 
-from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:

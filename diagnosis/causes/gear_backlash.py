@@ -1,6 +1,6 @@
 """Play in the gear."""
 
-from diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, driven, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:

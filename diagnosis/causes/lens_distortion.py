@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from diagnosis.cause import Cause, Context, Trial, free_of, has, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, free_of, has, plain
 
 
 def _trials(context: Context) -> list[Trial]:

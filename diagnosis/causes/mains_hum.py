@@ -1,7 +1,7 @@
 """Mains hum on the accelerometer."""
 
-from diagnosis.cause import Cause, Context, Trial, Values, free_of, has, plain, size_of_wave
-from diagnosis.fit import Fit
+from stillarm.diagnosis.cause import Cause, Context, Trial, Values, free_of, has, plain, size_of_wave
+from stillarm.diagnosis.fit import Fit
 
 
 def _trials(context: Context) -> list[Trial]:
@@ -45,5 +45,5 @@ CAUSE = Cause(
     trials=_trials,
     free=free_of("accelerometer.hum_hz", "accelerometer.hum_sin", "accelerometer.hum_cos"),
     parameters_of=_values,
-    surprise=_unusual,
+    prior_penalty=_unusual,
 )

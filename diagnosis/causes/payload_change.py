@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from diagnosis.cause import Cause, Context, Trial, arm_moves, of_the_modes, plain, share_of
-from diagnosis.frequency_course import shares
+from stillarm.diagnosis.cause import Cause, Context, Trial, arm_moves, of_the_modes, plain, share_of
+from stillarm.diagnosis.frequency_course import shares
 
 ID, RATIO = "payload_change", "arm.frequency_ratio"
 

@@ -1,8 +1,8 @@
 """A periodic force on the arm."""
 
-from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, free_of, plain, size_of_wave
-from diagnosis.causes.mains_hum import of_the_mains
-from diagnosis.fit import Fit
+from stillarm.diagnosis.cause import Cause, Context, Trial, Values, arm_moves, free_of, plain, size_of_wave
+from stillarm.diagnosis.causes.mains_hum import of_the_mains
+from stillarm.diagnosis.fit import Fit
 
 
 def _trials(context: Context) -> list[Trial]:
@@ -29,5 +29,5 @@ CAUSE = Cause(
     trials=_trials,
     free=free_of("arm.periodic_hz", "arm.periodic_sin", "arm.periodic_cos"),
     parameters_of=_values,
-    surprise=lambda fit: 4.0 if of_the_mains(fit.value("arm.periodic_hz")) else 0.0,
+    prior_penalty=lambda fit: 4.0 if of_the_mains(fit.value("arm.periodic_hz")) else 0.0,
 )

@@ -1,6 +1,6 @@
 """Damping by the square of the speed."""
 
-from diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
+from stillarm.diagnosis.cause import Cause, Context, Trial, arm_moves, free_of, plain
 
 
 def _trials(context: Context) -> list[Trial]:

@@ -5,9 +5,9 @@ from math import pi
 
 import numpy as np
 
-from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, plain
-from diagnosis.fit import Fit
-from diagnosis.world import World
+from stillarm.diagnosis.cause import Cause, Context, Trial, Values, arm_moves, plain
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.world import World
 
 
 def _mode(world: World) -> int:
@@ -77,7 +77,7 @@ CAUSE = Cause(
     trials=_trials,
     free=_free,
     parameters_of=_values,
-    surprise=lambda fit: (
+    prior_penalty=lambda fit: (
         6.0 if fit.value(f"modes.{_mode(fit.world)}.damping_ratio") < _LEAST_DAMPING else 0.0
     ),
     possible=_rings,

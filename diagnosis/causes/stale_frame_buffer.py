@@ -1,7 +1,7 @@
 """A buffer that hands over old images."""
 
-from diagnosis.cause import Cause, Context, Trial, Values, free_of, has, plain
-from diagnosis.fit import Fit
+from stillarm.diagnosis.cause import Cause, Context, Trial, Values, free_of, has, plain
+from stillarm.diagnosis.fit import Fit
 
 
 def _trials(context: Context) -> list[Trial]:
@@ -32,5 +32,5 @@ CAUSE = Cause(
     free=free_of("timing.stale_frames"),
     parameters_of=_values,
     settle={"timing.stale_onset_s": 0.5},
-    surprise=_unwhole,
+    prior_penalty=_unwhole,
 )

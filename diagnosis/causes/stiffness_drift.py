@@ -1,8 +1,8 @@
 """A stiffness that drifts."""
 
-from diagnosis.cause import Cause, Context, Trial, Values, arm_moves, of_the_modes, share_of
-from diagnosis.fit import Fit
-from diagnosis.frequency_course import shares
+from stillarm.diagnosis.cause import Cause, Context, Trial, Values, arm_moves, of_the_modes, share_of
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.frequency_course import shares
 
 
 def _trials(context: Context) -> list[Trial]:

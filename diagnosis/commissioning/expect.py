@@ -4,12 +4,12 @@ from math import nan
 
 import numpy as np
 
-from common.model import Model
-from common.scenario import Scenario
-from diagnosis.commissioning.plan import slowed
-from diagnosis.commissioning.watch import Bounds
-from diagnosis.measured import Frames, Measured
-from diagnosis.world import World
+from stillarm.common.files.model import Model
+from stillarm.common.files.scenario import Scenario
+from stillarm.diagnosis.commissioning.plan import slowed
+from stillarm.diagnosis.commissioning.watch import Bounds
+from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.world import World
 
 _SHARE = 0.75  # of the bounds: the model is rough
 

@@ -17,15 +17,15 @@ from typing import Any
 import msgspec
 import tomli_w
 
-from common.child_process import start_module, stop_process
-from common.configuration import Configuration, load_configuration, model_path
-from common.model import Model
-from common.recording.reader import open_recording
-from common.scenario import Scenario
-from common.user_error import UserError
-from diagnosis.commissioning.watch import Bounds, Watch
-from diagnosis.measured import Measured, read_measured
-from simulation.demo.parent_death import ended_with_parent
+from stillarm.common.files.configuration import Configuration, load_configuration, model_path
+from stillarm.common.files.model import Model
+from stillarm.common.files.scenario import Scenario
+from stillarm.common.process.child_process import start_module, stop_process
+from stillarm.common.process.parent_death import ended_with_parent
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.commissioning.watch import Bounds, Watch
+from stillarm.diagnosis.measured import Measured, read_measured
 
 _TELEMETRY_S = 0.02
 _SILENT_S = 3.0  # without telemetry while the moves go on: nobody would see what they do

@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from diagnosis.commissioning.procedure import Commissioning
+from stillarm.diagnosis.commissioning.procedure import Commissioning
 
 _MEASURED, _MODEL, _LEFT = "#8c8c8c", "#4c72b0", "#c44e52"
 _STYLE: Any = {

@@ -1,7 +1,8 @@
 """What the joint does while a rig is commissioned: two scenarios, the second planned by what the first has shown.
 
 Probe: the joint stands; then it is nudged to and fro, each stage twice as fast as the one before. How far to go, the
-watch decides (diagnosis.commissioning.watch). Moves: at the greatest velocity found safe, nudges of about half a
+watch decides (stillarm.diagnosis.commissioning.watch). Moves: at the greatest velocity found safe, nudges of
+about half a
 period, which excite most and turn back, slow moves between two poses for the image's scale, and the joint stands while
 the arm rings.
 """
@@ -10,9 +11,9 @@ from dataclasses import dataclass
 
 import msgspec
 
-from common.model import Drive, Mode
-from common.scenario import Move, Scenario
-from common.user_error import UserError
+from stillarm.common.files.model import Drive, Mode
+from stillarm.common.files.scenario import Move, Scenario
+from stillarm.common.user_error import UserError
 
 QUIET_S = 3.0
 _FIRST_RAD_S = 0.004

@@ -7,16 +7,16 @@ act.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from common.model import Model, length_of
-from common.scenario import Scenario
-from common.user_error import UserError
-from diagnosis.calibrate import Calibration, calibrate
-from diagnosis.commissioning.expect import fitted_to
-from diagnosis.commissioning.plan import Limits, moves, probe, stages, within
-from diagnosis.commissioning.verdict import CommissioningVerdict, judge
-from diagnosis.commissioning.watch import Bounds, Growth, bounds_of, exceeded, growth
-from diagnosis.measured import Frames, Measured
-from diagnosis.start_values import Start, start_values
+from stillarm.common.files.model import Model, length_of
+from stillarm.common.files.scenario import Scenario
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.calibrate import Calibration, calibrate
+from stillarm.diagnosis.commissioning.expect import fitted_to
+from stillarm.diagnosis.commissioning.plan import Limits, moves, probe, stages, within
+from stillarm.diagnosis.commissioning.verdict import CommissioningVerdict, judge
+from stillarm.diagnosis.commissioning.watch import Bounds, Growth, bounds_of, exceeded, growth
+from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.start_values import Start, start_values
 
 _LEAST_SIGNAL = 0.3  # power of the ringing over that of the noise
 

@@ -6,10 +6,10 @@ from math import isfinite
 import msgspec
 import numpy as np
 
-from common.model import Commissioned, Model
-from diagnosis.calibrate import Calibration
-from diagnosis.measured import Measured
-from diagnosis.start_values import STILL_RAD_S
+from stillarm.common.files.model import Commissioned, Model
+from stillarm.diagnosis.calibrate import Calibration
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.start_values import STILL_RAD_S
 
 _KNOWN_TO = {  # relative deviations at most
     "arm.modes[0].frequency_hz": 0.005,

@@ -5,8 +5,8 @@ from math import isfinite
 
 import numpy as np
 
-from diagnosis.commissioning.plan import Limits, Stage
-from diagnosis.measured import Measured
+from stillarm.diagnosis.commissioning.plan import Limits, Stage
+from stillarm.diagnosis.measured import Measured
 
 _UNSEEN_S = 0.5
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.candidate import Candidate
-from diagnosis.diagnose import Diagnosis
-from diagnosis.fit import Fit, Split, make_data
-from diagnosis.residuals import residual_of
+from stillarm.diagnosis.candidate import Candidate
+from stillarm.diagnosis.diagnose import Diagnosis
+from stillarm.diagnosis.fit import Fit, Split, make_data
+from stillarm.diagnosis.residuals import residual_of
 
 Array = NDArray[np.float64]
 

@@ -5,20 +5,20 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 
-from common.recording.header import program_version
-from diagnosis.diagnose import Diagnosis
-from diagnosis.report import sections
-from diagnosis.report.words import verdict_sentence
+from stillarm.common.recording.header import program_version
+from stillarm.diagnosis.diagnose import Diagnosis
+from stillarm.diagnosis.report import sections
+from stillarm.diagnosis.report.words import verdict_sentence
 
 
 def report_page(result: Diagnosis, await_use: Callable[[], None] = lambda: None) -> str:
     """The page's text; nothing in it is loaded from elsewhere.
 
-    await_use: called last, before what `diagnosis.use` adds to the result's table is read.
+    await_use: called last, before what `stillarm.diagnosis.use` adds to the result's table is read.
     """
     measured = result.found.final.world.measured
     name = Path(measured.name).name
-    style = files("diagnosis.report").joinpath("style.css").read_text()
+    style = files("stillarm.diagnosis.report").joinpath("style.css").read_text()
     held = sum(
         float(end - start)
         for start, end, out in zip(

@@ -4,10 +4,21 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from diagnosis.fit import Fit
-from diagnosis.report.case import Case
-from diagnosis.report.drawing import AFTER, BEFORE, FLOOR, INK, MEASURED, SHADE, Draw, few, legend, outline
-from diagnosis.report.views import (
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.report.case import Case
+from stillarm.diagnosis.report.drawing import (
+    AFTER,
+    BEFORE,
+    FLOOR,
+    INK,
+    MEASURED,
+    SHADE,
+    Draw,
+    few,
+    legend,
+    outline,
+)
+from stillarm.diagnosis.report.views import (
     arm_frequency,
     binned,
     lateness,
@@ -17,9 +28,9 @@ from diagnosis.report.views import (
     swing,
     telling_stretch,
 )
-from diagnosis.residuals import UNITS, residual_of, spectrum_of, times_of, variables
-from diagnosis.robust import std_about_median
-from diagnosis.set_stamps import stamps_apart
+from stillarm.diagnosis.residuals import UNITS, residual_of, spectrum_of, times_of, variables
+from stillarm.diagnosis.robust import std_about_median
+from stillarm.diagnosis.set_stamps import stamps_apart
 
 Array = NDArray[np.float64]
 

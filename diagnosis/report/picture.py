@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
-from common.causes import CAUSES, Place
-from diagnosis.laws import OF_STAMPS
-from diagnosis.report import panels
-from diagnosis.report.case import ARM_CHANNELS, Case
-from diagnosis.report.drawing import Draw, svg
+from stillarm.common.causes import CAUSES, Place
+from stillarm.diagnosis.laws import OF_STAMPS
+from stillarm.diagnosis.report import panels
+from stillarm.diagnosis.report.case import ARM_CHANNELS, Case
+from stillarm.diagnosis.report.drawing import Draw, svg
 
 Panel = Callable[[Case, str], Draw]
 

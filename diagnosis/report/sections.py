@@ -4,15 +4,23 @@ import re
 from html import escape
 from typing import Any
 
-from common.causes import CAUSES
-from diagnosis.diagnose import Diagnosis
-from diagnosis.report import panels
-from diagnosis.report.case import Case, cases, whole
-from diagnosis.report.drawing import svg
-from diagnosis.report.picture import picture, picture_of_all
-from diagnosis.report.words import NAMES, next_steps, not_tried, number, unit_of, use_sentence, why_not
-from diagnosis.residuals import ChannelResidual, examine_channel
-from diagnosis.use import MEASURES, outcome
+from stillarm.common.causes import CAUSES
+from stillarm.diagnosis.diagnose import Diagnosis
+from stillarm.diagnosis.report import panels
+from stillarm.diagnosis.report.case import Case, cases, whole
+from stillarm.diagnosis.report.drawing import svg
+from stillarm.diagnosis.report.picture import picture, picture_of_all
+from stillarm.diagnosis.report.words import (
+    NAMES,
+    next_steps,
+    not_tried,
+    number,
+    unit_of,
+    use_sentence,
+    why_not,
+)
+from stillarm.diagnosis.residuals import ChannelResidual, examine_channel
+from stillarm.diagnosis.use import MEASURES, outcome
 
 _MOST_CANDIDATES = 8
 _EXACT = 1e-6  # of the signal: what rounding leaves
@@ -69,7 +77,7 @@ def _finding(case: Case, one: dict[str, Any]) -> str:
         f"<figure>{picture(case)}</figure>"
         f"{table(['parameter', 'value', 'unit'], rows)}"
         f"<p>Confidence {100.0 * one['confidence']:.0f} %. Held out, it gains {held['log_score_gain']:.0f} nats of "
-        f"likelihood (± {case.finding.held_std if case.finding else 0.0:.0f} over the held-out blocks); in the "
+        f"likelihood (± {case.finding.held_out_std if case.finding else 0.0:.0f} over the held-out blocks); in the "
         f"channel that it mends most the error goes from {held['nrmse_before']:.3g} to "
         f"{held['nrmse_after']:.3g} of the signal, "
         f"{100.0 * held['reduction']:.0f} % less.</p>{others}{note}</section>"
@@ -167,7 +175,7 @@ def considered(result: Diagnosis) -> str:
                     f"<code>{escape(one.cause)}</code>",
                     escape(reason),
                     values,
-                    f"{one.held_gain:+.1f} ± {one.held_std:.1f}",
+                    f"{one.held_out_gain:+.1f} ± {one.held_out_std:.1f}",
                     f"{one.train_gain:+.1f}",
                 ]
             )

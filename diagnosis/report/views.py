@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal.windows import hann
 
-from diagnosis.fit import Fit, Split
-from diagnosis.residuals import residual_of, times_of
+from stillarm.diagnosis.fit import Fit, Split
+from stillarm.diagnosis.residuals import residual_of, times_of
 
 Array = NDArray[np.float64]
 

@@ -3,14 +3,14 @@
 from math import floor, isfinite, log10
 from typing import Any
 
-from common.causes import CAUSES
-from diagnosis.candidate import Candidate, Stage
-from diagnosis.catalogue import CAUSES as SEARCHED
-from diagnosis.diagnose import Diagnosis
-from diagnosis.report.panels import WORDS
-from diagnosis.scatter import ON_ITS_PAST
-from diagnosis.use import MEASURES, outcome
-from diagnosis.verdict import is_sure_of
+from stillarm.common.causes import CAUSES
+from stillarm.diagnosis.candidate import Candidate, Stage
+from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
+from stillarm.diagnosis.diagnose import Diagnosis
+from stillarm.diagnosis.report.panels import WORDS
+from stillarm.diagnosis.scatter import ON_ITS_PAST
+from stillarm.diagnosis.use import MEASURES, outcome
+from stillarm.diagnosis.verdict import is_sure_of
 
 NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
 
@@ -86,8 +86,8 @@ def why_not(one: Candidate, stage: Stage) -> str:
     failed = _failed(one, stage)
     if failed or taken is None:
         return failed or "its held-out gain is less than its quantities cost"
-    if one.held_gain < taken.held_gain:
-        return f"{taken.held_gain - one.held_gain:.0f} nats behind {taken.cause}, held out"
+    if one.held_out_gain < taken.held_out_gain:
+        return f"{taken.held_out_gain - one.held_out_gain:.0f} nats behind {taken.cause}, held out"
     return f"needs {len(one.free)} quantities where {taken.cause} needs {max(len(taken.free), 1)}"
 
 
@@ -95,9 +95,9 @@ def _failed(one: Candidate, stage: Stage) -> str:
     """The test that a candidate fails by itself; empty where it passes all."""
     if one.train_gain <= stage.screening.threshold_nats:
         return "gains no more than chance does"
-    if one.held_gain <= 0.0:
+    if one.held_out_gain <= 0.0:
         return "predicts the held-out part worse than without it"
-    if one.held_gain <= one.held_std:
+    if one.held_out_gain <= one.held_out_std:
         return "its held-out gain is within its standard error"
     return implausible(one)
 

@@ -7,7 +7,7 @@ event timer (1400:05). Either causes a quick stop. Injected failures: `silent`, 
 
 import struct
 
-from drivers.cia402_states import DriveState
+from stillarm.drivers.drives.cia402_states import DriveState
 
 _WORDS = {
     DriveState.DISABLED: 0x240,

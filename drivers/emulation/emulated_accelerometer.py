@@ -2,14 +2,14 @@
 
 from typing import Literal, Protocol, cast, get_args
 
-from common.configuration import AccelerometerDevice
-from common.user_error import UserError
-from drivers.emulation.parts import SENSED_PARTS
-from drivers.emulation.serial_accelerometer_device import EmulatedSerialAccelerometer
-from drivers.emulation.shared_registers import Failure, SensedRegisters
-from drivers.i2c import MEMORY_PREFIX
-from drivers.serial_devices import SERIAL_DEVICES
-from drivers.serial_port import PTY_PREFIX
+from stillarm.common.files.configuration import AccelerometerDevice
+from stillarm.common.user_error import UserError
+from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
+from stillarm.drivers.buses.i2c import MEMORY_PREFIX
+from stillarm.drivers.buses.parts import SENSED_PARTS
+from stillarm.drivers.buses.serial_port import PTY_PREFIX
+from stillarm.drivers.emulated_chips.shared_registers import Failure, SensedRegisters
+from stillarm.drivers.emulation.serial_accelerometer_device import EmulatedSerialAccelerometer
 
 EmulatedDriver = Literal[
     "lis3lv02dq",

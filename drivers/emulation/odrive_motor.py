@@ -4,7 +4,7 @@ It implements v, f, u, i, sc, and r and w of the properties below. Its watchdog 
 as the firmware's does. Injected failures: `silent` answers nothing, `garbage` corrupts every answer, fail() disarms.
 """
 
-from drivers.odrive_lines import LineReader
+from stillarm.drivers.drives.odrive_lines import LineReader
 
 _IDLE, _CLOSED_LOOP = 1, 8
 _WATCHDOG_EXPIRED = 0x800

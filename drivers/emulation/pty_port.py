@@ -5,8 +5,8 @@ import os
 import tty
 from pathlib import Path
 
-from common.user_error import UserError
-from drivers.serial_port import PTY_PREFIX, port_path
+from stillarm.common.user_error import UserError
+from stillarm.drivers.buses.serial_port import PTY_PREFIX, port_path
 
 _READ_BYTES = 4096
 

@@ -1,8 +1,8 @@
 """An emulated serial accelerometer, at the device's end of a pseudo terminal."""
 
-from drivers.emulation.pty_port import PtyPort
-from drivers.emulation.serial_senders import SENDERS, SerialSender
-from drivers.emulation.shared_registers import Failure
+from stillarm.drivers.emulated_chips.shared_registers import Failure
+from stillarm.drivers.emulation.pty_port import PtyPort
+from stillarm.drivers.emulation.serial_senders import SENDERS, SerialSender
 
 _KEY = "accelerometer.port"
 _LATE_SAMPLES = 20
@@ -17,7 +17,8 @@ class EmulatedSerialAccelerometer:
     """
 
     def __init__(self, name: str, port: str, period_s: float = 0.001) -> None:
-        """name: of drivers.serial_devices; port: "pty:NAME". period_s: time from one publish() to the next."""
+        """name: of stillarm.drivers.accelerometers.serial_devices; port: "pty:NAME". period_s: time from one
+        publish() to the next."""
         self._name = name
         self._port_name = port
         self._port: PtyPort | None = PtyPort(port, _KEY)

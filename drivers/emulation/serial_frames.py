@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Sequence
 
-from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
+from stillarm.drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
 _WITMOTION_COUNTS_PER_M_S2 = 32768.0 / (16.0 * STANDARD_GRAVITY_M_S2)
 

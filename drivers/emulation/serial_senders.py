@@ -4,7 +4,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from drivers.emulation.serial_frames import (
+from stillarm.drivers.emulation.serial_frames import (
     microcontroller_frame,
     vectornav_data,
     vectornav_text,

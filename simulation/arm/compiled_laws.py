@@ -12,9 +12,9 @@ import numpy as np
 from numba import cfunc, types
 from numpy.typing import NDArray
 
-from common.causes import CAUSES
-from simulation.arm.compiler import call, compiled, inlined
-from simulation.arm.state import FORCE, FREQUENCY, FRICTION, LAW, Record, Records
+from stillarm.common.causes import CAUSES
+from stillarm.simulation.arm.compiler import call, compiled, inlined
+from stillarm.simulation.arm.state import FORCE, FREQUENCY, FRICTION, LAW, Record, Records
 
 Array = NDArray[np.float64]
 

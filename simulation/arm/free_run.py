@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from simulation.arm.compiler import compiled, inlined, nth
-from simulation.arm.state import Record, Records
-from simulation.arm.stepper import acceleration, cycle, link, modes_through
+from stillarm.simulation.arm.compiler import compiled, inlined, nth
+from stillarm.simulation.arm.state import Record, Records
+from stillarm.simulation.arm.stepper import acceleration, cycle, link, modes_through
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

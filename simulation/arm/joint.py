@@ -12,8 +12,8 @@ A joint that is driven otherwise (by a torque, say) is another function that fil
 
 import numpy as np
 
-from simulation.arm.compiler import compiled, inlined, nth
-from simulation.arm.state import MOST_STRETCHES, Record
+from stillarm.simulation.arm.compiler import compiled, inlined, nth
+from stillarm.simulation.arm.state import MOST_STRETCHES, Record
 
 _MOST_STRETCHES = MOST_STRETCHES - 8  # a move adds no more
 _BISECTIONS = 60  # to the last bit of a duration within a step

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from common.model import Drive
-from common.user_error import UserError
+from stillarm.common.files.model import Drive
+from stillarm.common.user_error import UserError
 
 Array = NDArray[np.float64]
 Records = NDArray[np.void]

@@ -15,10 +15,10 @@ beside the state in `_kicked`: the laws are differentiable between those breaks.
 import numpy as np
 from numpy.typing import NDArray
 
-from simulation.arm.compiled_laws import frequency_law, state_law
-from simulation.arm.compiler import compiled, inlined, nth
-from simulation.arm.joint import hold, risen, way
-from simulation.arm.state import Record, Records
+from stillarm.simulation.arm.compiled_laws import frequency_law, state_law
+from stillarm.simulation.arm.compiler import compiled, inlined, nth
+from stillarm.simulation.arm.joint import hold, risen, way
+from stillarm.simulation.arm.state import Record, Records
 
 Array = NDArray[np.float64]
 Transition = tuple[float, float, float, float]

@@ -7,22 +7,28 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
-from common.configuration import Configuration
-from common.loop_processor import beside_the_loop
-from common.recording.reader import Recording, open_recording
-from common.scenario import Scenario
-from common.shared_memory import block_path
-from common.user_error import UserError
-from controller.replay import LiveComparison, RecordedRun, compare_with_live, read_run, replay_method
-from drivers.i2c import MEMORY_PREFIX
-from drivers.serial_port import port_path
-from simulation.camera_process import pose_history_name
-from simulation.demo.hidden_effect import SHORTEST_S as SHORTEST_HIDDEN_S
-from simulation.demo.own_folder import own_folder
-from simulation.demo.processes import DemoProcesses
-from simulation.demo.scoring import damping_scores, method_scores
-from simulation.demo.set_up import LONGEST_S, RIG_MODEL_NAME, SHORTEST_S, write_demo_configuration
-from simulation.demo.truth_file import read_truth
+from stillarm.common.files.configuration import Configuration
+from stillarm.common.files.scenario import Scenario
+from stillarm.common.memory.shared_memory import block_path
+from stillarm.common.process.loop_processor import beside_the_loop
+from stillarm.common.recording.reader import Recording, open_recording
+from stillarm.common.user_error import UserError
+from stillarm.controller.replay.replay import (
+    LiveComparison,
+    RecordedRun,
+    compare_with_live,
+    read_run,
+    replay_method,
+)
+from stillarm.drivers.buses.i2c import MEMORY_PREFIX
+from stillarm.drivers.buses.serial_port import port_path
+from stillarm.simulation.camera.camera_process import pose_history_name
+from stillarm.simulation.demo.hidden_effect import SHORTEST_S as SHORTEST_HIDDEN_S
+from stillarm.simulation.demo.own_folder import own_folder
+from stillarm.simulation.demo.processes import DemoProcesses
+from stillarm.simulation.demo.scoring import damping_scores, method_scores
+from stillarm.simulation.demo.set_up import LONGEST_S, RIG_MODEL_NAME, SHORTEST_S, write_demo_configuration
+from stillarm.simulation.demo.truth_file import read_truth
 
 METHODS = ("timestamps", "correlation", "fused")
 _RIG_READY_WITHIN_S = 20.0
@@ -94,7 +100,7 @@ def _run_and_score(
     )
     (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
     with progress("figures"):
-        from simulation.demo.figures import draw_figures
+        from stillarm.simulation.demo.figures import draw_figures
 
         draw_figures(directory, run, truth, replays, summary)
     return summary

@@ -8,13 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from controller.delay.correlation import CorrelationDelay
-from controller.estimate import Observation
-from controller.joint_motion import JointMotion
-from controller.methods import make_method
-from controller.replay import MethodRun, RecordedRun
-from controller.sine_method import SineMethod
-from simulation.demo.scoring import Truth, scored_span_s, struck_amplitude_m
+from stillarm.controller.estimation.delay.correlation import CorrelationDelay
+from stillarm.controller.estimation.estimate import Observation
+from stillarm.controller.estimation.methods import make_method
+from stillarm.controller.estimation.sine_method import SineMethod
+from stillarm.controller.joint.joint_motion import JointMotion
+from stillarm.controller.replay.replay import MethodRun, RecordedRun
+from stillarm.simulation.demo.scoring import Truth, scored_span_s, struck_amplitude_m
 
 _COLOURS = {"timestamps": "#c44e52", "correlation": "#4c72b0", "fused": "#55a868"}
 _TRUTH = "#333333"

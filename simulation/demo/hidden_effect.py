@@ -4,8 +4,8 @@ from math import isnan
 
 import numpy as np
 
-from common.causes import CAUSES, Parameter, Value
-from common.scenario import Move
+from stillarm.common.causes import CAUSES, Parameter, Value
+from stillarm.common.files.scenario import Move
 
 SHORTEST_S = 30.0
 _STREAM = 0x41DE

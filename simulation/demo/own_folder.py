@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from common.output_folder import make_folder
-from common.user_error import UserError
+from stillarm.common.files.output_folder import make_folder
+from stillarm.common.user_error import UserError
 
 _WRITTEN = (
     "config.toml",

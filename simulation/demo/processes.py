@@ -5,9 +5,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from common.child_process import start_module, stop_process
-from common.user_error import UserError
-from simulation.demo.parent_death import ended_with_parent
+from stillarm.common.process.child_process import start_module, stop_process
+from stillarm.common.process.parent_death import ended_with_parent
+from stillarm.common.user_error import UserError
 
 _STOP_WITHIN_S = 15.0
 _POLL_S = 0.1

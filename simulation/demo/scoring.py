@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from common.model import Model
-from controller.replay import MethodRun
-from simulation.ring_down import (
+from stillarm.common.files.model import Model
+from stillarm.controller.replay.replay import MethodRun
+from stillarm.simulation.demo.ring_down import (
     decay_rate_per_s,
     envelope_m,
     fitted_settling_time_s,

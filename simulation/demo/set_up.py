@@ -8,21 +8,21 @@ from pathlib import Path
 import msgspec
 import tomli_w
 
-from common.configuration import (
+from stillarm.common.files.configuration import (
     AccelerometerDevice,
     Configuration,
     DriveDevice,
     load_configuration,
     model_path,
 )
-from common.model import load_model
-from common.scenario import Scenario, Strike, Window
-from common.typed_toml import convert_tree
-from common.user_error import UserError
-from drivers.emulation.emulated_accelerometer import emulated_driver
-from simulation.accelerometer_model import as_read, with_device
-from simulation.demo.hidden_effect import draw_effect, revealing_moves
-from simulation.simulated_recording import default_simulation_configuration
+from stillarm.common.files.model import load_model
+from stillarm.common.files.scenario import Scenario, Strike, Window
+from stillarm.common.files.typed_toml import convert_tree
+from stillarm.common.user_error import UserError
+from stillarm.drivers.emulation.emulated_accelerometer import emulated_driver
+from stillarm.simulation.demo.hidden_effect import draw_effect, revealing_moves
+from stillarm.simulation.sensors.accelerometer_model import as_read, with_device
+from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
 
 RIG_MODEL_NAME = "rig_model.toml"
 EMULATED_DRIVES = ("udp_gateway", "odrive", "cia402", "mcp4725")

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from common.recording.reader import open_recording
-from simulation.demo.scoring import Truth
-from simulation.truth import STRIKE
+from stillarm.common.recording.reader import open_recording
+from stillarm.simulation.demo.scoring import Truth
+from stillarm.simulation.recording.truth import STRIKE
 
 
 def read_truth(path: Path, origin_monotonic_s: float) -> Truth:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from common.user_error import UserError
 from stillarm.arguments import seconds, seed
+from stillarm.common.user_error import UserError
 from stillarm.printed_rows import brief_estimator_row, print_rows
 from stillarm.progress import progress_bar
 
@@ -129,7 +129,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _vision(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.vision import run as run_vision
+    from stillarm.benchmarks.vision import run as run_vision
 
     with progress_bar("benchmark vision"):
         result = run_vision(trials, arguments.seed)
@@ -138,8 +138,8 @@ def _vision(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _hardware(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.hardware import run as run_hardware
-    from benchmarks.hardware_drives import camera_rows, drive_rows
+    from stillarm.benchmarks.hardware import run as run_hardware
+    from stillarm.benchmarks.hardware_drives import camera_rows, drive_rows
 
     with progress_bar("benchmark hardware"):
         result = run_hardware(trials, arguments.seed)
@@ -151,8 +151,8 @@ def _hardware(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.estimators.run import Part, campaign, draw
-    from benchmarks.estimators.run import run as run_estimators
+    from stillarm.benchmarks.estimators.run import Part, campaign, draw
+    from stillarm.benchmarks.estimators.run import run as run_estimators
 
     names = {
         option: _listed(getattr(arguments, option)) for option in ("methods", "regimes", "tables", "rows")
@@ -203,8 +203,8 @@ def _noises(text: str | None) -> list[float] | None:
 
 
 def _diagnosis(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.diagnosis.campaign import run as run_campaign
-    from benchmarks.diagnosis.tables import lines
+    from stillarm.benchmarks.diagnosis.campaign import run as run_campaign
+    from stillarm.benchmarks.diagnosis.tables import lines
 
     with progress_bar("benchmark diagnosis") as progress:
         result = run_campaign(trials, arguments.seed, arguments.resume, progress)
@@ -216,7 +216,7 @@ def _diagnosis(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _identification(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.identification import run_all
+    from stillarm.benchmarks.identification import run_all
 
     with progress_bar("benchmark identification") as progress:
         result = run_all(arguments.data, progress)
@@ -234,8 +234,8 @@ def _identification(arguments: argparse.Namespace, trials: int) -> dict[str, Any
 
 
 def _commission(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.commissioning import run as run_commissioning
-    from benchmarks.commissioning import shown
+    from stillarm.benchmarks.commissioning import run as run_commissioning
+    from stillarm.benchmarks.commissioning import shown
 
     with progress_bar("benchmark commission") as progress:
         result = run_commissioning(trials, arguments.seed, progress)
@@ -254,7 +254,7 @@ def _commission(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _faults(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.faults.run import run as run_faults
+    from stillarm.benchmarks.faults.run import run as run_faults
 
     with progress_bar("benchmark faults") as progress:
         result = run_faults(trials, arguments.seed, progress)
@@ -269,7 +269,7 @@ def _faults(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _flood(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.faults.flood import run as run_flood
+    from stillarm.benchmarks.faults.flood import run as run_flood
 
     with progress_bar("benchmark flood") as progress:
         result = run_flood(_duration_s(arguments), arguments.seed, progress)
@@ -286,7 +286,7 @@ def _duration_s(arguments: argparse.Namespace) -> float:
 
 
 def _soak(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.soak import run as run_soak
+    from stillarm.benchmarks.soak import run as run_soak
 
     with progress_bar("benchmark soak") as progress:
         result = run_soak(_duration_s(arguments), arguments.seed, progress)
@@ -298,8 +298,8 @@ def _soak(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.loop.run import run as run_loop
-    from benchmarks.loop.run import verdict
+    from stillarm.benchmarks.loop.run import run as run_loop
+    from stillarm.benchmarks.loop.run import verdict
     from stillarm.commands.latency_command import print_latency
 
     with progress_bar("benchmark loop") as progress:
@@ -314,9 +314,9 @@ def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 def _live(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     if arguments.kill_supervisor is not None:
         return _kills(arguments, trials)
-    from benchmarks.live.picture import draw
-    from benchmarks.live.run import run as run_live
-    from benchmarks.live.tables import by_method, by_run, verdict
+    from stillarm.benchmarks.live.picture import draw
+    from stillarm.benchmarks.live.run import run as run_live
+    from stillarm.benchmarks.live.tables import by_method, by_run, verdict
 
     methods = arguments.methods.split(",") if arguments.methods else None
     result = run_live(
@@ -338,8 +338,8 @@ def _live(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
 
 
 def _kills(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
-    from benchmarks.live.kill_run import run_all_kills
-    from benchmarks.live.kill_tables import by_gap, verdict
+    from stillarm.benchmarks.live.kills.kill_run import run_all_kills
+    from stillarm.benchmarks.live.kills.kill_tables import by_gap, verdict
 
     for option in ("duration_s", "out"):
         if getattr(arguments, option) is not None:

@@ -4,7 +4,7 @@ import argparse
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.blas_threads import one_blas_thread
+from stillarm.common.process.blas_threads import one_blas_thread
 from stillarm.found_model import print_parameters, write_model
 
 
@@ -22,11 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Calibrate, print every parameter with its uncertainty, write the model file."""
     one_blas_thread()
-    from common.model import check_model, load_model
-    from common.recording.reader import open_recording
-    from diagnosis.calibrate import calibrate
-    from diagnosis.commissioning.verdict import judge, marked
-    from diagnosis.measured import read_measured
+    from stillarm.common.files.model import check_model, load_model
+    from stillarm.common.recording.reader import open_recording
+    from stillarm.diagnosis.calibrate import calibrate
+    from stillarm.diagnosis.commissioning.verdict import judge, marked
+    from stillarm.diagnosis.measured import read_measured
     from stillarm.progress import progress_bar
 
     model = load_model(arguments.model)

@@ -4,9 +4,9 @@ import argparse
 import difflib
 import json
 
-from common.causes import CAUSES
-from common.user_error import UserError
 from stillarm.causes_page import page, schema, section
+from stillarm.common.causes import CAUSES
+from stillarm.common.user_error import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.user_error import UserError
 from stillarm.arguments import seconds
+from stillarm.common.user_error import UserError
 from stillarm.found_model import print_parameters, write_model
 
 
@@ -53,10 +53,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask, move, fit, write. Returns 1 if the model is not good enough for damping."""
-    from common.configuration import load_assumed_model, load_configuration
-    from common.model import check_model, length_of
-    from common.output_folder import make_folder
-    from diagnosis.commissioning.plan import Limits, within
+    from stillarm.common.files.configuration import load_assumed_model, load_configuration
+    from stillarm.common.files.model import check_model, length_of
+    from stillarm.common.files.output_folder import make_folder
+    from stillarm.diagnosis.commissioning.plan import Limits, within
 
     configuration = load_configuration(arguments.config)
     model = load_assumed_model(configuration, arguments.config)
@@ -74,10 +74,10 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.yes,
     )
     # these imports take seconds: the question must come first
-    from diagnosis.commissioning.live import LiveRig
-    from diagnosis.commissioning.picture import draw
-    from diagnosis.commissioning.procedure import commission
-    from diagnosis.commissioning.verdict import marked
+    from stillarm.diagnosis.commissioning.live import LiveRig
+    from stillarm.diagnosis.commissioning.picture import draw
+    from stillarm.diagnosis.commissioning.procedure import commission
+    from stillarm.diagnosis.commissioning.verdict import marked
     from stillarm.progress import progress_bar
 
     with progress_bar("commission") as progress:

@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from common.blas_threads import one_blas_thread
 from stillarm.arguments import seconds
+from stillarm.common.process.blas_threads import one_blas_thread
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
     one_blas_thread()
-    from controller.daemon import run as run_controller
+    from stillarm.controller.loop.daemon import run as run_controller
 
     run_controller(
         arguments.config,

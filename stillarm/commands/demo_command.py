@@ -38,8 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo and print its table."""
-    from simulation.demo.demo import run_demo
     from stillarm.progress import progress_bar
+    from stillarm.simulation.demo.demo import run_demo
 
     hide = arguments.hide
     duration_s = arguments.duration_s

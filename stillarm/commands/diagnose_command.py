@@ -1,22 +1,19 @@
 """`stillarm diagnose`: finds where the simulation is wrong, why, and what a correction gains."""
 
 import argparse
-import json
 import math
 import sys
-from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from common.blas_threads import one_blas_thread
-from common.user_error import UserError
 from stillarm.arguments import seconds
+from stillarm.common.process.blas_threads import one_blas_thread
+from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
-    from common.model import Model
-    from diagnosis.diagnose import Diagnosis
     from stillarm.commands.diagnose_many import Done
+    from stillarm.common.files.model import Model
 
 _MOST_PAIRS = 100
 
@@ -85,7 +82,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose each recording separately. Returns 1 if one could not be diagnosed."""
     one_blas_thread()
-    from common.model import load_model
+    from stillarm.common.files.model import load_model
 
     model = load_model(arguments.model) if arguments.model else None
     stems = [path.stem for path in arguments.recordings]
@@ -153,111 +150,3 @@ def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list
             done.append(one)
             progress(len(done) / len(jobs))
     return sorted(done, key=lambda one: jobs.index(one.job))
-
-
-def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> None:
-    """Write diagnosis.json, extended.toml and report.html. await_use: result of `put_to_use`.
-
-    The verdict is written first, since the drawing of the report may be interrupted.
-    """
-    from diagnosis.diagnose import model_text
-    from diagnosis.report.page import report_page
-
-    (folder / "extended.toml").write_text(model_text(result.extended))
-    _write_table(result, folder)
-    page = report_page(result, await_use)
-    _write_table(result, folder)  # now including the gain by the extended model
-    (folder / "report.html").write_text(page)
-
-
-def _write_table(result: "Diagnosis", folder: Path) -> None:
-    text = json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n"
-    (folder / "diagnosis.json").write_text(text)
-
-
-def put_to_use(
-    result: "Diagnosis",
-    path: Path,
-    model: "Model | None",
-    pairs: int,
-    run_each: Callable[..., Iterable[Any]],
-) -> Callable[[], None]:
-    """Start to simulate what the controller gains by the extended model, if that differs and can be run.
-
-    Returns a function that waits for the simulation and adds it to the result. pairs: number of pairs of runs.
-    run_each: `map`, or the `map` of an executor.
-    """
-    from common.configuration import load_configuration
-    from common.recording.reader import open_recording
-    from diagnosis.diagnose import model_of
-    from diagnosis.use import begin_use
-    from simulation.simulated_recording import default_simulation_configuration
-
-    table = result.table
-    if result.found.final.world.measured.pair or not (table["findings"] or table["baseline_changes"]):
-        return lambda: None
-    plain = model or model_of(open_recording(path))
-    configuration = load_configuration(default_simulation_configuration())
-    try:
-        found = begin_use(plain, result.extended, configuration, pairs=pairs, run_each=run_each)
-    except UserError as error:
-        found = _not_simulated(error)
-
-    def await_use() -> None:
-        try:
-            table["use"] = found()
-        except UserError as error:
-            table["use"] = _not_simulated(error)()
-
-    return await_use
-
-
-def _not_simulated(error: UserError) -> Callable[[], dict[str, Any]]:
-    return lambda: {"before": None, "after": None, "note": f"not simulated: {error}"}
-
-
-def _plain(value: Any) -> Any:
-    """Numbers for JSON: null for values that are not finite."""
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, bool) or value is None or isinstance(value, str):
-        return value
-    if hasattr(value, "item"):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
-
-
-def sentence(table: dict[str, Any]) -> str:
-    """The verdict in one sentence."""
-    from diagnosis.verdict import is_sure_of
-
-    parts = []
-    for finding in table["findings"]:
-        numbers = finding["parameters"].items()
-        values = ", ".join(f"{name} = {one['value']:.4g} +- {one['std']:.2g}" for name, one in numbers)
-        near = finding["indistinguishable_from"]
-        name = " or ".join([finding["cause"], *near])
-        cut = 100.0 * finding["held_out"]["reduction"]
-        unsure = (
-            ""
-            if is_sure_of(finding, table)
-            else f"hardly, with confidence {max(finding['confidence'], 0.001):.2g}: "
-        )
-        parts.append(f"{unsure}{name} ({values}; cuts the held-out error by {cut:.0f} %)")
-    blows = f"; {len(table['events'])} impacts that no sensor measured" if table["events"] else ""
-    if table["verdict"] == "none":
-        return f"nothing wrong with the simulation beyond its parameters{blows}"
-    if table["verdict"] == "named":
-        return f"{'; then '.join(parts)}{blows}"
-    left = table["unexplained"]
-    low, high = left["band_hz"]
-    rest = (
-        f"{left['channel']} holds structure at {low:.3g} to {high:.3g} Hz that no known cause explains "
-        f"(depends on: {left['dependence']})"
-    )
-    surely = bool(parts) and is_sure_of(table["findings"][0], table)
-    return "; ".join([*parts, rest] if surely else [rest, *parts]) + blows

@@ -10,9 +10,9 @@ from os import cpu_count
 from pathlib import Path
 from typing import Any
 
-from common.blas_threads import one_blas_thread
-from common.model import Model
-from common.user_error import UserError
+from stillarm.common.files.model import Model
+from stillarm.common.process.blas_threads import one_blas_thread
+from stillarm.common.user_error import UserError
 
 _CONNECT_S = 10
 _USE_S = 20.0  # duration of the gain's simulation and of the report on two cores
@@ -58,11 +58,11 @@ def diagnose_one(
     """
     began_s = time.monotonic()
     one_blas_thread()
-    from common.output_folder import make_folder
-    from diagnosis.budget import Budget
-    from diagnosis.diagnose import diagnose
-    from diagnosis.report.words import use_sentence
-    from stillarm.commands.diagnose_command import put_to_use, sentence, write
+    from stillarm.commands.diagnose_result import put_to_use, sentence, write
+    from stillarm.common.files.output_folder import make_folder
+    from stillarm.diagnosis.budget import Budget
+    from stillarm.diagnosis.diagnose import diagnose
+    from stillarm.diagnosis.report.words import use_sentence
 
     try:
         budget = Budget(job.budget_s, began_s)
@@ -86,7 +86,7 @@ def beside() -> Iterator[Callable[..., Iterable[Any]]]:
     """A `map` that runs in two separate processes, which start in the background; in this process if those die."""
     one_blas_thread()
     context = get_context("forkserver")
-    context.set_forkserver_preload(["diagnosis.use"])  # imported once, for both
+    context.set_forkserver_preload(["stillarm.diagnosis.use"])  # imported once, for both
     with ProcessPoolExecutor(2, mp_context=context) as pool:
 
         def run_each(work: Callable[[Any], Any], items: Iterable[Any]) -> Iterable[Any]:

@@ -15,8 +15,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Export, and list the files."""
-    from common.csv_bundle.bundle_export import export_csv, export_parquet
-    from common.recording.reader import open_recording
+    from stillarm.common.csv_bundle.bundle_export import export_csv, export_parquet
+    from stillarm.common.recording.reader import open_recording
 
     recording = open_recording(arguments.recording)
     written = (export_parquet if arguments.parquet else export_csv)(recording, arguments.out)

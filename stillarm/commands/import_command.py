@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from common.user_error import UserError
+from stillarm.common.user_error import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _bundle(arguments: argparse.Namespace) -> list[str]:
-    from common.csv_bundle.bundle_import import import_bundle
+    from stillarm.common.csv_bundle.bundle_import import import_bundle
 
     report = import_bundle(arguments.source, arguments.out)
     model = "its own model.toml" if report.model_given else "no model.toml: every key at its default"
@@ -45,7 +45,7 @@ def _bundle(arguments: argparse.Namespace) -> list[str]:
 
 
 def _mapped(arguments: argparse.Namespace) -> list[str]:
-    from common.mapped_data import import_mapped
+    from stillarm.common.csv_bundle.mapped_data import import_mapped
 
     if arguments.rate_hz is None:
         raise UserError("--rate-hz: needed with --map; give the sampling rate in samples a second")

@@ -5,9 +5,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from common.blas_threads import one_blas_thread
-from common.user_error import UserError
 from stillarm.arguments import seconds
+from stillarm.common.process.blas_threads import one_blas_thread
+from stillarm.common.user_error import UserError
 from stillarm.progress import progress_bar
 
 
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Measure and print."""
     one_blas_thread()
-    from benchmarks.loop.latency import run as measure
+    from stillarm.benchmarks.loop.latency import run as measure
 
     with progress_bar("latency") as progress:
         result = measure(arguments.duration_s, progress)

@@ -4,11 +4,11 @@ import argparse
 import time
 from pathlib import Path
 
-from common.configuration import Configuration, load_configuration
-from common.link_key import load_key
-from common.operator_sender import OperatorSender
-from common.udp import UdpSocket, new_session
-from common.user_error import UserError
+from stillarm.common.files.configuration import Configuration, load_configuration
+from stillarm.common.link.link_key import load_key
+from stillarm.common.link.operator_sender import OperatorSender
+from stillarm.common.link.udp import UdpSocket, new_session
+from stillarm.common.user_error import UserError
 
 _WORDS = {
     "arm": "the joint may move",
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def operate(configuration: Configuration, word: str) -> str:
     """Send a command to the running controller; returns its address. Raises UserError when none answers."""
-    from controller.states.table import Operator
+    from stillarm.controller.safety.table import Operator
 
     bits = Operator.EMERGENCY_STOP if word == "stop" else Operator[word.upper()]
     link = configuration.link

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Repair the recording, and report what was kept."""
-    from common.recording.recover import recover
+    from stillarm.common.recording.recover import recover
 
     out = arguments.out or arguments.recording.with_suffix(".recovered.mcap")
     report = recover(arguments.recording, out)

@@ -5,16 +5,16 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from common.output_folder import make_folder
-from common.user_error import UserError
+from stillarm.common.files.output_folder import make_folder
+from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
-    from common.recording.reader import Recording
+    from stillarm.common.recording.reader import Recording
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    from controller.methods import METHODS
+    from stillarm.controller.estimation.methods import METHODS
 
     parser.add_argument("recording", type=Path, metavar="REC", help="recording (MCAP)")
     parser.add_argument(
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _replay_images(recording: "Recording") -> int:
     """Track the images of a supervisor's recording again."""
-    from supervisor.recorded_images import compare_with_live
+    from stillarm.supervisor.recorded_images import compare_with_live
 
     comparison = compare_with_live(recording)
     same = (
@@ -53,11 +53,11 @@ def _spare_bundle(folder: Path) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay and write the tables."""
-    from common.effects import not_used_by_controller
-    from common.recording.reader import open_recording
-    from controller.methods import METHODS
-    from controller.replay import compare_with_live, read_run, replay_method
-    from controller.replay_tables import replay_summary, write_tables
+    from stillarm.common.files.effects import not_used_by_controller
+    from stillarm.common.recording.reader import open_recording
+    from stillarm.controller.estimation.methods import METHODS
+    from stillarm.controller.replay.replay import compare_with_live, read_run, replay_method
+    from stillarm.controller.replay.replay_tables import replay_summary, write_tables
     from stillarm.progress import progress_bar
 
     recording = open_recording(arguments.recording)

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
-    from simulation.rig import run as run_rig
+    from stillarm.simulation.rig.rig import run as run_rig
 
     run_rig(
         arguments.config,

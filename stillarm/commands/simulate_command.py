@@ -44,10 +44,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, and report the computing time of each part."""
-    from common.effects import not_used_by_controller
-    from common.model import load_model
-    from simulation.simulated_recording import write_simulated_recording
+    from stillarm.common.files.effects import not_used_by_controller
+    from stillarm.common.files.model import load_model
     from stillarm.progress import progress_bar
+    from stillarm.simulation.virtual_time.simulated_recording import write_simulated_recording
 
     assumed_path = arguments.assumed_model or arguments.model
     if unused := not_used_by_controller(load_model(assumed_path)):

@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
-    from supervisor.daemon import run as run_supervisor
+    from stillarm.supervisor.daemon import run as run_supervisor
 
     run_supervisor(arguments.config, arguments.record_images)
     return 0

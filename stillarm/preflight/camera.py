@@ -9,12 +9,12 @@ from math import isfinite, nan
 
 import numpy as np
 
-from common.configuration import CameraDevice, Tracker
-from common.model import Model
-from common.visual_sample import TrackingStatus, VisualSample
-from drivers.camera import Camera, EndOfStream
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.files.configuration import CameraDevice, Tracker
+from stillarm.common.files.model import Model
+from stillarm.drivers.cameras.camera import Camera, EndOfStream
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
-from supervisor.step import Supervisor
+from stillarm.supervisor.step import Supervisor
 
 _FEWEST_FRAMES = 5
 _RATE_OFF = 0.05  # relative error of the frame rate

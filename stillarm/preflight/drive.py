@@ -4,13 +4,13 @@ import time
 from collections.abc import Callable
 from math import isnan
 
-from common.configuration import DriveDevice
-from common.messages import DriveCommand, DriveState, Hello
-from common.model import Model
-from common.peer import Peer
-from common.udp import UdpSocket, new_session
-from common.user_error import UserError
-from drivers.drive import DriveProbe
+from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
+from stillarm.common.files.configuration import DriveDevice
+from stillarm.common.files.model import Model
+from stillarm.common.link.peer import Peer
+from stillarm.common.link.udp import UdpSocket, new_session
+from stillarm.common.user_error import UserError
+from stillarm.drivers.drives.drive import DriveProbe
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
 _ASK_EVERY_S = 0.02
@@ -20,15 +20,15 @@ _FEWEST_PER_S = 20.0
 def probe_drive(config: DriveDevice, key: bytes, span_s: float) -> DriveProbe:
     """Query the configured drive. Raises UserError if it does not answer."""
     if config.driver == "odrive":
-        from drivers.odrive_drive import OdriveDrive
+        from stillarm.drivers.drives.odrive_drive import OdriveDrive
 
         return OdriveDrive(config).probe(span_s)
     if config.driver == "cia402":
-        from drivers.cia402_drive import Cia402Drive
+        from stillarm.drivers.drives.cia402_drive import Cia402Drive
 
         return Cia402Drive(config).probe(span_s)
     if config.driver == "mcp4725":
-        from drivers.mcp4725_drive import Mcp4725Drive
+        from stillarm.drivers.drives.mcp4725_drive import Mcp4725Drive
 
         return Mcp4725Drive(config, wait_s=0.0).probe(span_s)
     return greet_gateway(config, key, span_s)

@@ -5,15 +5,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import isnan
 
-from common.configuration import Configuration, Link
-from common.datagram import DEMO_KEY
-from common.link_key import is_loopback, load_key
-from common.udp import UdpSocket, new_session
-from common.user_error import UserError
-from common.visual_sample import VisualSample
-from controller.exchange import ControllerExchange
+from stillarm.common.datagrams.datagram import DEMO_KEY
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.files.configuration import Configuration, Link
+from stillarm.common.link.link_key import is_loopback, load_key
+from stillarm.common.link.udp import UdpSocket, new_session
+from stillarm.common.user_error import UserError
+from stillarm.controller.input.exchange import ControllerExchange
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
-from supervisor.exchange import SupervisorExchange
+from stillarm.supervisor.exchange import SupervisorExchange
 
 _LONG_ROUND_TRIP_S = 0.005
 _AT_ONCE = 64

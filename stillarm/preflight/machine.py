@@ -5,7 +5,7 @@ import platform
 from dataclasses import dataclass
 from pathlib import Path
 
-from controller.realtime import missing_privileges
+from stillarm.controller.loop.realtime import missing_privileges
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
 _WHERE = "machine"

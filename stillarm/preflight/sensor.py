@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from common.configuration import AccelerometerDevice
-from common.model import Model
-from common.user_error import UserError
-from drivers.accelerometer import Accelerometer, SampleStatus
-from drivers.mounting import measured_direction, sensed_axes
-from drivers.standard_gravity import STANDARD_GRAVITY_M_S2
+from stillarm.common.files.configuration import AccelerometerDevice
+from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
+from stillarm.drivers.accelerometers.accelerometer import Accelerometer, SampleStatus
+from stillarm.drivers.accelerometers.mounting import measured_direction, sensed_axes
+from stillarm.drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
 _SLOWEST_BUS_HZ = 300_000

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import cv2
 
-from common.configuration import Configuration, load_assumed_model, load_configuration
-from common.model import Model
-from common.user_error import UserError
-from drivers.accelerometer_factory import open_accelerometer
-from drivers.camera_factory import open_camera
-from drivers.i2c import MEMORY_PREFIX
+from stillarm.common.files.configuration import Configuration, load_assumed_model, load_configuration
+from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
+from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerometer
+from stillarm.drivers.buses.i2c import MEMORY_PREFIX
+from stillarm.drivers.cameras.camera_factory import open_camera
 from stillarm.preflight.camera import CameraFacts, judge_camera, watch_camera
 from stillarm.preflight.drive import judge_drive, probe_drive
 from stillarm.preflight.link import (

@@ -2,3 +2,5 @@
 
 Begin with `tracker.py`. Camera, clock and datagrams do not belong here.
 """
+
+__all__ = ["tracker"]

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from supervisor.tracking.photometry import overlapping
-from supervisor.tracking.prepared_image import SmallImage, inner_product
+from stillarm.supervisor.tracking.matching.photometry import overlapping
+from stillarm.supervisor.tracking.matching.prepared_image import SmallImage, inner_product
 
 MIN_COMMON = 0.12  # share of the image
 _ENOUGH = 4000  # px: above this, every second one of a row and a column is enough

@@ -6,7 +6,7 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from common.visual_sample import TrackingStatus
+from stillarm.common.datagrams.visual_sample import TrackingStatus
 
 Matrix = NDArray[np.float64]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from common.visual_sample import TrackingStatus
-from supervisor.tracking.prepared_image import GreyImage, PreparedImage
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.supervisor.tracking.matching.prepared_image import GreyImage, PreparedImage
 
 DARK_MEAN = 12.0  # grey levels: below this, with little contrast, a lens cap is on or a lamp is off
 DARK_CONTRAST = 6.0

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supervisor.tracking.displacement import Matrix
-from supervisor.tracking.features import Points, spread_corners
-from supervisor.tracking.flow import inside
-from supervisor.tracking.interpolation_bias import interpolation_bias
-from supervisor.tracking.pose import Pose, pose_since, turned
-from supervisor.tracking.prepared_image import GreyImage, PreparedImage
+from stillarm.supervisor.tracking.displacement import Matrix
+from stillarm.supervisor.tracking.matching.features import Points, spread_corners
+from stillarm.supervisor.tracking.matching.flow import inside
+from stillarm.supervisor.tracking.matching.interpolation_bias import interpolation_bias
+from stillarm.supervisor.tracking.matching.prepared_image import GreyImage, PreparedImage
+from stillarm.supervisor.tracking.pose import Pose, pose_since, turned
 
 MAX_KEY_FRAMES = 24
 LEAVE_VIEW = 0.5  # share of a key frame's features in view, below which another key frame is needed

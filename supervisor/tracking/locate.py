@@ -9,19 +9,19 @@ the coarse search. Each attempt starts with a few features and uses all of them 
 from dataclasses import replace
 from math import hypot, inf
 
-from common.configuration import Tracker
-from common.visual_sample import TrackingStatus
-from supervisor.tracking.coarse_search import CoarseView, coarse_shift, coarse_view, overlap_score
-from supervisor.tracking.key_frame import KeyFrame, KeyFrames
-from supervisor.tracking.measurement import (
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.common.files.configuration import Tracker
+from stillarm.supervisor.tracking.coarse_search import CoarseView, coarse_shift, coarse_view, overlap_score
+from stillarm.supervisor.tracking.key_frame import KeyFrame, KeyFrames
+from stillarm.supervisor.tracking.matching.prepared_image import PreparedImage
+from stillarm.supervisor.tracking.measurement import (
     UNSTEADY_LEVELS,
     Measurement,
     measure,
     measure_warily,
     nothing_found,
 )
-from supervisor.tracking.pose import Pose, extrapolated, pose_since, total_pose
-from supervisor.tracking.prepared_image import PreparedImage
+from stillarm.supervisor.tracking.pose import Pose, extrapolated, pose_since, total_pose
 
 COASTING_FRAMES = 3  # number of lost frames for which constant velocity is still a fair guess
 SAME_SCENE = 0.35  # score of coarse_search above which two small images are assumed to show the same scene

@@ -6,17 +6,23 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from common.configuration import Tracker
-from common.visual_sample import TrackingStatus
-from supervisor.tracking.displacement import Matrix
-from supervisor.tracking.features import Points
-from supervisor.tracking.flow import inside, median_motion, possible_levels, returned_points, tracked_points
-from supervisor.tracking.interpolation_bias import bias_variance
-from supervisor.tracking.key_frame import KeyFrame
-from supervisor.tracking.photometry import equalised, gain_and_offset
-from supervisor.tracking.pose import Pose, pose_since, total_pose
-from supervisor.tracking.prepared_image import GreyImage, PreparedImage, reduced
-from supervisor.tracking.rigid_displacement import fit_rigid
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.common.files.configuration import Tracker
+from stillarm.supervisor.tracking.displacement import Matrix
+from stillarm.supervisor.tracking.key_frame import KeyFrame
+from stillarm.supervisor.tracking.matching.features import Points
+from stillarm.supervisor.tracking.matching.flow import (
+    inside,
+    median_motion,
+    possible_levels,
+    returned_points,
+    tracked_points,
+)
+from stillarm.supervisor.tracking.matching.interpolation_bias import bias_variance
+from stillarm.supervisor.tracking.matching.photometry import equalised, gain_and_offset
+from stillarm.supervisor.tracking.matching.prepared_image import GreyImage, PreparedImage, reduced
+from stillarm.supervisor.tracking.matching.rigid_displacement import fit_rigid
+from stillarm.supervisor.tracking.pose import Pose, pose_since, total_pose
 
 MAX_SCALE = 1.0 / 640.0  # of the image's longer side: features that scatter more do not show one rigid motion
 MAX_SCALE_SMALL_PX = 1.0  # lower bound of that limit

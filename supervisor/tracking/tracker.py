@@ -11,15 +11,15 @@ after UNCONFIRMED_FRAMES.
 import numpy as np
 from msgspec.structs import replace
 
-from common.configuration import Tracker
-from common.visual_sample import TrackingStatus
-from supervisor.tracking.displacement import Displacement, Matrix
-from supervisor.tracking.image_quality import image_quality, is_frozen
-from supervisor.tracking.key_frame import KeyFrame, KeyFrames, take_key_frame
-from supervisor.tracking.locate import SceneLocator
-from supervisor.tracking.measurement import UNSTEADY_LEVELS, Measurement, measure_warily
-from supervisor.tracking.pose import Pose
-from supervisor.tracking.prepared_image import GreyImage, PreparedImage, is_image, prepared
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.common.files.configuration import Tracker
+from stillarm.supervisor.tracking.displacement import Displacement, Matrix
+from stillarm.supervisor.tracking.image_quality import image_quality, is_frozen
+from stillarm.supervisor.tracking.key_frame import KeyFrame, KeyFrames, take_key_frame
+from stillarm.supervisor.tracking.locate import SceneLocator
+from stillarm.supervisor.tracking.matching.prepared_image import GreyImage, PreparedImage, is_image, prepared
+from stillarm.supervisor.tracking.measurement import UNSTEADY_LEVELS, Measurement, measure_warily
+from stillarm.supervisor.tracking.pose import Pose
 
 UNCONFIRMED_FRAMES = 5
 WINDOWS = (1.0, 0.7, 0.5, 0.33)  # of the configured one, tried in turn on the first image

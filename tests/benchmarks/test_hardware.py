@@ -1,8 +1,8 @@
 """The table of what reads cost: a row for every device, with finite numbers."""
 
-from benchmarks import hardware
-from drivers.accelerometer_tables import TABLES
-from drivers.serial_devices import SERIAL_DEVICES
+from stillarm.benchmarks import hardware
+from stillarm.drivers.accelerometers.register_tables import TABLES
+from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
 
 
 def test_a_row_for_every_accelerometer() -> None:

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import identification
-from benchmarks.identification import Pair, compare, run_all, silverbox, simulation_speed
-from common.user_error import UserError
+from stillarm.benchmarks import identification
+from stillarm.benchmarks.identification import Pair, compare, run_all, silverbox, simulation_speed
+from stillarm.common.user_error import UserError
 
 
 def _pair() -> Pair:

@@ -7,11 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.anonymous import explained
-from diagnosis.fit import make_data
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.diagnosis.anonymous import explained
+from stillarm.diagnosis.fit import make_data
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 SPLIT = interleaved(9.0)
 
@@ -56,6 +56,6 @@ def test_a_mount_that_comes_loose_is_told_from_a_tilt(is_loose: bool, hertz: flo
     baseline, tilted = fitted(data, split=split), fitted(data, "camera.rotation_px_per_rad", split=split)
     terms = explained(make_data(baseline.world, split), baseline)
     assert terms.channel == "displacement"
-    ahead = terms.first_nats - (tilted.train_nats - baseline.train_nats)
+    ahead = terms.first_nats - (tilted.train_log_likelihood - baseline.train_log_likelihood)
     assert (ahead > 5.0) is is_loose
     assert terms.names[0].startswith("a mount") or not is_loose

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.arrival_steps import arrival_step
-from diagnosis.noise import wander_colour
+from stillarm.diagnosis.arrival_steps import arrival_step
+from stillarm.diagnosis.noise import wander_colour
 
 FRAMES, AT = 1500, 900
 

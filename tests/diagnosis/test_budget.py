@@ -2,13 +2,20 @@
 
 import pytest
 
-from diagnosis.affordable import MIN_S, RUNS, affordable
-from diagnosis.budget import MIN_STAGES_SHARE, VERDICT_S, VERDICT_SHARE, Budget, OutOfTime, check_time
-from diagnosis.diagnose import diagnose_measured
-from diagnosis.measured import first_part
-from diagnosis.side_by_side import meanwhile, side_by_side
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, measured
+from stillarm.diagnosis.affordable import MIN_S, RUNS, affordable
+from stillarm.diagnosis.budget import (
+    MIN_STAGES_SHARE,
+    VERDICT_S,
+    VERDICT_SHARE,
+    Budget,
+    OutOfTime,
+    check_time,
+)
+from stillarm.diagnosis.diagnose import diagnose_measured
+from stillarm.diagnosis.measured import first_part
+from stillarm.diagnosis.side_by_side import meanwhile, side_by_side
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, measured
 
 
 class Clock:

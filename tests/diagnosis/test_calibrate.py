@@ -8,12 +8,12 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from common.model import Drive, Mode, Model, Timing
-from common.recording.reader import open_recording
-from common.scenario import Move, Scenario, Strike
-from diagnosis.calibrate import Calibration, calibrate
-from diagnosis.measured import read_measured
-from tests.diagnosis.simulated import MODEL, record
+from stillarm.common.files.model import Drive, Mode, Model, Timing
+from stillarm.common.files.scenario import Move, Scenario, Strike
+from stillarm.common.recording.reader import open_recording
+from stillarm.diagnosis.calibrate import Calibration, calibrate
+from stillarm.diagnosis.measured import read_measured
+from tests.fixtures.simulated import MODEL, record
 
 pytestmark = pytest.mark.slow
 
@@ -53,7 +53,7 @@ def test_from_moves_alone(tmp_path: Path) -> None:
     near(calibrated(tmp_path, Scenario(duration_s=14.0, moves=MOVES)).model, True)
 
 
-def test_from_moves_with_blows_among_them(tmp_path: Path) -> None:
+def test_from_moves_with_impacts_among_them(tmp_path: Path) -> None:
     """Nobody has told of the blows: they are found on the way."""
     strikes = [Strike(6.5, 0.01), Strike(10.0, -0.008)]
     found = calibrated(tmp_path, Scenario(duration_s=15.0, moves=MOVES, strikes=strikes))

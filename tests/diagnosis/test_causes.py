@@ -7,24 +7,24 @@ import msgspec
 import numpy as np
 import pytest
 
-from common.causes import CAUSES as CATALOGUE
-from common.model import Mode, load_model
-from common.scenario import Scenario, Strike
-from diagnosis.candidate import Candidate
-from diagnosis.catalogue import CAUSES
-from diagnosis.cause import Context
-from diagnosis.diagnose import model_text
-from diagnosis.extended_model import effect_of
-from diagnosis.fit import Fit
-from diagnosis.impacts import carried
-from diagnosis.quantities import HIGHER
-from diagnosis.screen import residual_peaks, variant
-from diagnosis.search import search
-from diagnosis.split import interleaved
-from simulation.virtual_time import VirtualRun, simulate
-from tests.diagnosis.simulated import MODEL as RIG_MODEL
-from tests.diagnosis.simulated import SIZES
-from tests.diagnosis.synthetic import MODEL, NOISE, fitted, measured
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.common.files.model import Mode, load_model
+from stillarm.common.files.scenario import Scenario, Strike
+from stillarm.diagnosis.candidate import Candidate
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.cause import Context
+from stillarm.diagnosis.diagnose import model_text
+from stillarm.diagnosis.extended_model import effect_of
+from stillarm.diagnosis.fit import Fit
+from stillarm.diagnosis.impacts import carried_over
+from stillarm.diagnosis.quantities import HIGHER
+from stillarm.diagnosis.screen import residual_peaks, variant
+from stillarm.diagnosis.search import search
+from stillarm.diagnosis.split import interleaved
+from stillarm.simulation.virtual_time.virtual_time import VirtualRun, simulate
+from tests.fixtures.simulated import MODEL as RIG_MODEL
+from tests.fixtures.simulated import SIZES
+from tests.fixtures.synthetic import MODEL, NOISE, fitted, measured
 
 LAWS = {"impulse_noise", "frame_drops", "delay_bursts"}
 SPLIT = interleaved(6.0)
@@ -100,7 +100,7 @@ def test_its_trials_move_some_channel_and_its_parameters_are_the_catalogues(caus
     effective = 0
     for trial in trials[:6]:
         world = variant(plain.world, dict(trial.options))
-        start = carried(plain, world)
+        start = carried_over(plain, world)
         base = world.predict(start).channels
         moved = start.copy()
         for name, value in {**trial.shape, **trial.columns[0]}.items():
@@ -111,7 +111,7 @@ def test_its_trials_move_some_channel_and_its_parameters_are_the_catalogues(caus
         assert all(name in world.space.place for name in names)
     assert effective
     world = variant(plain.world, dict(trials[0].options))
-    start = carried(plain, world)
+    start = carried_over(plain, world)
     nothing = np.zeros(len(SPLIT.held))
     other = Fit(
         world,
@@ -157,8 +157,8 @@ _NOBODY, _LAW = _Nobody(), object()
 @pytest.mark.slow
 def test_extended_models_load_and_run(tmp_path: Path) -> None:
     """Each cause as an effect in a file that a user would have, in the simulation that he would run."""
-    from common.configuration import load_configuration
-    from simulation.simulated_recording import default_simulation_configuration
+    from stillarm.common.files.configuration import load_configuration
+    from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
 
     configuration = load_configuration(default_simulation_configuration())
     scenario = Scenario(duration_s=0.2, strikes=[Strike(0.05, 0.02)])
@@ -190,7 +190,7 @@ def test_a_buffer_holds_whole_frames(plain: Fit, frames: float, likely: bool) ->
     vector = plain.vector.copy()
     vector[plain.world.space.place["timing.stale_frames"]] = frames
     one = replace(plain, vector=vector, std={"timing.stale_frames": 0.002})
-    assert (CAUSES["stale_frame_buffer"].surprise(one) < 1.0) is likely
+    assert (CAUSES["stale_frame_buffer"].prior_penalty(one) < 1.0) is likely
 
 
 @pytest.mark.parametrize(("hz", "possible"), [(2.5, False), (2.9, False), (6.0, True), (15.0, True)])
@@ -214,5 +214,5 @@ def test_a_hum_is_what_has_the_frequency_of_a_mains_that_is_near(plain: Fit, hz:
     for name in ("accelerometer.hum_hz", "arm.periodic_hz"):
         vector[plain.world.space.place[name]] = hz
     one = replace(plain, vector=vector)
-    ahead = CAUSES["periodic_disturbance"].surprise(one) - CAUSES["mains_hum"].surprise(one)
+    ahead = CAUSES["periodic_disturbance"].prior_penalty(one) - CAUSES["mains_hum"].prior_penalty(one)
     assert ahead >= lead if lead > 0.0 else lead <= ahead < 0.0

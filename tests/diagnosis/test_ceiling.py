@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.ceiling import plateau_of
+from stillarm.diagnosis.ceiling import plateau_of
 
 Array = NDArray[np.float64]
 NOISE = 0.25

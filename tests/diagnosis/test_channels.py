@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import diagnosis
-from diagnosis.channels import FAST_CHANNELS, FRAME_CHANNELS, without_dead_sensors
-from diagnosis.fit import fit, make_data
-from diagnosis.image_dating import image_nats, older_from
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, measured
+from stillarm import diagnosis
+from stillarm.diagnosis.channels import FAST_CHANNELS, FRAME_CHANNELS, without_dead_sensors
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.image_dating import image_nats, older_from
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, measured
 
 HOLDERS = {"channels", "sigma", "residuals", "colour", "blocks", "train", "held"}
 """Tables by channel, of which a literal subscript would be a KeyError where the channel is not there."""

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.candidate import Candidate, Found, Stage
-from diagnosis.catalogue import CAUSES
-from diagnosis.cause import Trial
-from diagnosis.choice import (
+from stillarm.diagnosis.candidate import Candidate, Found, Stage
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.cause import Trial
+from stillarm.diagnosis.choice import (
     Rest,
     _likelier,
     by_all_blocks,
@@ -20,9 +20,9 @@ from diagnosis.choice import (
     rank,
     rest,
 )
-from diagnosis.laws import LawFound
-from diagnosis.screen import Scored, Screening
-from tests.diagnosis.synthetic import fitted, measured
+from stillarm.diagnosis.laws import LawFound
+from stillarm.diagnosis.screen import Scored, Screening
+from tests.fixtures.synthetic import fitted, measured
 
 SCREENING = Screening([], threshold_nats=8.0)
 BLOCKS = 10
@@ -57,21 +57,21 @@ LAG, FRICTION = candidate("drive_lag", 200.0, 100.0), candidate("joint_friction"
 
 
 def test_rank_keeps_the_better_start_of_a_cause_and_puts_the_largest_held_out_gain_first() -> None:
-    worse = replace(LAG, train_gain=190.0, held_gain=120.0)
+    worse = replace(LAG, train_gain=190.0, held_out_gain=120.0)
     assert rank([FRICTION, worse, LAG]) == [LAG, FRICTION]
 
 
 def test_rank_charges_for_further_quantities_and_for_unlikely_values() -> None:
-    assert rank([replace(LAG, surprise=41.0), FRICTION])[0] is FRICTION
-    assert rank([replace(LAG, held_gain=60.5, free=("one", "two")), FRICTION])[0] is FRICTION
+    assert rank([replace(LAG, prior_penalty=41.0), FRICTION])[0] is FRICTION
+    assert rank([replace(LAG, held_out_gain=60.5, free=("one", "two")), FRICTION])[0] is FRICTION
 
 
 @pytest.mark.parametrize(
     "short",
     [
         replace(LAG, train_gain=7.9),
-        replace(LAG, held_gain=3.4),
-        replace(LAG, held_std=101.0),
+        replace(LAG, held_out_gain=3.4),
+        replace(LAG, held_out_std=101.0),
         replace(LAG, values={"bandwidth_hz": (-1.0, 0.1)}),
     ],
     ids=["by chance", "too small a gain", "in few blocks", "outside the catalogue"],
@@ -94,14 +94,14 @@ def in_blocks(one: Candidate, train: list[float], held: list[float]) -> Candidat
     trained[: len(train)], judged[-len(held) :] = train, held
     spread = float(np.std(judged, ddof=1) * BLOCKS**0.5)
     return replace(
-        one, train_gain=trained.sum(), held_gain=judged.sum(), held_std=spread, block_gains=judged,
+        one, train_gain=trained.sum(), held_out_gain=judged.sum(), held_out_std=spread, block_gains=judged,
         train_blocks=trained,
     )  # fmt: skip
 
 
 def test_what_shows_in_few_blocks_may_show_in_one_that_is_held_out() -> None:
     few = in_blocks(LAG, [90.0, 16.0], [-2.0, 15.0])
-    assert few.held_gain < few.held_std
+    assert few.held_out_gain < few.held_out_std
     assert choose([few], SCREENING) is few
     assert choose([in_blocks(LAG, [], [-2.0, 15.0])], SCREENING) is None  # there alone
     assert choose([in_blocks(LAG, [90.0], [3.0])], SCREENING) is None  # and next to nothing there
@@ -133,7 +133,7 @@ def test_what_gains_and_loses_by_turns_is_a_noise_that_is_not_white() -> None:
     held = np.arange(BLOCKS) % 2 == 0
     for gains, taken in ((turns, False), (np.full(BLOCKS, turns.mean()), True)):
         one = replace(
-            LAG, train_gain=gains[~held].sum(), held_gain=gains[held].sum(), held_std=60.0,
+            LAG, train_gain=gains[~held].sum(), held_out_gain=gains[held].sum(), held_out_std=60.0,
             train_blocks=np.where(held, 0.0, gains), block_gains=np.where(held, gains, 0.0),
         )  # fmt: skip
         assert (choose([one], SCREENING) is not None) is taken
@@ -146,7 +146,7 @@ def test_blocks_that_differ_because_some_show_far_more_of_a_cause_do_not_speak_a
         gains = np.array([one if one > 0.0 else factor * one for one in shown])
         held = np.arange(BLOCKS) % 2 == 1
         one = replace(
-            LAG, train_gain=gains[~held].sum(), held_gain=gains[held].sum(), held_std=100.0,
+            LAG, train_gain=gains[~held].sum(), held_out_gain=gains[held].sum(), held_out_std=100.0,
             train_blocks=np.where(held, 0.0, gains), block_gains=np.where(held, gains, 0.0),
         )  # fmt: skip
         assert (choose([one], SCREENING) is not None) is taken
@@ -167,11 +167,11 @@ def test_a_law_waits_but_not_for_what_explains_far_less() -> None:
 
 
 def test_what_the_data_show_by_themselves_comes_first() -> None:
-    certain = replace(FRICTION, certain=True, held_std=1e3)
+    certain = replace(FRICTION, certain=True, held_out_std=1e3)
     assert choose([LAG, certain], SCREENING) is certain
-    not_held_out = replace(certain, held_gain=0.5)
+    not_held_out = replace(certain, held_out_gain=0.5)
     assert choose([not_held_out], SCREENING) is not_held_out
-    assert choose([replace(certain, held_gain=-9.0)], SCREENING) is None
+    assert choose([replace(certain, held_out_gain=-9.0)], SCREENING) is None
 
 
 def test_doubt_where_nothing_convinces_or_another_explains_more_of_what_was_searched() -> None:
@@ -184,23 +184,23 @@ def test_doubt_where_nothing_convinces_or_another_explains_more_of_what_was_sear
 
 def test_another_name_for_what_is_found_is_noted_and_not_taken() -> None:
     first = Stage(SCREENING, [LAG, FRICTION], LAG)
-    again = replace(FRICTION, train_gain=50.0, held_gain=20.0)
+    again = replace(FRICTION, train_gain=50.0, held_out_gain=20.0)
     assert next_to_take(Stage(SCREENING, [again], again), found(first)) is None
     assert set(first.other_names) == {"joint_friction"}
 
 
 def test_a_cause_that_explained_little_alone_is_taken_next() -> None:
-    first = Stage(SCREENING, [LAG, replace(FRICTION, train_gain=30.0, held_gain=9.0)], LAG)
+    first = Stage(SCREENING, [LAG, replace(FRICTION, train_gain=30.0, held_out_gain=9.0)], LAG)
     assert next_to_take(Stage(SCREENING, [FRICTION], FRICTION), found(first)) is FRICTION
     assert first.other_names == []
 
 
 def test_what_a_simple_form_leaves_of_the_first_finding_is_not_taken() -> None:
-    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=2000.0, held_gain=1000.0)))
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=2000.0, held_out_gain=1000.0)))
     same_place, elsewhere = candidate("joint_friction", 78.0, 39.0), candidate("lens_distortion", 78.0, 39.0)
     assert next_to_take(Stage(SCREENING, [same_place], same_place), first) is None
     assert next_to_take(Stage(SCREENING, [elsewhere], elsewhere), first) is elsewhere
-    less = replace(elsewhere, train_gain=18.0, held_gain=9.0)
+    less = replace(elsewhere, train_gain=18.0, held_out_gain=9.0)
     assert next_to_take(Stage(SCREENING, [less], less), first) is None
     assert (
         next_to_take(Stage(SCREENING, [less], less), first, lambda one: Rest(nothing=True, share=0.0)) is less
@@ -208,7 +208,7 @@ def test_what_a_simple_form_leaves_of_the_first_finding_is_not_taken() -> None:
 
 
 def test_what_is_small_beside_a_later_finding_is_what_that_leaves_too() -> None:
-    step, lag = candidate("clock_step", 20.0, 10.0), replace(LAG, train_gain=2000.0, held_gain=1000.0)
+    step, lag = candidate("clock_step", 20.0, 10.0), replace(LAG, train_gain=2000.0, held_out_gain=1000.0)
     both = found(Stage(SCREENING, [step], step), Stage(SCREENING, [lag], lag))
     drift = candidate("tracking_drift", 14.0, 5.0)
     assert next_to_take(Stage(SCREENING, [drift], drift), both) is None
@@ -217,7 +217,7 @@ def test_what_is_small_beside_a_later_finding_is_what_that_leaves_too() -> None:
 
 
 def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_taken() -> None:
-    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=20000.0, held_gain=10000.0)))
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=20000.0, held_out_gain=10000.0)))
     lens, bias = candidate("lens_distortion", 90.0, 45.0), candidate("accelerometer_bias_drift", 80.0, 40.0)
     friction = candidate("joint_friction", 90.0, 45.0)
 
@@ -229,15 +229,17 @@ def test_a_small_one_elsewhere_that_clears_a_channel_and_explains_the_most_is_ta
     assert taken(lens, [], 0.3) is lens  # far ahead of all others
     assert taken(lens, [bias], 0.3) is None  # explains a part of what is there, as another does
     assert taken(lens, [], 0.4) is None
-    assert taken(lens, [replace(bias, held_gain=1.0, train_gain=120.0)], 0.3) is lens  # that one is chance
-    assert taken(replace(lens, held_std=10.0), [bias], 1.0) is not None  # steadily
-    assert taken(replace(lens, held_std=12.0), [bias], 1.0) is None
+    assert (
+        taken(lens, [replace(bias, held_out_gain=1.0, train_gain=120.0)], 0.3) is lens
+    )  # that one is chance
+    assert taken(replace(lens, held_out_std=10.0), [bias], 1.0) is not None  # steadily
+    assert taken(replace(lens, held_out_std=12.0), [bias], 1.0) is None
     assert taken(friction, [], 0.1) is None  # what a lag's simple form leaves
 
 
 def test_a_small_one_that_is_more_than_a_finding_can_leave_there_is_taken() -> None:
     """The joint's own sensor shows how much is left of a drive's true form."""
-    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=20000.0, held_gain=10000.0)))
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=20000.0, held_out_gain=10000.0)))
     lens, friction = candidate("lens_distortion", 40.0, 20.0), candidate("joint_friction", 40.0, 20.0)
 
     def taken(one: Candidate, most: dict[str, float]) -> Candidate | None:
@@ -267,7 +269,7 @@ def test_a_small_one_that_promised_as_much_before_anything_was_found_is_taken(
         return Screening([scored], threshold_nats=8.0)
 
     first = found(
-        Stage(screening(before), [LAG], replace(LAG, train_gain=20000.0, held_gain=10000.0)),
+        Stage(screening(before), [LAG], replace(LAG, train_gain=20000.0, held_out_gain=10000.0)),
     )
     gravity = candidate("gravity_leakage", 100.0, 40.0)
     assert (next_to_take(Stage(screening(100.0), [gravity], gravity), first) is gravity) is taken
@@ -283,7 +285,7 @@ def test_the_rest_is_that_of_a_channel_from_which_the_gain_could_come() -> None:
 
 def test_how_much_a_simple_form_leaves_is_a_share_of_all_data() -> None:
     """The held-out part of a finding that shows at a few hard moves may hold more of them, or fewer, than a third."""
-    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=4700.0, held_gain=2900.0)))
+    first = found(Stage(SCREENING, [LAG], replace(LAG, train_gain=4700.0, held_out_gain=2900.0)))
     steady = candidate("lens_distortion", 95.0, 28.0)
     assert next_to_take(Stage(SCREENING, [steady], steady), first) is steady
 
@@ -291,7 +293,7 @@ def test_how_much_a_simple_form_leaves_is_a_share_of_all_data() -> None:
 def test_confidence_grows_with_the_lead() -> None:
     alone = confidence(Stage(SCREENING, [LAG], LAG))
     ahead = confidence(Stage(SCREENING, [LAG, FRICTION], LAG))
-    level = confidence(Stage(SCREENING, [LAG, replace(FRICTION, held_gain=100.0)], LAG))
+    level = confidence(Stage(SCREENING, [LAG, replace(FRICTION, held_out_gain=100.0)], LAG))
     assert alone == pytest.approx(0.99) and ahead == pytest.approx(0.99)
     assert level == pytest.approx(0.5)
     assert confidence(Stage(SCREENING, [LAG], None)) == 0.0
@@ -332,14 +334,14 @@ def test_confidence_is_that_of_all_data_where_they_decided() -> None:
 def test_an_event_that_needs_no_second_one_is_believed_although_it_lies_in_one_block() -> None:
     gains = np.zeros(BLOCKS)
     gains[3] = 60.0
-    one = replace(law("impulse_noise", 60.0, 59.0), held_std=60.0, block_gains=gains)
+    one = replace(law("impulse_noise", 60.0, 59.0), held_out_std=60.0, block_gains=gains)
     assert choose([one], SCREENING) is None
     alone = replace(one, law=replace(LAW, alone=True))
     assert choose([alone], SCREENING) is alone
 
 
 def test_beside_what_the_data_show_by_themselves_a_larger_cause_is_no_rival() -> None:
-    certain = replace(FRICTION, certain=True, held_gain=40.0)
+    certain = replace(FRICTION, certain=True, held_out_gain=40.0)
     stage = Stage(SCREENING, [LAG, certain], certain)
     assert inseparable(stage) == []
     assert confidence(stage) == confidence(Stage(SCREENING, [certain], certain))

@@ -5,11 +5,12 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from common.causes import CAUSES
-from common.effects import FOLDED_CAUSES, check_effects, declared
-from diagnosis.declared_effects import declared_quantities, with_found
-from diagnosis.diagnose import diagnose
-from tests.diagnosis.simulated import MODEL, SIZES, effect, record
+from stillarm.common.causes import CAUSES
+from stillarm.common.files.effects import FOLDED_CAUSES, declared
+from stillarm.common.files.effects_check import check_effects
+from stillarm.diagnosis.declared_effects import declared_quantities, with_found
+from stillarm.diagnosis.diagnose import diagnose
+from tests.fixtures.simulated import MODEL, SIZES, effect, record
 
 BY_CHANCE = {"impulse_noise", "frame_drops", "delay_bursts", "clock_step"}
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.delay_spread import delay_spread
+from stillarm.diagnosis.delay_spread import delay_spread
 
 PERIOD_S, STD_S = 1.0 / 65.0, 0.0064
 

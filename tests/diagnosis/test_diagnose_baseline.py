@@ -7,12 +7,12 @@ import msgspec
 import numpy as np
 import pytest
 
-from diagnosis.ceiling import ceiling_of
-from diagnosis.diagnose import _at_the_seen_frequency, _baseline, _left_by_a_wrong_start
-from diagnosis.fit import fit, make_data
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, measured
+from stillarm.diagnosis.ceiling import ceiling_of
+from stillarm.diagnosis.diagnose import _at_the_seen_frequency, _baseline, _left_by_a_wrong_start
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, measured
 
 LIMIT_M_S2 = 8.0
 
@@ -28,7 +28,7 @@ def test_a_frequency_far_off_is_fitted(hz: float) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stated_m_s2", [LIMIT_M_S2, 20.0], ids=["stated", "unknown"])
-def test_a_blow_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: float) -> None:
+def test_an_impact_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: float) -> None:
     """A second passes until the sensor shows all of the vibration again."""
     struck = 7300
     sensor = msgspec.structs.replace(MODEL.accelerometer, range_m_s2=stated_m_s2)
@@ -50,7 +50,7 @@ def test_a_blow_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: flo
         pytest.param(1.013, 5.0, (), False, id="without impacts"),
     ],
 )
-def test_blows_are_sought_again_where_a_wrong_frequency_found_them(
+def test_impacts_are_sought_again_where_a_wrong_frequency_found_them(
     hz: float, level: float, impact_cycles: tuple[int, ...], again: bool
 ) -> None:
     world = World(measured(9.0, 3, {}, impacts=impact_cycles), MODEL, impacts=impact_cycles)

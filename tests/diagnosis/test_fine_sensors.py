@@ -8,11 +8,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from diagnosis.fine_sensors import is_fine_encoder, is_fine_image, tip_moved, within_reach
-from diagnosis.measured import Measured
-from diagnosis.noise import LEAST
-from diagnosis.world import World
-from tests.diagnosis import synthetic
+from stillarm.diagnosis.fine_sensors import is_fine_encoder, is_fine_image, tip_moved, within_reach
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.noise import LEAST
+from stillarm.diagnosis.world import World
+from tests.fixtures import synthetic
 
 Array = NDArray[np.float64]
 

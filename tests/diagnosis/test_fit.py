@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from diagnosis.fit import Split, fit, make_data
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.diagnosis.fit import Split, fit, make_data
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 TRUE = {
     "modes.0.frequency_hz": 2.5,
@@ -43,7 +43,7 @@ def test_what_is_held_out_is_not_fitted() -> None:
     first = fit(make_data(world, split), world.space.vector(), free)
     second = fit(make_data(other, split), other.space.vector(), free)
     assert second.vector == pytest.approx(first.vector, rel=1e-9, abs=1e-12)
-    assert second.held_nats[1] < first.held_nats[1] - 100.0
+    assert second.held_out_score[1] < first.held_out_score[1] - 100.0
 
 
 def test_missing_samples_are_no_samples() -> None:

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from common.model import Camera, Model
-from diagnosis.frame_clock import exposure_counts, frame_clock
-from diagnosis.measured import Frames
+from stillarm.common.files.model import Camera, Model
+from stillarm.diagnosis.frame_clock import exposure_counts, frame_clock
+from stillarm.diagnosis.measured import Frames
 
 RATE = 65.0
 MODEL = Model(camera=Camera(frame_rate_hz=RATE))

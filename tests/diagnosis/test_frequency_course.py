@@ -2,9 +2,9 @@
 
 import pytest
 
-from diagnosis.frequency_course import Course, frequency_courses, seen_frequency
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, measured
+from stillarm.diagnosis.frequency_course import Course, frequency_courses, seen_frequency
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, measured
 
 
 def courses(values: dict[str, float], impacts: tuple[int, ...] = ()) -> dict[str, Course]:
@@ -19,7 +19,7 @@ def test_one_frequency_has_no_course() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.85, 0.93, 1.1])
-def test_a_change_is_seen_across_a_blow(ratio: float) -> None:
+def test_a_change_is_seen_across_an_impact(ratio: float) -> None:
     found = courses({"arm.onset_s": 9.0, "arm.frequency_ratio": ratio, "jump.1.0.v": 0.3}, (12000,))
     best = max(found, key=lambda cause: found[cause].nats)
     assert best == "payload_change"

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.fit import make_data
-from diagnosis.image_dating import dated
-from diagnosis.impacts import fit_with_impacts
-from diagnosis.measured import Frames, Measured, dated_by_requests
-from diagnosis.search import search
-from diagnosis.split import interleaved
-from diagnosis.structure import examine
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, NOISE, measured
+from stillarm.diagnosis.fit import make_data
+from stillarm.diagnosis.image_dating import dated
+from stillarm.diagnosis.impacts import fit_with_impacts
+from stillarm.diagnosis.measured import Frames, Measured, dated_by_requests
+from stillarm.diagnosis.search import search
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.structure import examine
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, NOISE, measured
 
 SECONDS, ONSET_S, STEP_S, SPREAD_S = 12.0, 4.4, 0.034, 0.006
 WANDER_S = 1.0

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from common.model import Drive
-from diagnosis.imposed_joint import imposed_command
+from stillarm.common.files.model import Drive
+from stillarm.diagnosis.imposed_joint import imposed_command
 
 CYCLE_S = 0.001
 TIME = np.arange(6000) * CYCLE_S

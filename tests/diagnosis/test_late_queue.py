@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.diagnose import _without_old_images
-from diagnosis.impacts import fit_with_impacts
-from diagnosis.late_queue import late_queue
-from diagnosis.measured import Frames, Measured, dated_by_requests
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import NOISE, measured
+from stillarm.diagnosis.diagnose import _without_old_images
+from stillarm.diagnosis.impacts import fit_with_impacts
+from stillarm.diagnosis.late_queue import late_queue
+from stillarm.diagnosis.measured import Frames, Measured, dated_by_requests
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
 from tests.diagnosis.test_repeated_stamps import FIRST, PERIOD_S, SECONDS, TRIGGERED
+from tests.fixtures.synthetic import NOISE, measured
 
 SPLIT = interleaved(SECONDS)
 
@@ -49,7 +49,7 @@ def test_a_queue_that_holds_whole_frames_more_is_found(longer: int) -> None:
     baseline, laws = _without_old_images(before, SPLIT)
     assert laws[0].cause == "stale_frame_buffer" and laws[0].values["frames"][0] == longer
     assert laws[0].values["onset_s"][0] == pytest.approx(0.05 + FIRST * PERIOD_S, abs=1.5 * PERIOD_S)
-    assert float(laws[0].held_nats.sum()) > 25.0
+    assert float(laws[0].held_out_score.sum()) > 25.0
     late = baseline.world.channels["arrival"] - baseline.predicted.channels["arrival"]
     step = float(np.median(late[FIRST : FIRST + 20]) - np.median(late[FIRST - 20 : FIRST]))
     assert abs(step) < 0.25 * PERIOD_S

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.fit import fit, make_data
-from diagnosis.laws import laws
-from diagnosis.measured import Frames, Measured
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, NOISE, fitted, measured
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.laws import laws
+from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, NOISE, fitted, measured
 
 SECONDS = 12.0
 SPLIT = interleaved(SECONDS)
@@ -24,7 +24,7 @@ def found_in(data: Measured) -> dict[str, dict[str, tuple[float, float]]]:
     return {
         one.cause: one.values
         for one in laws(make_data(last.world, SPLIT), last)
-        if one.train_nats > 10.0 and one.held_nats.sum() > 3.0
+        if one.train_log_likelihood > 10.0 and one.held_out_score.sum() > 3.0
     }
 
 
@@ -79,7 +79,7 @@ def test_a_single_spike_counts_where_no_noise_goes_so_far(size: float, beside: f
     found = [one for one in laws(make_data(last.world, SPLIT), last) if one.cause == "impulse_noise"]
     assert [one.alone for one in found] == [True] * seen
     for one in found:
-        assert one.held_nats.sum() > 3.0
+        assert one.held_out_score.sum() > 3.0
         assert one.values["rate_hz"] == pytest.approx((1.0 / SECONDS, 1.0 / SECONDS), rel=0.05)
 
 
@@ -149,7 +149,7 @@ def test_what_most_frames_do_is_no_burst(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_what_the_start_and_a_blow_leave_for_an_instant_are_no_spikes() -> None:
+def test_what_the_start_and_an_impact_leave_for_an_instant_are_no_spikes() -> None:
     struck = (3300, 9000)
     for begun, count in ((0, 0), (60, 1)):
         data = measured(SECONDS, 4, {"jump.1.0.v": 0.3, "jump.2.0.v": -0.3}, impacts=struck)

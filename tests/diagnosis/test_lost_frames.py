@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.lost_frames import lost_before
+from stillarm.diagnosis.lost_frames import lost_before
 
 Array = NDArray[np.float64]
 RATE = 50.0

@@ -3,12 +3,12 @@
 import msgspec
 import pytest
 
-from common.model import Mode
-from diagnosis.fit import fit, make_data
-from diagnosis.lost_modes import lost_modes, with_lost_modes
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.common.files.model import Mode
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.lost_modes import lost_modes, with_lost_modes
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 SPLIT = interleaved(8.0)
 TWO = msgspec.structs.replace(
@@ -28,7 +28,7 @@ def test_a_mode_that_was_lost_is_found_from_where_the_model_has_it() -> None:
     stuck = fit(make_data(world, SPLIT), start, world.baseline_names(), iterations=0)
     assert lost_modes(stuck) == [1]
     found = with_lost_modes(stuck, SPLIT)
-    assert found.train_nats > stuck.train_nats + 100.0
+    assert found.train_log_likelihood > stuck.train_log_likelihood + 100.0
     assert found.value("modes.1.frequency_hz") == pytest.approx(14.1, rel=1e-3)
     assert found.value("modes.1.participation") == pytest.approx(-0.3, rel=0.05)
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from common.model import Arm, Model
-from common.recording.reader import open_recording
-from common.user_error import UserError
-from diagnosis.diagnose import model_of
-from diagnosis.measured import Measured, read_measured, reclocked
+from stillarm.common.files.model import Arm, Model
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.diagnose import model_of
+from stillarm.diagnosis.measured import Measured, read_measured, reclocked
 from stillarm.main import main
 
 MODEL = Model(arm=Arm(length_m=2.0))

@@ -5,22 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.fit import fit, make_data
-from diagnosis.moving_part import begun_on_what_moves, moving_part
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.moving_part import begun_on_what_moves, moving_part
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 FORCE_M_S2 = 0.12
 SIZE = "arm.coulomb_m_s2"
 HZ = MODEL.arm.modes[0].frequency_hz
 SPLIT = interleaved(20.0)
-BLOW, STRUCK = {"jump.1.0.v": 0.3}, 12_500
+IMPACT, STRUCK = {"jump.1.0.v": 0.3}, 12_500
 
 
 @pytest.mark.slow
 def test_a_fit_begun_on_what_moves_finds_the_friction_from_far_off() -> None:
-    data = measured(20.0, 3, {SIZE: FORCE_M_S2, **BLOW}, impacts=(STRUCK,))
+    data = measured(20.0, 3, {SIZE: FORCE_M_S2, **IMPACT}, impacts=(STRUCK,))
     world = World(data, MODEL, impacts=(STRUCK,))
     marked = make_data(world, SPLIT)
     last = fit(marked, world.space.vector(), world.baseline_names())

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from diagnosis.diagnose import Diagnosis, diagnose
-from tests.diagnosis.simulated import SIZES, effect, record
+from stillarm.diagnosis.diagnose import Diagnosis, diagnose
+from tests.fixtures.simulated import SIZES, effect, record
 
 BY_CHANCE = {"impulse_noise", "frame_drops", "delay_bursts"}
 SEED = 3

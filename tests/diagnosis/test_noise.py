@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.noise import Colour, wander_colour
+from stillarm.diagnosis.noise import Colour, wander_colour
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.outliers import SURE_NATS, pulse_gains, strikes
+from stillarm.diagnosis.outliers import SURE_NATS, pulse_gains, strikes
 
 Array = NDArray[np.float64]
 

@@ -2,12 +2,12 @@
 
 import pytest
 
-from diagnosis.catalogue import CAUSES
-from diagnosis.fit import fit, make_data
-from diagnosis.reach import reach_of
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, measured
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.reach import reach_of
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, measured
 
 SPLIT = interleaved(6.0)
 BAND = "drive.deadband_rad_s"

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.image_dating import image_nats
-from diagnosis.measured import Measured
-from diagnosis.recount import recounted
-from diagnosis.split import interleaved
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.diagnosis.image_dating import image_nats
+from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.recount import recounted
+from stillarm.diagnosis.split import interleaved
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 SECONDS = 10.0
 PERIOD_S = 1.0 / MODEL.camera.frame_rate_hz
@@ -59,7 +59,9 @@ def test_images_tell_how_many_were_lost_where_arrivals_look_as_if_a_clock_was_se
 ) -> None:
     split = interleaved(SECONDS)
     with monkeypatch.context() as patch:
-        patch.setattr("diagnosis.frame_clock.lost_before", lambda times, *_: np.zeros(len(times), np.int64))
+        patch.setattr(
+            "stillarm.diagnosis.frame_clock.lost_before", lambda times, *_: np.zeros(len(times), np.int64)
+        )
         misled = fitted(_lost_at(frame, many), split=split)
     assert misled.world.frame_clock.lost == 0
     mended = recounted(misled, split)

@@ -6,13 +6,13 @@ import msgspec
 import numpy as np
 import pytest
 
-from diagnosis.diagnose import _without_old_images
-from diagnosis.impacts import fit_with_impacts
-from diagnosis.measured import Frames, Measured
-from diagnosis.repeated_stamps import held_back
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, NOISE, measured
+from stillarm.diagnosis.diagnose import _without_old_images
+from stillarm.diagnosis.impacts import fit_with_impacts
+from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.repeated_stamps import held_back
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, NOISE, measured
 
 SECONDS, FIRST, PERIOD_S = 10.0, 250, 1.0 / MODEL.camera.frame_rate_hz
 SPLIT = interleaved(SECONDS)
@@ -46,7 +46,7 @@ def test_an_exposure_that_comes_twice_tells_of_the_buffer(older: int) -> None:
     assert (held.first, held.frames) == (FIRST, older)
     baseline, laws = _without_old_images(fit_with_impacts(World(data, TRIGGERED), SPLIT), SPLIT)
     assert laws[0].values["frames"][0] == older
-    assert float(laws[0].held_nats.sum()) > 10.0
+    assert float(laws[0].held_out_score.sum()) > 10.0
     late = baseline.world.channels["arrival"] - baseline.predicted.channels["arrival"]
     assert abs(float(np.median(late[:FIRST]) - np.median(late[FIRST:]))) < 0.1 * PERIOD_S
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.measured import Frames
-from diagnosis.request_times import missing_requests, request_intervals
-from tests.diagnosis.synthetic import measured
+from stillarm.diagnosis.measured import Frames
+from stillarm.diagnosis.request_times import missing_requests, request_intervals
+from tests.fixtures.synthetic import measured
 
 
 def test_a_clock_that_was_set_stands_out_of_the_requests_intervals() -> None:

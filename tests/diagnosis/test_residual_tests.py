@@ -5,8 +5,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.residual_tests import autocorrelation, crosscorrelation, square_correlation
-from diagnosis.residuals import dependences_of, noise_floor, spectrum_of
+from stillarm.diagnosis.residual_tests import autocorrelation, crosscorrelation, square_correlation
+from stillarm.diagnosis.residuals import dependences_of, noise_floor, spectrum_of
 
 Array = NDArray[np.float64]
 LAGS = np.arange(40)

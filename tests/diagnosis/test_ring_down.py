@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from diagnosis.ring_down import Stretch, peaks, ringing
+from stillarm.diagnosis.ring_down import Stretch, peaks, ringing
 
 
 def stretches(

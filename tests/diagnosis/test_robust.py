@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.robust import std_about_median, std_about_zero, step_at
+from stillarm.diagnosis.robust import std_about_median, std_about_zero, step_at
 
 
 def test_normal_values_have_their_standard_deviation_whatever_a_few_outliers_do() -> None:

@@ -5,10 +5,10 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 
-from diagnosis.fit import make_data
-from diagnosis.scatter import ON_ITS_PAST, uneven
-from diagnosis.split import interleaved
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.diagnosis.fit import make_data
+from stillarm.diagnosis.scatter import ON_ITS_PAST, uneven
+from stillarm.diagnosis.split import interleaved
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 SPLIT = interleaved(9.0)
 STEP_RAD = 2.0 * np.pi / 2.0**14
@@ -37,4 +37,4 @@ def test_a_sensor_that_scatters_less_at_the_limit_of_its_range_is_no_uneven_scat
     at_limit = np.abs(last.world.channels["acceleration"]) >= limit
     assert at_limit.sum() > 100
     laws = [one for one in uneven(make_data(last.world, SPLIT), last) if one.channel == "acceleration"]
-    assert max(one.train_nats for one in laws if one.law.startswith("the scatter")) < 12.0
+    assert max(one.train_log_likelihood for one in laws if one.law.startswith("the scatter")) < 12.0

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.candidate import Candidate, Found
-from diagnosis.catalogue import CAUSES
-from diagnosis.choice import ALL
-from diagnosis.fit import fit, make_data, strayed
-from diagnosis.noise import Colour
-from diagnosis.search import _drop_needless, _lost, _of_fit, _rest_of, _under, block_gain, search
-from diagnosis.split import interleaved
-from diagnosis.structure import examine
-from tests.diagnosis.synthetic import fitted, measured
+from stillarm.diagnosis.candidate import Candidate, Found
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.choice import ALL
+from stillarm.diagnosis.fit import fit, make_data, strayed
+from stillarm.diagnosis.noise import Colour
+from stillarm.diagnosis.search import _drop_needless, _lost, _of_fit, _rest_of, _under, block_gain, search
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.structure import examine
+from tests.fixtures.synthetic import fitted, measured
 
 
 def test_a_loud_sensor_in_which_no_cause_scores_has_nothing_wrong() -> None:
@@ -22,7 +22,7 @@ def test_a_loud_sensor_in_which_no_cause_scores_has_nothing_wrong() -> None:
     unseen = np.full(data.cycles, np.nan)
     loud = np.random.default_rng(9).normal(0.0, 40.0, data.cycles)
     baseline = fitted(replace(data, acceleration=data.acceleration + loud, position=unseen, velocity=unseen))
-    assert baseline.train_nats < -1000.0
+    assert baseline.train_log_likelihood < -1000.0
     assert not search(baseline, interleaved(6.0), only=["joint_friction"]).findings
 
 
@@ -94,6 +94,8 @@ def test_what_is_lost_with_a_finding(train: list[float], certain: bool, lost: fl
     without = fitted(measured(6.0, 5), split=split)
     blocks, held = np.zeros(len(split.held)), np.zeros(len(split.held))
     blocks[[0, 3, 8]], held[4] = train, 1.0
-    final = replace(without, train_blocks=without.train_blocks + blocks, held_nats=without.held_nats + held)
+    final = replace(
+        without, train_blocks=without.train_blocks + blocks, held_out_score=without.held_out_score + held
+    )
     one = replace(_of_fit(CAUSES["accelerometer_clipping"], final, without, split), certain=certain)
     assert _lost(one, final, without, split) == pytest.approx(lost)

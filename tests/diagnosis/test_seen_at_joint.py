@@ -5,16 +5,16 @@ from math import inf
 
 import pytest
 
-from diagnosis.candidate import Candidate, Found
-from diagnosis.catalogue import CAUSES
-from diagnosis.fit import Data, Fit, fit, make_data
-from diagnosis.noise import Colour
-from diagnosis.search import _of_fit
-from diagnosis.seen_at_joint import most_left_elsewhere
-from diagnosis.split import interleaved
-from diagnosis.structure import Remains, Structure
-from diagnosis.structure import examine as real_examine
-from tests.diagnosis.synthetic import fitted, measured
+from stillarm.diagnosis.candidate import Candidate, Found
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.fit import Data, Fit, fit, make_data
+from stillarm.diagnosis.noise import Colour
+from stillarm.diagnosis.search import _of_fit
+from stillarm.diagnosis.seen_at_joint import most_left_elsewhere
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.structure import Remains, Structure
+from stillarm.diagnosis.structure import examine as real_examine
+from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(6.0)
 DATA = measured(6.0, 3, {"drive.velocity_loss_rad_s": 0.02})
@@ -33,7 +33,7 @@ def leaves(monkeypatch: pytest.MonkeyPatch, nats: float) -> list[Fit]:
         remains = real_examine(data, last, known_laws)
         return replace(remains, channels=remains.channels | {"joint_position": joint})
 
-    monkeypatch.setattr("diagnosis.seen_at_joint.examine", examine)
+    monkeypatch.setattr("stillarm.diagnosis.seen_at_joint.examine", examine)
     return asked
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from common.user_error import UserError
-from diagnosis.split import interleaved, stated
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.split import interleaved, stated
 
 
 @settings(max_examples=50, deadline=None)

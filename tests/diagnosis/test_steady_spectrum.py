@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from diagnosis.steady_spectrum import steady_spectrum
+from stillarm.diagnosis.steady_spectrum import steady_spectrum
 
 Array = NDArray[np.float64]
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from diagnosis.fit import fit, make_data
-from diagnosis.split import interleaved
-from diagnosis.struck_flanks import fast_noise, without_strikes
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.struck_flanks import fast_noise, without_strikes
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 GAP = 0.004  # rad
 N, STEP_S, NOISE_STD = 1000, 0.001, 0.1
@@ -48,4 +48,4 @@ def test_spikes_of_strikes_cost_the_right_play_no_more_than_noise_may() -> None:
     spiked = fit(make_data(World(data, MODEL), split), quiet.vector, (), iterations=0, colour=plain.colour)
     off = data.acceleration - spiked.predicted.channels["acceleration"]
     assert float(np.median(off[struck])) > 500.0 * spiked.sigma["acceleration"]
-    assert spiked.train_nats > quiet.train_nats - 6.0 * len(struck)
+    assert spiked.train_log_likelihood > quiet.train_log_likelihood - 6.0 * len(struck)

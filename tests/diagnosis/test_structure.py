@@ -6,10 +6,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from diagnosis.fit import make_data
-from diagnosis.split import interleaved
-from diagnosis.structure import examine
-from tests.diagnosis.synthetic import MODEL, fitted, measured
+from stillarm.diagnosis.fit import make_data
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.structure import examine
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 pytestmark = pytest.mark.slow
 

@@ -6,11 +6,11 @@ from typing import Any
 import msgspec
 import pytest
 
-from common.configuration import load_configuration
-from common.user_error import UserError
-from diagnosis.use import MEASURES, begin_use, outcome, worth_in_use
-from simulation.simulated_recording import default_simulation_configuration
-from tests.diagnosis.simulated import MODEL, effect
+from stillarm.common.files.configuration import load_configuration
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.use import MEASURES, begin_use, outcome, worth_in_use
+from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
+from tests.fixtures.simulated import MODEL, effect
 
 CONFIGURATION = load_configuration(default_simulation_configuration())
 

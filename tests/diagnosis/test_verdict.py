@@ -5,23 +5,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from diagnosis.anonymous import Explained
-from diagnosis.candidate import Candidate, Found, Stage
-from diagnosis.fit import Data, Fit
-from diagnosis.laws import LawFound
-from diagnosis.scatter import ON_ITS_PAST
-from diagnosis.screen import Screening
-from diagnosis.split import interleaved
-from diagnosis.structure import Remains, Structure
-from diagnosis.verdict import Judged, _held_out, _lead_of_laws, judge, sure
-from tests.diagnosis.synthetic import fitted, measured
+from stillarm.diagnosis.anonymous import Explained
+from stillarm.diagnosis.candidate import Candidate, Found, Stage
+from stillarm.diagnosis.fit import Data, Fit
+from stillarm.diagnosis.laws import LawFound
+from stillarm.diagnosis.scatter import ON_ITS_PAST
+from stillarm.diagnosis.screen import Screening
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.structure import Remains, Structure
+from stillarm.diagnosis.verdict import Judged, _held_out, _lead_of_laws, judge, sure
+from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(9.0)
 
 
-def left_in(channel: str, nats: float, train_nats: float) -> Structure:
+def left_in(channel: str, nats: float, train_log_likelihood: float) -> Structure:
     """Memory that no cause explains."""
-    return Structure(channel, False, nats, 10.0, train_nats, (1.0, 30.0), ON_ITS_PAST, "")
+    return Structure(channel, False, nats, 10.0, train_log_likelihood, (1.0, 30.0), ON_ITS_PAST, "")
 
 
 def candidate(cause: str, nats: float, law: bool) -> Candidate:
@@ -107,8 +107,8 @@ def test_a_term_is_a_rival_of_the_largest_finding_not_of_what_was_taken_first(
 
     def verdict(*named: Candidate) -> str:
         seen = iter([Remains({"acceleration": white}, nothing), Remains({"acceleration": left}, terms)])
-        monkeypatch.setattr("diagnosis.verdict.meanwhile", lambda *_: Later(next(seen)))
-        monkeypatch.setattr("diagnosis.verdict.examine", lambda *_: next(seen))
+        monkeypatch.setattr("stillarm.diagnosis.verdict.meanwhile", lambda *_: Later(next(seen)))
+        monkeypatch.setattr("stillarm.diagnosis.verdict.examine", lambda *_: next(seen))
         stages = [Stage(Screening([], 10.0), [one], one) for one in named]
         return judge(Found(LAST, LAST, list(named), stages), SPLIT).verdict
 
@@ -131,7 +131,7 @@ def test_what_is_said_of_held_out_errors_is_of_the_channel_that_is_mended_most_a
         before, after, count = errors.get(name, (1.0, 1.0, 900))
         return (after if fit is mended else before), 0.5, count
 
-    monkeypatch.setattr("diagnosis.verdict._error", error)
+    monkeypatch.setattr("stillarm.diagnosis.verdict._error", error)
     said = _held_out(replace(candidate("drive_dead_time", 300.0, law=False), fit=mended), LAST, SPLIT)
     assert (said["nrmse_before"], said["nrmse_after"]) == (0.016, 0.002)
     assert said["reduction"] == 0.875

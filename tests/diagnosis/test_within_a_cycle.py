@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP
-from diagnosis.search import search
-from diagnosis.split import interleaved
-from diagnosis.world import World
-from tests.diagnosis.synthetic import MODEL, empty, fitted, measured
+from stillarm.diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP
+from stillarm.diagnosis.search import search
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, empty, fitted, measured
 
 Array = NDArray[np.float64]
 

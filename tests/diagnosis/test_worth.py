@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from common.causes import CAUSES as CATALOGUE
-from diagnosis.candidate import Candidate
-from diagnosis.catalogue import CAUSES
-from diagnosis.choice import choose, too_small
-from diagnosis.laws import LawFound
-from diagnosis.screen import Screening
-from diagnosis.worth import worth_a_name
-from tests.diagnosis.synthetic import fitted, measured
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.diagnosis.candidate import Candidate
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.choice import choose, too_small
+from stillarm.diagnosis.laws import LawFound
+from stillarm.diagnosis.screen import Screening
+from stillarm.diagnosis.worth import worth_a_name
+from tests.fixtures.synthetic import fitted, measured
 
 LAST = fitted(measured(6.0, 3))
 SCREENING = Screening([], threshold_nats=8.0)
@@ -52,9 +52,9 @@ def test_a_cause_far_below_what_is_typical_has_no_name(small: Candidate, large: 
 def test_behind_one_that_is_too_small_only_what_arrivals_show_is_taken() -> None:
     """An arm that is a little off changes none of them; but others may be likenesses of the same."""
     small = candidate("payload_change", onset_s=3.0, frequency_ratio=1.000008)
-    drift = replace(candidate("delay_drift", rate_s_per_s=0.001), train_gain=150.0, held_gain=80.0)
+    drift = replace(candidate("delay_drift", rate_s_per_s=0.001), train_gain=150.0, held_out_gain=80.0)
     tilt = replace(
-        candidate("camera_tilt_coupling", rotation_px_per_rad=40.0), train_gain=150.0, held_gain=80.0
+        candidate("camera_tilt_coupling", rotation_px_per_rad=40.0), train_gain=150.0, held_out_gain=80.0
     )
     assert choose([small, tilt, drift], SCREENING) is drift
     assert choose([small, tilt], SCREENING) is None
@@ -96,7 +96,7 @@ def _of_law(cause: str, values: dict[str, float]) -> Candidate:
 def test_what_does_less_well_than_a_cause_too_small_is_a_likeness_of_the_same() -> None:
     small = candidate("joint_friction", velocity_loss_rad_s=1.6e-5)
     other = replace(
-        candidate("drive_deadband", deadband_rad_s=4e-4), train_gain=90.0, held_gain=40.0,
+        candidate("drive_deadband", deadband_rad_s=4e-4), train_gain=90.0, held_out_gain=40.0,
         block_gains=np.full(10, 4.0),
     )  # fmt: skip
     assert choose([other], SCREENING) is other

@@ -29,10 +29,10 @@ class Freedom:
     moves: bool = False
     """Whether the arm moves differently, or is only seen differently."""
     state: int = -1
-    blow: int = -1
+    impact: int = -1
 
 
-def freedoms(case: Case, blows: int) -> list[Freedom]:
+def freedoms(case: Case, impacts: int) -> list[Freedom]:
     """All of them, for a case without effects."""
     rig = case.rig
     out = [
@@ -76,7 +76,7 @@ def freedoms(case: Case, blows: int) -> list[Freedom]:
             Freedom(f"start_bend_{order}", 1e-6, state=2 + 2 * order),
             Freedom(f"start_rate_{order}", 1e-5, state=3 + 2 * order),
         ]
-    return out + [Freedom(f"blow_{k}", 1e-4, blow=k) for k in range(blows)]
+    return out + [Freedom(f"blow_{k}", 1e-4, impact=k) for k in range(impacts)]
 
 
 def _bend(order: int, change: Callable[[Bend, float], Bend]) -> Change:
@@ -120,10 +120,10 @@ def vector_of(base: Baseline, steps: Array) -> Array:
     return _vector(base.case, base.command, base.free, steps, None)
 
 
-def baseline(case: Case, command: Array, blows: int) -> Baseline:
+def baseline(case: Case, command: Array, impacts: int) -> Baseline:
     """Linearise the case without its effects, given the command that was recorded."""
     bare = replace(case, effects=())
-    free = freedoms(bare, blows)
+    free = freedoms(bare, impacts)
     motion = moved(bare, Open(command=command))
     at = whitened(bare, sensed(bare, motion))
     columns = []
@@ -138,8 +138,8 @@ def baseline(case: Case, command: Array, blows: int) -> Baseline:
 def _vector(bare: Case, command: Array, free: list[Freedom], steps: Array, motion: Moved | None) -> Array:
     """With the freedoms moved by so many steps. motion: where they leave it as it was."""
     rig, start = bare.rig, np.zeros(WIDTH)
-    blows = sum(f.blow >= 0 for f in free)
-    blow = np.zeros(blows)
+    impacts = sum(f.impact >= 0 for f in free)
+    impact = np.zeros(impacts)
     for one, steps_of_it in zip(free, steps.tolist(), strict=True):
         amount = one.step * steps_of_it
         if one.change is not None:
@@ -147,7 +147,7 @@ def _vector(bare: Case, command: Array, free: list[Freedom], steps: Array, motio
         elif one.state >= 0:
             start[one.state] += amount
         else:
-            blow[one.blow] += amount
+            impact[one.impact] += amount
     case = replace(bare, rig=rig)
-    motion = motion or moved(case, Open(start=start, blow_change=blow, command=command))
+    motion = motion or moved(case, Open(start=start, impact_change=impact, command=command))
     return whitened(case, sensed(case, motion))

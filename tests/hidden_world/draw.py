@@ -25,8 +25,8 @@ def draw_case(
     rig = _rig(random, names)
     assumed = believed(rig, random)
     duration = float(random.uniform(20.0, 60.0)) if duration_s is None else duration_s
-    blows, damped = bool(random.random() < 0.6), bool(random.random() < 0.35)
-    case = Case(seed, rig, assumed, (), round(duration, 3), blows, damped, kept)
+    impacts, damped = bool(random.random() < 0.6), bool(random.random() < 0.35)
+    case = Case(seed, rig, assumed, (), round(duration, 3), impacts, damped, kept)
     effects = tuple(
         draw_effect(name, case, np.random.default_rng((seed, 41, place)), size)
         for place, name in enumerate(names)

@@ -19,12 +19,12 @@ class Plan:
 
     reference: Array
     gain: Array
-    blow_time: Array
-    blow: Array
+    impact_time: Array
+    impact: Array
     wash_rate: float = 1.5
 
 
-def plan(rig: Rig, seed: int, duration_s: float, blows: bool, damped: bool) -> Plan:
+def plan(rig: Rig, seed: int, duration_s: float, impacts: bool, damped: bool) -> Plan:
     """Moves in random order and of random size; each kind occurs in any 20 s, so that nothing goes unexcited."""
     random = np.random.default_rng((seed, 21))
     ticks = round(duration_s / TICK_S)
@@ -42,7 +42,9 @@ def plan(rig: Rig, seed: int, duration_s: float, blows: bool, damped: bool) -> P
             length += len(part) + len(rest)
             rests.append((length - len(rest), length))
     reference = np.concatenate(parts)[:ticks]
-    return Plan(reference, *_feedback(rig, random, ticks, damped), *_blows(rig, random, rests, ticks, blows))
+    return Plan(
+        reference, *_feedback(rig, random, ticks, damped), *_impacts(rig, random, rests, ticks, impacts)
+    )
 
 
 def _feedback(rig: Rig, random: np.random.Generator, ticks: int, damped: bool) -> tuple[Array]:
@@ -57,7 +59,7 @@ def _feedback(rig: Rig, random: np.random.Generator, ticks: int, damped: bool) -
     return (gain,)
 
 
-def _blows(
+def _impacts(
     rig: Rig, random: np.random.Generator, rests: list[tuple[int, int]], ticks: int, wanted: bool
 ) -> tuple[Array, Array]:
     """A blow early in some of the rests. Always drawn, so that what follows does not depend on it."""

@@ -321,8 +321,8 @@ def move(
     gain: Array,
     guess_error: Array,
     wash_rate: float,
-    blow_time: Array,
-    blow: Array,
+    impact_time: Array,
+    impact: Array,
     pitch: Array,
     push: Array,
 ) -> tuple[Any, Any]:
@@ -354,15 +354,15 @@ def move(
                 command_next = due <= n and due * TICK_S + hold_up[due] < stop - 1e-12
                 if command_next:
                     stop = due * TICK_S + hold_up[due]
-                blow_next = struck < len(blow) and blow_time[struck] < stop - 1e-12
-                if blow_next:
-                    stop, command_next = blow_time[struck], False
+                impact_next = struck < len(impact) and impact_time[struck] < stop - 1e-12
+                if impact_next:
+                    stop, command_next = impact_time[struck], False
                 if stop > t + 1e-12:
                     _advance(x, out, k, t, stop, held, modes, pitch, push, m)
                     t = stop
-                if blow_next:
-                    x[3] += blow[struck]
-                    x[5] += blow[struck] * min(abs(m.p2) / 0.14, 1.0)
+                if impact_next:
+                    x[3] += impact[struck]
+                    x[5] += impact[struck] * min(abs(m.p2) / 0.14, 1.0)
                     if m.dry > 0.0:
                         modes[0] = 1.0 if x[3] > 0.0 else -1.0
                     struck += 1

@@ -55,10 +55,10 @@ class Oracle:
             out += self._mean_nats(replace(case, effects=meaning), refits, to_the_end)
         return float(out)
 
-    def base(self, case: Case, command: Array, blows: int) -> Baseline:
+    def base(self, case: Case, command: Array, impacts: int) -> Baseline:
         """The baseline's Jacobian is that of the first command seen; its value that of this one."""
         if self._base is None:
-            self._base = baseline(case, command, blows)
+            self._base = baseline(case, command, impacts)
         elif not np.array_equal(command, self._base.command):
             bare = replace(case, effects=())
             self._base.at = whitened(bare, run(bare, Open(command=command)))
@@ -69,7 +69,7 @@ class Oracle:
         """(nats, rms over the noise's) of what is left of each channel, as the linearised baseline tells it. Laws are
         not counted."""
         clean = run(case)
-        base = self.base(case, clean.command, len(clean.blow_time))
+        base = self.base(case, clean.command, len(clean.impact_time))
         left = base.left(whitened(case, clean) - base.at)
         out, begin = {}, 0
         for name, part in by_channel(case, clean).items():
@@ -91,7 +91,7 @@ class Oracle:
     def _shown(self, case: Case) -> dict[str, tuple[float, Array]]:
         """Samples a second and what is left of each channel that an effect without a clock can show in."""
         clean = run(case)
-        base = self.base(case, clean.command, len(clean.blow_time))
+        base = self.base(case, clean.command, len(clean.impact_time))
         left = base.left(whitened(case, clean) - base.at)
         out, begin = {}, 0
         for name, part in by_channel(case, clean).items():
@@ -103,7 +103,7 @@ class Oracle:
 
     def _mean_nats(self, case: Case, refits: int, to_the_end: bool = False) -> float:
         clean = run(case)
-        base = self.base(case, clean.command, len(clean.blow_time))
+        base = self.base(case, clean.command, len(clean.impact_time))
         there = whitened(case, clean)
         difference = there - base.at
         best = 0.5 * float(np.sum(base.left(difference) ** 2))
@@ -196,7 +196,7 @@ def fitted_plain(
         return effect.plain, 0.0
     alone = replace(case, effects=(effect,))
     clean = run(alone)
-    base = (oracle or Oracle(alone)).base(alone, clean.command, len(clean.blow_time))
+    base = (oracle or Oracle(alone)).base(alone, clean.command, len(clean.impact_time))
     there = whitened(alone, clean)
 
     def left(tried: Effect) -> Array:

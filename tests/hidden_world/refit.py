@@ -71,7 +71,7 @@ def _ringing(case: Case, base: Baseline) -> Array:
 
 def _rung(case: Case) -> tuple[float, float]:
     """Hz and damping ratio of a free ring-down from half a usual bending."""
-    alone = replace(case, duration_s=_RING_S, blows=False, damped=False)
+    alone = replace(case, duration_s=_RING_S, impacts=False, damped=False)
     cycles = round(_RING_S / TICK_S)
     start = np.zeros(WIDTH)
     start[2] = 0.5 * case.scale_m

@@ -30,7 +30,7 @@ class Case:
     assumed: Rig
     effects: tuple[Effect, ...] = ()
     duration_s: float = 20.0
-    blows: bool = True
+    impacts: bool = True
     damped: bool = False
     kept: frozenset[str] = EVERY_DAY
 
@@ -47,7 +47,7 @@ class Clean:
     rows: Array
     command: Array
     reference: Array
-    blow_time: Array
+    impact_time: Array
     acceleration: Array
     """Before the converter."""
     angle: Array
@@ -83,7 +83,7 @@ class Open:
     """Small changes to what a rig does, for the oracle: jumps of the state added at the start and at each blow."""
 
     start: Array | None = None
-    blow_change: Array | None = None
+    impact_change: Array | None = None
     command: Array | None = None
     """Replaces the feedback: exactly this command is given."""
 
@@ -95,7 +95,7 @@ class Moved:
     rows: Array
     command: Array
     reference: Array
-    blow_time: Array
+    impact_time: Array
 
 
 def run(case: Case, changed: Open | None = None) -> Clean:
@@ -121,9 +121,9 @@ _MOST_REMEMBERED = 4
 
 
 def _motion_key(case: Case, changed: Open) -> Hashable:
-    rig, parts = case.rig, (changed.start, changed.blow_change, changed.command)
+    rig, parts = case.rig, (changed.start, changed.impact_change, changed.command)
     return (
-        *(case.seed, case.duration_s, case.blows, case.damped),
+        *(case.seed, case.duration_s, case.impacts, case.damped),
         *(rig.reach, rig.bends, rig.joint, case.assumed),
         *(repr(effect) for effect in case.effects if moves(effect)),
         *(None if part is None else np.asarray(part).tobytes() for part in parts),
@@ -132,7 +132,7 @@ def _motion_key(case: Case, changed: Open) -> Hashable:
 
 def _moved(case: Case, changed: Open) -> Moved:
     rig, cycles = case.rig, round(case.duration_s / TICK_S)
-    what = plan(case.assumed, case.seed, case.duration_s, case.blows, case.damped)
+    what = plan(case.assumed, case.seed, case.duration_s, case.impacts, case.damped)
     within = inside(rig, case.effects, cycles, case.scale_m)
     random = np.random.default_rng((case.seed, 1))
     start = _start(case, random) + (changed.start if changed.start is not None else 0.0)
@@ -141,7 +141,7 @@ def _moved(case: Case, changed: Open) -> Moved:
     if changed.command is not None:
         reference, gain = changed.command, np.zeros(cycles)
     guess_error = 0.02 * case.scale_m * random.standard_normal(cycles)
-    blow = what.blow + (changed.blow_change if changed.blow_change is not None else 0.0)
+    impact = what.impact + (changed.impact_change if changed.impact_change is not None else 0.0)
     rows, command = move(
         within.works,
         start,
@@ -150,8 +150,8 @@ def _moved(case: Case, changed: Open) -> Moved:
         gain,
         guess_error,
         what.wash_rate,
-        what.blow_time,
-        blow,
+        what.impact_time,
+        impact,
         within.pitch,
         within.push,
     )
@@ -159,7 +159,7 @@ def _moved(case: Case, changed: Open) -> Moved:
         raise ValueError(
             f"the motion of case {case.seed} with {case.effects} diverges: make the effect smaller"
         )
-    return Moved(rows, command, what.reference, what.blow_time)
+    return Moved(rows, command, what.reference, what.impact_time)
 
 
 def sensed(case: Case, motion: Moved) -> Clean:
@@ -171,7 +171,7 @@ def sensed(case: Case, motion: Moved) -> Clean:
         rows=rows,
         command=motion.command,
         reference=motion.reference,
-        blow_time=motion.blow_time,
+        impact_time=motion.impact_time,
         acceleration=felt(rig, case.effects, rows, case.scale_m),
         angle=rows[ticks, 0],
         speed=rows[ticks, 1],
@@ -229,7 +229,7 @@ def make(case: Case) -> Recording:
             "bending_m": clean.gauge,
             "joint_rad": clean.rows[::FINE, 6][:ticks],
             "middle_s": here.middle[arrived],
-            "blow_time_s": clean.blow_time,
+            "blow_time_s": clean.impact_time,
             "acceleration": converted(rig, case.effects, clean.acceleration),
             "angle": clean.angle,
             "speed": clean.speed,

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 MARKS = ("slow", "realtime", "blind", "hardware_data")
-FOLDERS = ("benchmarks", "faults", "fuzz", "realtime")
+FOLDERS = ("benchmarks", "realtime")
 """Of tests/: left out whole."""
 LONGEST_S = 1.0
 _TESTS = Path(__file__).resolve().parents[1]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from common.recording.reader import open_recording
+from stillarm.common.recording.reader import open_recording
 
 ROOT = Path(__file__).parents[2]
 CONFIG = """

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from common.recording.reader import open_recording
+from stillarm.common.recording.reader import open_recording
 
 pytestmark = pytest.mark.realtime
 

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 import tomli_w
 
-from common.configuration import Configuration
-from common.recording.reader import open_recording
-from common.shared_memory import block_path
-from simulation.demo.set_up import write_demo_configuration
+from stillarm.common.files.configuration import Configuration
+from stillarm.common.memory.shared_memory import block_path
+from stillarm.common.recording.reader import open_recording
+from stillarm.simulation.demo.set_up import write_demo_configuration
 
 pytestmark = pytest.mark.realtime
 

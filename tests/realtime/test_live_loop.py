@@ -19,11 +19,11 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from common.recording.reader import Recording, open_recording
-from common.shared_memory import block_path
-from controller.replay import compare_with_live, read_run
-from simulation.demo.set_up import write_demo_configuration
-from supervisor.recorded_images import compare_with_live as compare_images
+from stillarm.common.memory.shared_memory import block_path
+from stillarm.common.recording.reader import Recording, open_recording
+from stillarm.controller.replay.replay import compare_with_live, read_run
+from stillarm.simulation.demo.set_up import write_demo_configuration
+from stillarm.supervisor.recorded_images import compare_with_live as compare_images
 
 pytestmark = pytest.mark.realtime
 

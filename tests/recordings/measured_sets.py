@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.io import loadmat
 
-from common.configuration import Tracker
-from common.visual_sample import TrackingStatus
-from drivers.camera import EndOfStream
-from drivers.file_camera import FileCamera
-from supervisor.tracking.tracker import FeatureTracker
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.common.files.configuration import Tracker
+from stillarm.drivers.cameras.camera import EndOfStream
+from stillarm.drivers.cameras.file_camera import FileCamera
+from stillarm.supervisor.tracking.tracker import FeatureTracker
 
 Array = NDArray[np.float64]
 

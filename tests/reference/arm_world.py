@@ -10,12 +10,12 @@ from math import exp, pi
 
 import numpy as np
 
-from common.model import Model
-from common.visual_sample import VisualSample
-from controller.cycle_input import CycleInput
-from controller.estimate import DelayEstimate
-from controller.frame_delays import FrameDelays
-from controller.step import Controller, CycleOutput
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.files.model import Model
+from stillarm.controller.estimation.estimate import DelayEstimate
+from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.loop.step import Controller, CycleOutput
+from stillarm.controller.replay.frame_delays import FrameDelays
 
 SUBSTEPS = 10
 State = tuple[float, float, float, float]  # theta, theta', q, q'

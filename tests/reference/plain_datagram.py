@@ -1,4 +1,4 @@
-"""A datagram as docs/protocol.md words it, packed apart from common/datagram.py: any body, right or wrong."""
+"""A datagram as docs/protocol.md words it, packed apart from common/datagrams/datagram.py: any body, right or wrong."""
 
 from collections.abc import Sequence
 from hashlib import blake2s

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from common.model import Arm, Drive, Mode, Model
-from simulation.plant import Plant
+from stillarm.common.files.model import Arm, Drive, Mode, Model
+from stillarm.simulation.arm.plant import Plant
 
 CYCLE_S = 0.001
 LENGTH_M = 2.0

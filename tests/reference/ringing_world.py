@@ -10,11 +10,11 @@ from math import ceil, cos, exp, hypot, inf, nan, pi, sin, sqrt
 
 import numpy as np
 
-from common.model import Accelerometer, Arm, Camera, Mode, Model, Timing
-from common.visual_sample import VisualSample
-from controller.estimate import DelayEstimate, Method, Observation
-from controller.frame_delays import FrameDelays
-from controller.joint_motion import JointMotion
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.files.model import Accelerometer, Arm, Camera, Mode, Model, Timing
+from stillarm.controller.estimation.estimate import DelayEstimate, Method, Observation
+from stillarm.controller.joint.joint_motion import JointMotion
+from stillarm.controller.replay.frame_delays import FrameDelays
 
 Array = np.ndarray
 CYCLE_S = 0.001

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from common.causes import CAUSES
 from stillarm.causes_page import page, schema, section
+from stillarm.common.causes import CAUSES
 from stillarm.main import main
 
 ROOT = Path(__file__).parents[2]

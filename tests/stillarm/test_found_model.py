@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from common.model import Model, load_model
-from common.user_error import UserError
+from stillarm.common.files.model import Model, load_model
+from stillarm.common.user_error import UserError
 from stillarm.found_model import print_parameters, write_model
 
 

@@ -5,8 +5,8 @@ from collections import deque
 import numpy as np
 import pytest
 
-from drivers.camera import EndOfStream, Frame
-from supervisor.start_up import discard_queued, warm_up_recording
+from stillarm.drivers.cameras.camera import EndOfStream, Frame
+from stillarm.supervisor.start_up import discard_queued, warm_up_recording
 
 PERIOD_S = 1.0 / 65.0
 IMAGE = np.zeros((4, 4), np.uint8)

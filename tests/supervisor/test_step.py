@@ -4,11 +4,11 @@ from math import isnan
 
 import numpy as np
 
-from common.configuration import Tracker
-from common.visual_sample import TrackingStatus
-from drivers.camera import Frame
-from supervisor.step import Supervisor
-from tests.supervisor.sinusoid_scene import SinusoidScene, photographed
+from stillarm.common.datagrams.visual_sample import TrackingStatus
+from stillarm.common.files.configuration import Tracker
+from stillarm.drivers.cameras.camera import Frame
+from stillarm.supervisor.step import Supervisor
+from tests.fixtures.sinusoid_scene import SinusoidScene, photographed
 
 SHAPE = (96, 128)
 

@@ -5,8 +5,8 @@ from importlib import import_module
 
 import pytest
 
-from common.causes import CAUSES, Cause, experiment_between
-from common.causes.declaration import Acts
+from stillarm.common.causes import CAUSES, Cause, experiment_between
+from stillarm.common.causes.declaration import Acts
 
 GIVEN: dict[Acts, int] = {
     "force": 6, "friction": 6, "frequency": 3, "command": 1, "play": 0, "sensitivity": 1, "reading": 2, "impulse": 1,
@@ -24,7 +24,7 @@ every_cause = pytest.mark.parametrize("cause", CAUSES.values(), ids=lambda cause
 
 @every_cause
 def test_a_file_declares_the_cause_of_its_name(cause: Cause) -> None:
-    assert import_module(f"common.causes.{cause.identifier}").CAUSE is cause
+    assert import_module(f"stillarm.common.causes.{cause.identifier}").CAUSE is cause
 
 
 @every_cause

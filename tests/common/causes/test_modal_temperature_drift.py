@@ -5,12 +5,12 @@ from math import exp
 import numpy as np
 import pytest
 
-from common.causes.modal_temperature_drift import law
-from common.model import Arm, Mode, Model
-from diagnosis.search import search
-from diagnosis.split import interleaved
-from simulation.plant import Plant
-from tests.diagnosis.synthetic import fitted, measured
+from stillarm.common.causes.modal_temperature_drift import law
+from stillarm.common.files.model import Arm, Mode, Model
+from stillarm.diagnosis.search import search
+from stillarm.diagnosis.split import interleaved
+from stillarm.simulation.arm.plant import Plant
+from tests.fixtures.synthetic import fitted, measured
 
 
 def test_the_frequency_levels_off() -> None:

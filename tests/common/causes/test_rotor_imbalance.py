@@ -5,12 +5,12 @@ from math import pi
 import numpy as np
 import pytest
 
-from common.causes.rotor_imbalance import law
-from common.model import Arm, Drive, Mode, Model
-from diagnosis.search import search
-from diagnosis.split import interleaved
-from simulation.plant import Plant
-from tests.diagnosis.synthetic import fitted, measured
+from stillarm.common.causes.rotor_imbalance import law
+from stillarm.common.files.model import Arm, Drive, Mode, Model
+from stillarm.diagnosis.search import search
+from stillarm.diagnosis.split import interleaved
+from stillarm.simulation.arm.plant import Plant
+from tests.fixtures.synthetic import fitted, measured
 
 
 def test_the_force_grows_with_the_square_of_the_speed_and_ends_at_rest() -> None:

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from mcap.writer import MCAP0_MAGIC
 
-from common.recording.append_file import AppendFile
-from common.user_error import UserError
+from stillarm.common.recording.append_file import AppendFile
+from stillarm.common.user_error import UserError
 
 
 @pytest.mark.parametrize("content", [b"", MCAP0_MAGIC[:3], MCAP0_MAGIC + b"earlier"])

@@ -10,10 +10,10 @@ from mcap.reader import make_reader
 from mcap.records import ChunkIndex
 from mcap.writer import Writer
 
-from common.recording.chunk_indices import PackedChunkIndices
-from common.recording.header import RecordingHeader
-from common.recording.topics import LogLine
-from common.recording.writer import _CHUNK_INDICES, RecordingWriter
+from stillarm.common.recording.chunk_indices import PackedChunkIndices
+from stillarm.common.recording.header import RecordingHeader
+from stillarm.common.recording.topics import LogLine
+from stillarm.common.recording.writer import _CHUNK_INDICES, RecordingWriter
 
 WORD = st.integers(0, 2**64 - 1)
 INDICES = st.builds(

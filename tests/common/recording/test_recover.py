@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from common.recording.header import RecordingHeader
-from common.recording.reader import open_recording
-from common.recording.recover import recover
-from common.recording.topics import FastSample, ForeignColumns, LogLine
-from common.recording.writer import RecordingWriter
-from common.user_error import UserError
+from stillarm.common.recording.header import RecordingHeader
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.recording.recover import recover
+from stillarm.common.recording.topics import FastSample, ForeignColumns, LogLine
+from stillarm.common.recording.writer import RecordingWriter
+from stillarm.common.user_error import UserError
 
 HEADER = RecordingHeader(
     program_version="0",

@@ -10,13 +10,13 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from common.configuration import Configuration, Controller, Damping, Dither, Link, Safety
-from common.recording.topics import FastSample, FrameSample
-from common.telemetry import telemetry_map
-from common.user_error import UserError
-from diagnosis.commissioning import live
-from diagnosis.commissioning.live import commissioning_configuration, feed
-from diagnosis.commissioning.watch import Bounds, Watch
+from stillarm.common.files.configuration import Configuration, Controller, Damping, Dither, Link, Safety
+from stillarm.common.recorder.telemetry import telemetry_map
+from stillarm.common.recording.topics import FastSample, FrameSample
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.commissioning import live
+from stillarm.diagnosis.commissioning.live import commissioning_configuration, feed
+from stillarm.diagnosis.commissioning.watch import Bounds, Watch
 
 USERS = Configuration(
     model="arm.toml",

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from common.model import Drive, Mode
-from common.scenario import Scenario
-from common.user_error import UserError
-from diagnosis.commissioning.plan import Limits, moves, probe, slowed, stages, within
+from stillarm.common.files.model import Drive, Mode
+from stillarm.common.files.scenario import Scenario
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.commissioning.plan import Limits, moves, probe, slowed, stages, within
 
 CYCLE_S = 0.004
 LIMITS = st.builds(
@@ -65,7 +65,7 @@ def test_no_room_is_one_line() -> None:
     assert "\n" not in str(refused.value)
 
 
-def test_rest_for_a_blow_comes_at_the_end() -> None:
+def test_rest_for_an_impact_comes_at_the_end() -> None:
     mode = Mode()
     assert moves(Limits(), 0.1, mode, 10.0).duration_s == pytest.approx(
         moves(Limits(), 0.1, mode).duration_s + 10.0

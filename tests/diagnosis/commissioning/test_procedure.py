@@ -8,16 +8,22 @@ import msgspec
 import numpy as np
 import pytest
 
-from benchmarks.commissioning import assumed_model, commission_virtually, draw_rig, simulated, truth_of
-from common.model import Arm, Mode, Model
-from common.recording.reader import open_recording
-from common.scenario import Scenario
-from common.user_error import UserError
-from diagnosis.commissioning.plan import Limits
-from diagnosis.commissioning.procedure import commission, until
-from diagnosis.commissioning.verdict import marked
-from diagnosis.commissioning.watch import Bounds
-from diagnosis.measured import Frames, Measured, read_measured
+from stillarm.benchmarks.commissioning import (
+    assumed_model,
+    commission_virtually,
+    draw_rig,
+    simulated,
+    truth_of,
+)
+from stillarm.common.files.model import Arm, Mode, Model
+from stillarm.common.files.scenario import Scenario
+from stillarm.common.recording.reader import open_recording
+from stillarm.common.user_error import UserError
+from stillarm.diagnosis.commissioning.plan import Limits
+from stillarm.diagnosis.commissioning.procedure import commission, until
+from stillarm.diagnosis.commissioning.verdict import marked
+from stillarm.diagnosis.commissioning.watch import Bounds
+from stillarm.diagnosis.measured import Frames, Measured, read_measured
 
 LIMITS = Limits()
 RIGS = (1, 7, 8)

@@ -128,8 +128,8 @@ def force(case: Case, time_s: Values) -> tuple[Values, Values]:
 
 def _shape(event: Event, t: Values, w: float, luck: np.random.Generator) -> Values:
     if event.kind == "strike":
-        blow = np.pi / 2.0 / event.ramp_s * np.sin(np.pi * t / event.ramp_s)
-        return np.where(t <= event.ramp_s, event.size * w * blow, 0.0)
+        impact = np.pi / 2.0 / event.ramp_s * np.sin(np.pi * t / event.ramp_s)
+        return np.where(t <= event.ramp_s, event.size * w * impact, 0.0)
     if event.kind == "push":
         return np.where(t <= event.ramp_s, event.size * w * w * np.sin(np.pi * t / event.ramp_s), 0.0)
     if event.kind == "rock":

@@ -11,10 +11,10 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from common.model import Drive
-from simulation.arm.compiled_laws import laws_of, obeyed
-from simulation.arm.free_run import driven_run, free_run, reads_later
-from simulation.arm.state import make_arm
+from stillarm.common.files.model import Drive
+from stillarm.simulation.arm.compiled_laws import laws_of, obeyed
+from stillarm.simulation.arm.free_run import driven_run, free_run, reads_later
+from stillarm.simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class Rig:
     first_mode: Callable[[float, float, float], float] = lambda q, v, t: 0.0
     scale: Callable[[float], float] = lambda t: 1.0
     share: float = 1.0
-    blows: dict[int, tuple[float, float]] = field(default_factory=dict)
+    impacts: dict[int, tuple[float, float]] = field(default_factory=dict)
 
     def rates(self, y: Array, t: float, target: float) -> Array:
         """d/dt of theta, omega, q_1, q_1', q_2, q_2'."""
@@ -70,9 +70,9 @@ class Rig:
         theta, omega, q = np.empty(CYCLES), np.empty(CYCLES), np.empty((CYCLES, 2))
         whole, rest = int(self.dead_s / DT), self.dead_s % DT
         for k in range(CYCLES):
-            if k in self.blows:
-                y[2] += self.blows[k][0]
-                y[3] += self.blows[k][1]
+            if k in self.impacts:
+                y[2] += self.impacts[k][0]
+                y[3] += self.impacts[k][1]
             theta[k], omega[k], q[k] = y[0], y[1], y[2::2]
             for start, span, index in ((0.0, rest, k - whole - 1), (rest, DT - rest, k - whole)):
                 target = self.obeys(COMMAND[max(index, 0)])
@@ -91,16 +91,16 @@ def simulated(
     *effects: dict[str, Any],
     drive: Drive = DRIVE,
     gap: float = 0.0,
-    blows: dict[int, tuple[float, float]] | None = None,
+    impacts: dict[int, tuple[float, float]] | None = None,
 ) -> tuple[Array, ...]:
     """theta, omega, alpha and motor theta of the free run, its modes, q'', and alpha's jump."""
     named = [(one["cause"], USUAL | one) for one in effects]
     arm, whole = make_arm(drive, DT, MODES * (1.0, 1.0, LENGTH), laws_of(named), gap, turn_rad=0.03)
-    cycles = np.array([0, *sorted(blows or {})], dtype=np.int64)
+    cycles = np.array([0, *sorted(impacts or {})], dtype=np.int64)
     jumps = np.zeros((len(cycles), 2, 2))
     jumps[0] = np.array(START).reshape(2, 2)
     for row, cycle in enumerate(cycles[1:], start=1):
-        jumps[row, 0] = (blows or {})[int(cycle)]
+        jumps[row, 0] = (impacts or {})[int(cycle)]
     joint, motor = np.empty((CYCLES, 4)), np.empty((CYCLES, 2))
     q, qdd = np.empty((CYCLES, 2)), np.empty((CYCLES, 2))
     limit = drive.max_velocity_rad_s
@@ -230,10 +230,10 @@ def test_frequencies_that_change(
 
 
 @pytest.mark.slow
-def test_a_blow_adds_to_the_state_at_its_cycle() -> None:
-    blows = {1500: (0.001, -0.4)}
-    _, _, q = Rig(blows=blows).integrate()
-    assert off(simulated(blows=blows)[4], q) < 1e-6
+def test_an_impact_adds_to_the_state_at_its_cycle() -> None:
+    impacts = {1500: (0.001, -0.4)}
+    _, _, q = Rig(impacts=impacts).integrate()
+    assert off(simulated(impacts=impacts)[4], q) < 1e-6
 
 
 def fiftieths(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from common.causes import CAUSES
-from common.effects import acting
-from common.model import Arm, Drive, Mode, Model
-from simulation.plant import Plant
+from stillarm.common.causes import CAUSES
+from stillarm.common.files.effects import acting
+from stillarm.common.files.model import Arm, Drive, Mode, Model
+from stillarm.simulation.arm.plant import Plant
 
 Array = NDArray[np.float64]
 

@@ -5,16 +5,16 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from common.causes import CAUSES
-from common.effects import check_effects
-from common.model import load_model
-from common.scenario import load_scenario
-from common.user_error import UserError
-from simulation.demo.demo import run_demo
-from simulation.demo.hidden_effect import draw_effect, revealing_moves
-from simulation.demo.set_up import write_demo_configuration
-from simulation.simulated_recording import default_simulation_configuration
+from stillarm.common.causes import CAUSES
+from stillarm.common.files.effects_check import check_effects
+from stillarm.common.files.model import load_model
+from stillarm.common.files.scenario import load_scenario
+from stillarm.common.user_error import UserError
 from stillarm.progress import progress_bar
+from stillarm.simulation.demo.demo import run_demo
+from stillarm.simulation.demo.hidden_effect import draw_effect, revealing_moves
+from stillarm.simulation.demo.set_up import write_demo_configuration
+from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
 
 DURATION_S = 60.0
 

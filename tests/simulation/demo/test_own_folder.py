@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from common.user_error import UserError
-from simulation.demo.own_folder import own_folder
-from simulation.demo.set_up import write_demo_configuration
+from stillarm.common.user_error import UserError
+from stillarm.simulation.demo.own_folder import own_folder
+from stillarm.simulation.demo.set_up import write_demo_configuration
 
 
 def test_an_earlier_demo_is_replaced(tmp_path: Path) -> None:

@@ -11,29 +11,36 @@ import msgspec
 import numpy as np
 import pytest
 
-from common.configuration import AccelerometerDevice, CameraDevice, Configuration, DriveDevice, Link, Tracker
-from common.model import Model
-from common.user_error import UserError
-from common.visual_sample import VisualSample
-from drivers.accelerometer_tables import TABLES
-from drivers.camera import Frame
-from drivers.drive_gateway import DriveGateway
-from drivers.drive_gateway_socket import DriveGatewaySocket
-from drivers.emulation.emulated_accelerometer import emulate_accelerometer
-from drivers.emulation.odrive_motor import OdriveMotor
-from drivers.emulation.pty_port import PtyPort
-from drivers.emulation.shared_registers import Failure
-from drivers.i2c_accelerometer import I2cAccelerometer
-from drivers.mounting import sensed_axes
-from drivers.odrive_drive import OdriveDrive
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.files.configuration import (
+    AccelerometerDevice,
+    CameraDevice,
+    Configuration,
+    DriveDevice,
+    Link,
+    Tracker,
+)
+from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
+from stillarm.drivers.accelerometers.i2c_accelerometer import I2cAccelerometer
+from stillarm.drivers.accelerometers.mounting import sensed_axes
+from stillarm.drivers.accelerometers.register_tables import TABLES
+from stillarm.drivers.cameras.camera import Frame
+from stillarm.drivers.drives.drive_gateway import DriveGateway
+from stillarm.drivers.drives.drive_gateway_socket import DriveGatewaySocket
+from stillarm.drivers.drives.odrive_drive import OdriveDrive
+from stillarm.drivers.emulated_chips.shared_registers import Failure
+from stillarm.drivers.emulation.emulated_accelerometer import emulate_accelerometer
+from stillarm.drivers.emulation.odrive_motor import OdriveMotor
+from stillarm.drivers.emulation.pty_port import PtyPort
 from stillarm.preflight.camera import judge_camera, watch_camera
 from stillarm.preflight.drive import greet_gateway, judge_drive
 from stillarm.preflight.link import ask_supervisor, judge_key, judge_link
 from stillarm.preflight.machine import MachineFacts, judge_machine
 from stillarm.preflight.sensor import could_not_start, judge_bus, judge_sensor, read_sensor
 from stillarm.preflight.verdict import Level, Verdict, fail
-from supervisor.exchange import SupervisorExchange
-from tests.free_ports import free_ports
+from stillarm.supervisor.exchange import SupervisorExchange
+from tests.fixtures.free_ports import free_ports
 
 MODEL = Model()
 KEY, OTHER_KEY = b"the key of this test", b"another key altogether"
@@ -162,7 +169,7 @@ class Supervised:
 
     def verdicts(self) -> list[Verdict]:
         """Ask it and judge."""
-        from common.udp import UdpSocket
+        from stillarm.common.link.udp import UdpSocket
 
         theirs = UdpSocket(("127.0.0.1", 0), "test")
         elsewhere = UdpSocket(("127.0.0.1", 0), "test")

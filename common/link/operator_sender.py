@@ -1,0 +1,34 @@
+"""The operator's end: commands (arm, disarm, clear, stop) and references to the controller. Pure: bytes in, bytes out.
+
+The controller takes either only from who has heard from it: the first one is answered by a HELLO, and those that
+follow are taken.
+"""
+
+from stillarm.common.datagrams.messages import Hello, OperatorCommand, Reference
+from stillarm.common.link.peer import Peer
+
+
+class OperatorSender:
+    """Packs OPERATOR_COMMAND and REFERENCE datagrams, and learns the controller's session from its answers."""
+
+    def __init__(self, key: bytes, session: int) -> None:
+        """Sign with `key`; `session` from stillarm.common.link.udp.new_session(), never used before."""
+        self._peer = Peer(key, (Hello,), session)
+
+    @property
+    def known(self) -> bool:
+        """Whether the controller has answered: what is packed from now on is taken."""
+        return self._peer.session != 0
+
+    def take(self, datagrams: list[bytes]) -> None:
+        """Read what the controller answered."""
+        for data in datagrams:
+            self._peer.receive(data)
+
+    def command(self, bits: int) -> bytes:
+        """The datagram of a command, bits of stillarm.controller.safety.table.Operator; a repeated one does no harm."""
+        return self._peer.encode(OperatorCommand(int(bits)))
+
+    def reference(self, velocity_rad_s: float, damping_allowed: bool) -> bytes:
+        """The datagram of a joint velocity reference; to be renewed well within 0.1 s."""
+        return self._peer.encode(Reference(float(velocity_rad_s), damping_allowed))

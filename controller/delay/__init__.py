@@ -1,1 +1,0 @@
-"""Estimators of the capture delay, one file each. Predictors belong to `prediction/`."""

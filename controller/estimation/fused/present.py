@@ -1,0 +1,165 @@
+"""The phasors as they are now: from the bank's instant through the accelerometer's blocks since then.
+
+Plain floats: it runs once a block and once a frame for each block since the frame's exposure.
+"""
+
+from cmath import exp
+from math import sqrt
+
+from stillarm.controller.estimation.fused.blocks import Block, Jump, along_rate
+from stillarm.controller.estimation.fused.quadratic_form import quadratic_form
+
+
+class Present:
+    """Phasors Z of the modes at the end of the last block, their covariance, and the value they give.
+
+    force: static deflection by a force that lasts, m. The covariance p is of the phasors' parts, (2m, 2m), and of the
+    force after them where there may be one, (2m + 1, 2m + 1).
+    """
+
+    def __init__(self, w: list[float], sigma: list[float], w_first: float) -> None:
+        """w, sigma: nominal damped frequency, rad/s, and decay rate, 1/s, of each mode."""
+        self._w = w
+        self._sigma = sigma
+        self._per_acceleration = -1.0 / (w_first * w_first)
+        self.z = [0j] * len(w)
+        self.bias = 0.0
+        self.bias_variance = 0.0
+        self.force = 0.0
+        self.p = [[0.0] * (2 * len(w)) for _ in range(2 * len(w))]
+        self.slow = [complex(-one) for one in sigma]
+        self.gain = [0j] * len(w)
+        self.turn_cycle = [1.0 + 0j] * len(w)
+
+    def restart(
+        self,
+        z: list[complex],
+        p: list[list[float]],
+        slow: list[complex],
+        bias: float,
+        bias_variance: float,
+        force: float,
+        cycle_s: float,
+    ) -> None:
+        """From the bank's merged phasors z with covariance p, slow rates, 1/s, accelerometer bias, m, and force, m."""
+        self.z, self.p, self.slow, self.force = z, p, slow, force
+        self.bias, self.bias_variance = bias, bias_variance
+        self.gain = [
+            self._per_acceleration * (one + 1j * w) ** 2 for one, w in zip(slow, self._w, strict=True)
+        ]
+        self.turn_cycle = [exp(one * cycle_s) for one in slow]
+
+    def expected(self, turn: list[complex]) -> float:
+        """What the accelerometer should show, as deflection of the first mode, m, where exp(i w t) is `turn`."""
+        total = self.bias
+        for i, z in enumerate(self.z):
+            total += (z * self.gain[i] * turn[i]).real
+        return total
+
+    def uncertain(self, std_m: float) -> bool:
+        """Whether what the accelerometer should show is less well known than std_m."""
+        return sum([self.p[i][i] for i in range(2 * len(self.z))]) > std_m * std_m
+
+    def advance(self, increment: list[complex]) -> None:
+        """One cycle on, in which the joint adds `increment` to the phasors."""
+        for i, more in enumerate(increment):
+            self.z[i] = self.z[i] * self.turn_cycle[i] + more
+
+    def take_block(
+        self, block: Block, variance: float, shown: tuple[float, float] | None, *, at_end: bool
+    ) -> None:
+        """Take in a block; the phasors stand at its start, or (at_end) at its end. shown: LearntForce.shown."""
+        base = block.end_s if at_end else block.start_s
+        rows: list[float] = []
+        value = self.bias
+        for i, turn in enumerate(block.turn):
+            seen = self.gain[i] * turn * exp(self.slow[i] * (block.time_s - base))
+            z = self.z[i] - block.step[i] if at_end else self.z[i]
+            value += (z * seen).real
+            rows += (seen.real, seen.imag)
+        if len(self.p) > len(rows):
+            rows.append(0.0)
+        self._update(rows, block.value - block.forced - value, variance + self.bias_variance, shown)
+
+    def residual(self, block: Block) -> float:
+        """How far a block, at whose end the phasors stand, lies from what they say, m."""
+        value = self.bias
+        for i, turn in enumerate(block.turn):
+            seen = self.gain[i] * turn * exp(self.slow[i] * (block.time_s - block.end_s))
+            value += ((self.z[i] - block.step[i]) * seen).real
+        return block.value - block.forced - value
+
+    def _update(
+        self, rows: list[float], residual: float, noise: float, shown: tuple[float, float] | None
+    ) -> None:
+        p = self.p
+        ph = [sum([a * b for a, b in zip(line, rows, strict=True)]) for line in p]
+        total = noise + sum([a * b for a, b in zip(ph, rows, strict=True)])
+        if shown is not None:
+            ph[0] += shown[0]
+            ph[1] += shown[1]
+        weight = residual / total
+        for i, one in enumerate(ph):
+            line, share = p[i], one / total
+            for j, other in enumerate(ph):
+                line[j] -= share * other
+        for i in range(len(self.z)):
+            self.z[i] += complex(ph[2 * i] * weight, -ph[2 * i + 1] * weight)
+        if len(ph) > 2 * len(self.z):
+            self.force += ph[-1] * weight
+
+    def move_on(self, block: Block) -> None:
+        """From a block's start to its end."""
+        dt = block.end_s - block.start_s
+        for i, step in enumerate(block.step):
+            turn = exp(self.slow[i] * dt)
+            self.z[i] = self.z[i] * turn + step * (0.5 + 0.5 * turn)
+
+    def inflate(self, jump: Jump) -> None:
+        """FilterBank.inflate."""
+        for i, w in enumerate(self._w):
+            along = along_rate(w, jump.time_s)
+            rest = jump.across_m[i] ** 2
+            power = jump.along_m[i] ** 2 - rest
+            direction = (along.real, -along.imag)
+            for k in (0, 1):
+                line = self.p[2 * i + k]
+                line[2 * i] += power * direction[k] * direction[0]
+                line[2 * i + 1] += power * direction[k] * direction[1]
+                line[2 * i + k] += rest
+        if jump.force_step_m:
+            self.z[0] -= jump.force_step_m * exp(-1j * self._w[0] * jump.time_s)
+            self.force += jump.force_step_m
+        if jump.force_m and len(self.p) > 2 * len(self.z):
+            turn = exp(1j * self._w[0] * jump.time_s)
+            moved = {
+                0: -turn.real * jump.force_m,
+                1: -turn.imag * jump.force_m,
+                len(self.p) - 1: jump.force_m,
+            }
+            for i, one in moved.items():
+                for j, other in moved.items():
+                    self.p[i][j] += one * other
+
+    def widen(self, variance: float) -> None:
+        """Add a variance, m^2, to every component of the phasors."""
+        for i in range(2 * len(self.z)):
+            self.p[i][i] += variance
+
+    def deflection(self, turn: list[complex]) -> tuple[float, float, float]:
+        """Deflection, m, its rate, m/s, and its standard deviation, m, where exp(i w t) is `turn`."""
+        q, v, variance = self.force, 0.0, 0.0
+        for i, z in enumerate(self.z):
+            one = z * turn[i]
+            q += one.real
+            v += (one * (self.slow[i] + 1j * self._w[i])).real
+        if len(self.p) == 2:
+            c, s = turn[0].real, turn[0].imag
+            p = self.p
+            variance = c * c * p[0][0] + 2.0 * c * s * p[0][1] + s * s * p[1][1]
+        else:
+            row = [part for one in turn for part in (one.real, one.imag)]
+            if len(self.p) > len(row):
+                row.append(1.0)
+            variance = quadratic_form(row, self.p)
+        return q, v, sqrt(max(variance, 0.0))

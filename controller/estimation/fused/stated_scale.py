@@ -1,0 +1,78 @@
+"""The image scale that the model states, weighed against what the sensors say of it.
+
+The filters take it for uncertain by as much as another scene may make it. But a calibrated model mostly has it to a
+percent, and a commissioned one says itself how well, which the accelerometer needs seconds to tell. So beforehand the
+scale's relative error e is taken for N(0, s^2) (as stated) or N(0, v) (as the filters take it), at odds of o: even, and
+nine to one for a commissioned model, whose scale was measured on this rig. They make e = m +- sqrt(P) of v, so that the
+measurements alone say y +- sqrt(R) with 1 / R = 1 / P - 1 / v, y = m R / P; by them the odds of `as stated` are
+
+    o N(y; 0, R + s^2) / N(y; 0, R + v)
+
+and in that case e has one more measurement, of value 0 and variance r with 1 / r = 1 / s^2 - 1 / v. What is told is
+the mixture (Bar-Shalom, Li and Kirubarajan, Estimation with Applications, 2001, section 1.4.16). The filters know
+nothing of it: it is told anew each time and is never counted twice.
+"""
+
+from math import exp, hypot, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from msgspec import UnsetType
+from numpy.typing import NDArray
+
+from stillarm.common.files.model import Model
+
+Array = NDArray[np.float64]
+
+_BY_HAND = 0.01  # of a model that does not say how well its scales are known: `calibrate` asks for 2 %
+_EVEN, _MEASURED = 1.0, 9.0  # odds beforehand: by hand, commissioned
+_LEAST = 0.002  # of a commissioned scale: the scene is not known better than that
+_TOLD = 0.5  # of the variance beforehand: above it, the sensors have said too little to judge by
+_SETTLED = 0.04  # of the stated variance: below it, they know it too well for the model to add anything
+
+
+class Stated(NamedTuple):
+    """What a model says of the image's scale relative to the accelerometer's. variance: of its relative error; odds: of
+    that against what the filters take it for, before anything is seen."""
+
+    variance: float
+    odds: float
+
+
+def stated_scale(model: Model, first: float) -> Stated:
+    """By the deviations that the model file states; their variance well below `first`, the filters' beforehand, or
+    there were nothing to weigh.
+    """
+    std = {} if isinstance(model.commissioned, UnsetType) else model.commissioned.std
+    stated = {
+        "camera.scale_px_per_m": model.camera.scale_px_per_m,
+        "accelerometer.scale": model.accelerometer.scale,
+    }
+    if not stated.keys() <= std.keys():
+        return Stated(_BY_HAND**2, _EVEN)
+    of_each = [std[name] / value for name, value in stated.items()]
+    return Stated(float(min(max(_LEAST, hypot(*of_each)) ** 2, _TOLD * first)), _MEASURED)
+
+
+def odds_as_stated(mean: float, variance: float, first: float, stated: Stated) -> float:
+    """Of an error of the scale as the filters have it, who took it for N(0, first) beforehand; variance below first."""
+    own = 1.0 / (1.0 / variance - 1.0 / first)
+    square = (mean * own / variance) ** 2
+    narrow, wide = own + stated.variance, own + first
+    return stated.odds * sqrt(wide / narrow) * exp(0.5 * square * (1.0 / wide - 1.0 / narrow))
+
+
+def with_stated_scale(x: Array, p: Array, scale: int, first: float, stated: Stated) -> tuple[Array, Array]:
+    """State (n,) and covariance (n, n) once the model's word on the scale counts; x[scale]: its relative error.
+
+    first: the filters' variance of it beforehand.
+    """
+    mean, variance = float(x[scale]), float(p[scale, scale])
+    if not _SETTLED * stated.variance < variance < _TOLD * first:
+        return x, p
+    odds = odds_as_stated(mean, variance, first, stated)
+    probability = odds / (1.0 + odds)
+    total = variance + 1.0 / (1.0 / stated.variance - 1.0 / first)
+    gain = p[scale] / total
+    spread = (1.0 - probability) * mean * mean  # between the two cases
+    return x - (probability * mean) * gain, p - (probability * (total - spread)) * np.outer(gain, gain)

@@ -1,0 +1,157 @@
+"""The controller's step function: takes a cycle's sensor values, returns the command.
+
+It runs live, in virtual time and in replay, and uses no clock, socket, device or file.
+"""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from stillarm.common.files.configuration import Controller as ControllerSettings
+from stillarm.common.files.effects import declared
+from stillarm.common.files.model import Model, length_of
+from stillarm.controller.command.damping import DampingStatus, JointDamping
+from stillarm.controller.command.dither import STILL, check_dither, dither_on
+from stillarm.controller.command.limits import CommandLimits
+from stillarm.controller.command.motion import Motion
+from stillarm.controller.estimation.estimate import Estimate, Method, Observation
+from stillarm.controller.estimation.methods import make_method
+from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
+from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.input.plausible_input import PlausibleInput
+from stillarm.controller.joint.joint_motion import JointMotion
+from stillarm.controller.safety.supervision import Supervision
+from stillarm.controller.safety.table import Event, State
+
+
+@dataclass(slots=True)
+class CycleOutput:
+    """The output of a cycle: the command for the joint, and the estimate behind it.
+
+    predicted_deflection_m: the deflection at the time of the joint's response (the drive's lead after the cycle)
+    reason: the missing ground or the cause of the state; None if nothing is wrong
+    """
+
+    command_rad_s: float
+    damping_rad_s: float
+    damping_status: DampingStatus
+    estimate: Estimate
+    predicted_deflection_m: float
+    state: State = State.PREFLIGHT
+    reason: Event | None = None
+
+
+class Controller:
+    """Subtracts the joint's motion, estimates, checks permission, predicts, damps and limits, once a cycle."""
+
+    def __init__(
+        self,
+        model: Model,
+        settings: ControllerSettings,
+        model_name: str = "model",
+        *,
+        identified_only: bool = False,
+    ) -> None:
+        """model: of the rig. identified_only: damp only with a commissioned model.
+
+        Raises UserError for an unknown method or a model without length.
+        """
+        model = declared(model)
+        self._model, self._settings, self._model_name = model, settings, model_name
+        self._cycle_s = model.timing.cycle_s
+        self._length = length = length_of(model, model_name)
+        self._input = PlausibleInput(model, length)
+        self._supervision = Supervision(model, settings, length, identified_only=identified_only)
+        check_dither(settings.dither, model)
+        self._dither_settings = settings.dither
+        self._limits = CommandLimits(model.drive, self._cycle_s)
+        self._begin(0.0)
+
+    def _begin(self, joint_position_rad: float) -> None:
+        """Start at rest, without measurements. joint_position_rad: position of the joint until it is reported."""
+        model, settings, model_name = self._model, self._settings, self._model_name
+        self.joint = JointMotion(model, self._length, joint_position_rad)
+        self.method: Method = MethodAcrossRestarts(
+            lambda: make_method(settings.method, model, settings, model_name)
+        )
+        self._damping = JointDamping(model, settings.damping, model_name)
+        self._motion = Motion(model, settings.reference_shaping)
+        self._dither = STILL
+
+    @property
+    def refused(self) -> list[int]:
+        """Number of input values refused since the start, by stillarm.controller.input.plausible_input.Field."""
+        return self._input.refused
+
+    def step(self, read: CycleInput) -> CycleOutput:
+        """Process one cycle. Cycle numbers increase; skipped cycles are never passed.
+
+        Implausible values count as missing. After a long pause everything restarts except state and permission.
+        """
+        read, elapsed, begin_anew = self._input.admit(read)
+        time_s = read.cycle * self._cycle_s
+        if begin_anew:
+            self._begin(self.joint.position_rad)
+            self._supervision.begin_anew(time_s)
+        joint, damping, supervision = self.joint, self._damping, self._supervision
+        joint.begin_cycle(read.cycle, read.joint_position_rad)
+        estimate = self.method.update(
+            Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
+        )
+        for sample in read.samples:
+            if sample.restarted:
+                damping.begin_anew()
+            if sample.measured:
+                damping.see_sample(time_s)
+                supervision.see_image(time_s)
+        allowed = supervision.begin_cycle(
+            time_s,
+            elapsed,
+            read.acceleration_m_s2,
+            joint.position_rad,
+            read.joint_age_s,
+            estimate,
+            read.operator,
+        )
+        reference = self._motion.reference(
+            read.cycle, elapsed, read.reference_rad_s, allowed, self._limits, damping, joint
+        )
+        damping.see_cycle(read.cycle, estimate, read.samples, joint)
+        velocity, status = damping.velocity_rad_s(
+            estimate,
+            time_s,
+            read.damping_allowed and allowed.may_damp,
+            joint.position_rad,
+            read.joint_age_s,
+            joint.play,
+        )
+        wanted = reference + velocity
+        if self._dither_settings.enabled:
+            wanted += self._dither_rad_s(
+                estimate.accelerometer_lost and status is DampingStatus.ACTIVE, elapsed, allowed.may_move
+            )
+        command = self._limits.bound(wanted, joint.position_rad)
+        joint.send(command)
+        moved = read.joint_velocity_rad_s
+        supervision.end_cycle(
+            elapsed,
+            acceleration_m_s2=read.acceleration_m_s2,
+            joint_velocity_rad_s=moved if isfinite(moved) else joint.velocity_rad_s,
+            reference_rad_s=reference,
+            active=status is DampingStatus.ACTIVE,
+            full=damping.full,
+            at_limit=damping.at_limit or command != wanted,
+            estimate=estimate,
+        )
+        return CycleOutput(
+            command, velocity, status, estimate, damping.predicted_m(estimate), allowed.state, allowed.reason
+        )
+
+    def _dither_rad_s(self, wanted: bool, elapsed: int, may_move: bool) -> float:
+        """The dither's part of the command. It ends at once if the joint may not move."""
+        if not may_move:
+            self._dither = STILL
+            return 0.0
+        self._dither, velocity = dither_on(
+            self._dither, wanted, elapsed * self._cycle_s, self._dither_settings
+        )
+        return velocity

@@ -1,1 +1,0 @@
-"""Predictors of the present deflection from delayed samples, one file each. Delay estimators belong to `delay/`."""

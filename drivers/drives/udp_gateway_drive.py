@@ -1,0 +1,105 @@
+"""A drive behind a gateway that speaks the signed datagrams of docs/gateway.md over UDP."""
+
+import time
+from collections.abc import Callable
+from math import inf, isfinite, nan
+
+from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
+from stillarm.common.files.configuration import DriveDevice
+from stillarm.common.link.peer import LinkCounts, Peer
+from stillarm.common.link.udp import UdpSocket, new_session
+from stillarm.drivers.drives.drive import JointState
+
+_MAX_DATAGRAMS = 32
+_TAKES = (DriveState, Hello)
+_EXPECTED_PER_CYCLE = 3  # a gateway reports about once a millisecond
+
+
+class UdpGatewayDrive:
+    """Commands a joint's velocity and hears its state; implements stillarm.drivers.drives.drive.Drive."""
+
+    def __init__(
+        self,
+        config: DriveDevice,
+        key: bytes,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        session: int | None = None,
+    ) -> None:
+        """Opens nothing. clock: seconds, never backwards. session: of the commands; None draws a random
+        one."""
+        self._config = config
+        self._gateway = (config.gateway_host, config.gateway_port)
+        self._clock = clock
+        self.session = new_session() if session is None else session
+        self._peer = Peer(key, _TAKES, self.session)
+        self._socket: UdpSocket | None = None
+        self._position = self._velocity = nan
+        self._arrived_s = -inf
+        self.status = 0
+        """The gateway's status: stillarm.drivers.drives.drive_gateway.GatewayStatus."""
+        self.echoed_sequence = 0
+        """Sequence number of the newest command that the gateway had when it reported."""
+        self.ignored = 0
+        """States that were signed and in order, but whose position or velocity is not a finite number."""
+        self.refused = 0
+        """Commands that were no finite number; zero was sent in their place."""
+
+    @property
+    def counts(self) -> LinkCounts:
+        """What became of the datagrams received."""
+        return self._peer.counts
+
+    @property
+    def shed(self) -> int:
+        """Datagrams that the kernel turned away in a flood, or had no room for."""
+        return self._socket.shed if self._socket is not None else 0
+
+    @property
+    def send_failures(self) -> int:
+        """Commands that could not be sent."""
+        return self._socket.send_failures if self._socket is not None else 0
+
+    def start(self) -> None:
+        """Open the socket. Moves nothing. Raises UserError when the port is taken."""
+        self.close()
+        self._socket = UdpSocket((self._config.local_host, self._config.local_port), "drive.local_port")
+        self._socket.guard(_TAKES, self.session, _EXPECTED_PER_CYCLE)
+
+    def command(self, velocity_rad_s: float) -> None:
+        """Send the joint velocity command, rad/s; what is no finite number is sent as zero, and counted.
+
+        The gateway stops the joint when no command reaches it for 0.1 s. Raises RuntimeError before start().
+        """
+        if self._socket is None:
+            raise RuntimeError("command() before start()")
+        if not isfinite(velocity_rad_s):
+            self.refused += 1
+            velocity_rad_s = 0.0
+        # float(): a NumPy scalar would not go into msgpack
+        self._socket.send(self._peer.encode(DriveCommand(float(velocity_rad_s))), self._gateway)
+
+    def state(self) -> JointState:
+        """The newest report of the drive; never blocks. Before the first: NaN, NaN and an infinite age."""
+        if self._socket is None:
+            raise RuntimeError("state() before start()")
+        for data in self._socket.drain(_MAX_DATAGRAMS):
+            datagram = self._peer.receive(data)
+            if datagram is not None and isinstance(datagram.body, DriveState):
+                self._take(datagram.body)
+        return JointState(self._position, self._velocity, self._clock() - self._arrived_s)
+
+    def close(self) -> None:
+        """Command zero and release the socket; may be called twice."""
+        if self._socket is not None:
+            self.command(0.0)
+            self._socket.close()
+            self._socket = None
+
+    def _take(self, state: DriveState) -> None:
+        if not (isfinite(state.position_rad) and isfinite(state.velocity_rad_s)):
+            self.ignored += 1
+            return
+        self._position, self._velocity = state.position_rad, state.velocity_rad_s
+        self.status, self.echoed_sequence = state.status, state.command_sequence
+        self._arrived_s = self._clock()

@@ -1,0 +1,189 @@
+"""The simulated arm for a loop: a velocity-controlled joint and a flexible link, moved on cycle by cycle.
+
+The equations are those of stillarm.simulation.arm.stepper; here the model file becomes the stepper's arrays,
+a command waits for
+the dead time to pass, and what has moved is read. The effects of the model file are obeyed in so far as they act in the
+arm or its drive.
+"""
+
+from collections import deque
+from math import copysign, isnan
+from operator import mul
+
+import numpy as np
+
+from stillarm.common.causes import CAUSES
+from stillarm.common.files.beam import tip_slopes_per_m
+from stillarm.common.files.effects import acting, declared, effect_of, laws_at
+from stillarm.common.files.effects_check import check_effects
+from stillarm.common.files.model import Model, length_of
+from stillarm.common.user_error import UserError
+from stillarm.simulation.arm.compiled_laws import laws_of
+from stillarm.simulation.arm.effect_clock import EffectClock
+from stillarm.simulation.arm.state import make_arm, modes_of
+from stillarm.simulation.arm.stepper import advance, look, strike
+
+_MODES = 5  # place of the first deflection in what `observe` fills
+
+
+class Plant:
+    """The arm's true state, moved on by whole cycles. Deterministic."""
+
+    def __init__(self, model: Model, name: str = "model") -> None:
+        """At rest at joint position zero (or the end stop nearest to it). `name` stands for the file in
+        messages.
+
+        model: the true parameters, with any effects. Raises UserError for a model without a length or with an
+        effect that the catalogue does not allow.
+        """
+        check_effects(model.effects, name)
+        model = declared(model)
+        self._length_m = length_of(model, name)
+        self.cycle_s = model.timing.cycle_s
+        self.cycle = 0
+        self.modal_forces_m_s2 = [0.0] * len(model.arm.modes)
+        """External acceleration of each mode, held over the next cycles: a disturbance."""
+        self.effect_clock = EffectClock()
+        """When the recording started, on the plant's time_s."""
+        self._slopes = tip_slopes_per_m(self._length_m, len(model.arm.modes))
+        self._rules = laws_at(model, "command")
+        self._max_velocity = model.drive.max_velocity_rad_s
+        backlash = effect_of(model, "gear_backlash")
+        gap_rad = backlash["gap_rad"] if backlash else 0.0
+        self._encoder_on_motor = bool(backlash and backlash["behind_encoder"])
+        rows = [
+            (one.frequency_hz, one.damping_ratio, one.participation * self._length_m)
+            for one in model.arm.modes
+        ]
+        self._count = len(rows)
+        effects = acting(model)
+        self._arm, whole = make_arm(model.drive, self.cycle_s, np.array(rows), laws_of(effects), gap_rad)
+        self._under_way = deque([0.0] * whole)
+        self._acting = 0.0
+        first_hz = model.arm.modes[0].frequency_hz
+        self._limits = [
+            (identifier, cause.limit, first_hz, cause.arguments(values))
+            for identifier, values in effects
+            if (cause := CAUSES[identifier]).limit is not None
+        ]
+        self._seen_array = np.zeros(5 + 3 * len(rows))
+        # all that a cycle calls is compiled before any clock runs
+        advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)
+        self._shaken_m_s2 = self.modal_forces_m_s2
+        self._see()
+
+    def advance(self, command_rad_s: float) -> None:
+        """Move on by one cycle, over which the joint velocity command is held. ValueError when it is no
+        number; UserError where an effect has taken the arm beyond what its equation holds for."""
+        limit = self._max_velocity
+        if not -limit <= command_rad_s <= limit:
+            if isnan(command_rad_s):
+                raise ValueError("the drive's command is not a number")
+            command_rad_s = copysign(limit, command_rad_s)
+        for rule in self._rules:
+            command_rad_s = rule(command_rad_s)
+        self._under_way.append(command_rad_s)
+        before, self._acting = self._acting, self._under_way.popleft()
+        self._shake()
+        advance(self._arm, self._since_start_s, before, self._acting, self._seen_array)
+        self.cycle += 1
+        self._seen = self._seen_array.tolist()
+        for identifier, broken, first_hz, own in self._limits:
+            if said := broken(self.effect_time_s, first_hz, self._seen[_MODES], *own):
+                raise UserError(f"effects: {identifier}: {said}")
+
+    def strike(self, mode: int, deflection_m: float) -> None:
+        """A blow on mode number `mode` (1 = first), after which it rings with amplitude `deflection_m`
+        (signed).
+
+        The modal velocity jumps by w * deflection_m. Raises IndexError for a mode that the arm does not have.
+        """
+        if not 1 <= mode <= self._count:
+            raise IndexError(f"mode {mode}: the arm has modes 1 to {self._count}")
+        strike(self._arm, mode - 1, self._since_start_s, deflection_m)
+        self._see()
+
+    def _shake(self) -> None:
+        """Hand on the disturbance, where it is another one."""
+        if self._shaken_m_s2 is not self.modal_forces_m_s2:
+            self._shaken_m_s2 = self.modal_forces_m_s2
+            modes_of(self._arm)["force"] = self._shaken_m_s2
+
+    def _see(self) -> None:
+        look(self._arm, self._since_start_s, self._seen_array)
+        self._seen = self._seen_array.tolist()
+
+    @property
+    def time_s(self) -> float:
+        """Time since the start, s: whole cycles."""
+        return self.cycle * self.cycle_s
+
+    @property
+    def _since_start_s(self) -> float:
+        """Time from the recording's start, s, before it negative."""
+        return self.time_s - self.effect_clock.origin_s
+
+    @property
+    def effect_time_s(self) -> float:
+        """Time from the recording's start, s; zero before it."""
+        return self.effect_clock.at(self.time_s)
+
+    @property
+    def joint_position_rad(self) -> float:
+        """theta."""
+        return self._seen[0]
+
+    @property
+    def joint_velocity_rad_s(self) -> float:
+        """theta'."""
+        return self._seen[1]
+
+    @property
+    def joint_acceleration_rad_s2(self) -> float:
+        """theta'' at the end of the cycle past; an impact on an end stop, or across a gap, is a jump of theta'
+        and not in it."""
+        return self._seen[2]
+
+    @property
+    def encoder_position_rad(self) -> float:
+        """What the encoder shows: theta, or the motor's position where it sits before the gear's play."""
+        return self._seen[3 if self._encoder_on_motor else 0]
+
+    @property
+    def encoder_velocity_rad_s(self) -> float:
+        """Its rate."""
+        return self._seen[4 if self._encoder_on_motor else 1]
+
+    @property
+    def modal_deflections_m(self) -> list[float]:
+        """q_i at the tip, one for each mode."""
+        return self._seen[_MODES : _MODES + self._count]
+
+    @property
+    def modal_rates_m_s(self) -> list[float]:
+        """q_i', one for each mode."""
+        return self._seen[_MODES + self._count : _MODES + 2 * self._count]
+
+    @property
+    def deflection_m(self) -> float:
+        """Sum of q_i."""
+        return sum(self._seen[_MODES : _MODES + self._count])
+
+    @property
+    def tip_position_m(self) -> float:
+        """s = length * theta + sum q_i."""
+        return self._length_m * self.joint_position_rad + self.deflection_m
+
+    @property
+    def tip_acceleration_m_s2(self) -> float:
+        """s'' = length * theta'' + sum q_i'', from the equations at the present state."""
+        if self._shaken_m_s2 is not self.modal_forces_m_s2:
+            self._shake()
+            self._see()
+        return self._length_m * self._seen[2] + sum(self._seen[_MODES + 2 * self._count :])
+
+    @property
+    def tip_angle_rad(self) -> float:
+        """theta plus the slope of the bent arm at its tip: how far the camera turns."""
+        bent: float = sum(map(mul, self._slopes, self._seen[_MODES : _MODES + self._count]))
+        return self._seen[0] + bent

@@ -1,0 +1,52 @@
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from stillarm.common.process.loop_processor import beside_the_loop, leave_it_to_the_loop, loop_processor
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the system has no such choice")
+
+
+@pytest.fixture(autouse=True)
+def place() -> Iterator[set[int]]:
+    """Where this process may run; as it was, afterwards."""
+    before = os.sched_getaffinity(0)
+    yield before
+    os.sched_setaffinity(0, before)
+
+
+@pytest.mark.slow
+def test_others_leave_the_loop_its_processor(place: set[int]) -> None:
+    """All but that one are left, and a child keeps to them."""
+    loop = loop_processor()
+    leave_it_to_the_loop()
+    asked = [sys.executable, "-c", "import os; print(*sorted(os.sched_getaffinity(0)))"]
+    child = subprocess.run(asked, capture_output=True, text=True, check=True).stdout.split()
+    expected = place - {loop} or place
+    assert os.sched_getaffinity(0) == expected == set(map(int, child))
+
+
+def test_a_single_processor_is_shared(place: set[int]) -> None:
+    """There is nowhere else to go."""
+    os.sched_setaffinity(0, {min(place)})
+    leave_it_to_the_loop()
+    assert os.sched_getaffinity(0) == {min(place)}
+
+
+def test_whoever_starts_them_comes_back(place: set[int]) -> None:
+    """Even when starting fails."""
+    with pytest.raises(ZeroDivisionError), beside_the_loop():
+        assert os.sched_getaffinity(0) == (place - {max(place)} or place)
+        raise ZeroDivisionError
+    assert os.sched_getaffinity(0) == place
+
+
+def test_a_system_without_the_choice_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing raises."""
+    monkeypatch.delattr(os, "sched_getaffinity")
+    leave_it_to_the_loop()
+    with beside_the_loop():
+        pass

@@ -1,0 +1,89 @@
+"""`fused` on recordings of another world (tests/hidden_world/swings): right, and honest, whatever began the swing.
+
+Every case is one that an estimator told everything would have within 0.15 %, so that 0.5 % is to be had.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from stillarm.benchmarks.live.replay_tables import read_estimates
+from stillarm.benchmarks.live.scoring import score
+from stillarm.benchmarks.live.truth import Swing, TrueRun
+from stillarm.common.csv_bundle.bundle_import import import_bundle
+from stillarm.common.recording.reader import open_recording
+from stillarm.controller.replay.replay import read_run, replay_method
+from stillarm.controller.replay.replay_tables import write_tables
+from tests.hidden_world.swings.bundle import write_bundle
+from tests.hidden_world.swings.informed import informed_error
+from tests.hidden_world.swings.plain import draw_plain
+from tests.hidden_world.swings.sensors import Recording, make
+
+MEAN, LARGEST, HONEST, SETTLED_S, DELAY_RMS_S = 0.005, 0.05, 3.0, 1.5, 1e-3
+_TOLD_ALL = 0.0015
+_STRIDE = 20  # grid points of the motion: 2 ms
+
+KEPT = (1015, 1019)
+MISSED = {
+    1000: "normalised error squared of the deflection 9.1 (held force)",
+    1001: "mean 1.4 %, largest 60 %",
+    1005: "largest 6.9 %, normalised error squared of the deflection 6.0",
+    1011: "mean 0.54 %, largest 8.5 %",
+    1002: "largest 47 %",
+    1007: "largest 6.0 %",
+    1014: "mean 1.8 %, largest 110 %: release",
+    1016: "mean 4.7 %: a held force is believed after its release",
+    1018: "normalised error squared of the deflection 4.7",
+    1020: "normalised error squared of the deflection 8.8",
+    1021: "normalised error squared of the deflection 3.07",
+}
+"""What each misses, and by how much; a case that keeps all moves up."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", KEPT)
+def test_a_strangers_swings_are_followed(seed: int, tmp_path: Path) -> None:
+    assert _missed(seed, tmp_path) == {}
+
+
+@pytest.mark.slow
+@pytest.mark.blind(each_run=3, seed=1000)
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(seed, marks=pytest.mark.xfail(reason=why, strict=True)) for seed, why in MISSED.items()],
+)
+def test_those_that_are_missed(seed: int, tmp_path: Path) -> None:
+    assert _missed(seed, tmp_path) == {}
+
+
+def _missed(seed: int, folder: Path) -> dict[str, float | None]:
+    """The figures that are beyond what is asked, of a seed whose figures are to be had."""
+    recording = make(draw_plain(seed))
+    assert informed_error(recording) <= _TOLD_ALL
+    got = _scores(recording, folder)
+    asked = {
+        "lost_share": 0.0,
+        "error_mean": MEAN,
+        "error_max": LARGEST,
+        "delay_rms_s": DELAY_RMS_S,
+        "delay_normalised_error_squared_max": HONEST,
+        "deflection_normalised_error_squared_max": HONEST,
+        "settled_s": SETTLED_S,
+    }
+    return {name: got[name] for name, most in asked.items() if not (got[name] or 0.0) <= most}
+
+
+def _scores(recording: Recording, folder: Path) -> dict[str, float | None]:
+    """Import, replay and score, as the commands do."""
+    write_bundle(recording, folder / "bundle")
+    import_bundle(folder / "bundle", folder / "recording.mcap")
+    run = read_run(open_recording(folder / "recording.mcap"))
+    write_tables([replay_method(run, "fused")], folder)
+    motion, seen = recording.motion, recording.images
+    truth = TrueRun(
+        motion.time_s[::_STRIDE],
+        motion.deflection_m[::_STRIDE],
+        dict(zip(seen.number.tolist(), seen.middle_s.tolist(), strict=True)),
+        tuple(Swing(begin, end) for begin, end in recording.swings_s),
+    )
+    return score(read_estimates(folder)["fused"], truth)

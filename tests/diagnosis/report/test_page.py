@@ -1,0 +1,158 @@
+"""The page: it stands alone, says the verdict, shows losses like gains, and escapes what it did not write."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from typing import Any
+
+import pytest
+from matplotlib.axes import Axes
+
+from stillarm.commands.diagnose_result import sentence
+from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.diagnose import Diagnosis, diagnose_measured
+from stillarm.diagnosis.report.drawing import svg
+from stillarm.diagnosis.report.page import report_page
+from stillarm.diagnosis.report.picture import _TELLING
+from stillarm.diagnosis.report.sections import gains
+from stillarm.diagnosis.report.sections import use as use_section
+from stillarm.diagnosis.report.words import NAMES, next_steps, number, verdict_sentence
+from stillarm.diagnosis.scatter import ON_ITS_PAST
+from stillarm.diagnosis.use import MEASURES
+from tests.fixtures.synthetic import MODEL, measured
+
+
+@pytest.fixture(scope="module")
+def found() -> Diagnosis:
+    """A joint with friction."""
+    data = replace(measured(8.0, 3, {"drive.velocity_loss_rad_s": 0.01}), name="<b>rig & co.mcap")
+    return diagnose_measured(data, MODEL)
+
+
+@pytest.fixture(scope="module")
+def page(found: Diagnosis) -> str:
+    """Its page."""
+    return report_page(found)
+
+
+class _Tags(HTMLParser):
+    """Counts what is opened and not closed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.seen: set[str] = set()
+        self.links: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.add(tag)
+        self.links += [value or "" for key, value in attrs if key in ("src", "href", "xlink:href")]
+        if tag not in ("meta", "br", "hr", "link", "img"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.links += [value or "" for key, value in attrs if key in ("src", "href", "xlink:href")]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_every_cause_has_a_name_and_a_picture() -> None:
+    assert set(NAMES) == set(CATALOGUE)
+    assert set(_TELLING) <= set(CATALOGUE)
+    assert set(CAUSES) <= set(NAMES)
+
+
+@pytest.mark.slow
+def test_the_page_is_whole_and_loads_nothing(page: str) -> None:
+    tags = _Tags()
+    tags.feed(page)
+    assert tags.open == []
+    assert not tags.seen & {"script", "link", "img", "iframe", "object"}
+    assert all(link.startswith("#") for link in tags.links)
+    assert not re.search(r"url\((?!#)|@import", page)
+    ids = re.findall(r'\bid="([^"]*)"', page)
+    assert {link[1:] for link in tags.links} <= set(ids)
+
+
+@pytest.mark.slow
+def test_it_says_the_verdict_the_cause_and_what_else_was_considered(found: Diagnosis, page: str) -> None:
+    assert found.table["findings"][0]["cause"] == "joint_friction"
+    assert NAMES["joint_friction"] in page
+    assert "What else was considered" in page
+    for stage in found.found.stages:
+        assert all(one.cause in page for one in stage.candidates[:8])
+    assert "&lt;b&gt;rig &amp; co.mcap" in page
+    assert "<b>rig" not in page
+
+
+@pytest.mark.slow
+def test_a_loss_is_shown_as_one(found: Diagnosis) -> None:
+    channels = {name: dict(one) for name, one in found.table["channels"].items()}
+    channels["acceleration"] |= {"nrmse_before": 0.10, "nrmse_after": 0.13}
+    assert "<span class='worse'>+30.0 %</span>" in gains(
+        replace(found, table={**found.table, "channels": channels})
+    )
+
+
+@pytest.mark.slow
+def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Diagnosis) -> None:
+    keys = tuple(MEASURES)
+    use: dict[str, Any] = {
+        "before": dict.fromkeys(keys, 0.2), "after": dict.fromkeys(keys, 0.3), "spread": None, "pairs": 1, "note": None,
+    }  # fmt: skip
+    section = use_section(replace(found, table={**found.table, "use": use}))
+    assert "worth in use" in section
+    assert "<span class='worse'>+50 %</span>" in section
+    assert "prediction error while the joint moves 20.00 % to 30.00 %, worse; " in section
+    assert "settling time 0.200 s to 0.300 s, worse; " in section
+    assert use_section(found) == ""
+    unsure = {**use, "spread": dict.fromkeys(keys, 0.06), "pairs": 4}
+    section = use_section(replace(found, table={**found.table, "use": unsure}))
+    assert "<span class=''>+50 %</span> ± 30 %" in section
+    assert "by 4 pairs of runs: nothing is to be gained" in section
+
+
+def test_figures_take_the_pages_colours() -> None:
+    def draw(axes: Axes) -> None:
+        axes.plot([0, 1], [1, 0], color="#040404")
+
+    text = svg([draw], "a line")
+    assert "var(--after)" in text
+    assert "#04" not in text
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "text"),
+    [
+        (600.04, 3.2, "600.0 ± 3.2"),
+        (0.0499321, 0.00017, "0.04993 ± 0.00017"),
+        (1234.0, 160.0, "1230 ± 160"),
+        (2.5, 0.0, "2.5"),
+    ],
+)
+def test_numbers_have_the_digits_that_mean_something(value: float, std: float, text: str) -> None:
+    assert number(value, std) == text
+
+
+@pytest.mark.slow
+def test_a_finding_that_what_is_left_dwarfs_is_not_put_forward(found: Diagnosis) -> None:
+    """Its name comes after what has none, and the page does not send anybody to look for nothing wrong."""
+    table = found.table
+    unsure = [{**one, "confidence": 0.01} for one in table["findings"]]
+    left = {"channel": "acceleration", "band_hz": [2.0, 9.0], "dependence": ON_ITS_PAST, "term": ""}
+    doubtful = replace(
+        found, table={**table, "verdict": "unexplained", "unexplained": left, "findings": unsure}
+    )
+    said = verdict_sentence(doubtful)
+    assert said.startswith("The accelerometer holds structure") or said.startswith(
+        "The acceleration holds structure"
+    )
+    assert "may be a small part of it" in said
+    assert sentence(doubtful.table).startswith("acceleration holds structure")
+    steps = " ".join(next_steps(doubtful))
+    assert "nothing is wrong" not in steps and "alone varied" not in steps and "a mode" in steps
+    assert "No term of the simulated state" in report_page(doubtful)
+    sure = {**doubtful.table, "findings": [{**one, "confidence": 0.9} for one in unsure]}
+    assert "may be a small part" not in verdict_sentence(replace(found, table=sure))

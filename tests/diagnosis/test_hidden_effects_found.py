@@ -1,0 +1,52 @@
+"""Blind: an effect is hidden by a world that the diagnosis does not know, and has to be found from the bundle alone.
+
+Fixed seeds, one case for each cause of the contract, 20 s each. The cases take turns, a few in each run
+(tests/plugins/blind_slices.py). `stillarm benchmark diagnosis` draws new ones.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stillarm.benchmarks.diagnosis.mark import mark
+from stillarm.main import main
+from tests.hidden_world.blind import prepare
+from tests.hidden_world.effects import CAUSES
+
+SEED = 2024
+SECONDS = 20.0
+
+
+def diagnosed(truth: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The trial's marks, by the commands that a user would give."""
+    assert main(["import", str(folder / "data"), "-o", str(folder / "rec.mcap")]) == 0
+    windows = [word for begin, end in truth["hold_out"] for word in ("--hold-out", f"{begin}:{end}")]
+    assert main(["diagnose", str(folder / "rec.mcap"), "--out", str(folder / "out"), *windows]) == 0
+    answer = json.loads((folder / "out" / "diagnosis.json").read_text())
+    return mark(truth, {"answer": answer, "seconds": None, "error": None})
+
+
+MISSED: dict[str, str] = {}
+"""What is known not to be found with this seed: kept, so that it is seen when it is."""
+
+
+def _marked(cause: str) -> object:
+    marks = [pytest.mark.xfail(strict=True, reason=MISSED[cause])] if cause in MISSED else []
+    return pytest.param(cause, marks=marks)
+
+
+@pytest.mark.blind(each_run=4, seed=SEED)
+@pytest.mark.parametrize("cause", [_marked(cause) for cause in sorted(CAUSES)])
+def test_the_hidden_cause_is_named(cause: str, tmp_path: Path) -> None:
+    truth = prepare("one", 0, SEED, tmp_path / "data", SECONDS, cause) | {"number": 0}
+    row = diagnosed(truth, tmp_path)
+    assert row["right"], (row["hidden"], row["verdict"], row["answers"])
+
+
+@pytest.mark.slow
+def test_nothing_is_found_where_nothing_is_hidden(tmp_path: Path) -> None:
+    truth = prepare("none", 0, SEED, tmp_path / "data", SECONDS) | {"number": 0}
+    row = diagnosed(truth, tmp_path)
+    assert row["right"], (row["verdict"], row["answers"])

@@ -1,0 +1,113 @@
+"""A blow where it is held out, in a rig with a mode that fades before the next block."""
+
+from dataclasses import replace
+from math import pi
+
+import msgspec
+import numpy as np
+import pytest
+
+from stillarm.common.files.model import Arm, Mode
+from stillarm.diagnosis.catalogue import CAUSES
+from stillarm.diagnosis.fit import fit, make_data
+from stillarm.diagnosis.laws import laws
+from stillarm.diagnosis.search import _lost, _of_fit, block_gain
+from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.structure import examine
+from stillarm.diagnosis.unpredictable import _struck, predictable, unpredictable
+from stillarm.diagnosis.world import World
+from tests.fixtures.synthetic import MODEL, measured
+
+STRUCK = 4300
+SPLIT = interleaved(9.0)
+TWO = msgspec.structs.replace(
+    MODEL,
+    arm=Arm(length_m=2.0, modes=[Mode(), Mode(frequency_hz=15.0, damping_ratio=0.12, participation=-0.1)]),
+)
+
+
+def test_a_mode_that_an_impact_shook_and_nothing_else_shows_is_no_discovery() -> None:
+    impact = {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02, "jump.1.1.v": 0.5}
+    data = measured(9.0, 3, impact, impacts=(STRUCK,), model=TWO)
+    world = World(data, TWO, impacts=(STRUCK,))
+    marked = make_data(world, SPLIT)
+    last = fit(marked, world.space.vector(), world.baseline_names())
+    struck = unpredictable(marked, last)
+    assert struck.tolist() == [block == 4 for block in range(9)]
+    assert examine(marked, last).channels["acceleration"].white
+    assert not laws(marked, last)
+    otherwise = last.vector.copy()  # the first mode, by less than the training part can tell
+    otherwise[world.space.place["jump.1.0.v"]] *= 1.001
+    other = fit(marked, otherwise, last.free, iterations=0, colour=last.colour)
+    assert abs(block_gain(other, last)[4]) > 1.0
+    lag = _of_fit(CAUSES["drive_lag"], other, last, SPLIT)
+    assert lag.block_gains[4] == 0.0
+    elsewhere = SPLIT.held & (np.arange(9) != 4)
+    assert _lost(lag, other, last, SPLIT) == pytest.approx(block_gain(other, last)[elsewhere].sum())
+
+
+def test_a_mode_whose_state_after_an_impact_is_unknown_is_not_judged_there() -> None:
+    impact = {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}
+    data = measured(9.0, 3, impact, impacts=(STRUCK,))
+    plain, two = World(data, MODEL, impacts=(STRUCK,)), World(data, TWO, impacts=(STRUCK,))
+    last = fit(make_data(plain, SPLIT), plain.space.vector(), plain.baseline_names())
+    marked = make_data(two, SPLIT)
+    wild = fit(marked, two.space.vector(), two.baseline_names()).vector
+    wild[two.space.place["jump.1.1.v"]] = 5.0  # gone by the time that the training part goes on
+    other = fit(marked, wild, (), iterations=0, colour=last.colour)
+    assert block_gain(other, last)[4] < -1000.0
+    one = _of_fit(CAUSES["second_bending_mode"], other, last, SPLIT)
+    assert one.block_gains[4] == 0.0
+    assert abs(_lost(one, other, last, SPLIT)) < 100.0  # nor is a finding dropped for it
+
+
+def test_an_impact_that_is_followed_is_predictable() -> None:
+    data = measured(9.0, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(STRUCK,))
+    world = World(data, MODEL, impacts=(STRUCK,))
+    marked = make_data(world, SPLIT)
+    last = fit(marked, world.space.vector(), world.baseline_names())
+    assert not unpredictable(marked, last).any()
+
+
+def test_an_impact_just_before_a_block_leaves_no_time_to_learn_from_it() -> None:
+    for struck_s, seen in (
+        (3.9, [4]),
+        (3.5, []),
+        (4.3, [4]),
+        (4.9, [4]),
+    ):  # of 3 to 5 s, 4 to 5 s is held out
+        struck = round(struck_s / 0.001)
+        world = World(measured(9.0, 3, model=MODEL), MODEL, impacts=(struck,))
+        last = fit(make_data(world, SPLIT), world.space.vector(), (), iterations=0)
+        assert _struck(last, SPLIT) == seen
+
+
+def test_a_block_that_is_a_little_off_is_predictable_but_not_closely() -> None:
+    data = measured(9.0, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(STRUCK,))
+    world = World(data, MODEL, impacts=(STRUCK,))
+    last = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
+    assert predictable(SPLIT, last, closely=True).all()
+    scale = (
+        1.5 / np.mean((last.residuals["acceleration"][4000:5000] / last.sigma["acceleration"]) ** 2)
+    ) ** 0.5
+    off = replace(last, residuals=last.residuals | {"acceleration": scale * last.residuals["acceleration"]})
+    assert predictable(SPLIT, off).all()
+    assert predictable(SPLIT, off, closely=True).tolist() == [block != 4 for block in range(9)]
+
+
+def test_a_cause_gains_nothing_where_it_is_a_little_off_itself() -> None:
+    data = measured(9.0, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(STRUCK,))
+    world = World(data, MODEL, impacts=(STRUCK,))
+    marked = make_data(world, SPLIT)
+    last = fit(marked, world.space.vector(), world.baseline_names())
+    otherwise = last.vector.copy()
+    otherwise[world.space.place["jump.1.0.v"]] *= 1.01
+    other = fit(marked, otherwise, last.free, iterations=0, colour=last.colour)
+    assert _of_fit(CAUSES["drive_lag"], other, last, SPLIT).block_gains[4] != 0.0
+    scale = (
+        1.5 / np.mean((other.residuals["acceleration"][4000:5000] / other.sigma["acceleration"]) ** 2)
+    ) ** 0.5
+    off = replace(
+        other, residuals=other.residuals | {"acceleration": scale * other.residuals["acceleration"]}
+    )
+    assert _of_fit(CAUSES["drive_lag"], off, last, SPLIT).block_gains[4] == 0.0
