@@ -66,7 +66,7 @@ class FreshStart:
         self._images = HeldImages(frame_s)
         self.remembered = Remembered()
         self._recent = 1.0
-        self._astray_until_s = self._not_before_s = float("-inf")
+        self._astray_until_s, self._not_before_s = float("-inf"), float("-inf")
         self._changes = 0
 
     def add(self, nominal_s: Array, value_m: float, noise_m2: float, nis: float, variance: float) -> None:

@@ -17,7 +17,7 @@ _PROVEN_S = 1.5  # later, if all has been well since, it is what is remembered
 _DIFFERS_STDS = 4.0
 
 
-@dataclass(frozen=True)
+@dataclass
 class Knowledge:
     """States x (filters, n), covariances p (filters, n, n), and logarithms of the filters' probabilities, (filters,),
     at time_s."""
@@ -27,29 +27,43 @@ class Knowledge:
     p: Array
     log_weights: Array
 
+    def take(self, time_s: float, x: Array, p: Array, log_weights: Array) -> None:
+        """Hold these instead."""
+        self.time_s = time_s
+        self.x[:], self.p[:], self.log_weights[:] = x, p, log_weights
+
 
 class Remembered:
-    """known: what was known when all was well, None if it never was or no longer holds."""
+    """Keeps two states of the bank, in memory that is taken once."""
 
     def __init__(self) -> None:
         """Nothing."""
+        self._kept: list[Knowledge] = []  # what is known, and what has yet to prove well
         self.forget()
 
     def forget(self) -> None:
         """Dates, or what they count from, have changed."""
-        self.known: Knowledge | None = None
-        self._pending: Knowledge | None = None
+        self._is_known = self._is_pending = False
 
     def trouble(self) -> None:
         """Something is not well: what was kept lately may be wrong already."""
-        self._pending = None
+        self._is_pending = False
+
+    @property
+    def known(self) -> Knowledge | None:
+        """What was known when all was well; None if it never was, or no longer holds."""
+        return self._kept[0] if self._is_known else None
 
     def calm(self, time_s: float, x: Array, p: Array, log_weights: Array) -> None:
         """All is well: keep what is known now, and trust what was kept a while ago."""
-        if self._pending is not None and time_s - self._pending.time_s > _PROVEN_S:
-            self.known, self._pending = self._pending, None
-        if self._pending is None and (self.known is None or time_s - self.known.time_s > _EACH_S):
-            self._pending = Knowledge(time_s, x.copy(), p.copy(), log_weights.copy())
+        if not self._kept:
+            self._kept = [Knowledge(time_s, x.copy(), p.copy(), log_weights.copy()) for _ in range(2)]
+        if self._is_pending and time_s - self._kept[1].time_s > _PROVEN_S:
+            self._kept.reverse()
+            self._is_known, self._is_pending = True, False
+        if not self._is_pending and (not self._is_known or time_s - self._kept[0].time_s > _EACH_S):
+            self._kept[1].take(time_s, x, p, log_weights)
+            self._is_pending = True
 
     def differs(self, x: Array, states: list[int]) -> bool:
         """Whether the state (n,) of the most likely filter is none that was likely then. states: to be compared."""

@@ -52,7 +52,7 @@ class RestingJoint:
         if abs(departure) > _SIGNIFICANT * sqrt(noise_variance * _OF_DEPARTURE) + _LEAST_RAD:
             was, self.resting, self._calm = self.resting, False, 0
             return was
-        self._calm += 1
+        self._calm = min(self._calm + 1, _REST_CYCLES)
         if self.resting:
             self.held_rad += _SLOW_SHARE * departure
             return False

@@ -32,7 +32,7 @@ OWN = {
 
 @pytest.mark.parametrize(
     "name",
-    ["world/regimes", "world/busy_computer", "world/generator", "world/excitation", "bound", "world/plant"],
+    ["world/regimes", "world/busy_computer", "world/generator", "world/excitation", "bound"],
 )
 def test_it_shares_no_code_with_what_it_judges(name: str) -> None:
     """Neither controller/ nor simulation/, nor the model file that both read, not even through another module."""

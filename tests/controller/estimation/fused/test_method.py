@@ -36,7 +36,7 @@ def pull() -> Trace:
         accelerometer=Accelerometer(noise_std_m_s2=0.5),
     )
     return run_world(
-        model, Controller(model, Settings(arm_at_start=True, method="fused")), 11.0, meter={0.5: A, 2.0: A},
+        model, Controller(model, Settings(arm_at_start=True, method="fused")), 11.0, strikes={0.5: A, 2.0: A},
         delay=constant(0.074), damping=lambda t: t > 2.5, held_m=held_m, image_noise_px=0.05,
         accelerometer_noise=0.5,
     )  # fmt: skip
