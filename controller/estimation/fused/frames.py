@@ -180,7 +180,7 @@ class FrameFusion:
         self.consistency = Consistency()
         self._date_watch = DateWatch()
         self._nis = 1.0  # normalised innovation squared of the image looked at last
-        self._fresh = FreshStart(at, self._frame_s, self._noise_m2, self._state_noise, start.spread_s(model))
+        self._fresh = FreshStart(at, self._noise_m2, self._state_noise, start.spread_s(model))
         self._received_s = 0.0
         self._joint_input: JointInput | None = None
         self._dates_doubted_until_s = float("-inf")

@@ -65,9 +65,8 @@ class Fresh(NamedTuple):
 class HeldImages:
     """The last images, for fits of their own."""
 
-    def __init__(self, frame_s: float) -> None:
-        """frame_s: nominal period of the frames."""
-        self._frame_s = frame_s
+    def __init__(self) -> None:
+        """None yet."""
         self._held: deque[tuple[Array, float, float, float]] = deque(maxlen=_HELD_IMAGES)
 
     def add(self, nominal_s: Array, value_m: float, noise_m2: float, cost: float) -> None:

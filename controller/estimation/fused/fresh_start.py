@@ -55,15 +55,13 @@ class Situation(NamedTuple):
 class FreshStart:
     """Watches for filters led astray; `choose` gives a fit that they are to be started from."""
 
-    def __init__(
-        self, at: Layout, frame_s: float, noise_m2: float, state_noise: Array, shift_spread_s: float
-    ) -> None:
-        """frame_s: nominal period of the frames; noise_m2: of an image; state_noise: growth of the states' variances,
+    def __init__(self, at: Layout, noise_m2: float, state_noise: Array, shift_spread_s: float) -> None:
+        """noise_m2: of an image; state_noise: growth of the states' variances,
         (filters, n), 1/s; shift_spread_s: how far a delay wanders, s."""
         self._at, self._noise_m2 = at, noise_m2
         self._state_noise, self._shift_variance = state_noise, shift_spread_s**2
         self._slow_states = [*range(2 * at.modes, 4 * at.modes)]
-        self._images = HeldImages(frame_s)
+        self._images = HeldImages()
         self.remembered = Remembered()
         self._recent = 1.0
         self._astray_until_s, self._not_before_s = float("-inf"), float("-inf")

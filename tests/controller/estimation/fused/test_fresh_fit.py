@@ -30,7 +30,7 @@ def fitted(
     joint = JointInput(W, AT.input_gain, 0.001)
     for cycle in range(2000):
         joint.advance(cycle, [complex_exp(1j * w * cycle * 0.001) for w in W], 0.0, 0.0)
-    images = HeldImages(FRAME_S)
+    images = HeldImages()
     for k in range(30):
         time_s = NOW_S - 0.05 - (29 - k) * FRAME_S
         turn = np.exp(-AT.sigma[0] * (time_s - bank.edge_s)) * complex_exp(1j * W[0] * time_s)
@@ -85,7 +85,7 @@ def test_the_bank_takes_it_and_stays_a_covariance() -> None:
 
 
 def test_too_few_images_give_no_window() -> None:
-    images = HeldImages(FRAME_S)
+    images = HeldImages()
     for k in range(7):
         images.add(np.full(LAWS, k * FRAME_S), 0.0, 1.0, 1.0)
     assert images.newest(1.0, 0, 0.1) is None
