@@ -1,5 +1,6 @@
 """What the search hands on: a cause refitted, a step with all its rivals, and the end."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -31,6 +32,14 @@ class Candidate:
     prior_penalty: float = 0.0
     certain: bool = False
     train_blocks: Array = field(default_factory=lambda: np.empty(0))
+    form: str = ""
+    begins: str | None = None
+    begins_s: float | None = None
+    merit: float = 0.0
+    """Nats of the log score by frequency, all blocks, less what its numbers cost."""
+    nats: Array = field(default_factory=lambda: np.empty(0))
+    """Nats of the log score of each block."""
+    parameters_of: Callable[[Fit], dict[str, tuple[float, float]]] | None = None
 
     @property
     def gain(self) -> float:

@@ -35,7 +35,9 @@ from stillarm.diagnosis.late_queue import late_queue
 from stillarm.diagnosis.laws import LawFound, as_one, forward_step
 from stillarm.diagnosis.lost_modes import with_lost_modes
 from stillarm.diagnosis.measured import ClockGap, Measured, first_part, read_measured, reclocked
+from stillarm.diagnosis.measured_joint import departure_hz
 from stillarm.diagnosis.pair_start import with_resonance_of
+from stillarm.diagnosis.pulls import pull_spans_s
 from stillarm.diagnosis.quantities import RANGE
 from stillarm.diagnosis.recount import recounted
 from stillarm.diagnosis.repeated_stamps import held_back, without
@@ -53,6 +55,7 @@ _MANY_GAPS, _AS_LONG = 4, 3.0
 _SHORTEST_S, _FEWEST_PAIRS = 3.0, 128  # of a recording; samples of a pair
 _BASELINE_SHARE, _CLOCKS_SHARE = 0.45, 0.6  # of the time for all stages
 _HURRIED_STEPS = 5
+_PULLS_SOUGHT = 2
 _REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
 _QUEUED = "received_s steps by whole frames, started_s does not: each image is handed over that much later"
 _ASIDE_S = 0.4
@@ -177,7 +180,7 @@ def _baseline_within(
     since_s = budget.used_s
     try:
         with budget.limit(_BASELINE_SHARE, since_s):
-            baseline = _baseline(world, split)
+            baseline = _without_pulls(_baseline(_moved_as_measured(world, split), split), split)
     except OutOfTime:
         left_out.append("impacts")
         return _hurried(budget, since_s, world, split, left_out), ()
@@ -205,6 +208,37 @@ def _hurried(budget: Budget, since_s: float, world: World, split: Split, left_ou
     return fit(data, start, (), iterations=0)
 
 
+def _moved_as_measured(world: World, split: Split) -> World:
+    """The world in which the arm is moved by the joint as it was measured, where the drive's model does not foretell
+    it."""
+    if "joint_position" not in world.channels or world.measured.pair:
+        return world
+    names = [name for name in world.baseline_names() if name.startswith("start.")]
+    begun = fit(make_data(world, split), world.space.vector(), names, iterations=_HURRIED_STEPS)
+    simulated = world.reported_position(begun.vector)
+    return world.changed(joint_hz=departure_hz(world.measured.position, simulated, world.measured.cycle_s))
+
+
+def _without_pulls(baseline: Fit, split: Split) -> Fit:
+    """The baseline with what held the arm for a while left out, and impacts sought once more: beside a pull none that
+    is less than it shows."""
+    cycle_s = baseline.world.measured.cycle_s
+    for _ in range(_PULLS_SOUGHT):
+        spans = pull_spans_s(baseline)
+        if not spans:
+            break
+        inside = [
+            i
+            for i in baseline.world.impacts
+            if any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
+        ]
+        kept = tuple(i for i in baseline.world.impacts if i not in inside)
+        unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))
+        world = baseline.world.changed(impacts=kept, unjudged_s=unjudged_s)
+        baseline = fit_with_impacts(world, split, carried_over(baseline, world))
+    return baseline
+
+
 def _baseline(world: World, split: Split) -> Fit:
     """The baseline's fit; where the accelerometer is at a limit that it should not have, started from that of a sensor
     with such a limit."""
@@ -222,7 +256,7 @@ def _baseline(world: World, split: Split) -> Fit:
 def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
     """The baseline's fit of a sensor with that limit, m/s^2: with the blows that what lies below it shows, or with
     those that show once its limit is simulated from there: a vibration is below it long after the blow."""
-    below_it = fit_with_impacts(World(below(world.measured, ceiling), world.model), split)
+    below_it = fit_with_impacts(world.with_measured(below(world.measured, ceiling), ()), split)
     there = world.changed(impacts=below_it.world.impacts)
     start = there.space.with_values(carried_over(below_it, there), {RANGE: ceiling})
     kept = fit(make_data(there, split), start, there.baseline_names())
@@ -305,7 +339,7 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
         tried.add(gap.extra_s)
         if _frames_go_on(baseline.world, gap):
             continue
-        other = fit_with_impacts(World(reclocked(measured, gap), baseline.world.model), split)
+        other = fit_with_impacts(baseline.world.with_measured(reclocked(measured, gap), ()), split)
         gains = other.held_out_score - baseline.held_out_score
         gained = other.train_log_likelihood - baseline.train_log_likelihood + float(gains.sum())
         if gained > _RECLOCKED_NATS:
@@ -326,7 +360,7 @@ def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound
     held = repeated or late_queue(baseline)
     if held is None:
         return baseline, []
-    mended = World(without(world.measured, held, period), world.model, world.impacts)
+    mended = world.with_measured(without(world.measured, held, period))
     other = fit(make_data(mended, split), carried_over(baseline, mended), mended.baseline_names())
     gains = gain_of_each_block(other, baseline)
     gained = float(gains.sum())

@@ -233,6 +233,18 @@ def jacobian(
 
     def column(index: int) -> None:
         moved, step = steps[index]
+        term = world.amounts_of(names[index])
+        if term is not None:  # linear in its amount
+            group = next(one for one in world.added if one.name == term[0])
+            for channel, columns in found.items():
+                if channel not in group.columns:
+                    columns[:, index] = 0.0
+                    continue
+                slope = group.columns[channel][:, term[1]]
+                columns[:, index] = thinned(
+                    channel, colour[channel].whiten(slope) if channel in colour else slope
+                )
+            return
         predicted = world.predict(moved, base).channels
         for channel, columns in found.items():
             if predicted[channel] is base.channels[channel]:

@@ -30,7 +30,7 @@ def dated(baseline: Fit, split: Split) -> Fit:
         return baseline
     if np.isfinite(started).mean() < 1.0:
         return baseline
-    other = fit_with_impacts(World(dated_by_requests(world.measured), world.model), split)
+    other = fit_with_impacts(world.with_measured(dated_by_requests(world.measured), ()), split)
     mended = (other, _perhaps_stepped(other, split), _perhaps_held_back(other, split))
     return other if max(map(image_nats, mended)) > image_nats(baseline) else baseline
 

@@ -168,7 +168,7 @@ def _sought(last: Fit, split: Split, extra: tuple[str, ...], fitted: bool = True
 
 def _in_place(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
     """Blows that are one merged, those half a period off moved, and those that were none dropped."""
-    return pruned(_redated(_merged(last, split, extra), split, extra), split, extra)
+    return pruned(last, split, extra)
 
 
 def _redated(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:

@@ -20,6 +20,8 @@ RANGE = "accelerometer.range_m_s2"
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
 OF_LAST_JUMP = "accelerometer.of_last_jump"  # share of a command's jump, beyond what interpolation has of it
 _OF_LAST_JUMP_STD = 0.5  # where within a cycle a late sensor reads, and how sharply, is unknown
+DRIVE_BEGIN, ARM_BEGIN = "drive.begin_s", "arm.begin_s"  # from when on what departs from the model acts there
+ACCELEROMETER_BEGIN, CAMERA_BEGIN = "accelerometer.begin_s", "camera.begin_s"
 _LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
 
@@ -70,6 +72,20 @@ class Layout:
             ("drive.deadband_rad_s", 0.0, 0.0, 10.0, 1e-4),
             ("drive.velocity_loss_rad_s", 0.0, 0.0, 10.0, 1e-5),
             ("drive.gap_rad", 0.0, 0.0, 1.0, 1e-5),
+            (DRIVE_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
+            ("drive.further_dead_time_s", 0.0, 0.0, 1.0, 1e-5),
+            ("drive.further_lag_s", 0.0, 0.0, 2.0, 1e-5),
+            ("drive.friction_rad_s", 0.0, 0.0, 10.0, 1e-5),
+            ("drive.static_friction_rad_s", 0.0, 0.0, 10.0, 1e-5),
+            ("drive.friction_one_sided", 0.0, -1.0, 1.0, 1e-3),
+            ("drive.most_rad_s2", _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
+            ("drive.most_up_rad_s2", _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
+            ("drive.most_down_rad_s2", _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
+            ("drive.fastest_up_rad_s", _UNLIMITED, 1e-4, _UNLIMITED, 1e-4),
+            ("drive.fastest_down_rad_s", _UNLIMITED, 1e-4, _UNLIMITED, 1e-4),
+            (ARM_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
+            (ACCELEROMETER_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
+            (CAMERA_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
             ("arm.coulomb_m_s2", 0.0, 0.0, 1e3, 1e-5),
             ("arm.quadratic_per_m", 0.0, -1e6, 1e6, 1e-4),
             ("arm.cubic_per_m2", 0.0, -1e9, 1e9, 1e-2),
@@ -86,6 +102,7 @@ class Layout:
             ("accelerometer.rate_per_s", 0.0, -1.0, 1.0, 1e-6),
             (RANGE, sensor.range_m_s2, 1e-3, _UNLIMITED, 1e-3),
             ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
+            ("accelerometer.lag_s", 0.0, 0.0, 0.5, 1e-5),
             (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),
             (OF_LAST_JUMP, 0.0, -1.0, 1.0, 1e-3),
             ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),

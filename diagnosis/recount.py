@@ -52,7 +52,7 @@ def _miscounted(baseline: Fit) -> list[World]:
 def _with_steps(world: World, steps: Counts) -> World:
     counter = np.concatenate(([0], np.cumsum(steps))) + world.frame_clock.counts[0]
     frames = replace(world.measured.frames, counter=counter, counted=True)
-    return World(replace(world.measured, frames=frames), world.model, world.impacts)
+    return world.with_measured(replace(world.measured, frames=frames))
 
 
 def _with_one_loss_less(baseline: Fit) -> list[Counts]:

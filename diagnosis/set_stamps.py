@@ -69,7 +69,7 @@ def without_set_stamps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]
     step = set_stamps(frames, WANDER_S / world.step_s("displacement"))
     if step is None:
         return baseline, []
-    other = fit_with_impacts(World(taken_back(world.measured, step), world.model), split)
+    other = fit_with_impacts(world.with_measured(taken_back(world.measured, step), ()), split)
     gains = gain_of_each_block(other, baseline)
     gained = float(gains.sum())
     onset = float(frames.received_s[step.first]), world.step_s("displacement")

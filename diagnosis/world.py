@@ -12,12 +12,14 @@ from typing import Any
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from stillarm.common.causes import CAUSES
 from stillarm.common.causes.declaration import Acts
 from stillarm.common.files.beam import tip_slopes_per_m
 from stillarm.common.files.effects import filled_in
 from stillarm.common.files.model import Model
+from stillarm.diagnosis.added import Added
 from stillarm.diagnosis.budget import check_time
 from stillarm.diagnosis.channels import FRAME_CHANNELS, present_channels
 from stillarm.diagnosis.declared_effects import effects_in, is_behind_encoder
@@ -26,8 +28,21 @@ from stillarm.diagnosis.fine_sensors import tip_moved, within_reach
 from stillarm.diagnosis.frame_clock import FrameClock, frame_clock
 from stillarm.diagnosis.kernel import add_decay, free_decay, tip_of
 from stillarm.diagnosis.measured import Measured
-from stillarm.diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP, RANGE, Layout
+from stillarm.diagnosis.measured_joint import answer_to_joint, smoothed
+from stillarm.diagnosis.quantities import (
+    ACCELEROMETER_BEGIN,
+    ARM_BEGIN,
+    ARRIVAL,
+    CAMERA_BEGIN,
+    DRIVE_BEGIN,
+    OF_ARRIVALS,
+    OF_LAST_JUMP,
+    RANGE,
+    Layout,
+)
+from stillarm.diagnosis.space import Quantity
 from stillarm.diagnosis.struck_flanks import without_strikes
+from stillarm.diagnosis.velocity_loop import equivalent_command
 from stillarm.simulation.arm.compiled_laws import laws_of, obeyed
 from stillarm.simulation.arm.free_run import driven_run, free_run, reads_later
 from stillarm.simulation.arm.state import make_arm
@@ -38,6 +53,20 @@ _TIE_S, _JUST_S = 2e-7, 1e-7  # between frames read at once; less than that
 _DECAYS = 4  # remembered
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 _GRANTED = 0.9
+_STROKE_S = 0.02  # to either side of an impact: a soft hammer's lasts 5 to 20 ms
+_ABOUT_EXPOSED_S = 0.02  # by which an image's instant is uncertain
+_OF_THE_LOOP = (
+    "drive.further_dead_time_s",
+    "drive.further_lag_s",
+    "drive.friction_rad_s",
+    "drive.static_friction_rad_s",
+    "drive.friction_one_sided",
+    "drive.most_rad_s2",
+    "drive.most_up_rad_s2",
+    "drive.most_down_rad_s2",
+    "drive.fastest_up_rad_s",
+    "drive.fastest_down_rad_s",
+)
 _OF_TIME = ("periodic_disturbance",)  # forces that ask for no state: a linear mode stays one
 _TURN = 0.03  # rad of the first mode in a step of its laws: to 1e-7 of the amplitude
 _TURN_OF_PAIR = 0.25  # to 1e-4: a pair has few samples a period
@@ -82,8 +111,15 @@ class World:
         extra_modes: int = 0,
         behind_encoder: bool = False,
         clock: FrameClock | None = None,
+        added: tuple[Added, ...] = (),
+        unjudged_s: tuple[tuple[float, float], ...] = (),
+        joint_hz: float = 0.0,
     ) -> None:
-        """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: the frames', if known."""
+        """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: the frames', if known.
+        added: terms without a formula. unjudged_s: spans in which something unknown holds the arm, from and to.
+        joint_hz: up to which frequency the arm is moved by the joint as it was measured."""
+        self.added, self.unjudged_s, self.joint_hz = added, unjudged_s, joint_hz
+        self._departures: list[tuple[bytes, Array, Array]] = []
         self.measured, self.model = measured, model
         self.impacts, self.extra_modes = impacts, extra_modes
         self.behind_encoder = behind_encoder or is_behind_encoder(model)
@@ -101,11 +137,17 @@ class World:
         self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
         present = present_channels(measured, self.frame_clock)
         self.channels, self.channels_left_out = present.values, present.left_out
+        for span in unjudged_s:
+            self._leave_out(span)
+        self._leave_out_strokes()
         self._layout = Layout(
             measured, model, self.modes, len(self._jump_cycles), self.length, self.frame_clock,
             frozenset(self.channels),
         )  # fmt: skip
         self.space = self._layout.space()
+        for group in added:
+            for name in group.amounts:
+                self.space.add(Quantity(name, 0.0, step=1e-3 * group.prior_std, prior_std=group.prior_std))
         self._jumps = {
             self.space.place[f"jump.{j}.{i}.{part}"]: (int(cycle), i, part == "v")
             for j, cycle in enumerate(self._jump_cycles)
@@ -115,8 +157,14 @@ class World:
         none = np.empty(0)
         self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
         self._decays: dict[tuple[float, float], Array] = {}
+        self._usual = self.space.vector()
+        self._of_sensor = frozenset(
+            name
+            for name in self.space.place
+            if name.startswith("accelerometer.") and name not in ("accelerometer.bias_m_s2", ACCELEROMETER_BEGIN)
+        )
         self._moving = np.array(
-            [at for name, at in self.space.place.items() if not name.startswith(_SEEN_ONLY)]
+            [at for name, at in self.space.place.items() if not name.startswith((*_SEEN_ONLY, *(f"{one.name}." for one in self.added)))]
         )
 
     def changed(
@@ -124,6 +172,9 @@ class World:
         impacts: tuple[int, ...] | None = None,
         extra_modes: int | None = None,
         behind_encoder: bool | None = None,
+        added: tuple[Added, ...] | None = None,
+        unjudged_s: tuple[tuple[float, float], ...] | None = None,
+        joint_hz: float | None = None,
     ) -> "World":
         """The same recording and model in a world of another structure; what is not given stays. The frames' clock,
         which a search works out, is the same."""
@@ -134,7 +185,47 @@ class World:
             self.extra_modes if extra_modes is None else extra_modes,
             self.behind_encoder if behind_encoder is None else behind_encoder,
             self.frame_clock,
+            self.added if added is None else added,
+            self.unjudged_s if unjudged_s is None else unjudged_s,
+            self.joint_hz if joint_hz is None else joint_hz,
         )
+
+    def with_measured(self, measured: Measured, impacts: tuple[int, ...] | None = None) -> "World":
+        """Other data, or the same dated otherwise, in a world of the same structure."""
+        return World(
+            measured, self.model, self.impacts if impacts is None else impacts, self.extra_modes,
+            self.behind_encoder, None, self.added, self.unjudged_s, self.joint_hz,
+        )  # fmt: skip
+
+    def _leave_out(self, span_s: tuple[float, float]) -> None:
+        """Take what the arm shows in a span for unmeasured."""
+        start, end = span_s
+        received, delay = self.measured.frames.received_s, self.model.timing.capture_delay_s
+        exposed = received - delay
+        inside = {
+            "acceleration": (self.cycle_times >= start) & (self.cycle_times < end),
+            "displacement": (exposed >= start - _ABOUT_EXPOSED_S) & (exposed < end + _ABOUT_EXPOSED_S),
+        }
+        inside["deflection"] = inside["acceleration"]
+        for name, mask in inside.items():
+            if name in self.channels:
+                self.channels[name] = np.where(mask, np.nan, self.channels[name])
+
+    def _leave_out_strokes(self) -> None:
+        """Take what the accelerometer shows of an impact itself for unmeasured: it lasts some milliseconds, of a course
+        that nothing tells, and the sensor at the tip sees the force."""
+        shown = self.channels.get("acceleration")
+        if shown is None or not self.impacts:
+            return
+        shown, reach = shown.copy(), max(1, round(_STROKE_S / self.measured.cycle_s))
+        for cycle in self.impacts:
+            shown[max(cycle - reach, 0) : cycle + reach] = np.nan
+        self.channels["acceleration"] = shown
+
+    def amounts_of(self, name: str) -> tuple[str, int] | None:
+        """The group and the column of an added term's quantity; None for any other quantity."""
+        group, _, number = name.rpartition(".")
+        return (group, int(number)) if any(one.name == group for one in self.added) else None
 
     def baseline_names(self) -> list[str]:
         """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
@@ -168,7 +259,8 @@ class World:
         )
         turn = _TURN_OF_PAIR if self.measured.pair else _TURN
         gap = float(vector[at["drive.gap_rad"]])
-        arm, whole = make_arm(drive, self.measured.cycle_s, rows, laws_of(effects), gap, turn)
+        laws = laws_of(effects, float(vector[at[ARM_BEGIN]]))
+        arm, whole = make_arm(drive, self.measured.cycle_s, rows, laws, gap, turn)
         arm["motor"], arm["rate"] = vector[at["start.theta"]], vector[at["start.omega"]]
         joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
         q, qdd = np.empty((n, m)), np.empty((n, m))
@@ -176,13 +268,55 @@ class World:
             force = vector[at["pair.gain"]] * (self._force + vector[at["pair.input_offset"]])
             driven_run(arm, force, self.measured.cycle_s, _SUBSTEPS_OF_PAIR, self._jump_cycles, jumps, q, qdd)
         else:
-            limit = vector[at["drive.max_velocity_rad_s"]]
-            command = obeyed(effects, np.clip(self._command, -limit, limit))
+            command = self._obeyed(vector, effects)
             free_run(arm, command, whole, self._jump_cycles, jumps, joint, motor, q, qdd)
         deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-        tip_of(joint, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
+        seen = self._as_measured(joint, motor, rows, q, qdd) if self.joint_hz > 0.0 else joint
+        tip_of(seen, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
         of = vector[self._moving]
         return Motion(joint, motor, q, deflection, tip, tip_acceleration, tip_angle, of)
+
+    def _as_measured(self, joint: Array, motor: Array, rows: Array, q: Array, qdd: Array) -> Array:
+        """The joint's motion with what was measured of it; moves the modes with that, in place."""
+        reported = (motor if self.behind_encoder else joint)[:, 0]
+        key = reported.tobytes()
+        known = next((one for one in self._departures if one[0] == key), None)
+        if known is None:
+            off = self.measured.position - self._aged_to_reading(reported)
+            known = (key, *smoothed(off, self.joint_hz, self.measured.cycle_s))
+            self._departures = [*self._departures[-_DECAYS + 1 :], known]
+        _, slow, second = known
+        for i, (hz, damping, push) in enumerate(rows):
+            more, more_second = answer_to_joint(second, hz, damping, push, self.measured.cycle_s)
+            q[:, i] += more
+            qdd[:, i] += more_second
+        moved = joint.copy()
+        moved[:, 0] += slow
+        moved[:, 2] += second
+        return moved
+
+    def _aged_to_reading(self, value: Array) -> Array:
+        if not self._aged:
+            return value
+        return np.interp(self.cycle_times - self.measured.joint_age_s, self.cycle_times, value)
+
+    def _obeyed(self, vector: Array, effects: list[tuple[str, dict[str, float]]]) -> Array:
+        """The commands that a plain drive would have to obey to move as this one does, rad/s."""
+        at = self.space.place
+        limit = self.model.drive.max_velocity_rad_s
+        plain = np.clip(self._command, -limit, limit)
+        limit = vector[at["drive.max_velocity_rad_s"]]
+        command = obeyed(effects, np.clip(self._command, -limit, limit))
+        begin_s = vector[at[DRIVE_BEGIN]]
+        if begin_s > 0.0:
+            command = np.where(self.cycle_times >= begin_s, command, plain)
+        own = [float(vector[at[name]]) for name in _OF_THE_LOOP]
+        if own == [self.space[name].start for name in _OF_THE_LOOP]:
+            return command
+        decay = 2.0 * pi * float(vector[at["drive.bandwidth_hz"]])
+        omega = float(vector[at["start.omega"]])
+        found: Array = equivalent_command(command, self.measured.cycle_s, decay, omega, float(begin_s), *own)
+        return found
 
     def _dead_s(self, vector: Array) -> float:
         """When a command arrives at the drive, s after its cycle began."""
@@ -207,6 +341,12 @@ class World:
             found["displacement"], rate = self._displacement(motion, vector)
         if "arrival" in self.channels:
             found["arrival"] = self._arrivals(vector)
+        for group in self.added:
+            amounts = vector[[at[name] for name in group.amounts]]
+            if amounts.any():
+                for name, columns in group.columns.items():
+                    if name in found:
+                        found[name] = found[name] + columns @ amounts
         return Predicted(found, rate, motion)
 
     def residual(self, name: str, predicted: Predicted, vector: Array) -> Array:
@@ -261,10 +401,7 @@ class World:
 
     def _reported(self, motion: Motion, which: int) -> Array:
         """Joint position (0) or velocity (1) as the drive reports it, joint_age_s old."""
-        value = (motion.motor if self.behind_encoder else motion.joint)[:, which]
-        if not self._aged:
-            return value
-        return np.interp(self.cycle_times - self.measured.joint_age_s, self.cycle_times, value)
+        return self._aged_to_reading((motion.motor if self.behind_encoder else motion.joint)[:, which])
 
     def reported_position(self, vector: Array) -> Array:
         """The joint's position as the drive would report it, rad, whether it was measured or not."""
@@ -273,7 +410,7 @@ class World:
     def _seen_joint(self, motion: Motion, which: int) -> Array:
         """The same as the data are judged by. To a fine encoder what a simulated drive may be off is no noise, of which
         many samples would make a discovery: most of it is granted, and the rest tells a fit the way."""
-        granted = which == 0 and self.measured.has_fine_encoder
+        granted = which == 0 and self.measured.has_fine_encoder and self.joint_hz == 0.0
         return self._reported(motion, which) + (_GRANTED * self._off(motion) if granted else 0.0)
 
     def _off(self, motion: Motion) -> Array:
@@ -282,13 +419,27 @@ class World:
 
     def _acceleration(self, motion: Motion, vector: Array) -> Array:
         at = self.space.place
-        t = self.cycle_times
+        begin_s = vector[at[ACCELEROMETER_BEGIN]]
+        if begin_s <= 0.0:
+            return self._read(motion, vector)
+        usual = vector.copy()
+        own = [place for name, place in at.items() if name in self._of_sensor]
+        usual[own] = self._usual[own]
+        return np.where(self.cycle_times >= begin_s, self._read(motion, vector), self._read(motion, usual))
+
+    def _read(self, motion: Motion, vector: Array) -> Array:
+        """What the accelerometer reads, m/s^2."""
+        at = self.space.place
+        t = np.maximum(self.cycle_times - vector[at[ACCELEROMETER_BEGIN]], 0.0)
         value = motion.tip_acceleration + self._of_arrivals(motion, vector)
         cycles = vector[at["accelerometer.delay_s"]] / self.measured.cycle_s
         if cycles > 0.0:
             value = _late(value, cycles)
         if vector[at[OF_LAST_JUMP]]:
             value = value + self._of_last_jump(motion, vector, int(cycles))
+        lag_s = vector[at["accelerometer.lag_s"]]
+        if lag_s > 0.0:
+            value = _lagged(value, self.measured.cycle_s / lag_s)
         gain = vector[at["accelerometer.scale"]]
         effects = effects_in(vector, at)
         for law in _laws_at(effects, "sensitivity"):
@@ -372,7 +523,8 @@ class World:
         expose(scene, instants, self.model.camera.exposure_s, self.measured.cycle_s, value, rate)
         value = value + vector[at["camera.offset_px"]]
         with np.errstate(over="ignore"):  # a candidate that runs away
-            added = [law(value, frames.received_s) for law in _laws_at(effects_in(vector, at), "image")]
+            since = np.maximum(frames.received_s - vector[at[CAMERA_BEGIN]], 0.0)
+            added = [np.where(since > 0.0, law(value, since), 0.0) for law in _laws_at(effects_in(vector, at), "image")]
             for one in added:
                 value = value + one
         sine, cosine = vector[at["camera.locking_sin_px"]], vector[at["camera.locking_cos_px"]]
@@ -382,7 +534,7 @@ class World:
 
     def _tip_of_joint_seen(self, motion: Motion, vector: Array) -> Array:
         """The tip's path, m, if the joint was where a fine encoder saw it, as far as a simulated drive may be off."""
-        if not self.measured.has_fine_encoder:
+        if not self.measured.has_fine_encoder or self.joint_hz > 0.0:
             return motion.tip
         first = [self.space.place[f"modes.{i}.frequency_hz"] for i in range(self.modes)]
         modes = np.array([vector[place : place + 3] for place in first])
@@ -393,6 +545,15 @@ class World:
             moved = tip_moved(off, modes, self.length, self.measured.cycle_s)
             self._joint_seen = (joint, modes, moved)
         return motion.tip + moved
+
+
+def _lagged(values: Array, turns: float) -> Array:
+    """Values behind a first-order lag of 1/turns samples, exact for a ramp between them."""
+    stays = np.exp(-turns)
+    now = 1.0 - (1.0 - stays) / turns
+    before = (1.0 - stays) / turns - stays
+    start = values[0]
+    return np.asarray(start + lfilter([now, before], [1.0, -stays], values - start))
 
 
 def _laws_at(effects: list[tuple[str, dict[str, float]]], acts: Acts) -> list[Callable[..., Any]]:

@@ -23,9 +23,9 @@ _SITES = {"force": (FORCE, 6), "friction": (FRICTION, 6), "frequency": (FREQUENC
 _MOST_NUMBERS = 4
 
 
-def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]]) -> Records:
+def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0.0) -> Records:
     """Records of the laws that act in the arm, (n,), of effects, each a cause with its values by name; none of idle
-    ones."""
+    ones. begin_s: instant from which they act."""
     rows = []
     for identifier, values in effects:
         site, _ = _SITES.get(CAUSES[identifier].acts, (-1, 0))
@@ -34,8 +34,8 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]]) -> Records:
         own = CAUSES[identifier].arguments(values)
         padded = (*own, *[0.0] * (_MOST_NUMBERS - len(own)))
         corner = site == FRICTION or CAUSES[identifier].corner
-        onset = values.get("onset_s", np.inf)
-        rows.append((address_of(identifier), site, len(own), corner, onset, *padded))
+        onset = values.get("onset_s", begin_s if begin_s > 0.0 else np.inf)
+        rows.append((address_of(identifier), site, len(own), corner, begin_s, onset, *padded))
     return np.array(rows, dtype=LAW)
 
 

@@ -63,6 +63,7 @@ LAW = np.dtype(
         ("site", "i8"),  # FORCE, FRICTION or FREQUENCY
         ("count", "i8"),  # how many numbers of its own
         ("corner", "i8"),  # whether it has one where the first mode turns
+        ("begin", "f8"),  # instant from which it acts, s
         ("onset", "f8"),  # instant at which it breaks off, s; infinite where it does not
         ("n0", "f8"),
         ("n1", "f8"),

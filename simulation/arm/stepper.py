@@ -93,7 +93,7 @@ def _ratio(arm: Record, i: int, t: float) -> float:
     if arm.changes == 0:
         return ratio
     for row in range(arm.laws):
-        if nth(arm.law, row).site == _FREQUENCY:
+        if nth(arm.law, row).site == _FREQUENCY and t >= nth(arm.law, row).begin:
             ratio *= frequency_law(nth(arm.law, row), max(t, 0.0), float(i), arm.mode.hz)
     return max(ratio, _LEAST_RATIO)
 
@@ -113,6 +113,8 @@ def _pushed(
     push, rub, since = 0.0, 0.0, max(t, 0.0)
     for row in range(arm.laws):
         law = nth(arm.law, row)
+        if since < law.begin:
+            continue
         if law.site == _FORCE:
             push += state_law(law, since, theta, omega, q, v, w)
         elif law.site == _FRICTION:
