@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 from math import exp, sqrt
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +9,8 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.budget import OutOfTime
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
 from stillarm.diagnosis.evidence import Score, score
-from stillarm.diagnosis.explain import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS, free_names
-from stillarm.diagnosis.fit import Fit, Split, fit, least_level, make_data
+from stillarm.diagnosis.explain import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS, Slopes, free_names
+from stillarm.diagnosis.fit import Fit, Split, fit, least_level, make_data, slopes_of
 from stillarm.diagnosis.freeform import Group, groups
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.robust import std_about_zero
@@ -141,20 +140,22 @@ def best_free(last: Fit, split: Split) -> Free | None:
     """The group of free terms that adds most to a fit's log score."""
     before = score(last, split)
     peaks: list[float] = []
-    for found in residual_peaks(last).values():
-        peaks += [hz for hz in found[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
-    tried = [one for one in side_by_side(lambda group: _with_free(group, last, before, split), groups(peaks)) if one]
+    for seen in residual_peaks(last).values():
+        peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
+    slopes = slopes_of(last)
+    found = side_by_side(lambda group: _with_free(group, last, before, split, slopes), groups(peaks))
+    tried = [one for one in found if one is not None]
     best = max(tried, key=lambda one: one.merit, default=None)
     return best if best is not None and best.merit > 0.0 else None
 
 
-def _with_free(group: Group, last: Fit, before: Score, split: Split) -> Free | None:
+def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free | None:
     added = group.added(last)
     if added is None:
         return None
     world = last.world.changed(added=(*last.world.added, added))
     names = free_names(last, world, added.amounts)
-    fitted = fit(make_data(world, split), carried_over(last, world), names, iterations=_STEPS, colour=last.colour)
+    fitted = fit(make_data(world, split), carried_over(last, world), names, iterations=_STEPS, colour=last.colour, known=slopes)
     after = score(fitted, split)
     nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
     merit = min(float(nats.sum()) - PRICE_NATS * len(added.amounts), 3.0 * float(held.sum()))
@@ -202,18 +203,3 @@ def _band(residual: Array, step_s: float) -> tuple[float, float]:
         return 0.0, 0.0
     low, high = np.searchsorted(total, [0.05 * total[-1], 0.95 * total[-1]])
     return float(hz[1 + low]), float(hz[1 + min(high, len(total) - 1)])
-
-
-def left_table(judged: Judged) -> list[dict[str, Any]]:
-    """`left` of diagnosis.json."""
-    return [
-        {
-            "channel": one.channel, "band_hz": list(one.band_hz), "rms": one.rms,
-            "share_of_noise": one.share_of_noise, "immaterial": one.immaterial,
-        }
-        for one in sorted(judged.rests, key=lambda one: -one.share_of_noise)
-        if one.rms > 0.0
-    ]  # fmt: skip
-
-
-

@@ -14,13 +14,15 @@ from stillarm.common.files.model import Model, check_model
 from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.reader import Recording, open_recording
 from stillarm.common.user_error import UserError
-from stillarm.diagnosis import verdict as say
+from stillarm.diagnosis import tables as say
 from stillarm.diagnosis.affordable import affordable
 from stillarm.diagnosis.budget import Budget, OutOfTime, unlimited
 from stillarm.diagnosis.candidate import Found
 from stillarm.diagnosis.ceiling import below, ceiling_of
 from stillarm.diagnosis.channels import without_dead_sensors
+from stillarm.diagnosis.decide import Judged, judge
 from stillarm.diagnosis.declared_effects import with_found
+from stillarm.diagnosis.explain import explain
 from stillarm.diagnosis.extended_model import baseline_changes, effect_of, refitted_model
 from stillarm.diagnosis.fit import CHANGED_NATS, Fit, Split, fit, gain_of_each_block, make_data
 from stillarm.diagnosis.frequency_course import frequency_courses, seen_frequency
@@ -41,10 +43,8 @@ from stillarm.diagnosis.pulls import pull_spans_s
 from stillarm.diagnosis.quantities import RANGE
 from stillarm.diagnosis.recount import recounted
 from stillarm.diagnosis.repeated_stamps import held_back, without
-from stillarm.diagnosis.search import search
 from stillarm.diagnosis.set_stamps import without_set_stamps
 from stillarm.diagnosis.split import interleaved, stated
-from stillarm.diagnosis.verdict import Judged
 from stillarm.diagnosis.world import World
 
 Tick = Callable[[float, str], None]
@@ -54,6 +54,7 @@ _MOST_GAPS = 3
 _MANY_GAPS, _AS_LONG = 4, 3.0
 _SHORTEST_S, _FEWEST_PAIRS = 3.0, 128  # of a recording; samples of a pair
 _BASELINE_SHARE, _CLOCKS_SHARE = 0.45, 0.6  # of the time for all stages
+_JUDGED_SHARE = 1.15  # of what the stages may take: the verdict's share of the budget holds as much
 _HURRIED_STEPS = 5
 _PULLS_SOUGHT = 2
 _REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
@@ -141,19 +142,21 @@ def diagnose_measured(
     tick(0.05, "baseline")
     baseline, known = _baseline_within(budget, world, split, left_out)
     with budget.limit():
-        found = search(baseline, split, lambda done, what: tick(0.1 + 0.8 * done, what), known=known)
-    left_out += found.left_out
-    tick(0.92, "what is left")
-    judged = say.judge(found, split)
+        found = explain(baseline, split, lambda done, what: tick(0.1 + 0.7 * done, what), known=known)
+    tick(0.8, "what is left")
+    with budget.limit(_JUDGED_SHARE):
+        judged = judge(found, split)
+    left_out += [*dict.fromkeys(found.left_out), *judged.left_out]
     extended = refitted_model(model, found.final)
     effects = [effect_of(one, found.final) for one in found.findings]
     extended = msgspec.structs.replace(extended, effects=with_found(model.effects, effects))
     table = {
         "verdict": judged.verdict,
-        "channels": say.channel_table(found, judged, split),
-        "findings": say.findings(found, judged, split),
-        "unexplained": say.unexplained(judged),
-        "events": say.events(found),
+        "channels": say.channel_table(found, split),
+        "findings": say.findings_table(found, judged, split),
+        "unexplained": say.unexplained_table(judged),
+        "left": say.left_table(judged),
+        "events": say.events_table(found),
         "looked_at": {"seconds": budget.used_s, "budget_s": budget.seconds, "left_out": left_out},
         "channels_left_out": unused,
         "baseline_changes": baseline_changes(model, found.final),

@@ -6,7 +6,7 @@ best is taken, and the next round looks at what it leaves.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
@@ -16,19 +16,18 @@ from numpy.typing import NDArray
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.budget import OutOfTime
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
-from stillarm.diagnosis.cause import Trial
 from stillarm.diagnosis.channels import JOINT_CHANNELS
 from stillarm.diagnosis.evidence import Score, score
-from stillarm.diagnosis.fit import Data, Fit, Split, fit, least_level, make_data
+from stillarm.diagnosis.fit import Data, Fit, Split, fit, least_level, make_data, slopes_of
 from stillarm.diagnosis.forms import Form, forms, from_an_onset
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.laws import LawFound, backward_steps, laws
-from stillarm.diagnosis.onset import settled
 from stillarm.diagnosis.screen import Screening, screen
 from stillarm.diagnosis.side_by_side import side_by_side
 from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
+Slopes = Mapping[str, Mapping[str, Array]]
 
 MOST_CAUSES = 3
 PRICE_NATS = 3.0
@@ -44,10 +43,12 @@ MATTERS_OF_NOISE = 0.5
 _WHOLE = 3  # forms of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _SCREENED_NATS = 8.0
-_STARTS = 2
+_MOST_TRIALS, _SETTLED_NATS = 40, 0.02  # of a search along a quantity; what counts as a gain there
+_STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
 _QUICK, _FULL = 4, 12  # steps of a fit
+_POLISHED = 3  # causes
 _ONSETS, _WITH_ONSET = 6, 4  # tried; forms that an onset is tried for
-_ONSET_LEAST_S = 0.05
+_ONSET_LEAST_S = 0.1
 _DEPARTS = 1.5  # times the level that a simulation reaches
 _WORTH_A_FIT = 0.03  # of the best form's gain: of what explains less, a later round says more
 
@@ -71,12 +72,78 @@ def explain(
 ) -> Found:
     """Take causes one after another while one convinces. known: laws that were found while the data were read."""
     found = Found(baseline, baseline)
+    other = _without_doubtful_impacts(baseline, split, tick, only, known)
+    if other is not None:
+        return other
+    return _explained(found, split, tick, only, known)
+
+
+def _without_doubtful_impacts(
+    baseline: Fit,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+) -> Found | None:
+    """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
+    model that is wrong about moves is put right by an impact at each. None where it is not."""
+    doubtful = _while_moving(baseline)
+    if not doubtful:
+        return None
+    world = baseline.world
+    kept = tuple(cycle for cycle in world.impacts if cycle not in doubtful)
+    fewer = world.changed(impacts=kept, strokes=world.strokes)
+    try:
+        start = carried_over(baseline, fewer)
+        names = free_names(baseline, fewer, ())
+        plain = fit(make_data(fewer, split), start, names, iterations=_FULL, colour=baseline.colour)
+        found = Found(plain, plain)
+        stage = _round(found, split, only, upstream=_joint_departs(plain))
+    except OutOfTime:
+        return None
+    if stage.taken is None or stage.taken.law is not None:
+        return None
+    lead = score(stage.taken.fit, split).gain(score(baseline, split))
+    price = PRICE_NATS * (len(stage.taken.free) - len(doubtful) * (2 * world.modes + 2))
+    if float(lead.sum()) < price:
+        return None
+    return _explained(found, split, tick, only, known, [stage])
+
+
+def _while_moving(baseline: Fit) -> list[int]:
+    """The impacts within a swing of which the joint was on the move."""
+    world = baseline.world
+    command = np.nan_to_num(world.measured.command)
+    reach = round(1.0 / (baseline.value("modes.0.frequency_hz") * world.measured.cycle_s))
+    still = 0.01 * float(np.max(np.abs(command), initial=0.0))
+    return [
+        cycle
+        for cycle in world.impacts
+        if still > 0.0 and np.any(np.abs(command[max(cycle - reach, 0) : cycle + reach]) > still)
+    ]
+
+
+def _explained(
+    found: Found,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+    begun: Sequence[Stage] = (),
+) -> Found:
+    """The findings one after another. begun: rounds that are made already."""
+    baseline = found.baseline
     data = make_data(baseline.world, split)
     for law in (*known, *backward_steps(data)):
         one = of_law(baseline, law)
         found.findings.append(one)
         found.stages.append(Stage(Screening([], 0.0), [one], one))
-    for turn in range(MOST_CAUSES):
+    for stage in begun:
+        assert stage.taken is not None
+        found.stages.append(stage)
+        found.findings.append(stage.taken)
+        found.final = stage.taken.fit
+    for turn in range(len(begun), MOST_CAUSES):
         tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
         upstream = turn == 0 and _joint_departs(found.final)
         stage = _round(found, split, only, upstream)
@@ -125,12 +192,16 @@ def _compared(last: Fit, tried: Sequence[Form], split: Split, found: Found) -> t
     try:
         before, data = score(last, split), make_data(last.world, split)
         begun, screening = _begun(data, last, tried)
-        quick = _each(lambda one: (one, _refitted(one, last, split, _QUICK)), begun, found)
+        slopes = slopes_of(last)
+        quick = _each(lambda one: (one, _refitted(one, last, split, slopes)), begun, found)
         best = _best_of_each(quick, last)
-        ended = _each(lambda pair: (pair[0], _to_the_end(*pair, last, split)), best, found)
+        ended = _each(lambda pair: (pair[0], _to_the_end(*pair, last, split, slopes)), best, found)
         candidates += [_candidate(one, fitted, last, before, split) for one, fitted in ended]
-        later = _each(lambda one: _with_onset(one, last, split), _worth_an_onset(candidates, ended), found)
+        later = _each(lambda one: _with_onset(one, last, split, slopes), _worth_an_onset(candidates, ended), found)
         candidates += [_candidate(one, fitted, last, before, split) for one, fitted in later]
+        best_forms = _leading([*ended, *later], candidates)
+        polished = _each(lambda pair: (pair[0], _polished(*pair, last, split)), best_forms, found)
+        candidates += [_candidate(one, fitted, last, before, split) for one, fitted in polished]
     except OutOfTime:
         found.left_out.append("some forms of causes")
     return screening, sorted(candidates, key=lambda one: -one.merit)
@@ -225,6 +296,8 @@ def _begun(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[_Begun], 
         if not one.trial.asked and (one.nats < _SCREENED_NATS or count[id(one.cause)] >= _STARTS):
             continue
         count[id(one.cause)] += 1
+        if count[id(one.cause)] > _MOST_STARTS:
+            continue
         begun.append(_Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked))
     for form in tried:
         if form.added is not None:
@@ -239,10 +312,10 @@ def free_names(last: Fit, world: World, own: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*world.baseline_names(), *kept, *own)))
 
 
-def _refitted(one: _Begun, last: Fit, split: Split, steps: int) -> Fit | None:
+def _refitted(one: _Begun, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
     names = free_names(last, one.world, one.form.cause.free(one.world))
-    steps = _FULL if one.asked else steps
-    fitted = fit(make_data(one.world, split), one.start, names, iterations=steps, colour=last.colour)
+    data = make_data(one.world, split)
+    fitted = fit(data, one.start, names, iterations=_QUICK, colour=last.colour, known=slopes)
     return fitted if one.form.cause.possible(fitted) else None
 
 
@@ -263,9 +336,50 @@ def _best_of_each(quick: list[tuple[_Begun, Fit]], last: Fit) -> list[tuple[_Beg
     return sorted(kept, key=lambda pair: -_gain(pair[1], last))
 
 
-def _to_the_end(one: _Begun, fitted: Fit, last: Fit, split: Split) -> Fit:
-    ended = fit(make_data(one.world, split), fitted.vector, fitted.free, iterations=_FULL, colour=last.colour)
-    return settled(ended, one.form.cause, split) if one.form.cause.settle else ended
+def _to_the_end(one: _Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
+    """All quantities at their best: thresholds and onsets by a search along them, then the rest."""
+    data = make_data(one.world, split)
+    if one.form.cause.settle:
+        fitted = _settled(one, fitted, last, data, slopes)
+    ended = fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, known=slopes)
+    return ended if one.form.cause.possible(ended) else None
+
+
+def _polished(one: _Begun, fitted: Fit, last: Fit, split: Split) -> Fit:
+    """The same with all derivatives worked out where it is."""
+    return fit(make_data(one.world, split), fitted.vector, fitted.free, iterations=_FULL, colour=last.colour)
+
+
+def _leading(fits: list[tuple[_Begun, Fit]], candidates: Sequence[Candidate]) -> list[tuple[_Begun, Fit]]:
+    """The best form of each of the few causes that may be taken."""
+    merit = {id(one.fit): one.merit for one in candidates}
+    found: dict[str, tuple[_Begun, Fit]] = {}
+    for one, fitted in sorted(fits, key=lambda pair: -merit.get(id(pair[1]), 0.0)):
+        if merit.get(id(fitted), 0.0) > PRICE_NATS and len(found) < _POLISHED:
+            found.setdefault(one.form.id, (one, fitted))
+    return list(found.values())
+
+
+def _settled(one: _Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fit:
+    """Quantities without a smooth derivative, searched along with halving steps, all else following."""
+    for name, first in one.form.cause.settle.items():
+        onset = "onset" in name
+        step = first * (1.0 if onset else max(abs(best.value(name)), 1e-3) * 10.0)
+        least = 4.0 * best.world.measured.cycle_s if onset else 0.02 * step
+        names = [each for each in best.free if each != name]
+        trials = 0
+        while step > least and trials < _MOST_TRIALS:
+            moved = False
+            for sign in (1.0, -1.0):
+                trials += 1
+                start = best.world.space.with_values(best.vector, {name: best.value(name) + sign * step})
+                trial = fit(data, start, names, iterations=1, colour=last.colour, known=slopes)
+                if _gain(trial, best) > _SETTLED_NATS:
+                    best, moved = replace(trial, free=best.free), True
+                    break
+            if not moved:
+                step *= 0.4
+    return best
 
 
 def _worth_an_onset(candidates: Sequence[Candidate], ended: list[tuple[_Begun, Fit]]) -> list[tuple[_Begun, Fit]]:
@@ -282,16 +396,16 @@ def _worth_an_onset(candidates: Sequence[Candidate], ended: list[tuple[_Begun, F
     return [*by_fit, *by_merit]
 
 
-def _with_onset(pair: tuple[_Begun, Fit], last: Fit, split: Split) -> tuple[_Begun, Fit]:
+def _with_onset(pair: tuple[_Begun, Fit], last: Fit, split: Split, slopes: Slopes) -> tuple[_Begun, Fit]:
     """The form fitted with the instant from which it acts: over a grid, then along it by halving steps."""
     one, whole = pair
     data, begins = make_data(one.world, split), one.form.begins
     assert begins is not None
     duration = one.world.measured.duration_s
 
-    def at(onset: float, near: Fit, steps: int = 2) -> Fit:
+    def at(onset: float, near: Fit, steps: int = 1) -> Fit:
         start = one.world.space.with_values(near.vector, {begins: onset})
-        return fit(data, start, near.free, iterations=steps, colour=last.colour)
+        return fit(data, start, near.free, iterations=steps, colour=last.colour, known=slopes)
 
     best = max((at(x, whole) for x in np.linspace(0.1, 0.85, _ONSETS) * duration), key=lambda f: _gain(f, last))
     step = 0.5 * 0.75 * duration / (_ONSETS - 1)
@@ -301,7 +415,7 @@ def _with_onset(pair: tuple[_Begun, Fit], last: Fit, split: Split) -> tuple[_Beg
             best = tried
         else:
             step *= 0.5
-    return one, fit(data, best.vector, best.free, iterations=_FULL, colour=last.colour)
+    return one, fit(data, best.vector, best.free, iterations=_QUICK, colour=last.colour, known=slopes)
 
 
 def _candidate(one: _Begun, fitted: Fit, last: Fit, before: Score, split: Split) -> Candidate:
@@ -342,5 +456,3 @@ def _within_bounds(one: Candidate) -> bool:
                 return False
     return True
 
-
-__all__ = ["CONVINCING_NATS", "Trial", "explain"]

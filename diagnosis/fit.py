@@ -1,6 +1,6 @@
 """Maximum likelihood in free run: Gauss-Newton with derivatives by differences, noise levels learnt on the way."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, sqrt
 
@@ -215,8 +215,10 @@ def jacobian(
     names: Sequence[str],
     base: Predicted,
     colour: Colours,
+    known: Mapping[str, Mapping[str, Array]] | None = None,
 ) -> dict[str, Array]:
-    """Derivative of each channel's (whitened, thinned) prediction by each named quantity, (samples, names)."""
+    """Derivative of each channel's (whitened, thinned) prediction by each named quantity, (samples, names). known:
+    derivatives by quantity and channel that are taken as they are."""
     steps = []
     for name in names:
         quantity, at = world.space[name], world.space.place[name]
@@ -233,6 +235,11 @@ def jacobian(
 
     def column(index: int) -> None:
         moved, step = steps[index]
+        ready = known.get(names[index]) if known is not None else None
+        if ready is not None:
+            for channel, columns in found.items():
+                columns[:, index] = ready[channel]
+            return
         term = world.amounts_of(names[index])
         if term is not None:  # linear in its amount
             group = next(one for one in world.added if one.name == term[0])
@@ -313,8 +320,12 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     colour: Colours | None = None,
     prior: Array | None = None,
     tick: Callable[[], None] = lambda: None,
+    known: Mapping[str, Mapping[str, Array]] | None = None,
 ) -> Fit:
     """Fit the free quantities to the training samples from `start`.
+
+    known: derivatives of a fit nearby (`slopes_of`), which are not worked out anew (the chord method): a step is then a
+    little less good, and costs what the other quantities do.
 
     prior: vector about which the quantities' prior deviations count (default: the space's own start values).
     """
@@ -342,7 +353,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     for _ in range(iterations):
         if not free:
             break
-        slopes = jacobian(world, vector, free, predicted, colour)
+        slopes = jacobian(world, vector, free, predicted, colour, known)
         normal = np.zeros((len(free), len(free)))
         right = np.zeros(len(free))
         for name, slope in slopes.items():
@@ -394,6 +405,12 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     return Fit(
         world, vector, free, std, sigma, colour, residuals, predicted, float(train.sum()), held, covariance, train,
     )  # fmt: skip
+
+
+def slopes_of(last: Fit) -> dict[str, dict[str, Array]]:
+    """Derivatives of a fit by its free quantities and channels, for fits nearby."""
+    found = jacobian(last.world, last.vector, last.free, last.predicted, last.colour)
+    return {name: {channel: columns[:, i] for channel, columns in found.items()} for i, name in enumerate(last.free)}
 
 
 def _covariance(normal: Array) -> Array:

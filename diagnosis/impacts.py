@@ -22,6 +22,7 @@ _OUTSTANDING = 9.0  # times the usual jump
 _NEAR = 5.0  # times those near by
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
+_AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
 _MOST = 40
 _SIGNIFICANT = 6.0
 _CLOSE_S = 2.0
@@ -31,8 +32,9 @@ _WRONG, _FAR = 4.0, 8.0  # times a channel's variance, outliers bounded to so ma
 _ONE_IMPACT, _PLACES = 2.0, 9  # periods between two that may be one; where that may have been
 
 
-def _series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> tuple[Array, Array] | None:
-    """Times and residual as deflection, m, of the channel that shows the vibration with the least noise."""
+def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> list[tuple[Array, Array]]:
+    """Times and residual as deflection, m, of each channel that shows the vibration, the one with the least noise
+    first."""
     choices = []
     grid = world.cycle_times
     for name, per in (
@@ -50,10 +52,8 @@ def _series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> t
         quiet = std_about_zero(np.diff(values[known])) / np.sqrt(2.0)
         rate = known.sum() / world.measured.duration_s
         choices.append((quiet / np.sqrt(rate), time[known], values[known]))
-    if not choices:
-        return None
-    _, time, values = min(choices, key=lambda choice: choice[0])
-    return time, values
+    choices.sort(key=lambda choice: choice[0])
+    return [(time, values) for _, time, values in choices]
 
 
 def _phasor(time: Array, values: Array, w: float, start: Array, end: Array) -> tuple[Array, Array]:
@@ -71,10 +71,10 @@ def find_jumps(last: Fit, share: float) -> list[float]:
     world = last.world
     w = 2.0 * pi * last.value("modes.0.frequency_hz")
     residuals = {name: values - last.predicted.channels[name] for name, values in world.channels.items()}
-    series = _series(world, residuals, w, last)
-    if series is None:
+    series = _all_series(world, residuals, w, last)
+    if not series:
         return []
-    time, values = series
+    time, values = series[0]
     period = 2.0 * pi / w
     at = np.arange(time[0] + period, time[-1] - period, max(_GRID_S, 0.02 * period))
     if len(at) < 10:
@@ -88,6 +88,8 @@ def find_jumps(last: Fit, share: float) -> list[float]:
     swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
     found: list[float] = []
     threshold = np.maximum(usual, max(share * float(np.max(np.abs(after))), swing))
+    for other_time, other_values in series[1:]:
+        jump[~_borne_out(at, period, w, after - before, other_time, other_values)] = 0.0
     for i in np.argsort(-jump):
         if len(found) >= _MOST:
             break
@@ -96,6 +98,20 @@ def find_jumps(last: Fit, share: float) -> list[float]:
         if all(abs(at[i] - other) > 1.2 * period for other in found):
             found.append(float(at[i]))
     return sorted(found)
+
+
+def _borne_out(
+    at: Array, period: float, w: float, jump: NDArray[np.complex128], time: Array, values: Array
+) -> NDArray[np.bool_]:
+    """Whether another sensor shows the same jump: an impact moves the arm, and all that look at it; a sensor that has
+    gone wrong moves its own reading. Where the other sensor's noise hides it, it is taken for the same."""
+    before, n_before = _phasor(time, values, w, at - period, at)
+    after, n_after = _phasor(time, values, w, at, at + period)
+    other = after - before
+    full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
+    usual = float(np.median(np.abs(other[full]))) if full.any() else 0.0
+    agree: NDArray[np.bool_] = np.abs(other - jump) < np.maximum(_AGREE * np.abs(jump), 3.0 * usual)
+    return agree | ~full
 
 
 def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:

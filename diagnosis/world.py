@@ -114,10 +114,13 @@ class World:
         added: tuple[Added, ...] = (),
         unjudged_s: tuple[tuple[float, float], ...] = (),
         joint_hz: float = 0.0,
+        strokes: tuple[int, ...] | None = None,
     ) -> None:
         """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: the frames', if known.
         added: terms without a formula. unjudged_s: spans in which something unknown holds the arm, from and to.
-        joint_hz: up to which frequency the arm is moved by the joint as it was measured."""
+        joint_hz: up to which frequency the arm is moved by the joint as it was measured. strokes: cycles about which
+        the accelerometer is not judged; those of the impacts, if not given."""
+        self.strokes = impacts if strokes is None else strokes
         self.added, self.unjudged_s, self.joint_hz = added, unjudged_s, joint_hz
         self._departures: list[tuple[bytes, Array, Array]] = []
         self.measured, self.model = measured, model
@@ -175,6 +178,7 @@ class World:
         added: tuple[Added, ...] | None = None,
         unjudged_s: tuple[tuple[float, float], ...] | None = None,
         joint_hz: float | None = None,
+        strokes: tuple[int, ...] | None = None,
     ) -> "World":
         """The same recording and model in a world of another structure; what is not given stays. The frames' clock,
         which a search works out, is the same."""
@@ -188,6 +192,7 @@ class World:
             self.added if added is None else added,
             self.unjudged_s if unjudged_s is None else unjudged_s,
             self.joint_hz if joint_hz is None else joint_hz,
+            strokes if strokes is not None or impacts is not None else self.strokes,
         )
 
     def with_measured(self, measured: Measured, impacts: tuple[int, ...] | None = None) -> "World":
@@ -215,10 +220,10 @@ class World:
         """Take what the accelerometer shows of an impact itself for unmeasured: it lasts some milliseconds, of a course
         that nothing tells, and the sensor at the tip sees the force."""
         shown = self.channels.get("acceleration")
-        if shown is None or not self.impacts:
+        if shown is None or not self.strokes:
             return
         shown, reach = shown.copy(), max(1, round(_STROKE_S / self.measured.cycle_s))
-        for cycle in self.impacts:
+        for cycle in self.strokes:
             shown[max(cycle - reach, 0) : cycle + reach] = np.nan
         self.channels["acceleration"] = shown
 

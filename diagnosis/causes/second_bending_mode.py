@@ -57,12 +57,13 @@ def _apart(hz: float, known_hz: Iterable[float]) -> bool:
 def _rings(fit: Fit) -> bool:
     """Whether it is a mode of its own, and rings."""
     hz = [fit.value(f"modes.{j}.frequency_hz") for j in range(fit.world.modes)]
-    return _apart(hz[-1], hz[:-1]) and fit.value(f"modes.{_mode(fit.world)}.damping_ratio") < _MOST_DAMPING
+    damping = fit.value(f"modes.{_mode(fit.world)}.damping_ratio")
+    return _apart(hz[-1], hz[:-1]) and _LEAST_DAMPING < damping < _MOST_DAMPING
 
 
 _APART = 1.25
 _MOST_DAMPING = 0.3  # what is gone within a swing is no ring
-_LEAST_DAMPING = 0.001  # a ring that does not decay is kept up by something
+_LEAST_DAMPING = 2e-4  # a ring that does not decay is kept up by something
 
 
 def _values(fit: Fit) -> Values:
@@ -77,8 +78,5 @@ CAUSE = Cause(
     trials=_trials,
     free=_free,
     parameters_of=_values,
-    prior_penalty=lambda fit: (
-        6.0 if fit.value(f"modes.{_mode(fit.world)}.damping_ratio") < _LEAST_DAMPING else 0.0
-    ),
     possible=_rings,
 )

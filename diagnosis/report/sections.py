@@ -172,11 +172,11 @@ def considered(result: Diagnosis) -> str:
             )
             rows.append(
                 [
-                    f"<code>{escape(one.cause)}</code>",
+                    f"<code>{escape(one.cause)}</code> {escape(one.form)}",
                     escape(reason),
                     values,
                     f"{one.held_out_gain:+.1f} ± {one.held_out_std:.1f}",
-                    f"{one.train_gain:+.1f}",
+                    f"{one.merit:+.1f}",
                 ]
             )
         seen = {one.cause for one in stage.candidates}
@@ -188,12 +188,12 @@ def considered(result: Diagnosis) -> str:
         outcome = f"taken: <code>{escape(stage.taken.cause)}</code>" if stage.taken else "nothing taken"
         parts.append(f"<h3>Step {number_of}: {outcome}</h3>")
         if rows:
-            head = ["cause", "outcome", "parameters", "held-out gain, nats", "gain where fitted, nats"]
+            head = ["cause", "outcome", "parameters", "held-out gain, nats", "all data, less its numbers' price, nats"]
             parts.append(table(head, rows, numeric=3))
         if weak:
             parts.append(
-                "<p class=note>Screened and left, with the gain that a first-order test promises, nats (chance alone "
-                f"reaches {stage.screening.threshold_nats:.0f} in one search of a hundred): {weak}.</p>"
+                "<p class=note>Screened and left, with the gain that a first-order test promises, nats: "
+                f"{weak}.</p>"
             )
     absent = not_tried(result)
     if absent:
@@ -205,7 +205,7 @@ def considered(result: Diagnosis) -> str:
 
 
 def baseline(result: Diagnosis) -> str:
-    """Parameters of the model that were merely off, and blows."""
+    """Parameters of the model that were merely off, and events."""
     changes = result.table["baseline_changes"]
     parts = []
     if changes:
@@ -222,12 +222,12 @@ def baseline(result: Diagnosis) -> str:
         parts.append("<p>All of the model's own parameters agree with this recording.</p>")
     events = result.table["events"]
     if events:
-        times = ", ".join(f"{one['time_s']:.2f}" for one in events)
+        times = ", ".join(f"{one['kind']} at {one['time_s']:.2f} s" for one in events)
         parts.append(
-            f"<p>{len(events)} blow{'s' if len(events) > 1 else ''} that no sensor measured, at {times} s: from "
-            "each on the arm has a state of its own, fitted.</p>"
+            f"<p>What no sensor measured: {times}. From each on the arm has a state of its own, fitted; what shows while "
+            "something pulls at it is not judged.</p>"
         )
-    return f"<section><h2>Parameters that were merely off, and blows</h2>{''.join(parts)}</section>"
+    return f"<section><h2>Parameters that were merely off, and events</h2>{''.join(parts)}</section>"
 
 
 def residuals(result: Diagnosis) -> str:

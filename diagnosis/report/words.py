@@ -7,10 +7,10 @@ from stillarm.common.causes import CAUSES
 from stillarm.diagnosis.candidate import Candidate, Stage
 from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
 from stillarm.diagnosis.diagnose import Diagnosis
+from stillarm.diagnosis.explain import CONVINCING_NATS
 from stillarm.diagnosis.report.panels import WORDS
-from stillarm.diagnosis.scatter import ON_ITS_PAST
 from stillarm.diagnosis.use import MEASURES, outcome
-from stillarm.diagnosis.verdict import is_sure_of
+from stillarm.diagnosis.tables import is_sure_of
 
 NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
 
@@ -85,20 +85,14 @@ def why_not(one: Candidate, stage: Stage) -> str:
         return "taken"
     failed = _failed(one, stage)
     if failed or taken is None:
-        return failed or "its held-out gain is less than its quantities cost"
-    if one.held_out_gain < taken.held_out_gain:
-        return f"{taken.held_out_gain - one.held_out_gain:.0f} nats behind {taken.cause}, held out"
-    return f"needs {len(one.free)} quantities where {taken.cause} needs {max(len(taken.free), 1)}"
+        return failed or "less than a channel's usual discrepancy"
+    return f"{taken.merit - one.merit:.0f} nats behind {taken.cause}"
 
 
 def _failed(one: Candidate, stage: Stage) -> str:
     """The test that a candidate fails by itself; empty where it passes all."""
-    if one.train_gain <= stage.screening.threshold_nats:
-        return "gains no more than chance does"
-    if one.held_out_gain <= 0.0:
-        return "predicts the held-out part worse than without it"
-    if one.held_out_gain <= one.held_out_std:
-        return "its held-out gain is within its standard error"
+    if one.merit < CONVINCING_NATS:
+        return "gains no more than chance and its numbers do"
     return implausible(one)
 
 
@@ -130,16 +124,10 @@ def next_steps(result: Diagnosis) -> list[str]:
     if table["unexplained"]:
         left = table["unexplained"]
         where = f"What is left in the {WORDS.get(left['channel'], left['channel'])}"
-        if left["dependence"] == ON_ITS_PAST:
-            steps.append(
-                f"{where} is of a motion that the model does not have. Look for resonances in the shaded band "
-                "of its spectrum; where the rig is known to have one, add it to the model as a mode and diagnose again."
-            )
-        else:
-            steps.append(
-                f"{where} depends on: {left['dependence']}. Record again with that alone varied, all else at rest, and "
-                "diagnose both recordings."
-            )
+        steps.append(
+            f"{where} looks most like {left['dependence']}. Record again with that alone varied, all else at rest, and "
+            "diagnose both recordings."
+        )
     sure = all(is_sure_of(one, table) for one in table["findings"])
     if table["findings"] or table["baseline_changes"]:
         steps.append(

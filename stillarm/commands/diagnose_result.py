@@ -91,7 +91,7 @@ def _plain(value: Any) -> Any:
 
 def sentence(table: dict[str, Any]) -> str:
     """The verdict in one sentence."""
-    from stillarm.diagnosis.verdict import is_sure_of
+    from stillarm.diagnosis.tables import is_sure_of
 
     parts = []
     for finding in table["findings"]:
@@ -106,7 +106,7 @@ def sentence(table: dict[str, Any]) -> str:
             else f"hardly, with confidence {max(finding['confidence'], 0.001):.2g}: "
         )
         parts.append(f"{unsure}{name} ({values}; cuts the held-out error by {cut:.0f} %)")
-    impacts = f"; {len(table['events'])} impacts that no sensor measured" if table["events"] else ""
+    impacts = f"; {len(table['events'])} impacts or pulls that no sensor measured" if table["events"] else ""
     if table["verdict"] == "none":
         return f"nothing wrong with the simulation beyond its parameters{impacts}"
     if table["verdict"] == "named":
