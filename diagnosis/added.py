@@ -42,7 +42,7 @@ def hats(time_s: Array, knots_s: Array) -> Array:
 def answer_of_mode(
     force: Array, frequency_hz: float, damping_ratio: float, step_s: float
 ) -> tuple[Array, Array]:
-    """Deflection, m, and its acceleration, m/s^2, of a mode at rest that forces act on, (samples, k) m/s^2 (bilinear)."""
+    """Deflection, m, and its acceleration, m/s^2, of a mode under forces, (samples, k) m/s^2, from rest (bilinear)."""
     k, w = 2.0 / step_s, 2.0 * np.pi * frequency_hz
     a0 = k * k + 2.0 * damping_ratio * w * k + w * w
     a1, a2 = 2.0 * (w * w - k * k), k * k - 2.0 * damping_ratio * w * k + w * w

@@ -1,4 +1,4 @@
-"""From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md, Verdicts)."""
+"""From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
 
 from dataclasses import dataclass, field
 from math import exp, sqrt
@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.budget import OutOfTime
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
-from stillarm.diagnosis.evidence import Score, score
+from stillarm.diagnosis.evidence import Score, score, score_of_noise
 from stillarm.diagnosis.explain import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS, Slopes, free_names
-from stillarm.diagnosis.fit import Fit, Split, fit, least_level, make_data, slopes_of
+from stillarm.diagnosis.fit import THIN, Fit, Split, fit, least_level, make_data, slopes_of
 from stillarm.diagnosis.freeform import Group, groups
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.robust import std_about_zero
@@ -28,7 +28,7 @@ MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
 _STEPS = 4  # of a fit of free terms: they are linear
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
 _FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its own
-_RIVAL = 0.05  # of a finding's nats: by less no free form is better, whatever the odds, for no form is quite the true one
+_RIVAL = 0.05  # of a finding's nats: a free form is no better by less, as no formula is quite the true one
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,9 @@ def judge(found: Found, split: Split) -> Judged:
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
     named = _odds_of_name(found, first, beside, alone)
     verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else "unexplained"
-    confidence = {one.cause: _confidence(found, one, named if one is first else 1.0) for one in found.findings}
+    confidence = {
+        one.cause: _confidence(found, one, named if one is first else 1.0) for one in found.findings
+    }
     return Judged(verdict, rests, beside, alone, confidence, tuple(left_out))
 
 
@@ -114,7 +116,9 @@ def _confidence(found: Found, one: Candidate, named: float) -> float:
 
 def runner_up(found: Found, one: Candidate) -> Candidate | None:
     """The best other cause when a finding was taken."""
-    others = [each for each in stage_of(found, one).candidates if each.cause != one.cause and each.law is None]
+    others = [
+        each for each in stage_of(found, one).candidates if each.cause != one.cause and each.law is None
+    ]
     return max(others, key=lambda each: each.merit, default=None) if one.law is None else None
 
 
@@ -155,12 +159,31 @@ def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slo
         return None
     world = last.world.changed(added=(*last.world.added, added))
     names = free_names(last, world, added.amounts)
-    fitted = fit(make_data(world, split), carried_over(last, world), names, iterations=_STEPS, colour=last.colour, known=slopes)
+    fitted = fit(
+        make_data(world, split),
+        carried_over(last, world),
+        names,
+        iterations=_STEPS,
+        colour=last.colour,
+        known=slopes,
+    )
     after = score(fitted, split)
     nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
     merit = min(float(nats.sum()) - PRICE_NATS * len(added.amounts), 3.0 * float(held.sum()))
     channel = max(after.whole, key=lambda name: after.gain_of(before, name))
     return Free(group, merit, channel, fitted)
+
+
+def explainable(last: Fit, split: Split) -> dict[str, float]:
+    """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise."""
+    now = score(last, split)
+    ideal = score_of_noise(last, split, {name: _level(last, name) for name in last.residuals})
+    return {name: max(ideal[name] - float(now.whole[name].sum()), 0.0) for name in ideal}
+
+
+def _level(last: Fit, name: str) -> float:
+    """A channel's noise in the score's samples."""
+    return noise_of(last, name) / sqrt(THIN.get(name, 1))
 
 
 def rest_of(last: Fit, name: str) -> Rest:

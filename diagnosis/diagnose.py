@@ -231,9 +231,7 @@ def _without_pulls(baseline: Fit, split: Split) -> Fit:
         if not spans:
             break
         inside = [
-            i
-            for i in baseline.world.impacts
-            if any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
+            i for i in baseline.world.impacts if any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
         ]
         kept = tuple(i for i in baseline.world.impacts if i not in inside)
         unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))

@@ -14,6 +14,7 @@ Whittle, "Estimation and information in stationary time series", Arkiv for Matem
 the model: Kennedy and O'Hagan, JRSS B 63, 2001; Brynjarsdottir and O'Hagan, Inverse Problems 30, 2014.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +68,18 @@ def score(fit: Fit, split: Split) -> Score:
         held[name] = _nats(spectra, ~split.held)
         whole[name] = _nats(spectra, everywhere)
     return Score(held, whole)
+
+
+def score_of_noise(fit: Fit, split: Split, noise: Mapping[str, float]) -> dict[str, float]:
+    """What the log score of each channel would be, nats over all blocks, if nothing but white noise of these deviations
+    were left."""
+    found = {}
+    for name, deviation in noise.items():
+        spectra = _spectra(fit, name, split)
+        level = np.full(spectra.count.shape[1], max(deviation**2, spectra.least))
+        nats = _log_density(spectra.count, spectra.count * level, level, _SHAPES[-1])
+        found[name] = float(np.where(spectra.count > 0.0, nats, 0.0).sum())
+    return found
 
 
 def _spectra(fit: Fit, name: str, split: Split) -> Spectra:

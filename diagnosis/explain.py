@@ -34,7 +34,7 @@ PRICE_NATS = 3.0
 """What each number that a form fits costs: half the logarithm of the thousand or so independent things that a block's
 bands tell (Schwarz 1978)."""
 CONVINCING_NATS = 12.0
-"""Least merit of a finding: odds of 20 to 1 (3 nats) against each of some hundred forms, onsets and sizes that are tried
+"""Least merit of a finding: odds of 20 to 1 (3 nats) against each of some hundred forms, onsets and sizes tried
 (log 100 = 4.6), and as much again for noise that is not quite what the score takes it for."""
 LEAST_OF_NOISE = 0.15
 """Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
@@ -48,7 +48,7 @@ _STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask fo
 _QUICK, _FULL = 4, 12  # steps of a fit
 _POLISHED = 3  # causes
 _ONSETS, _WITH_ONSET = 6, 4  # tried; forms that an onset is tried for
-_ONSET_LEAST_S = 0.1
+_ONSET_LEAST_S = 0.01
 _DEPARTS = 1.5  # times the level that a simulation reaches
 _WORTH_A_FIT = 0.03  # of the best form's gain: of what explains less, a later round says more
 
@@ -185,7 +185,9 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     return Stage(screening, ranked, convincing[0] if convincing else None)
 
 
-def _compared(last: Fit, tried: Sequence[Form], split: Split, found: Found) -> tuple[Screening, list[Candidate]]:
+def _compared(
+    last: Fit, tried: Sequence[Form], split: Split, found: Found
+) -> tuple[Screening, list[Candidate]]:
     """Each form refitted on top of a fit, and what it is worth; the best first."""
     candidates: list[Candidate] = []
     screening = Screening([], _SCREENED_NATS)
@@ -195,12 +197,14 @@ def _compared(last: Fit, tried: Sequence[Form], split: Split, found: Found) -> t
         slopes = slopes_of(last)
         quick = _each(lambda one: (one, _refitted(one, last, split, slopes)), begun, found)
         best = _best_of_each(quick, last)
-        ended = _each(lambda pair: (pair[0], _to_the_end(*pair, last, split, slopes)), best, found)
+        ended = _each(lambda pair: (pair[0], _to_the_end(pair[0], pair[1], last, split, slopes)), best, found)
         candidates += [_candidate(one, fitted, last, before, split) for one, fitted in ended]
-        later = _each(lambda one: _with_onset(one, last, split, slopes), _worth_an_onset(candidates, ended), found)
+        later = _each(
+            lambda one: _with_onset(one, last, split, slopes), _worth_an_onset(candidates, ended), found
+        )
         candidates += [_candidate(one, fitted, last, before, split) for one, fitted in later]
         best_forms = _leading([*ended, *later], candidates)
-        polished = _each(lambda pair: (pair[0], _polished(*pair, last, split)), best_forms, found)
+        polished = _each(lambda pair: (pair[0], _polished(pair[0], pair[1], last, split)), best_forms, found)
         candidates += [_candidate(one, fitted, last, before, split) for one, fitted in polished]
     except OutOfTime:
         found.left_out.append("some forms of causes")
@@ -252,7 +256,9 @@ def size_in_noise(before: Fit, after: Fit) -> float:
 
 def _mended(before: Fit, after: Fit, name: str) -> float:
     power = float(np.nanmean(before.residuals[name] ** 2) - np.nanmean(after.residuals[name] ** 2))
-    return sqrt(max(power, 0.0)) / max(min(before.sigma[name], after.sigma[name]), least_level(before.world, name))
+    return sqrt(max(power, 0.0)) / max(
+        min(before.sigma[name], after.sigma[name]), least_level(before.world, name)
+    )
 
 
 def _each(work: Callable[..., object], items: Sequence[object], found: Found) -> list:  # type: ignore[type-arg]
@@ -264,7 +270,7 @@ def _each(work: Callable[..., object], items: Sequence[object], found: Found) ->
         except OutOfTime:
             return None
 
-    done = [one for one in side_by_side(tried, items)]
+    done = list(side_by_side(tried, items))
     if any(one is None for one in done) and "some forms of causes" not in found.left_out:
         found.left_out.append("some forms of causes")
     return [one for one in done if one is not None and one[1] is not None]  # type: ignore[index]
@@ -289,7 +295,9 @@ def _where_it_departs(tried: Sequence[Form], last: Fit) -> list[Form]:
 def _begun(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[_Begun], Screening]:
     """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
     by_cause = {id(one.cause): one for one in tried}
-    screening = screen(data, last, [one.cause for one in tried if one.added is None], threshold_nats=_SCREENED_NATS)
+    screening = screen(
+        data, last, [one.cause for one in tried if one.added is None], threshold_nats=_SCREENED_NATS
+    )
     begun: list[_Begun] = []
     count: dict[int, int] = defaultdict(int)
     for one in screening.scored:
@@ -332,7 +340,11 @@ def _best_of_each(quick: list[tuple[_Begun, Fit]], last: Fit) -> list[tuple[_Beg
         if key not in best or _gain(fitted, last) > _gain(best[key][1], last):
             best[key] = (one, fitted)
     top = max((_gain(fitted, last) for _, fitted in best.values()), default=0.0)
-    kept = [pair for pair in best.values() if _gain(pair[1], last) > _WORTH_A_FIT * top or pair[0].form.added or pair[0].asked]
+    kept = [
+        pair
+        for pair in best.values()
+        if _gain(pair[1], last) > _WORTH_A_FIT * top or pair[0].form.added or pair[0].asked
+    ]
     return sorted(kept, key=lambda pair: -_gain(pair[1], last))
 
 
@@ -382,7 +394,9 @@ def _settled(one: _Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> F
     return best
 
 
-def _worth_an_onset(candidates: Sequence[Candidate], ended: list[tuple[_Begun, Fit]]) -> list[tuple[_Begun, Fit]]:
+def _worth_an_onset(
+    candidates: Sequence[Candidate], ended: list[tuple[_Begun, Fit]]
+) -> list[tuple[_Begun, Fit]]:
     """The forms that gain most and may have begun within the recording."""
     merit = {(one.cause, one.form): one.merit for one in candidates}
     found = []
@@ -407,10 +421,14 @@ def _with_onset(pair: tuple[_Begun, Fit], last: Fit, split: Split, slopes: Slope
         start = one.world.space.with_values(near.vector, {begins: onset})
         return fit(data, start, near.free, iterations=steps, colour=last.colour, known=slopes)
 
-    best = max((at(x, whole) for x in np.linspace(0.1, 0.85, _ONSETS) * duration), key=lambda f: _gain(f, last))
+    best = max(
+        (at(x, whole) for x in np.linspace(0.1, 0.85, _ONSETS) * duration), key=lambda f: _gain(f, last)
+    )
     step = 0.5 * 0.75 * duration / (_ONSETS - 1)
     while step > _ONSET_LEAST_S:
-        tried = max((at(best.value(begins) + sign * step, best) for sign in (1, -1)), key=lambda f: _gain(f, last))
+        tried = max(
+            (at(best.value(begins) + sign * step, best) for sign in (1, -1)), key=lambda f: _gain(f, last)
+        )
         if _gain(tried, last) > _gain(best, last) + 0.02:
             best = tried
         else:
@@ -423,7 +441,11 @@ def _candidate(one: _Begun, fitted: Fit, last: Fit, before: Score, split: Split)
     nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
     own = one.form.cause.free(fitted.world)
     values = one.form.cause.parameters_of(fitted)
-    merit = float(nats.sum()) - PRICE_NATS * (len(own) + (2 if one.form.begins else 0)) - one.form.cause.prior_penalty(fitted)
+    merit = (
+        float(nats.sum())
+        - PRICE_NATS * (len(own) + (2 if one.form.begins else 0))
+        - one.form.cause.prior_penalty(fitted)
+    )
     if one.form.added is not None:  # of many amounts: what it was fitted to says little of what it foretells
         merit = min(merit, 3.0 * float(held.sum()))
     white = fitted.held_out_score - last.held_out_score
@@ -431,7 +453,8 @@ def _candidate(one: _Begun, fitted: Fit, last: Fit, before: Score, split: Split)
         one.form.id, fitted, fitted.train_log_likelihood - last.train_log_likelihood, float(held.sum()),
         float(held.std(ddof=1) * sqrt(len(held))), white, values, None, own,
         train_blocks=fitted.train_blocks - last.train_blocks, form=one.form.name,
-        begins=one.form.begins, begins_s=fitted.value(one.form.begins) if one.form.begins else None, merit=merit, nats=nats,
+        begins=one.form.begins, merit=merit, nats=nats,
+        begins_s=fitted.value(one.form.begins) if one.form.begins else None,
         parameters_of=one.form.cause.parameters_of,
     )  # fmt: skip
 
@@ -455,4 +478,3 @@ def _within_bounds(one: Candidate) -> bool:
             if not parameter.lowest - slack <= value <= parameter.highest + slack:
                 return False
     return True
-

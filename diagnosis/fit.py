@@ -410,7 +410,10 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
 def slopes_of(last: Fit) -> dict[str, dict[str, Array]]:
     """Derivatives of a fit by its free quantities and channels, for fits nearby."""
     found = jacobian(last.world, last.vector, last.free, last.predicted, last.colour)
-    return {name: {channel: columns[:, i] for channel, columns in found.items()} for i, name in enumerate(last.free)}
+    return {
+        name: {channel: columns[:, i] for channel, columns in found.items()}
+        for i, name in enumerate(last.free)
+    }
 
 
 def _covariance(normal: Array) -> Array:

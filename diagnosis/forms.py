@@ -1,8 +1,8 @@
 """The forms in which a mechanism is met, beside the one that its declaration writes down.
 
 A cause is a mechanism. A drive that lags may have a lower bandwidth, or a further lag behind its command; a limit is of
-velocity or of acceleration; friction takes from the command or acts on the motion; what drifts does so along any course.
-Each form is one more way to fit the same cause; the evidence for the cause is that of its best form.
+velocity or of acceleration; friction takes from the command or acts on the motion; what drifts takes any course. Each
+form is one more way to fit the same cause; the evidence for the cause is that of its best form.
 """
 
 from collections.abc import Callable, Mapping
@@ -104,13 +104,22 @@ def _further(
             unit = context.top_command_rad_s * 2.0 * np.pi * context.value("drive.bandwidth_hz")
         count = max(len(sizes) for sizes in quantities.values())
         return [
-            Trial(dict(fixed or {}), ({q: sizes[i] * unit for q, sizes in quantities.items()},), exact=False, one_sided=True)
+            Trial(
+                dict(fixed or {}),
+                ({q: sizes[i] * unit for q, sizes in quantities.items()},),
+                exact=False,
+                one_sided=True,
+            )
             for i in range(count)
         ]
 
     cause = Cause(
-        id=identifier, needs=needs, trials=trials, free=free_of(*quantities, *more_free), parameters_of=parameters,
-    )  # fmt: skip
+        id=identifier,
+        needs=needs,
+        trials=trials,
+        free=free_of(*quantities, *more_free),
+        parameters_of=parameters,
+    )
     return Form(cause, name)
 
 
@@ -145,7 +154,9 @@ def _time_of(fit: Fit, channel: str) -> Array:
     return world.cycle_times if channel == "acceleration" else world.measured.frames.received_s
 
 
-def _course(channel: str, group: str, scale: Callable[[Fit], Array | float], std: float, walk: bool) -> Callable[[Fit], tuple[Added, ...]]:
+def _course(
+    channel: str, group: str, scale: Callable[[Fit], Array | float], std: float, walk: bool
+) -> Callable[[Fit], tuple[Added, ...]]:
     """A course over time of what is added to a channel, in units of `scale`."""
 
     def added(fit: Fit) -> tuple[Added, ...]:
@@ -161,7 +172,14 @@ def _course(channel: str, group: str, scale: Callable[[Fit], Array | float], std
     return added
 
 
-def _of_course(identifier: str, name: str, parameter: str, added: Callable[[Fit], tuple[Added, ...]], channel: str, group: str) -> Form:
+def _of_course(
+    identifier: str,
+    name: str,
+    parameter: str,
+    added: Callable[[Fit], tuple[Added, ...]],
+    channel: str,
+    group: str,
+) -> Form:
     """A cause that takes a course of its own over time; its rate is the course's mean one."""
 
     def parameters(fit: Fit) -> Values:
@@ -214,36 +232,133 @@ def _hum_trials(context: Context) -> list[Trial]:
 
 
 _FURTHER: tuple[Form, ...] = (
-    _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),
-    _further("drive_dead_time", "on top", {"drive.further_dead_time_s": (0.001, 0.004, 0.012, 0.03)}, _total_dead_time),
-    _further("drive_saturation", "of the acceleration", {"drive.most_rad_s2": (0.8, 0.5, 0.3, 0.15, 0.07)}, _fastest, relative="acceleration"),
-    _further("drive_saturation", "of the acceleration one way", {"drive.most_up_rad_s2": (0.8, 0.5, 0.3, 0.15, 0.07)}, _fastest, relative="acceleration"),
-    _further("drive_saturation", "of the acceleration the other way", {"drive.most_down_rad_s2": (0.8, 0.5, 0.3, 0.15, 0.07)}, _fastest, relative="acceleration"),
-    _further("drive_saturation", "of the velocity one way", {"drive.fastest_up_rad_s": (0.97, 0.9, 0.8, 0.6, 0.4)}, _fastest, relative="command"),
-    _further("drive_saturation", "of the velocity the other way", {"drive.fastest_down_rad_s": (0.97, 0.9, 0.8, 0.6, 0.4)}, _fastest, relative="command"),
-    _further("joint_friction", "on the motion", {"drive.friction_rad_s": (0.005, 0.02, 0.08, 0.2)}, _loss, relative="command"),
     _further(
-        "joint_friction", "on the motion, by direction", {"drive.friction_rad_s": (0.01, 0.05, 0.2)}, _loss,
-        relative="command", more_free=("drive.friction_one_sided",),
+        "drive_lag",
+        "a further lag",
+        {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)},
+        _equivalent_bandwidth,
     ),
     _further(
-        "joint_friction", "on the motion, sticking", {"drive.friction_rad_s": (0.01, 0.05, 0.2), "drive.static_friction_rad_s": (0.015, 0.075, 0.3)}, _loss,
+        "drive_dead_time",
+        "on top",
+        {"drive.further_dead_time_s": (0.001, 0.004, 0.012, 0.03)},
+        _total_dead_time,
+    ),
+    _further(
+        "drive_saturation",
+        "of the acceleration",
+        {"drive.most_rad_s2": (0.8, 0.5, 0.3, 0.15, 0.07)},
+        _fastest,
+        relative="acceleration",
+    ),
+    _further(
+        "drive_saturation",
+        "of the acceleration one way",
+        {"drive.most_up_rad_s2": (0.8, 0.5, 0.3, 0.15, 0.07)},
+        _fastest,
+        relative="acceleration",
+    ),
+    _further(
+        "drive_saturation",
+        "of the acceleration the other way",
+        {"drive.most_down_rad_s2": (0.8, 0.5, 0.3, 0.15, 0.07)},
+        _fastest,
+        relative="acceleration",
+    ),
+    _further(
+        "drive_saturation",
+        "of the velocity one way",
+        {"drive.fastest_up_rad_s": (0.97, 0.9, 0.8, 0.6, 0.4)},
+        _fastest,
         relative="command",
     ),
     _further(
-        "accelerometer_lag", "of first order", {"accelerometer.lag_s": (0.0005, 0.002, 0.006, 0.02)}, _lag, needs=has("acceleration"),
+        "drive_saturation",
+        "of the velocity the other way",
+        {"drive.fastest_down_rad_s": (0.97, 0.9, 0.8, 0.6, 0.4)},
+        _fastest,
+        relative="command",
     ),
-    _of_course("accelerometer_bias_drift", "along a course", "rate_m_s3", _course("acceleration", "bias", lambda fit: 1.0, 3.0, False), "acceleration", "bias"),
-    _of_course("accelerometer_sensitivity_drift", "along a course", "rate_per_s", _course("acceleration", "gain", _swing, 1.0, False), "acceleration", "gain"),
-    _of_course("tracking_drift", "along a course", "rate_px_per_s", _course("displacement", "drift", _image_std, 1.0, False), "displacement", "drift"),
-    _of_course("tracking_drift", "that wanders", "rate_px_per_s", _course("displacement", "walk", _image_std, 0.1, True), "displacement", "walk"),
-    _of_course("delay_drift", "along a course", "rate_s_per_s", _course("arrival", "lateness", lambda fit: fit.world.model.timing.capture_delay_std_s or 0.005, 3.0, False), "arrival", "lateness"),
+    _further(
+        "joint_friction",
+        "on the motion",
+        {"drive.friction_rad_s": (0.005, 0.02, 0.08, 0.2)},
+        _loss,
+        relative="command",
+    ),
+    _further(
+        "joint_friction",
+        "on the motion, by direction",
+        {"drive.friction_rad_s": (0.01, 0.05, 0.2)},
+        _loss,
+        relative="command",
+        more_free=("drive.friction_one_sided",),
+    ),
+    _further(
+        "joint_friction",
+        "on the motion, sticking",
+        {"drive.friction_rad_s": (0.01, 0.05, 0.2), "drive.static_friction_rad_s": (0.015, 0.075, 0.3)},
+        _loss,
+        relative="command",
+    ),
+    _further(
+        "accelerometer_lag",
+        "of first order",
+        {"accelerometer.lag_s": (0.0005, 0.002, 0.006, 0.02)},
+        _lag,
+        needs=has("acceleration"),
+    ),
+    _of_course(
+        "accelerometer_bias_drift",
+        "along a course",
+        "rate_m_s3",
+        _course("acceleration", "bias", lambda fit: 1.0, 3.0, False),
+        "acceleration",
+        "bias",
+    ),
+    _of_course(
+        "accelerometer_sensitivity_drift",
+        "along a course",
+        "rate_per_s",
+        _course("acceleration", "gain", _swing, 1.0, False),
+        "acceleration",
+        "gain",
+    ),
+    _of_course(
+        "tracking_drift",
+        "along a course",
+        "rate_px_per_s",
+        _course("displacement", "drift", _image_std, 1.0, False),
+        "displacement",
+        "drift",
+    ),
+    _of_course(
+        "tracking_drift",
+        "that wanders",
+        "rate_px_per_s",
+        _course("displacement", "walk", _image_std, 0.1, True),
+        "displacement",
+        "walk",
+    ),
+    _of_course(
+        "delay_drift",
+        "along a course",
+        "rate_s_per_s",
+        _course(
+            "arrival", "lateness", lambda fit: fit.world.model.timing.capture_delay_std_s or 0.005, 3.0, False
+        ),
+        "arrival",
+        "lateness",
+    ),
     Form(
         Cause(
-            id="lens_distortion", needs=has("displacement"), trials=lambda context: [Trial({}, ({},))],
+            id="lens_distortion",
+            needs=has("displacement"),
+            trials=lambda context: [Trial({}, ({},))],
             free=lambda world: next((each.amounts for each in world.added if each.name == "lens"), ()),
             parameters_of=_lens_values,
         ),
-        "about a centre", _lens,
+        "about a centre",
+        _lens,
     ),
-)  # fmt: skip
+)

@@ -61,7 +61,9 @@ def groups(peaks_hz: Iterable[float]) -> list[Group]:
     for k, hz in enumerate(peaks_hz):
         words = f"a vibration near {hz:.3g} Hz"
         found.append(Group(f"image_rings_{k}", f"{words} in the image alone", _ringing("displacement", hz)))
-        found.append(Group(f"sensor_rings_{k}", f"{words} in the acceleration alone", _ringing("acceleration", hz)))
+        found.append(
+            Group(f"sensor_rings_{k}", f"{words} in the acceleration alone", _ringing("acceleration", hz))
+        )
     return found
 
 
@@ -114,7 +116,19 @@ def _of_joint(fit: Fit) -> Array:
     joint = fit.predicted.motion.joint
     theta, omega = _unit(joint[:, 0] - joint[0, 0]), _unit(joint[:, 1])
     q, _ = (_unit(one) for one in _state(fit))
-    return np.stack([theta, theta**2, np.sin(joint[:, 0]), omega, omega * np.abs(omega), omega**2, omega**2 * q, theta * q], axis=1)
+    return np.stack(
+        [
+            theta,
+            theta**2,
+            np.sin(joint[:, 0]),
+            omega,
+            omega * np.abs(omega),
+            omega**2,
+            omega**2 * q,
+            theta * q,
+        ],
+        axis=1,
+    )
 
 
 def _over_time(fit: Fit) -> Array:
@@ -188,7 +202,7 @@ def _ringing(channel: str, hz: float) -> Callable[[Fit], dict[str, Array]]:
         found = []
         for damping in (0.01, 0.05):
             force = np.stack([motion.joint[:, 2], motion.tip_acceleration], axis=1)
-            q, second = answer_of_mode(force, hz, damping, fit.world.measured.cycle_s)
+            q, _ = answer_of_mode(force, hz, damping, fit.world.measured.cycle_s)
             found += [q, np.gradient(q, axis=0)]
         phase = 2.0 * pi * hz * fit.world.cycle_times
         found.append(np.stack([np.sin(phase), np.cos(phase)], axis=1))

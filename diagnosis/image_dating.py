@@ -14,7 +14,6 @@ from stillarm.diagnosis.measured import dated_by_requests
 from stillarm.diagnosis.noise import InstantUncertainty, log_likelihood
 from stillarm.diagnosis.repeated_stamps import MOST_HELD
 from stillarm.diagnosis.request_times import request_intervals
-from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 

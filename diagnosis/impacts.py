@@ -6,6 +6,7 @@ jump between the two that stands out of the usual ones. It opens a new segment w
 
 from itertools import pairwise
 from math import pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,7 +102,7 @@ def find_jumps(last: Fit, share: float) -> list[float]:
 
 
 def _borne_out(
-    at: Array, period: float, w: float, jump: NDArray[np.complex128], time: Array, values: Array
+    at: Array, period: float, w: float, jump: NDArray[Any], time: Array, values: Array
 ) -> NDArray[np.bool_]:
     """Whether another sensor shows the same jump: an impact moves the arm, and all that look at it; a sensor that has
     gone wrong moves its own reading. Where the other sensor's noise hides it, it is taken for the same."""

@@ -16,7 +16,9 @@ from stillarm.diagnosis.robust import std_about_zero
 Array = NDArray[np.float64]
 
 _SEGMENT_S = 2.0  # of the departure's spectrum
-_OUTSTANDING = 4.0  # times the noise: a Welch spectrum of 20 segments strays from its mean by less than a half
+_OUTSTANDING = (
+    4.0  # times the noise: a Welch spectrum of 20 segments strays from its mean by less than a half
+)
 _LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0
 _FOURTH = 70.0**0.5  # deviation of the fourth differences of white noise, over its own
 _FEWEST = 500

@@ -16,7 +16,6 @@ from stillarm.diagnosis.impacts import fit_with_impacts
 from stillarm.diagnosis.laws import OF_STAMPS, LawFound
 from stillarm.diagnosis.measured import Frames, Measured
 from stillarm.diagnosis.robust import std_about_median, step_at
-from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
 

@@ -116,7 +116,8 @@ def events_table(found: Found) -> list[dict[str, Any]]:
         if all(abs(cycle - end) > 2 for end in ends)
     ]
     pulls = [
-        {"time_s": origin + start, "kind": "pull", "released_s": origin + end} for start, end in world.unjudged_s
+        {"time_s": origin + start, "kind": "pull", "released_s": origin + end}
+        for start, end in world.unjudged_s
     ]
     return sorted([*impacts, *pulls], key=lambda one: float(str(one["time_s"])))
 

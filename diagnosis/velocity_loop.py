@@ -40,7 +40,8 @@ def equivalent_command(
     command: (n,) rad/s. decay: 2 pi bandwidth, 1/s. omega: velocity at the start, rad/s. begin_s: from when on all the
     rest acts. late_s, lag_s: a further dead time and a further first-order lag. friction, static: while it moves and
     before it does, as the velocity that they cost, rad/s; one_sided: -1 to 1, by how much more one way than the other.
-    most: limit of the acceleration, rad/s^2; most_up, most_down: one way; fastest_up, fastest_down: of the velocity, rad/s.
+    most: limit of the acceleration, rad/s^2; most_up, most_down: one way. fastest_up, fastest_down: of the velocity,
+    rad/s.
     """
     n = len(command)
     out = np.empty(n)

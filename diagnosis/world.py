@@ -164,10 +164,15 @@ class World:
         self._of_sensor = frozenset(
             name
             for name in self.space.place
-            if name.startswith("accelerometer.") and name not in ("accelerometer.bias_m_s2", ACCELEROMETER_BEGIN)
+            if name.startswith("accelerometer.")
+            and name not in ("accelerometer.bias_m_s2", ACCELEROMETER_BEGIN)
         )
         self._moving = np.array(
-            [at for name, at in self.space.place.items() if not name.startswith((*_SEEN_ONLY, *(f"{one.name}." for one in self.added)))]
+            [
+                at
+                for name, at in self.space.place.items()
+                if not name.startswith((*_SEEN_ONLY, *(f"{one.name}." for one in self.added)))
+            ]
         )
 
     def changed(
@@ -529,7 +534,10 @@ class World:
         value = value + vector[at["camera.offset_px"]]
         with np.errstate(over="ignore"):  # a candidate that runs away
             since = np.maximum(frames.received_s - vector[at[CAMERA_BEGIN]], 0.0)
-            added = [np.where(since > 0.0, law(value, since), 0.0) for law in _laws_at(effects_in(vector, at), "image")]
+            added = [
+                np.where(since > 0.0, law(value, since), 0.0)
+                for law in _laws_at(effects_in(vector, at), "image")
+            ]
             for one in added:
                 value = value + one
         sine, cosine = vector[at["camera.locking_sin_px"]], vector[at["camera.locking_cos_px"]]

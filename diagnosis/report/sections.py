@@ -188,7 +188,13 @@ def considered(result: Diagnosis) -> str:
         outcome = f"taken: <code>{escape(stage.taken.cause)}</code>" if stage.taken else "nothing taken"
         parts.append(f"<h3>Step {number_of}: {outcome}</h3>")
         if rows:
-            head = ["cause", "outcome", "parameters", "held-out gain, nats", "all data, less its numbers' price, nats"]
+            head = [
+                "cause",
+                "outcome",
+                "parameters",
+                "held-out gain, nats",
+                "all data, less its numbers' price, nats",
+            ]
             parts.append(table(head, rows, numeric=3))
         if weak:
             parts.append(
@@ -224,8 +230,8 @@ def baseline(result: Diagnosis) -> str:
     if events:
         times = ", ".join(f"{one['kind']} at {one['time_s']:.2f} s" for one in events)
         parts.append(
-            f"<p>What no sensor measured: {times}. From each on the arm has a state of its own, fitted; what shows while "
-            "something pulls at it is not judged.</p>"
+            f"<p>What no sensor measured: {times}. From each on the arm has a state of its own, fitted; what shows "
+            "while something pulls at it is not judged.</p>"
         )
     return f"<section><h2>Parameters that were merely off, and events</h2>{''.join(parts)}</section>"
 

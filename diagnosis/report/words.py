@@ -9,8 +9,8 @@ from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
 from stillarm.diagnosis.diagnose import Diagnosis
 from stillarm.diagnosis.explain import CONVINCING_NATS
 from stillarm.diagnosis.report.panels import WORDS
-from stillarm.diagnosis.use import MEASURES, outcome
 from stillarm.diagnosis.tables import is_sure_of
+from stillarm.diagnosis.use import MEASURES, outcome
 
 NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
 
