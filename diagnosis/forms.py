@@ -76,7 +76,9 @@ def forms(world: World) -> list[Form]:
 
 def from_an_onset(form: Form) -> Form | None:
     """The same form, acting from an instant on; None for one that has an onset, or cannot have one."""
-    begins = BEGINS.get(DECLARED[form.id].place)
+    declared = DECLARED[form.id]
+    # a rotor's imbalance is the drive's, and shakes the arm
+    begins = ARM_BEGIN if declared.acts == "force" else BEGINS.get(declared.place)
     if begins is None or form.begins or form.added or form.id in _NO_ONSET or (form.id, form.name) in _WHOLLY:
         return None
     if any("onset" in name for name in form.cause.settle):
