@@ -279,10 +279,10 @@ def _each(work: Callable[..., object], items: Sequence[object], found: Found) ->
 def _joint_departs(last: Fit) -> bool:
     """Whether the joint's own sensors show a departure of the drive."""
     world = last.world
-    if world.joint_hz <= 0.0:
+    joint = last.channel("joint_position")
+    if world.joint_hz <= 0.0 or joint is None:
         return False
-    off = last.residuals["joint_position"]
-    return float(np.sqrt(np.nanmean(off**2))) > _DEPARTS * least_level(world, "joint_position")
+    return float(np.sqrt(np.nanmean(joint.residual**2))) > _DEPARTS * least_level(world, "joint_position")
 
 
 def _where_it_departs(tried: Sequence[Form], last: Fit) -> list[Form]:
