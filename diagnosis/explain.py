@@ -165,7 +165,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     last, taken = found.final, {one.cause for one in found.findings}
     allowed = [one for one in forms(last.world) if one.id not in taken and (only is None or one.id in only)]
     if upstream:
-        drive = [one for one in allowed if DECLARED[one.id].place == "drive"]
+        drive = [one for one in allowed if _turns_the_joint(one)]
         screening, candidates = _compared(_joint_alone(last, split), drive, split, found)
         candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
     else:
@@ -289,7 +289,12 @@ def _where_it_departs(tried: Sequence[Form], last: Fit) -> list[Form]:
     """The forms that may be at work: not the drive's, where the joint's own sensors show no departure."""
     if not any(name in last.world.channels for name in JOINT_CHANNELS) or _joint_departs(last):
         return list(tried)
-    return [one for one in tried if DECLARED[one.id].place != "drive" or one.id == "gear_backlash"]
+    return [one for one in tried if not _turns_the_joint(one) or one.id == "gear_backlash"]
+
+
+def _turns_the_joint(one: Form) -> bool:
+    """Whether it shows in how the joint moves: all of the drive's but a rotor's imbalance, which shakes the arm."""
+    return DECLARED[one.id].place == "drive" and DECLARED[one.id].acts != "force"
 
 
 def _begun(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[_Begun], Screening]:
