@@ -6,13 +6,15 @@ from math import exp, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.budget import OutOfTime
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
 from stillarm.diagnosis.evidence import Score, score, score_of_noise
-from stillarm.diagnosis.explain import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS, Slopes, free_names
 from stillarm.diagnosis.fit import THIN, Fit, Split, fit, least_level, make_data, slopes_of
 from stillarm.diagnosis.freeform import Group, groups
 from stillarm.diagnosis.impacts import carried_over
+from stillarm.diagnosis.refits import Slopes, free_names
+from stillarm.diagnosis.rivals import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS
 from stillarm.diagnosis.robust import std_about_zero
 from stillarm.diagnosis.screen import residual_peaks
 from stillarm.diagnosis.side_by_side import side_by_side
@@ -28,6 +30,11 @@ MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
 _STEPS = 4  # of a fit of free terms: they are linear
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
 _FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its own
+_EXPLAINED = 0.35
+"""Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
+own discrepancy keep from being explained."""
+_SHARPNESS = 10.0  # of the change from one verdict to the other
+_OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
 _RIVAL = 0.05  # of a finding's nats: a free form is no better by less, as no formula is quite the true one
 
 
@@ -87,7 +94,7 @@ def judge(found: Found, split: Split) -> Judged:
     if first is None:
         verdict = "unexplained" if material else "none"
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
-    named = _odds_of_name(found, first, beside, alone)
+    named = _odds_of_name(found, first, split, beside, alone)
     verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else "unexplained"
     confidence = {
         one.cause: _confidence(found, one, named if one is first else 1.0) for one in found.findings
@@ -95,15 +102,30 @@ def judge(found: Found, split: Split) -> Judged:
     return Judged(verdict, rests, beside, alone, confidence, tuple(left_out))
 
 
-def _odds_of_name(found: Found, first: Candidate, beside: Free | None, alone: Free | None) -> float:
+def _odds_of_name(
+    found: Found, first: Candidate, split: Split, beside: Free | None, alone: Free | None
+) -> float:
     """Probability that the first finding is what it is called, rather than a part of something without a name."""
     if first.law is not None:
-        return 0.97
-    left = beside.merit if beside is not None else 0.0
-    rival = alone.merit - first.merit if alone is not None else -first.merit
-    explained = first.merit / max(first.merit + max(left, 0.0), 1e-9)  # of what is explainable
-    ahead = -rival / max(first.merit, 1.0)  # of a free form
-    return 1.0 / (1.0 + exp(-min(8.0 * (explained - 0.5), 20.0 * (ahead + _RIVAL)) * 1.0))
+        return _OF_LAWS
+    gained = float(first.nats.sum())
+    channels = [name for name in first.fit.residuals if (name == "arrival") == (_place(first) == "timing")]
+    channels = channels if _place(first) != "timing" else list(first.fit.residuals)
+    left = explainable(first.fit, split)
+    share = gained / max(gained + sum(left[name] for name in channels), 1e-9)
+    beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
+    free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
+    ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
+    doubts = (
+        _SHARPNESS * (share - _EXPLAINED),
+        _SHARPNESS * (free - 0.5),
+        2.0 * _SHARPNESS * (ahead + _RIVAL),
+    )
+    return 1.0 / (1.0 + exp(-min(doubts)))
+
+
+def _place(one: Candidate) -> str:
+    return DECLARED[one.cause].place
 
 
 def _confidence(found: Found, one: Candidate, named: float) -> float:

@@ -7,8 +7,8 @@ from stillarm.common.causes import CAUSES
 from stillarm.diagnosis.candidate import Candidate, Stage
 from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
 from stillarm.diagnosis.diagnose import Diagnosis
-from stillarm.diagnosis.explain import CONVINCING_NATS
 from stillarm.diagnosis.report.panels import WORDS
+from stillarm.diagnosis.rivals import CONVINCING_NATS
 from stillarm.diagnosis.tables import is_sure_of
 from stillarm.diagnosis.use import MEASURES, outcome
 
