@@ -14,6 +14,7 @@ from stillarm.diagnosis.refits import (
     Begun,
     begun_fits,
     best_of_each,
+    polished,
     refitted,
     to_the_end,
     with_onset,
