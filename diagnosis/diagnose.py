@@ -183,7 +183,8 @@ def _baseline_within(
     since_s = budget.used_s
     try:
         with budget.limit(_BASELINE_SHARE, since_s):
-            baseline = _without_pulls(_baseline(_moved_as_measured(world, split), split), split)
+            world = _moved_as_measured(world, split)
+            baseline = _without_pulls(_baseline(world, split), split)
     except OutOfTime:
         left_out.append("impacts")
         return _hurried(budget, since_s, world, split, left_out), ()
