@@ -33,6 +33,7 @@ _FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its
 _EXPLAINED = 0.35
 """Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
 own discrepancy keep from being explained."""
+_TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
 _SHARPNESS = 10.0  # of the change from one verdict to the other
 _OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
 _RIVAL = 0.05  # of a finding's nats: a free form is no better by less, as no formula is quite the true one
@@ -152,7 +153,7 @@ def class_of(found: Found, one: Candidate) -> list[str]:
     for each in stage_of(found, one).candidates:
         if each.cause == one.cause or each.law is not None:
             continue
-        if one.merit - each.merit < ODDS_NATS and each.merit > CONVINCING_NATS:
+        if one.merit - each.merit < max(ODDS_NATS, _TIE * one.merit) and each.merit > CONVINCING_NATS:
             near.append(each.cause)
     return near
 

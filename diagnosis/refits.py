@@ -27,7 +27,7 @@ _STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask fo
 QUICK, _FULL = 4, 12  # steps of a fit
 _MOST_TRIALS, _SETTLED_NATS = 40, 0.02  # of a search along a quantity; what counts as a gain there
 _ONSETS = 6  # tried over the recording
-_ONSET_LEAST_S = 0.01
+_ONSET_LEAST_S = 0.001
 _WORTH_A_FIT = 0.03  # of the best form's gain: of what explains less, a later round says more
 
 
