@@ -181,13 +181,15 @@ def _baseline_within(
 ) -> tuple[Fit, tuple[LawFound, ...]]:
     """The baseline as far as the time goes, and the laws found on the way; adds to left_out what it did not go to."""
     since_s = budget.used_s
+    plain: Fit | None = None
     try:
         with budget.limit(_BASELINE_SHARE, since_s):
             world = _moved_as_measured(world, split)
+            plain = fit(make_data(world, split), world.space.vector(), world.baseline_names())
             baseline = _without_pulls(_baseline(world, split), split)
     except OutOfTime:
         left_out.append("impacts")
-        return _hurried(budget, since_s, world, split, left_out), ()
+        return plain or _hurried(budget, since_s, world, split, left_out), ()
     known: list[LawFound] = []
     try:
         with budget.limit(_CLOCKS_SHARE, since_s):

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stillarm.common.files.model import Model
 
 _MOST_PAIRS = 100
+_BUDGET_S = 60.0
 
 
 def _span(text: str) -> tuple[float, float]:
@@ -65,9 +66,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--budget-s",
         type=seconds,
+        default=_BUDGET_S,
         metavar="S",
         help="give a verdict within this many seconds, at least 10 or so; diagnosis.json lists what was left "
-        "out under looked_at (default: no limit)",
+        f"out under looked_at ({_BUDGET_S:g})",
     )
     parser.add_argument(
         "--scheduler",
