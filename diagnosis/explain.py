@@ -67,14 +67,17 @@ def _without_doubtful_impacts(
         names = free_names(baseline, fewer, ())
         plain = fit(make_data(fewer, split), start, names, iterations=_FULL, colour=baseline.colour)
         found = Found(plain, plain)
+        before = score(baseline, split)
+        many = len(doubtful) * (2 * world.modes + 2)  # numbers that the impacts took
+        if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
+            return _explained(found, split, tick, only, known)
         stage = _round(found, split, only, upstream=_joint_departs(plain))
     except OutOfTime:
         return None
     if stage.taken is None or stage.taken.law is not None:
         return None
-    lead = score(stage.taken.fit, split).gain(score(baseline, split))
-    price = PRICE_NATS * (len(stage.taken.free) - len(doubtful) * (2 * world.modes + 2))
-    if float(lead.sum()) < price:
+    lead = float(score(stage.taken.fit, split).gain(before).sum())
+    if lead < PRICE_NATS * (len(stage.taken.free) - many):
         return None
     return _explained(found, split, tick, only, known, [stage])
 
