@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.budget import OutOfTime
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
-from stillarm.diagnosis.evidence import Score, score, score_of_noise
-from stillarm.diagnosis.fit import THIN, Fit, Split, fit, least_level, make_data, slopes_of
+from stillarm.diagnosis.evidence import Score, noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.fit import THIN, Fit, Split, fit, make_data, slopes_of
 from stillarm.diagnosis.freeform import Group, groups
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.refits import Slopes, free_names
-from stillarm.diagnosis.rivals import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS
-from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.rivals import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS, white_noise
 from stillarm.diagnosis.screen import residual_peaks
 from stillarm.diagnosis.side_by_side import side_by_side
 
@@ -29,7 +28,6 @@ MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
 """And over this (contract.md)."""
 _STEPS = 4  # of a fit of free terms: they are linear
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
-_FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its own
 _EXPLAINED = 0.35
 """Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
 own discrepancy keep from being explained."""
@@ -80,8 +78,9 @@ class Judged:
 
 def judge(found: Found, split: Split) -> Judged:
     """Weigh what was named against what has no name, and against nothing."""
-    rests = [rest_of(found.final, name) for name in found.final.residuals]
+    rests = [rest_of(found.final, name, split) for name in found.final.residuals]
     material = any(not one.immaterial for one in rests)
+    mattered = any(not rest_of(found.baseline, name, split).immaterial for name in found.baseline.residuals)
     first = found.findings[0] if found.findings else None
     left_out: list[str] = []
     beside = alone = None
@@ -96,7 +95,8 @@ def judge(found: Found, split: Split) -> Judged:
         verdict = "unexplained" if material else "none"
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
     named = _odds_of_name(found, first, split, beside, alone)
-    verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else "unexplained"
+    unnamed = "unexplained" if mattered or material else "none"
+    verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
     confidence = {
         one.cause: _confidence(found, one, named if one is first else 1.0) for one in found.findings
     }
@@ -200,20 +200,18 @@ def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slo
 def explainable(last: Fit, split: Split) -> dict[str, float]:
     """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise."""
     now = score(last, split)
-    ideal = score_of_noise(last, split, {name: _level(last, name) for name in last.residuals})
-    return {name: max(ideal[name] - float(now.whole[name].sum()), 0.0) for name in ideal}
+    found = {}
+    for name in last.residuals:
+        ideal = score_of_noise(last, name, split, white_noise(last, name) / sqrt(THIN.get(name, 1)))
+        found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
+    return found
 
 
-def _level(last: Fit, name: str) -> float:
-    """A channel's noise in the score's samples."""
-    return noise_of(last, name) / sqrt(THIN.get(name, 1))
-
-
-def rest_of(last: Fit, name: str) -> Rest:
+def rest_of(last: Fit, name: str, split: Split) -> Rest:
     """What a fit leaves in a channel beyond its noise."""
     residual = last.residuals[name]
     known = residual[np.isfinite(residual)]
-    noise = noise_of(last, name)
+    noise = noise_of(last, name, split)
     rms = sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0
     least = max(MATTERS_AT_LEAST.get(name, 0.0), MATTERS_OF_MOTION * variation(last, name))
     immaterial = rms < MATTERS_OF_NOISE * noise or rms < least
@@ -221,15 +219,15 @@ def rest_of(last: Fit, name: str) -> Rest:
     return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, _band(known, step))
 
 
-def noise_of(last: Fit, name: str) -> float:
-    """A channel's white noise, whatever the model: by differences of its residual, not below what a simulation reaches;
-    of the arrivals what their law says is usual."""
-    residual = last.residuals[name]
-    least = least_level(last.world, name)
-    if name == "arrival":
-        return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
-    fourth = np.diff(residual, 4)
-    return max(std_about_zero(fourth[np.isfinite(fourth)]) / _FOURTH, least) if len(fourth) else least
+def noise_of(last: Fit, name: str, split: Split) -> float:
+    """A channel's own noise, whatever the model, with its colour."""
+    many = THIN.get(name, 1)
+    count, level = noise_spectrum(last, name, split, white_noise(last, name) / sqrt(many))
+    return (
+        sqrt(many * float(count @ level) / float(count.sum()))
+        if count.sum() > 0.0
+        else white_noise(last, name)
+    )
 
 
 def variation(last: Fit, name: str) -> float:

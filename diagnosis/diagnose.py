@@ -147,6 +147,8 @@ def diagnose_measured(
     with budget.limit(_JUDGED_SHARE):
         judged = judge(found, split)
     left_out += [*dict.fromkeys(found.left_out), *judged.left_out]
+    if judged.verdict == "none":
+        found.findings, found.final = [], found.baseline
     extended = refitted_model(model, found.final)
     effects = [effect_of(one, found.final) for one in found.findings]
     extended = msgspec.structs.replace(extended, effects=with_found(model.effects, effects))

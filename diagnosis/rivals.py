@@ -11,8 +11,11 @@ from stillarm.diagnosis.evidence import Score, score
 from stillarm.diagnosis.fit import Fit, Split, least_level
 from stillarm.diagnosis.laws import LawFound
 from stillarm.diagnosis.refits import Begun
+from stillarm.diagnosis.robust import std_about_zero
 
 Array = NDArray[np.float64]
+
+_FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its own
 
 PRICE_NATS = 3.0
 """What each number that a form fits costs: half the logarithm of the thousand or so independent things that a block's
@@ -76,9 +79,19 @@ def size_in_noise(before: Fit, after: Fit) -> float:
 
 def _mended(before: Fit, after: Fit, name: str) -> float:
     power = float(np.nanmean(before.residuals[name] ** 2) - np.nanmean(after.residuals[name] ** 2))
-    return sqrt(max(power, 0.0)) / max(
-        min(before.sigma[name], after.sigma[name]), least_level(before.world, name)
-    )
+    return sqrt(max(power, 0.0)) / white_noise(after, name)
+
+
+def white_noise(last: Fit, name: str) -> float:
+    """A channel's white noise: by fourth differences of its residual, not below what a simulation reaches; of the
+    arrivals what their law says is usual."""
+    residual = last.residuals[name]
+    least = least_level(last.world, name) or 1e-12
+    if name == "arrival":
+        return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
+    fourth = np.diff(residual, 4)
+    known = fourth[np.isfinite(fourth)]
+    return max(std_about_zero(known) / _FOURTH, least) if len(known) else least
 
 
 def _within_bounds(one: Candidate) -> bool:
