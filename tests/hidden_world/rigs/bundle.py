@@ -39,7 +39,7 @@ def write_bundle(case: Case, folder: Path) -> None:
 
 
 def truth(case: Case) -> dict[str, object]:
-    """truth.json. `seen` is what the effects change in each channel, the noise being the same and nothing refitted."""
+    """truth.json. `seen` is what the effects change in each channel beyond what a baseline's refit takes up (refit.py)."""
     rig = case.rig
     told = asdict(rig)
     told["encoder"], told["accelerometer"] = told["encoder"] or "absent", told["accelerometer"] or "absent"
@@ -63,6 +63,7 @@ def truth(case: Case) -> dict[str, object]:
         "parameters": named.get(case.cause or "", {}),
         "size_in_noise": max(case.sizes, default=0.0),
         "seen": {name: asdict(d) for name, d in case.seen.items()},
+        "seen_without_refit": {name: asdict(d) for name, d in case.raw.items()},
         "nuisance_in_noise": case.nuisance,
         "moves": [m.told() for m in case.moves],
         "model_off_percent": model_off_percent(case),

@@ -6,23 +6,29 @@ import numpy as np
 
 from tests.hidden_world.rigs.arm_effects import CHANGES
 from tests.hidden_world.rigs.catalogue import ALL, CAUSES, UNLISTED, also
+from tests.hidden_world.rigs.departure import Departure, clearness, departures, of_noise
 from tests.hidden_world.rigs.draw import draw_effect, draw_rig, resized
 from tests.hidden_world.rigs.moves import Move, draw_moves
-from tests.hidden_world.rigs.recording import Departure, Recording, departures, largest, record
+from tests.hidden_world.rigs.recording import Recording, record
 from tests.hidden_world.rigs.rig import Effect, Rig, log_uniform, luck
 
 _RANGES = (19.6, 39.2, 78.4, 156.8)
-_QUIETEST, _PLAINEST = 3.0, 150.0
+_SIZES = (1.8, 120.0)
 _HARDLY = (0.01, 0.1)
-_SHARE_HARDLY = 0.05
-_CLOSE_ENOUGH = 1.25
+_SHARE_HARDLY = 0.06
+_LEAST_CLEAR, _MOST_HIDDEN = 1.3, 0.15
+"""Between these sizes it is doubtful what should be answered."""
+_CLOSE_ENOUGH = 1.4
+_MOST_OF_NOISE = 0.3
+_ATTEMPTS = 8
+_FEWEST_MOVES = 4
 _MOST_NUISANCE = 0.45
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is written. sizes: of each effect alone, over the noise of the channel that it changes most; seen: by channel, of
-    all of them; nuisance: the same of what no cause describes."""
+    """What is written. sizes: of each effect alone, over the noise of the channel that it changes most, after a refit; seen: by
+    channel, of all of them; raw: the same without a refit; nuisance: the same of what no cause describes, without a refit."""
 
     rig: Rig
     moves: list[Move]
@@ -30,6 +36,7 @@ class Case:
     recording: Recording
     sizes: tuple[float, ...]
     seen: dict[str, Departure]
+    raw: dict[str, Departure]
     nuisance: float
     expected: str
 
@@ -55,11 +62,31 @@ class Case:
 
 
 def make(seed: int, what: str = "mixed", two: bool = False) -> Case:
-    """The case of a seed. what: a cause, an unlisted effect, "none", "unlisted" or "mixed". Raises KeyError for no such."""
+    """The case of a seed. what: a cause, an unlisted effect, "none", "unlisted" or "mixed". Raises KeyError for no such.
+
+    A rig on which the effect would neither matter clearly nor be lost in the noise clearly is drawn anew, and so is one on
+    which hardly anything is done.
+    """
     chance = luck(seed, 1)
     causes = _chosen(what, two, chance)
-    entries = [ALL[cause] for cause in causes]
-    needs = next((e.needs for e in entries if e.needs), "")
+    hardly = len(causes) == 1 and chance.random() < _SHARE_HARDLY
+    for attempt in range(_ATTEMPTS):
+        case = _made(seed * _ATTEMPTS + attempt, causes, hardly)
+        if len(case.moves) >= _FEWEST_MOVES and not _doubtful(case, hardly):
+            break
+    return case
+
+
+def _doubtful(case: Case, hardly: bool) -> bool:
+    """Whether it is open what should be answered, or the rig cannot show what was to be plain."""
+    if not hardly:
+        return any(size < _LEAST_CLEAR for size in case.sizes)
+    return any(size > _MOST_HIDDEN for size in case.sizes) or of_noise(case.seen) > _MOST_OF_NOISE
+
+
+def _made(seed: int, causes: list[str], hardly: bool) -> Case:
+    chance = luck(seed, 2)
+    needs = {ALL[cause].needs for cause in causes}
     rig = draw_rig(seed, needs, one_mode="second_bending_mode" in causes)
     moves = draw_moves(rig)
     rig, nuisance = _with_nuisance(rig, moves, chance)
@@ -68,17 +95,20 @@ def make(seed: int, what: str = "mixed", two: bool = False) -> Case:
     effects, sizes = [], []
     for number, cause in enumerate(causes):
         effect = draw_effect(cause, rig, plain, number)
-        effect, size = _sized(effect, rig, moves, plain, chance)
+        wanted = log_uniform(chance, *(_HARDLY if hardly else _SIZES))
+        effect, size = _sized(effect, rig, moves, plain, wanted)
         effects.append(effect)
         sizes.append(size)
     hidden = tuple(effects)
     motion = None if any(e.cause in CHANGES for e in hidden) else plain.motion
-    seen = departures(record(rig, moves, hidden, False, motion), plain) if hidden else {}
-    recording = record(rig, moves, hidden, True, motion)
+    changed = record(rig, moves, hidden, False, motion)
+    seen = departures(changed, plain, moves) if hidden else {}
+    raw = departures(changed, plain) if hidden else {}
+    recording = record(rig, moves, hidden, True, changed.motion)
     matters = any(d.matters for d in seen.values())
     listed = any(e.cause in CAUSES for e in hidden)
     expected = "none" if not matters else "named" if listed else "unexplained"
-    return Case(rig, moves, hidden, recording, tuple(sizes), seen, nuisance, expected)
+    return Case(rig, moves, hidden, recording, tuple(sizes), seen, raw, nuisance, expected)
 
 
 def _chosen(what: str, two: bool, chance: np.random.Generator) -> list[str]:
@@ -107,7 +137,7 @@ def _with_nuisance(rig: Rig, moves: list[Move], chance: np.random.Generator) -> 
     wanted = float(chance.uniform(0.02, _MOST_NUISANCE))
     size = 0.0
     for _ in range(3):
-        size = largest(departures(record(rig, moves, noise=False), without))
+        size = of_noise(departures(record(rig, moves, noise=False), without))
         if size <= _MOST_NUISANCE:
             break
         rig = _scaled(rig, wanted / size)
@@ -133,15 +163,13 @@ def _ranged(rig: Rig, plain: Recording, moves: list[Move]) -> tuple[Rig, Recordi
 
 
 def _sized(
-    effect: Effect, rig: Rig, moves: list[Move], plain: Recording, chance: np.random.Generator
+    effect: Effect, rig: Rig, moves: list[Move], plain: Recording, wanted: float
 ) -> tuple[Effect, float]:
-    """The effect with a size that changes a channel by so many times its noise, from hardly to plainly, and that number."""
-    hardly = chance.random() < _SHARE_HARDLY
-    wanted = log_uniform(chance, *(_HARDLY if hardly else (_QUIETEST, _PLAINEST)))
+    """The effect with a size that changes a channel by so many times its noise after a refit, and what it comes to."""
     motion = None if effect.cause in CHANGES else plain.motion
 
     def measured(trial: Effect) -> float:
-        return largest(departures(record(rig, moves, (trial,), False, motion), plain))
+        return clearness(departures(record(rig, moves, (trial,), False, motion), plain, moves))
 
     size = measured(effect)
     if not ALL[effect.cause].fitted:

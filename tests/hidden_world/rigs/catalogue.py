@@ -51,7 +51,7 @@ _WALKS = ("linear", "sqrt", "exponential", "bent", "random_walk")
 CAUSES: dict[str, Entry] = {
     "second_bending_mode": Entry(
         ("plain", "struck_too"),
-        0.003,  # participation
+        3e-4,  # participation
         0.35,
         lambda rig, e: {
             "frequency_hz": rig.modes[0].frequency_hz * e.extras["ratio"],
@@ -334,11 +334,11 @@ UNLISTED: dict[str, Entry] = {
         },
         signed=False,
     ),
-    "cross_axis_coupling": Entry(("both_ways",), 1e-3, 0.25, _untold, _side(0.6, 1.6), signed=False),
+    "cross_axis_coupling": Entry(("both_ways",), 1e-3, 0.25, _untold, _side(0.6, 1.6), signed=False, needs="accelerometer"),
     "accelerometer_gain_nonlinear": Entry(("odd", "even"), 1e-3, 0.2, _untold, needs="accelerometer"),
     "centrifugal_softening": Entry(("square",), 3e-3, 0.5, _untold, signed=False),
     "image_scale_drift": Entry(("linear", "exponential", "random_walk"), 3e-4, 0.15, _untold, onset=0.3),
-    "torsion_in_image": Entry(("twist",), 1e-3, 1.0, _untold, _side(1.5, 5.0), signed=False),
+    "torsion_in_image": Entry(("twist",), 1e-3, 1.0, _untold, _side(1.5, 5.0), signed=False, needs="accelerometer"),
     "stop_contact": Entry(
         ("one_side",),
         3e-3,
@@ -356,6 +356,7 @@ UNLISTED: dict[str, Entry] = {
             "frequency_hz": float(chance.uniform(0.18, 0.42)) * rig.camera.frame_rate_hz,
             "damping_ratio": log_uniform(chance, 0.005, 0.05),
         },
+        needs="accelerometer",
         signed=False,
     ),
     "drive_gain_by_direction": Entry(("gain",), 1e-3, 0.2, _untold),

@@ -1,5 +1,6 @@
 """A rig from a seed, and an effect for it: far more varied than any one of them is likely."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -26,13 +27,13 @@ _MOST_BENDING = 0.03  # of the length
 _MOST_TIP_M_S2 = 50.0
 
 
-def draw_rig(seed: int, needs: str = "", one_mode: bool = False) -> Rig:
+def draw_rig(seed: int, needs: Iterable[str] = (), one_mode: bool = False) -> Rig:
     """The rig of a seed. needs: what it must have, "accelerometer", "stamps" or "freerun". one_mode: no second one."""
     chance = luck(seed, 11)
     duration = float(round(chance.uniform(20.0, 70.0), 1))
     f, length = log_uniform(chance, 0.8, 12.0), log_uniform(chance, 0.5, 4.0)
     modes = _modes(chance, f, one_mode)
-    camera = _camera(chance, f, needs)
+    camera = _camera(chance, f, set(needs))
     bandwidth = max(log_uniform(chance, 5.0, 50.0), 1.2 * f)
     w, reach = 2.0 * np.pi * f, abs(modes[0].participation) * length
     seen = float(chance.uniform(150.0, 800.0)) / abs(camera.scale_px_per_m * length)
@@ -58,7 +59,7 @@ def draw_rig(seed: int, needs: str = "", one_mode: bool = False) -> Rig:
             bool(chance.random() < 0.15),
         )
     accelerometer = None
-    if needs == "accelerometer" or chance.random() < 0.88:
+    if "accelerometer" in needs or chance.random() < 0.88:
         accelerometer = Accelerometer(
             float(chance.choice([1.0, 1.0, 1.0, -1.0])),
             log_uniform(chance, 0.02, 1.0),
@@ -107,11 +108,11 @@ def _colour(chance: np.random.Generator) -> float:
     return float(chance.uniform(0.05, 0.4)) if chance.random() < 0.35 else 0.0
 
 
-def _camera(chance: np.random.Generator, f: float, needs: str) -> Camera:
-    triggered = needs != "freerun" and chance.random() < 0.2
+def _camera(chance: np.random.Generator, f: float, needs: set[str]) -> Camera:
+    triggered = "freerun" not in needs and chance.random() < 0.2
     rate = float(round(log_uniform(chance, max(25.0, 4.5 * f), 120.0)))
     exposure = float(chance.uniform(0.1, 0.85)) / rate
-    stamped = needs == "stamps" or chance.random() < 0.45
+    stamped = "stamps" in needs or chance.random() < 0.45
     return Camera(
         triggered,
         rate,
