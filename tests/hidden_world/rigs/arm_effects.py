@@ -1,6 +1,7 @@
 """How effects of the arm and of the drive enter the equations: one function a cause, each in several forms.
 
-A size is relative where a rig gives a scale: to the bending `scale_m` that its moves bring about, to its fastest command.
+A size is relative where a rig gives a scale: to the bending `scale_m` that its moves bring about, to its fastest
+command.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,5 @@
-"""A case as files: fast.csv, frames.csv and model.toml, as anybody's measured data comes in; truth.json for the judge."""
+"""A case as files: fast.csv, frames.csv and model.toml, as anybody's measured data comes in; truth.json for the
+judge."""
 
 import json
 from dataclasses import asdict
@@ -39,7 +40,8 @@ def write_bundle(case: Case, folder: Path) -> None:
 
 
 def truth(case: Case) -> dict[str, object]:
-    """truth.json. `seen` is what the effects change in each channel beyond what a baseline's refit takes up (refit.py)."""
+    """truth.json. `seen` is what the effects change in each channel beyond what a baseline's refit takes up
+    (refit.py)."""
     rig = case.rig
     told = asdict(rig)
     told["encoder"], told["accelerometer"] = told["encoder"] or "absent", told["accelerometer"] or "absent"
@@ -61,6 +63,7 @@ def truth(case: Case) -> dict[str, object]:
             for e, size in zip(case.effects, case.sizes, strict=True)
         ],
         "parameters": named.get(case.cause or "", {}),
+        "doubtful": case.doubtful,
         "size_in_noise": max(case.sizes, default=0.0),
         "seen": {name: asdict(d) for name, d in case.seen.items()},
         "seen_without_refit": {name: asdict(d) for name, d in case.raw.items()},

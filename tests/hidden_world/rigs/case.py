@@ -27,8 +27,9 @@ _MOST_NUISANCE = 0.45
 
 @dataclass(frozen=True)
 class Case:
-    """What is written. sizes: of each effect alone, over the noise of the channel that it changes most, after a refit; seen: by
-    channel, of all of them; raw: the same without a refit; nuisance: the same of what no cause describes, without a refit."""
+    """What is written. sizes: of each effect alone, over the noise of the channel that it changes most, after a
+    refit; seen: by channel, of all of them; raw: the same without a refit; nuisance: the same of what no cause
+    describes, without a refit."""
 
     rig: Rig
     moves: list[Move]
@@ -39,6 +40,7 @@ class Case:
     raw: dict[str, Departure]
     nuisance: float
     expected: str
+    doubtful: bool = False
 
     @property
     def cause(self) -> str | None:
@@ -62,10 +64,11 @@ class Case:
 
 
 def make(seed: int, what: str = "mixed", two: bool = False) -> Case:
-    """The case of a seed. what: a cause, an unlisted effect, "none", "unlisted" or "mixed". Raises KeyError for no such.
+    """The case of a seed. what: a cause, an unlisted effect, "none", "unlisted" or "mixed". Raises KeyError for no
+    such.
 
-    A rig on which the effect would neither matter clearly nor be lost in the noise clearly is drawn anew, and so is one on
-    which hardly anything is done.
+    A rig on which the effect would neither matter clearly nor be lost in the noise clearly is drawn anew, and so is
+    one on which hardly anything is done.
     """
     chance = luck(seed, 1)
     causes = _chosen(what, two, chance)
@@ -74,7 +77,7 @@ def make(seed: int, what: str = "mixed", two: bool = False) -> Case:
         case = _made(seed * _ATTEMPTS + attempt, causes, hardly)
         if len(case.moves) >= _FEWEST_MOVES and not _doubtful(case, hardly):
             break
-    return case
+    return replace(case, doubtful=_doubtful(case, hardly))
 
 
 def _doubtful(case: Case, hardly: bool) -> bool:
@@ -113,20 +116,18 @@ def _made(seed: int, causes: list[str], hardly: bool) -> Case:
 
 def _chosen(what: str, two: bool, chance: np.random.Generator) -> list[str]:
     names = list(CAUSES)
-    if two:
-        first = [what] if what in CAUSES else [str(chance.choice(names))]
-        return first + [str(chance.choice([n for n in names if n != first[0]]))]
-    if what == "mixed":
+    if what == "mixed" and not two:
         what = str(chance.choice(["one", "unlisted", "none", "two"], p=[0.6, 0.15, 0.15, 0.1]))
-        if what == "two":
-            return _chosen("mixed", True, chance)
     if what == "none":
         return []
-    if what == "one":
-        return [str(chance.choice(names))]
     if what == "unlisted":
         return [str(chance.choice(list(UNLISTED)))]
-    return [{name: name for name in ALL}[what]]
+    if what not in ALL and what not in ("mixed", "one", "two"):
+        raise KeyError(what)
+    first = what if what in ALL else str(chance.choice(names))
+    if two or what == "two":
+        return [first, str(chance.choice([n for n in names if n != first]))]
+    return [first]
 
 
 def _with_nuisance(rig: Rig, moves: list[Move], chance: np.random.Generator) -> tuple[Rig, float]:

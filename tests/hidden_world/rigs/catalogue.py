@@ -1,4 +1,5 @@
-"""Every effect that can be hidden: its forms, between which sizes, from an onset or not, and what truth.json says of it.
+"""Every effect that can be hidden: its forms, between which sizes, from an onset or not, and what truth.json says of
+it.
 
 CAUSES are the contract's; UNLISTED has no name there. The unit of a size stands beside its bounds.
 """
@@ -22,8 +23,9 @@ def _none(chance: np.random.Generator, rig: Rig) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Entry:
-    """low, high: of the size. onset: share of cases that begin inside the recording. fitted: the size is looked for so that
-    the change has a drawn size in units of the noise; else it is drawn between the bounds. needs: "accelerometer", "stamps"."""
+    """low, high: of the size. onset: share of cases that begin inside the recording. fitted: the size is looked for
+    so that the change has a drawn size in units of the noise; else it is drawn between the bounds. needs:
+    "accelerometer", "stamps"."""
 
     forms: tuple[str, ...]
     low: float
@@ -46,7 +48,7 @@ def _acceleration_noise(rig: Rig) -> float:
     return rig.accelerometer.noise_m_s2
 
 
-_WALKS = ("linear", "sqrt", "exponential", "bent", "random_walk")
+_SENSOR_DRIFTS = ("linear", "sqrt", "exponential", "random_walk")
 
 CAUSES: dict[str, Entry] = {
     "second_bending_mode": Entry(
@@ -167,7 +169,7 @@ CAUSES: dict[str, Entry] = {
         onset=0.2,
     ),
     "accelerometer_bias_drift": Entry(
-        _WALKS[:3] + ("random_walk",),
+        _SENSOR_DRIFTS,
         0.01,  # m/s^2, by the end
         30.0,
         lambda rig, e: {"rate_m_s3": _rate(rig, e), "end_m_s2": e.sign * e.size},
@@ -175,7 +177,7 @@ CAUSES: dict[str, Entry] = {
         needs="accelerometer",
     ),
     "accelerometer_sensitivity_drift": Entry(
-        _WALKS[:3] + ("random_walk",),
+        _SENSOR_DRIFTS,
         0.002,  # of the sensitivity, by the end
         0.6,
         lambda rig, e: {"rate_per_s": _rate(rig, e), "change_at_end": e.sign * e.size},
@@ -334,11 +336,15 @@ UNLISTED: dict[str, Entry] = {
         },
         signed=False,
     ),
-    "cross_axis_coupling": Entry(("both_ways",), 1e-3, 0.25, _untold, _side(0.6, 1.6), signed=False, needs="accelerometer"),
+    "cross_axis_coupling": Entry(
+        ("both_ways",), 1e-3, 0.25, _untold, _side(0.6, 1.6), signed=False, needs="accelerometer"
+    ),
     "accelerometer_gain_nonlinear": Entry(("odd", "even"), 1e-3, 0.2, _untold, needs="accelerometer"),
     "centrifugal_softening": Entry(("square",), 3e-3, 0.5, _untold, signed=False),
     "image_scale_drift": Entry(("linear", "exponential", "random_walk"), 3e-4, 0.15, _untold, onset=0.3),
-    "torsion_in_image": Entry(("twist",), 1e-3, 1.0, _untold, _side(1.5, 5.0), signed=False, needs="accelerometer"),
+    "torsion_in_image": Entry(
+        ("twist",), 1e-3, 1.0, _untold, _side(1.5, 5.0), signed=False, needs="accelerometer"
+    ),
     "stop_contact": Entry(
         ("one_side",),
         3e-3,
@@ -374,25 +380,29 @@ UNLISTED: dict[str, Entry] = {
 ALL = CAUSES | UNLISTED
 
 
+_SAME_WITHOUT_ENCODER = {
+    "joint_friction": ["drive_deadband"],
+    "drive_deadband": ["joint_friction"],
+    "accelerometer_lag": ["drive_dead_time"],
+    "drive_dead_time": ["accelerometer_lag"],
+    "drive_lag": ["accelerometer_lag", "drive_dead_time"],
+    "gear_backlash": ["coulomb_damping", "cubic_stiffness"],
+}
+_SAME_WITHOUT_CLOCK = {"camera_clock_skew": ["delay_drift"], "delay_drift": ["camera_clock_skew"]}
+
+
 def also(rig: Rig, effect: Effect) -> list[str]:
     """Causes that are the same law in this recording: the contract's pairs that cannot be told apart."""
-    cause, encoder = effect.cause, rig.encoder is not None
-    if cause in ("joint_friction", "drive_deadband") and not encoder:
-        return ["drive_deadband" if cause == "joint_friction" else "joint_friction"]
-    if cause in ("accelerometer_lag", "drive_dead_time") and not encoder:
-        return ["drive_dead_time" if cause == "accelerometer_lag" else "accelerometer_lag"]
-    if cause == "drive_lag" and not encoder:
-        return ["accelerometer_lag", "drive_dead_time"]
-    if cause in ("camera_clock_skew", "delay_drift") and not (
-        rig.accelerometer or encoder or rig.camera.stamped
-    ):
-        return ["delay_drift" if cause == "camera_clock_skew" else "camera_clock_skew"]
-    if cause == "stale_frame_buffer" and (effect.form == "queue" or not rig.camera.stamped):
-        return ["clock_step"]
-    if cause == "clock_step" and effect.form == "frames" and not rig.camera.stamped and effect.sign > 0:
+    cause, encoder, stamped = effect.cause, rig.encoder, rig.camera.stamped
+    same: list[str] = []
+    if encoder is None or (cause == "gear_backlash" and encoder.at_motor):
+        same = _SAME_WITHOUT_ENCODER.get(cause, [])
+    if not (rig.accelerometer or encoder or stamped):
+        same = same + _SAME_WITHOUT_CLOCK.get(cause, [])
+    if cause == "stale_frame_buffer" and (effect.form == "queue" or not stamped):
+        same = ["clock_step"]
+    if cause == "clock_step" and effect.form == "frames" and not stamped and effect.sign > 0:
         frames = effect.size * rig.camera.frame_rate_hz
         near = abs(frames - round(frames)) / rig.camera.frame_rate_hz < rig.arrival.std_s
-        return ["stale_frame_buffer"] if near and 1 <= round(frames) <= 3 else []
-    if cause == "gear_backlash" and (not rig.encoder or rig.encoder.at_motor):
-        return ["coulomb_damping", "cubic_stiffness"]
-    return []
+        same = ["stale_frame_buffer"] if near and 1 <= round(frames) <= 3 else []
+    return same

@@ -1,40 +1,37 @@
 """How a thing changes over time: the courses that drifts take. Each is 0 until its onset and about 1 at the end."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from tests.hidden_world.rigs.rig import Values
 
 
 def course(form: str, time_s: Values, onset_s: float, seed: int, path: Values | None = None) -> Values:
-    """The course `form` at evenly spaced times. path: what grows with use, for "path". Raises KeyError for no such form."""
+    """The course `form` at evenly spaced times. path: what grows with use, for "path". Raises KeyError for no such."""
     end = float(time_s[-1])
     t = np.clip((time_s - onset_s) / max(end - onset_s, 1e-9), 0.0, 1.0)
     chance = np.random.default_rng((seed, 71))
-    if form == "linear":
-        return t
-    if form == "sqrt":
-        return np.sqrt(t)
-    if form == "exponential":
-        rate = float(chance.uniform(2.0, 6.0))
-        return np.asarray((1.0 - np.exp(-rate * t)) / (1.0 - np.exp(-rate)))
-    if form == "bent":  # linear, then in part back
-        turn = float(chance.uniform(0.5, 0.75))
-        return np.asarray(np.where(t < turn, t / turn, 1.0 - 0.6 * (t - turn) / (1.0 - turn)))
     if form == "random_walk":
-        return t_walk(time_s, onset_s, chance)
-    if form == "path":
-        assert path is not None
+        return _random_walk(time_s, onset_s, chance)
+    if form == "path" and path is not None:
         grown = np.maximum(path - np.interp(onset_s, time_s, path), 0.0)
         return np.asarray(grown / max(grown[-1], 1e-12))
-    if form == "steps_with_reset":
-        return _steps_with_reset(t, chance)
-    raise KeyError(form)
+    return _SHAPES[form](t, chance)
 
 
-FORMS = ("linear", "sqrt", "exponential", "bent", "random_walk", "path", "steps_with_reset")
+def _exponential(t: Values, chance: np.random.Generator) -> Values:
+    rate = float(chance.uniform(2.0, 6.0))
+    return np.asarray((1.0 - np.exp(-rate * t)) / (1.0 - np.exp(-rate)))
 
 
-def t_walk(time_s: Values, onset_s: float, chance: np.random.Generator) -> Values:
+def _bent(t: Values, chance: np.random.Generator) -> Values:
+    """Linear, then in part back."""
+    turn = float(chance.uniform(0.5, 0.75))
+    return np.asarray(np.where(t < turn, t / turn, 1.0 - 0.6 * (t - turn) / (1.0 - turn)))
+
+
+def _random_walk(time_s: Values, onset_s: float, chance: np.random.Generator) -> Values:
     """A random walk, of which the root mean square is a half."""
     coarse = np.arange(0.0, time_s[-1] + 0.2, 0.1)
     step = np.where(coarse[1:] > onset_s, chance.normal(size=len(coarse) - 1), 0.0)
@@ -50,6 +47,15 @@ def _steps_with_reset(t: Values, chance: np.random.Generator) -> Values:
         before = float(out[np.searchsorted(t, at)])
         out = np.where(t >= at, out - float(chance.uniform(0.3, 0.9)) * before, out)
     return np.asarray(out)
+
+
+_SHAPES: dict[str, Callable[[Values, np.random.Generator], Values]] = {
+    "linear": lambda t, chance: t,
+    "sqrt": lambda t, chance: np.sqrt(t),
+    "exponential": _exponential,
+    "bent": _bent,
+    "steps_with_reset": _steps_with_reset,
+}
 
 
 def wander(time_s: Values, tau_s: float, chance: np.random.Generator) -> Values:

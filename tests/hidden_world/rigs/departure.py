@@ -32,8 +32,8 @@ class Departure:
 def departures(changed: Recording, plain: Recording, moves: list[Move] | None = None) -> dict[str, Departure]:
     """What an effect does to each channel: both recordings noise-free, of the same rig.
 
-    moves: what was done; then a baseline's own parameters are refitted first (refit.py), and mean delay, the stamps' offset
-    and rate taken off. None: nothing is refitted.
+    moves: what was done; then a baseline's own parameters are refitted first (refit.py), and mean delay, the stamps'
+    offset and rate taken off. None: nothing is refitted.
     """
     rig, out = changed.rig, {}
     a, b = changed.images, plain.images
@@ -73,8 +73,8 @@ def _apart(a: Values | None, b: Values | None, noise: float, least: float = 0.0)
 
 
 def clearness(all_of: dict[str, Departure]) -> float:
-    """How clearly an effect matters: over half of what matters, in the clearest channel, so that 1 is a channel's noise where
-    no other threshold is above half of it."""
+    """How clearly an effect matters: over half of what matters, in the clearest channel, so that 1 is a channel's
+    noise where no other threshold is above half of it."""
     return max(0.5 * d.of_what_matters for d in all_of.values())
 
 

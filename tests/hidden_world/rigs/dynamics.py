@@ -1,14 +1,14 @@
 """The motion: Runge-Kutta of fourth order with a fixed step of 0.1 ms, compiled.
 
-    motor    w' = clip(2 pi B (c - w) - friction(w))                 c: the command after its dead time [and a second lag]
-    link     theta = motor, or behind a play: contact of stiffness k and damping d outside +- gap/2, else -drag theta'
-    modes    q_i'' = -2 z_i w_i q_i' - w_i^2 q_i - p_i L theta'' + push_i F(t) [+ what effects add to the first]
-    second   y'' = -2 z w y' - w^2 y + c1 w1^2 q1 - c2 theta''       an oscillator beside the arm: cross axis, torsion
-    mount    m'' = -2 z w m' - w^2 m - s''                           the camera, loose on its mount
-    tip      s'' = L theta'' + sum q_i''
+    motor    w' = clip(2 pi B (c - w) - friction(w))                 c: the command after its dead time [and a second
+    lag] link     theta = motor, or behind a play: contact of stiffness k and damping d outside +- gap/2, else -drag
+    theta' modes    q_i'' = -2 z_i w_i q_i' - w_i^2 q_i - p_i L theta'' + push_i F(t) [+ what effects add to the
+    first] second   y'' = -2 z w y' - w^2 y + c1 w1^2 q1 - c2 theta''       an oscillator beside the arm: cross axis,
+    torsion mount    m'' = -2 z w m' - w^2 m - s''                           the camera, loose on its mount tip
+    s'' = L theta'' + sum q_i''
 
-Stiffness and damping of the modes take factors that change from cycle to cycle. Inputs are constant over a step, but the force,
-which is given at the steps' ends and middles.
+Stiffness and damping of the modes take factors that change from cycle to cycle. Inputs are constant over a step, but
+the force, which is given at the steps' ends and middles.
 """
 
 from typing import NamedTuple
@@ -79,13 +79,12 @@ class Laws(NamedTuple):
 
 
 @njit(cache=True)
-def slope(t, x, c, f, stiff, damp, laws, w, z, p, push, out):  # type: ignore[no-untyped-def]
-    """Derivatives of the state x into out; returns s''."""
+def _motor(t, x, c, laws, out):  # type: ignore[no-untyped-def]
+    """The motor's derivatives into out."""
+    out[SLOW] = 0.0
     if laws.second_lag > 0.0:
         out[SLOW] = laws.second_lag * (c - x[SLOW])
         c = x[SLOW]
-    else:
-        out[SLOW] = 0.0
     speed = x[MOTOR_W]
     pull = c - speed
     a = (laws.lag_up if pull * speed >= 0.0 else laws.lag_down) * pull
@@ -93,71 +92,71 @@ def slope(t, x, c, f, stiff, damp, laws, w, z, p, push, out):  # type: ignore[no
         grip = laws.friction_up if speed > 0.0 else laws.friction_down
         more = 1.0 + laws.stiction * np.exp(-((speed / laws.stiction_width) ** 2))
         a -= grip * more * np.tanh(speed / laws.friction_width)
-    a = min(max(a, -laws.most_down), laws.most_up)
-    out[MOTOR], out[MOTOR_W] = speed, a
-    if laws.gap > 0.0:
-        apart = x[MOTOR] - x[LINK]
-        half = 0.5 * laws.gap
-        if apart > half:
-            al = laws.gear_stiffness * (apart - half) + laws.gear_damping * (speed - x[LINK_W])
-            al = max(al, 0.0)
-        elif apart < -half:
-            al = laws.gear_stiffness * (apart + half) + laws.gear_damping * (speed - x[LINK_W])
-            al = min(al, 0.0)
-        else:
-            al = -laws.gear_drag * x[LINK_W]
-        out[LINK], out[LINK_W] = x[LINK_W], al
-    else:
-        al = a
-        out[LINK], out[LINK_W] = speed, a
+    out[MOTOR], out[MOTOR_W] = speed, min(max(a, -laws.most_down), laws.most_up)
+
+
+@njit(cache=True)
+def _link(x, laws, out):  # type: ignore[no-untyped-def]
+    """The link's derivatives into out, after the motor's; returns theta''."""
+    if laws.gap <= 0.0:
+        out[LINK], out[LINK_W] = out[MOTOR], out[MOTOR_W]
+        return out[LINK_W]
+    apart, half, turning = x[MOTOR] - x[LINK], 0.5 * laws.gap, x[MOTOR_W] - x[LINK_W]
+    al = -laws.gear_drag * x[LINK_W]
+    if apart > half:
+        al = max(laws.gear_stiffness * (apart - half) + laws.gear_damping * turning, 0.0)
+    elif apart < -half:
+        al = min(laws.gear_stiffness * (apart + half) + laws.gear_damping * turning, 0.0)
+    out[LINK], out[LINK_W] = x[LINK_W], al
+    return al
+
+
+@njit(cache=True)
+def _first(t, x, stiff, damp, laws, w, z, out):  # type: ignore[no-untyped-def]
+    """What acts on the first mode from within the arm, m/s^2; the hysteresis' derivative into out."""
+    q, v, k = x[Q], x[V], w * w * stiff
+    b = -k * q * (1.0 + laws.centrifugal * x[LINK_W] * x[LINK_W])
+    b -= 2.0 * z * damp * w * np.sqrt(stiff) * v
+    b -= k * (laws.skew * q * q + laws.side_step * abs(q)) - laws.side_back * k * x[SIDE]
+    if t >= laws.arm_from_s:
+        if laws.coulomb != 0.0:
+            b -= laws.coulomb * np.tanh(v / laws.coulomb_width)
+        if laws.power_damping != 0.0:
+            b -= laws.power_damping * abs(v) ** (laws.power - 1.0) * v
+        b -= k * (laws.cubic * q * q * q + laws.fifth * q * q * q * q * q)
+    out[HYST] = 0.0
+    if laws.hysteresis != 0.0:
+        y = x[HYST]
+        part = abs(y) ** laws.hysteresis_power
+        out[HYST] = (v - 0.5 * (abs(v) * y / max(abs(y), 1e-12) + v) * part) / laws.hysteresis_m
+        b -= k * laws.hysteresis * laws.hysteresis_m * y
+    if q > laws.stop_m:
+        b -= k * laws.stop_stiffness * (q - laws.stop_m)
+    return b
+
+
+@njit(cache=True)
+def slope(t, x, c, f, stiff, damp, laws, w, z, p, push, out):  # type: ignore[no-untyped-def]
+    """Derivatives of the state x into out; returns s''."""
+    _motor(t, x, c, laws, out)
+    al = _link(x, laws, out)
     total = laws.length_m * al
     for i in range(len(w)):
-        q, v, wi = x[Q + i], x[V + i], w[i]
-        k = wi * wi
+        q, v = x[Q + i], x[V + i]
+        b = -w[i] * w[i] * q - 2.0 * z[i] * w[i] * v
         if i == 0:
-            k *= stiff
-            b = -k * q * (1.0 + laws.centrifugal * x[LINK_W] * x[LINK_W])
-            b -= 2.0 * z[0] * damp * wi * np.sqrt(stiff) * v
-            if laws.skew != 0.0:
-                b -= k * laws.skew * q * q
-            if laws.side_step != 0.0:
-                b -= k * laws.side_step * abs(q)
-            if t >= laws.arm_from_s:
-                if laws.coulomb != 0.0:
-                    b -= laws.coulomb * np.tanh(v / laws.coulomb_width)
-                if laws.power_damping != 0.0:
-                    b -= laws.power_damping * abs(v) ** (laws.power - 1.0) * v
-                if laws.cubic != 0.0:
-                    b -= k * (laws.cubic * q * q * q + laws.fifth * q * q * q * q * q)
-            if laws.hysteresis != 0.0:
-                y = x[HYST]
-                part = abs(y) ** laws.hysteresis_power
-                out[HYST] = (v - 0.5 * (abs(v) * y / max(abs(y), 1e-12) + v) * part) / laws.hysteresis_m
-                b -= k * laws.hysteresis * laws.hysteresis_m * y
-            else:
-                out[HYST] = 0.0
-            if q > laws.stop_m:
-                b -= k * laws.stop_stiffness * (q - laws.stop_m)
-            b += laws.side_back * k * x[SIDE]
-        else:
-            b = -k * q - 2.0 * z[i] * wi * v
+            b = _first(t, x, stiff, damp, laws, w[0], z[0], out)
         b += push[i] * f - p[i] * laws.length_m * al
         out[Q + i], out[V + i] = v, b
         total += b
+    out[SIDE] = out[SIDE_V] = out[MOUNT] = out[MOUNT_V] = 0.0
     if laws.side_w > 0.0:
         out[SIDE] = x[SIDE_V]
-        out[SIDE_V] = (
-            -laws.side_w * (2.0 * laws.side_z * x[SIDE_V] + laws.side_w * x[SIDE])
-            + laws.side_from_bending * w[0] * w[0] * x[Q]
-            - laws.side_from_joint * al
-        )
-    else:
-        out[SIDE] = out[SIDE_V] = 0.0
+        out[SIDE_V] = -laws.side_w * (2.0 * laws.side_z * x[SIDE_V] + laws.side_w * x[SIDE])
+        out[SIDE_V] += laws.side_from_bending * w[0] * w[0] * x[Q] - laws.side_from_joint * al
     if laws.mount_w > 0.0:
         out[MOUNT] = x[MOUNT_V]
         out[MOUNT_V] = -laws.mount_w * (2.0 * laws.mount_z * x[MOUNT_V] + laws.mount_w * x[MOUNT]) - total
-    else:
-        out[MOUNT] = out[MOUNT_V] = 0.0
     return total
 
 

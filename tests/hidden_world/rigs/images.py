@@ -16,8 +16,9 @@ _LAST_S = 0.4  # before the end, no more exposures
 
 @dataclass(frozen=True)
 class Images:
-    """Of each image that is read, shape (images,). index: of its exposure; content: of the exposure that it shows; number: as
-    the camera or the driver counts; middle_s: of the exposure that it shows, truly; stamp_s: NaN where there is none."""
+    """Of each image that is read, shape (images,). index: of its exposure; content: of the exposure that it shows;
+    number: as the camera or the driver counts; middle_s: of the exposure that it shows, truly; stamp_s: NaN where
+    there is none."""
 
     index: NDArray[np.int64]
     content: NDArray[np.int64]

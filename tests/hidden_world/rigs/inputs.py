@@ -12,8 +12,8 @@ from tests.hidden_world.rigs.rig import FINE, STEP_S, TICK_S, Rig, Values, luck
 
 @dataclass
 class Inputs:
-    """asked: as recorded, a value a cycle; obeyed: a value a step, without the dead time; late_steps: of each step, how many
-    steps old the command is that is in force."""
+    """asked: as recorded, a value a cycle; obeyed: a value a step, without the dead time; late_steps: of each step,
+    how many steps old the command is that is in force."""
 
     asked: Values
     obeyed: Values

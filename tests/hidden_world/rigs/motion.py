@@ -13,8 +13,8 @@ from tests.hidden_world.rigs.rig import SLOPES, STEP_S, Effect, Rig, Values
 
 @dataclass(frozen=True)
 class Motion:
-    """At all ends of steps, shape (steps + 1,). tip: s''; slope: of the tip against the joint, rad; side, mount: the oscillators
-    beside the arm. asked: a value a cycle."""
+    """At all ends of steps, shape (steps + 1,). tip: s''; slope: of the tip against the joint, rad; side, mount: the
+    oscillators beside the arm. asked: a value a cycle."""
 
     time_s: Values
     asked: Values

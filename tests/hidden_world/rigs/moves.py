@@ -1,4 +1,5 @@
-"""What is done with the arm: velocities asked of the joint, a value a cycle, and forces at the tip, at steps' ends and middles."""
+"""What is done with the arm: velocities asked of the joint, a value a cycle, and forces at the tip, at steps' ends
+and middles."""
 
 from dataclasses import asdict, dataclass
 
@@ -65,46 +66,53 @@ def draw_moves(rig: Rig) -> list[Move]:
 
 
 def _draw(kind: str, rig: Rig, at: float, angle: float, chance: np.random.Generator) -> tuple[Move, float]:
-    fastest, f = rig.fastest_rad_s, rig.modes[0].frequency_hz
-    w = 2.0 * np.pi * f
+    """A move of that kind, and the joint's angle after it."""
     side = -1 if angle + chance.uniform(-0.3, 0.3) * rig.farthest_rad > 0.0 else 1
-    seed = int(chance.integers(1, 2**31))
-    if kind in ("impact", "release", "push"):
-        bend = log_uniform(chance, 0.15, 1.0) * rig.modes[0].participation * rig.length_m * fastest / w
-        side = int(chance.choice([-1, 1]))
-        if kind == "impact":
-            width = float(chance.uniform(0.002, 0.012))
-            return Move(kind, at, side * bend * w, ramp_s=width), angle
-        size = side * bend * w * w
-        if kind == "release":
-            ramp = max(0.3, 2.0 / f) * float(chance.uniform(0.7, 2.0))
-            return Move(kind, at, size, ramp_s=ramp, hold_s=float(chance.uniform(0.0, 2.0))), angle
-        return Move(kind, at, size, ramp_s=float(chance.uniform(0.3, 1.5)) / f), angle
+    if kind in TIP:
+        return _at_tip(kind, rig, at, chance), angle
     if kind == "rest":
         return Move(kind, at, 0.0, hold_s=float(chance.uniform(1.0, 4.0))), angle
     if kind in ("chirp", "multisine", "prbs"):
-        hold = float(chance.uniform(4.0, 9.0))
-        size = fastest * log_uniform(chance, 0.02, 0.12)
-        f0, f1 = f * float(chance.uniform(0.2, 0.5)), f * float(chance.uniform(1.8, 3.5))
-        size = min(size, 0.3 * rig.farthest_rad * 2.0 * np.pi * f0)
-        if kind == "prbs":
-            return Move(
-                kind, at, size, hold_s=hold, f0_hz=float(chance.uniform(1.0, 3.0)) * f, seed=seed
-            ), angle
-        return Move(kind, at, side * size, hold_s=hold, f0_hz=f0, f1_hz=f1, seed=seed), angle
+        return _lasting(kind, rig, at, side, chance), angle
     if kind == "doublet":
-        hold = float(chance.uniform(0.3, 0.7)) / f
-        return Move(kind, at, side * fastest * log_uniform(chance, 0.05, 0.5), hold_s=hold), angle
+        hold = float(chance.uniform(0.3, 0.7)) / rig.modes[0].frequency_hz
+        return Move(kind, at, side * rig.fastest_rad_s * log_uniform(chance, 0.05, 0.5), hold_s=hold), angle
     room = max(rig.farthest_rad - side * angle, 0.1 * rig.farthest_rad)
     travel = room * float(chance.uniform(0.1, 1.0))
-    ramp = 0.02 if kind == "step" else float(chance.uniform(0.08, 0.5)) * max(1.0, 1.5 / f)
-    speed = fastest * log_uniform(chance, 0.15, 1.0)
+    ramp = float(chance.uniform(0.08, 0.5)) * max(1.0, 1.5 / rig.modes[0].frequency_hz)
+    ramp = 0.02 if kind == "step" else ramp
+    speed = rig.fastest_rad_s * log_uniform(chance, 0.15, 1.0)
     hold = travel / speed - ramp
     if hold < 0.1:
         speed, hold = travel / (ramp + 0.1), 0.1
-    hold = min(hold, 3.0)
-    speed = min(speed, fastest)
+    speed, hold = min(speed, rig.fastest_rad_s), min(hold, 2.0)
     return Move(kind, at, side * speed, ramp_s=ramp, hold_s=hold), angle + side * speed * (ramp + hold)
+
+
+def _at_tip(kind: str, rig: Rig, at: float, chance: np.random.Generator) -> Move:
+    """An impact, a push by hand, or a slow pull and its release: it bends the arm about as much as joint moves do."""
+    f = rig.modes[0].frequency_hz
+    w = 2.0 * np.pi * f
+    bend = log_uniform(chance, 0.15, 1.0) * rig.modes[0].participation * rig.length_m * rig.fastest_rad_s / w
+    bend *= float(chance.choice([-1, 1]))
+    if kind == "impact":
+        return Move(kind, at, bend * w, ramp_s=float(chance.uniform(0.002, 0.012)))
+    if kind == "release":
+        ramp = max(0.3, 2.0 / f) * float(chance.uniform(0.7, 2.0))
+        return Move(kind, at, bend * w * w, ramp_s=ramp, hold_s=float(chance.uniform(0.0, 2.0)))
+    return Move(kind, at, bend * w * w, ramp_s=float(chance.uniform(0.3, 1.5)) / f)
+
+
+def _lasting(kind: str, rig: Rig, at: float, side: int, chance: np.random.Generator) -> Move:
+    """What shakes the joint for some seconds about where it is."""
+    f, hold = rig.modes[0].frequency_hz, float(chance.uniform(4.0, 9.0))
+    f0, f1 = f * float(chance.uniform(0.2, 0.5)), f * float(chance.uniform(1.8, 3.5))
+    size = rig.fastest_rad_s * log_uniform(chance, 0.02, 0.12)
+    size = min(size, 0.3 * rig.farthest_rad * 2.0 * np.pi * f0)
+    seed = int(chance.integers(1, 2**31))
+    if kind == "prbs":
+        return Move(kind, at, size, hold_s=hold, f0_hz=float(chance.uniform(1.0, 3.0)) * f, seed=seed)
+    return Move(kind, at, side * size, hold_s=hold, f0_hz=f0, f1_hz=f1, seed=seed)
 
 
 def command(moves: list[Move], cycles: int) -> Values:

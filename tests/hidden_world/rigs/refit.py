@@ -1,13 +1,14 @@
-"""What a baseline's own parameters could take up of a change: frequency, damping and participation of each mode, how the first
-began, how hard the tip was struck or pulled, image scale and offset, mean delay, bias of the accelerometer.
+"""What a baseline's own parameters could take up of a change: frequency, damping and participation of each mode, how
+the first began, how hard the tip was struck or pulled, image scale and offset, mean delay, bias of the accelerometer.
 
-The linear arm at the joint's true motion, a value a cycle, every mode in closed form: with y = q' - s* q, s = -z w + i w sqrt(1 - z^2),
+The linear arm at the joint's true motion, a value a cycle, every mode in closed form: with y = q' - s* q and
+s = -z w + i w sqrt(1 - z^2),
 
     y' = s y + f,    q = Im(y) / Im(s),    f = - p L theta'' + push F,    f constant within a cycle
 
-Only differences between two sets of parameters are used, so that what the coarse steps leave out falls away. Least squares over
-acceleration and displacement, each over its noise, by Levenberg's and Marquardt's method from the true parameters on: a local
-minimum. Where phases slip by whole periods it may take up less than a global search would.
+Only differences between two sets of parameters are used, so that what the coarse steps leave out falls away. Least
+squares over acceleration and displacement, each over its noise, by Levenberg's and Marquardt's method from the true
+parameters on: a local minimum. Where phases slip by whole periods it may take up less than a global search would.
 """
 
 from dataclasses import dataclass
@@ -74,7 +75,9 @@ class Linear:
         t = np.arange(len(s)) * TICK_S
         integral = np.concatenate(([0.0], np.cumsum(0.5 * (s[1:] + s[:-1]) * TICK_S)))
         half, at = 0.5 * self.rig.camera.exposure_s, self.at_s + late * self.rig.arrival.std_s
-        return np.asarray((np.interp(at + half, t, integral) - np.interp(at - half, t, integral)) / (2.0 * half))
+        return np.asarray(
+            (np.interp(at + half, t, integral) - np.interp(at - half, t, integral)) / (2.0 * half)
+        )
 
 
 def _mode(w: float, z: float, force: Values, q0: float, v0: float) -> tuple[Values, Values]:
@@ -91,7 +94,9 @@ def linear(rig: Rig, moves: list[Move], motion: Motion, at_s: Values) -> Linear:
     """The plain arm of a rig at the joint's motion; at_s: middles of exposures."""
     fast = motion.link_rad_s
     mean = np.diff(fast[::FINE])[: rig.cycles] / TICK_S
-    before = np.concatenate(([0.0], (fast[FINE::FINE] - fast[FINE - 1 :: FINE][: rig.cycles]) / STEP_S))[: rig.cycles]
+    before = np.concatenate(([0.0], (fast[FINE::FINE] - fast[FINE - 1 :: FINE][: rig.cycles]) / STEP_S))[
+        : rig.cycles
+    ]
     forces = []
     for move in moves:
         if move.kind in TIP:
@@ -99,12 +104,14 @@ def linear(rig: Rig, moves: list[Move], motion: Motion, at_s: Values) -> Linear:
             each = force[: 2 * rig.steps].reshape(rig.cycles, 2 * FINE)
             forces.append((np.mean(each, axis=1), each[:, 0]))
     length = rig.length_m
-    return Linear(rig, length * mean, length * before, length * motion.link_rad[::FINE][: rig.cycles], forces, at_s)
+    return Linear(
+        rig, length * mean, length * before, length * motion.link_rad[::FINE][: rig.cycles], forces, at_s
+    )
 
 
 def taken_up(changed: Recording, plain: Recording, moves: list[Move]) -> tuple[Values | None, Values]:
-    """What plain parameters could make of the plain recording's acceleration (a value a cycle) and displacement (a value for
-    each exposure that both recordings hold). Both noise-free, of one rig."""
+    """What plain parameters could make of the plain recording's acceleration (a value a cycle) and displacement (a
+    value for each exposure that both recordings hold). Both noise-free, of one rig."""
     rig = plain.rig
     _, here, there = np.intersect1d(changed.images.index, plain.images.index, return_indices=True)
     arm = linear(rig, moves, plain.motion, plain.images.middle_s[there])
@@ -119,7 +126,9 @@ def taken_up(changed: Recording, plain: Recording, moves: list[Move]) -> tuple[V
     gained = _fitted(arm, weight, target)
     if sensor and plain.acceleration is not None:
         limit = sensor.range_m_s2
-        return np.clip(plain.acceleration + gained[: rig.cycles], -limit, limit), plain.px[there] + gained[rig.cycles :]
+        return np.clip(plain.acceleration + gained[: rig.cycles], -limit, limit), plain.px[there] + gained[
+            rig.cycles :
+        ]
     return None, plain.px[there] + gained
 
 

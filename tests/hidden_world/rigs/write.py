@@ -1,4 +1,5 @@
-"""`python -m tests.hidden_world.rigs.write OUT --count N --seed S [--cause ID|none|unlisted|mixed] [--two]`: N bundles with truth."""
+"""`python -m tests.hidden_world.rigs.write OUT --count N --seed S [--cause ID|none|unlisted|mixed] [--two]`: N
+bundles with truth."""
 
 import argparse
 from pathlib import Path
