@@ -16,7 +16,10 @@ settings.load_profile("untimed")
 
 pytest_plugins = (
     "pytester",
+    "tests.fixtures.cia402_bench",
     "tests.fixtures.emulated_ports",
+    "tests.fixtures.lis3lv02dq",
+    "tests.fixtures.register_chips",
     "tests.plugins.blind_slices",
     "tests.plugins.quick_tests",
 )

@@ -45,7 +45,7 @@ class Mcp4725Drive:
         self._clock, self._sleep = clock, sleep
         self._bus: smbus2.SMBus | None = None
         self._message = smbus2.i2c_msg.write(config.mcp4725.address, [0, 0])
-        self._good_s = self._failed_s = -inf
+        self._good_s = -inf
         self.faults = 0
         """Commands that the DAC did not acknowledge."""
         self.refused = 0

@@ -1,7 +1,7 @@
 """The description of an I2C accelerometer as a table, which one driver reads."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import pi
 
 Counts = tuple[int, int, int]
@@ -67,8 +67,7 @@ class RegisterTable:
 
     addresses: the usual one first. before_identity: writes that make the identity register visible. filters: the
     default first. status_register and data_register are read in one transfer, as one span if they are close together.
-    ready_mask, overrun_mask: bits of the status (0: not available). max_rate_hz: by bus speed in Hz, if the part has
-    such a limit. noise_m_s2_per_sqrt_hz: white noise of one axis.
+    ready_mask: bit of the status. noise_m_s2_per_sqrt_hz: white noise of one axis.
     """
 
     name: str
@@ -83,13 +82,11 @@ class RegisterTable:
     data_length: int
     decode: Callable[[bytes], Counts]
     ready_mask: int
-    overrun_mask: int
     start_up_s: float
     noise_m_s2_per_sqrt_hz: float
     auto_increment: int = 0
     before_identity: tuple[Write, ...] = ()
     fifo: Fifo | None = None
-    max_rate_hz: Mapping[int, float] = field(default_factory=dict)
 
 
 def first_order_delay_s(bandwidth_hz: float) -> float:

@@ -5,27 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stillarm.benchmarks.live.kills.kill_plan import BEFORE_KILL_S, Kill, plan
+from stillarm.benchmarks.live.kills.kill_plan import Kill
 from stillarm.benchmarks.live.kills.kill_scoring import gap_around, score_kill
-from stillarm.benchmarks.live.kills.kill_tables import by_gap, verdict
 from stillarm.benchmarks.live.scoring import Estimates
-from tests.benchmarks.live.test_scoring import A, W, perfect, true_run
+from tests.fixtures.live_rows import A, W, perfect, true_run
 
 KILL = Kill(at_s=5.0, gap_s=1.0, until_s=10.0)
 GAP = (4.99, 6.0)
-
-
-def test_every_gap_comes_once_each_after_a_strike_of_its_own() -> None:
-    gaps = [0.3, 1.0, 3.0, 10.0]
-    kills, scenario = plan(gaps, 3)
-    assert sorted(kill.gap_s for kill in kills) == gaps
-    assert [kill.gap_s for kill in kills] != [kill.gap_s for kill in plan(gaps, 4)[0]]
-    assert len(scenario.strikes) == 4 and not scenario.moves and not scenario.damping
-    for strike, kill in zip(scenario.strikes, kills, strict=True):
-        assert BEFORE_KILL_S <= kill.at_s - strike.time_s <= BEFORE_KILL_S + 0.4
-    for kill, strike in zip(kills, scenario.strikes[1:], strict=False):
-        assert kill.at_s + kill.gap_s + 3.5 < kill.until_s < strike.time_s
-    assert kills[-1].until_s < scenario.duration_s
 
 
 def test_the_gap_is_the_silence_that_begins_with_the_kill() -> None:
@@ -72,17 +58,3 @@ def test_no_estimate_is_an_error_of_the_whole() -> None:
     silent = np.where((right.time_s >= 6.0) & (right.time_s < 7.5), np.nan, right.deflection_m)
     found = score_kill(replace(right, deflection_m=silent), true_run(), KILL, GAP)
     assert found["settled_s"] == pytest.approx(1.5, abs=0.3)
-
-
-def test_tables_count_the_kills_of_each_gap_and_judge_them() -> None:
-    rows = [
-        {"method": "fused", "gap_asked_s": gap, "gap_s": gap + 0.1, "settled_s": settled, "error_mean": 0.01,
-         "error_max": 0.03, "amplitude_m": 0.002, "delay_normalised_error_squared_max": 1.0,
-         "deflection_normalised_error_squared_max": honest, "longest_beyond_2_std_s": 0.1}
-        for gap, settled, honest in ((0.3, 0.5, 1.0), (0.3, 1.2, 4.0), (3.0, None, None))
-    ]  # fmt: skip
-    first, second = by_gap(rows)
-    assert (first["kills"], first["within 1 s"], first["worst"]) == (2, 1, "1.20")
-    assert first["gap, s"] == "0.40 to 0.40"
-    assert (second["kills"], second["within 1 s"], second["settled, s"]) == (1, 0, "-")
-    assert [row["kept after"] for row in verdict(rows)] == ["1 of 3 kills", "2 of 3 kills", "3 of 3 kills"]
