@@ -101,10 +101,8 @@ class Wire:
             past.append(data)
         else:
             past[self._rng.randrange(_REMEMBERED)] = data
-        if self.fault is PERFECT:
-            arriving = [(0.0, data)]
-        else:
-            arriving = faulty_link(self.fault, data, past, self._rng)
+        perfect = self.fault is PERFECT
+        arriving = [(0.0, data)] if perfect else faulty_link(self.fault, data, past, self._rng)
         for delay, arrived in arriving:
             self._count += 1
             self._flying.append((now_s + delay, self._count, arrived))

@@ -120,7 +120,7 @@ def test_what_the_operating_system_refuses_is_one_line(
     def full(arguments: object) -> int:
         raise OSError(28, "No space left on device", "replay/frames.csv")
 
-    monkeypatch.setattr("stillarm.commands.replay_command.run", full)
+    monkeypatch.setattr("stillarm.commands.recordings.replay_command.run", full)
     assert main(["replay", "rec.mcap"]) == 1
     assert "replay/frames.csv: no space left on device" in one_line(capsys)
 
@@ -141,7 +141,7 @@ def test_sigterm_unwinds_as_ctrl_c_does_even_where_a_shell_has_that_ignored(
         return 0
 
     before = signal.signal(number, signal.SIG_IGN)
-    monkeypatch.setattr("stillarm.commands.replay_command.run", told_to_end)
+    monkeypatch.setattr("stillarm.commands.recordings.replay_command.run", told_to_end)
     try:
         assert main(["replay", "rec.mcap"]) == 130
     finally:

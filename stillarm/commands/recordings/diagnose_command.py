@@ -12,7 +12,7 @@ from stillarm.common.process.blas_threads import one_blas_thread
 from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
-    from stillarm.commands.diagnose_many import Done
+    from stillarm.commands.recordings.diagnose_many import Done
     from stillarm.common.files.model import Model
 
 _MOST_PAIRS = 100
@@ -110,7 +110,7 @@ def _use_pairs(arguments: argparse.Namespace) -> int:
 
 def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
     """Diagnose one recording in this process, into the output folder itself."""
-    from stillarm.commands.diagnose_many import Job, beside, diagnose_one
+    from stillarm.commands.recordings.diagnose_many import Job, beside, diagnose_one
     from stillarm.progress import progress_bar
 
     (path,) = arguments.recordings
@@ -126,7 +126,7 @@ def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
 
 def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list[Done]":
     """Diagnose each recording into a folder of its name. The results have the order of the arguments."""
-    from stillarm.commands.diagnose_many import Job, diagnose_all, executor_for
+    from stillarm.commands.recordings.diagnose_many import Job, diagnose_all, executor_for
     from stillarm.progress import progress_bar
 
     out = arguments.out.absolute()

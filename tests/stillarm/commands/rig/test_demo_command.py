@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from stillarm.commands.demo_command import comparison_line, print_table
+from stillarm.commands.rig.demo_command import comparison_line, print_table
 
 
 def summary(frames: int, lost: int) -> dict[str, Any]:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from stillarm.commands import diagnose_many
-from stillarm.commands.diagnose_many import Job, diagnose_all, diagnose_one, executor_for
+from stillarm.commands.recordings import diagnose_many
+from stillarm.commands.recordings.diagnose_many import Job, diagnose_all, diagnose_one, executor_for
 from stillarm.common.files.scenario import Move, Scenario, Strike
 from stillarm.common.user_error import UserError
 from stillarm.main import main

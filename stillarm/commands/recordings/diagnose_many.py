@@ -58,7 +58,7 @@ def diagnose_one(
     """
     began_s = time.monotonic()
     one_blas_thread()
-    from stillarm.commands.diagnose_result import put_to_use, sentence, write
+    from stillarm.commands.recordings.diagnose_result import put_to_use, sentence, write
     from stillarm.common.files.output_folder import make_folder
     from stillarm.diagnosis.budget import Budget
     from stillarm.diagnosis.diagnose import diagnose

@@ -13,8 +13,8 @@ from stillarm.common.recording.reader import open_recording
 from stillarm.preflight import walk
 from stillarm.preflight.verdict import Level
 from tests.fixtures.free_ports import free_ports
+from tests.fixtures.imports import ROOT
 
-ROOT = Path(__file__).parents[3]
 CONFIG = """
 model = "model.toml"
 [link]
