@@ -16,6 +16,10 @@ Port = Annotated[int, Meta(ge=1, le=65535)]
 Positive = Annotated[float, Meta(gt=0.0)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
+AccelerometerDriver = Literal[
+    "lis3lv02dq", "lis3dh", "adxl345", "adxl355", "mpu6050", "icm20948",
+    "witmotion", "xsens", "vectornav", "microcontroller", "iio", "none",
+]  # fmt: skip
 
 
 class Link(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -177,20 +181,7 @@ class AccelerometerDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=Tru
     bandwidth_hz: which of the part's filters; 0: its default. full_scale_g: where the driver can set it.
     """
 
-    driver: Literal[
-        "lis3lv02dq",
-        "lis3dh",
-        "adxl345",
-        "adxl355",
-        "mpu6050",
-        "icm20948",
-        "witmotion",
-        "xsens",
-        "vectornav",
-        "microcontroller",
-        "iio",
-        "none",
-    ] = "lis3lv02dq"
+    driver: AccelerometerDriver = "lis3lv02dq"
     bus: str = "/dev/i2c-1"
     address: Annotated[int, Meta(ge=0, le=0x77)] = 0
     port: str = "/dev/ttyACM0"
