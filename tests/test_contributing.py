@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from tests.fixtures.imports import ROOT
-from tests.fixtures.mirror import PACKAGES
 
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 COPIED = (
