@@ -1,5 +1,6 @@
-"""For all tests: linear algebra on one thread, as the commands have it, and no example timed, whatever the machine; and
-the run's last line says how many tests of measured data ran, or were left out."""
+"""For all tests: linear algebra uses one thread, as in the commands, and hypothesis times no example. The
+run's last line says how many tests of measured data ran or were left out.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -71,7 +71,7 @@ def test_a_mistake_is_one_line(
 
 
 def test_an_unknown_command_or_argument_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    """With the command that explains."""
+    """The line names the command that explains."""
     for words in (["dmeo"], ["replay", "--methd", "x"], []):
         with pytest.raises(SystemExit) as stop:
             main(words)
@@ -115,7 +115,7 @@ def test_a_daemon_that_cannot_start_says_why_in_one_line(
 def test_what_the_operating_system_refuses_is_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Also where nobody foresaw it: a full disk in the middle of a table."""
+    """Also for an unforeseen error: a full disk while a table is written."""
 
     def full(arguments: object) -> int:
         raise OSError(28, "No space left on device", "replay/frames.csv")
@@ -129,7 +129,7 @@ def test_what_the_operating_system_refuses_is_one_line(
 def test_sigterm_unwinds_as_ctrl_c_does_even_where_a_shell_has_that_ignored(
     number: signal.Signals, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """So that a demo that is told to end ends its processes on the way, and what moves a joint always stops."""
+    """A terminated demo therefore ends its processes, and a moving joint always stops."""
     unwound = []
 
     def told_to_end(arguments: object) -> int:

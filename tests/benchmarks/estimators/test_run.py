@@ -84,7 +84,9 @@ def test_the_campaign_holds_what_the_issue_asks_for() -> None:
 
 
 def test_a_part_of_the_campaign_is_the_same_trials() -> None:
-    """Whatever is left out, a trial keeps its seed; rows ask for their table, regimes and noises for the first."""
+    """A trial keeps its seed in any part of the campaign; rows select the third table, regimes and noises the
+    first.
+    """
     whole = campaign(2, 5).jobs()
     for part, table, count in (
         (Part(["fused"], regimes=["live"]), Job, 3 * 2),

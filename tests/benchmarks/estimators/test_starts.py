@@ -1,4 +1,4 @@
-"""Pulls, pushes, gaps and the busy computer: what the generator says of them must be true."""
+"""Pulls, pushes, gaps and the busy computer are as the generator states."""
 
 import json
 from dataclasses import replace
@@ -18,7 +18,7 @@ LIVE = REGIMES["live"]
 
 
 def test_the_bound_of_a_busy_computer_is_not_above_that_of_white_jitter() -> None:
-    """It is told the waits."""
+    """The bound knows the waits."""
     live = generate(LIVE, 0.3, (1,), 12.0, Arm())
     limit = bound(live).delay_std_s
     assert np.all(np.isfinite(limit))

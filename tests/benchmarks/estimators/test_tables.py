@@ -23,7 +23,7 @@ def made_up(ours: list[float], other: list[float]) -> list[Judged]:
 
 
 def test_comparisons_are_paired() -> None:
-    """What every trial shows counts, however much the trials differ; what they disagree on does not."""
+    """A difference that every trial shows counts, however much the trials vary; other differences do not."""
     level = [0.01, 0.05, 0.2, 0.4]
     rows = comparison_rows(made_up([x + 0.001 * (1 + 0.1 * k) for k, x in enumerate(level)], level))
     worse = {row["figure"]: row["worse"] for row in rows}
@@ -35,7 +35,7 @@ def test_comparisons_are_paired() -> None:
 
 
 def test_standard_errors_are_those_of_means() -> None:
-    """Of means the usual one; of the delay's ratio how far campaigns of as many trials differ from each other."""
+    """For means the usual formula; for the delay's ratio the spread between campaigns of as many trials."""
     errors = [0.02, 0.05, 0.03, 0.02]
     row = estimator_rows(made_up(errors, errors))[0]
     assert row["standard_errors"]["error_mean"] == pytest.approx(np.std(errors, ddof=1) / 2.0)

@@ -81,7 +81,7 @@ def test_an_encoder_before_the_gear_shows_the_motor() -> None:
 def test_theta_never_leaves_the_play_and_the_arm_feels_all_of_its_motion(
     gap: float, seed: int, amplitude: float, stop: float
 ) -> None:
-    """Whatever is commanded, end stops of the motor included."""
+    """For any command, also at the motor's end stops."""
     drive = Drive(min_position_rad=-stop, max_position_rad=stop)
     limp = Arm(length_m=2.0, modes=[Mode(frequency_hz=0.01, damping_ratio=0.0, participation=1.0)])
     backlash = {"cause": "gear_backlash", "gap_rad": gap}

@@ -7,7 +7,7 @@ from tests.fixtures.seen_images import LENS, assert_rendered_as_stated, position
 
 
 def test_it_is_what_the_catalogue_says() -> None:
-    """Of a slow motion, whose mean over 15 ms is that at mid-exposure within 1e-3 of a pixel."""
+    """The motion is slow: its mean over 15 ms equals the value at mid-exposure within 1e-3 px."""
     mids, shown = seen(LENS)
     d = -800.0 * position(mids)
     assert shown == pytest.approx(d * (1.0 + 4e-5 * d * d), abs=0.01)

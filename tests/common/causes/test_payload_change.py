@@ -12,7 +12,7 @@ from tests.reference.effects_judge import ringing
 
 @pytest.mark.parametrize("share", [None, 0.0, 1.4])
 def test_a_payload_changes_every_frequency_by_its_share_from_its_onset_on(share: float | None) -> None:
-    """All alike where nothing else is said."""
+    """All modes change alike by default."""
     effect = {"cause": "payload_change", "onset_s": 1.5, "frequency_ratio": 0.9}
     effect |= {} if share is None else {"higher_modes_share": share}
     hz = 16.0 * (1.0 - 0.1 * (1.0 if share is None else share))

@@ -6,7 +6,7 @@ from tests.fixtures.seen_images import DRIFT, assert_rendered_as_stated, positio
 
 
 def test_it_is_what_the_catalogue_says() -> None:
-    """Of a slow motion, whose mean over 15 ms is that at mid-exposure within 1e-3 of a pixel."""
+    """The motion is slow: its mean over 15 ms equals the value at mid-exposure within 1e-3 px."""
     mids, shown = seen(DRIFT)
     d = -800.0 * position(mids)
     assert shown == pytest.approx(d + 3.0 * mids, abs=0.01)

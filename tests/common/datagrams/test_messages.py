@@ -1,4 +1,6 @@
-"""The table of messages, beside the wire as it was before the table, and the tables of docs/protocol.md."""
+"""The table of messages: the same bytes on the wire as before there was a table, and the tables of
+docs/protocol.md.
+"""
 
 from math import nan
 

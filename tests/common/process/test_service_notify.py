@@ -66,7 +66,7 @@ def test_the_units_ask_for_what_the_daemons_need(role: str) -> None:
 
 
 def test_the_units_user_is_made_and_may_hold_the_processors_latency() -> None:
-    """Without, the controller would refuse to start as a service."""
+    """Otherwise the controller would refuse to start as a service."""
     users = (ROOT / "deploy" / "sysusers" / "stillarm.conf").read_text().splitlines()
     rule = (ROOT / "deploy" / "udev" / "80-stillarm.rules").read_text()
     unit = (ROOT / "deploy" / "systemd" / "stillarm-controller.service").read_text()

@@ -64,7 +64,7 @@ def test_a_daemon_that_ends_removes_its_lock_file(tmp_path: Path, monkeypatch: p
 def test_a_lock_file_removed_while_it_was_being_locked_is_made_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Else two daemons would each hold the lock of a file of the same name."""
+    """Otherwise two daemons could each hold a lock on a file of the same name."""
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
     path = tmp_path / "stillarm-controller-5.lock"
     locks: list[int] = []

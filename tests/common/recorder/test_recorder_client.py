@@ -23,7 +23,7 @@ def own_rings() -> list[Path]:
 
 @pytest.mark.slow
 def test_a_launched_recorder_waits_for_its_file_and_then_records(tmp_path: Path) -> None:
-    """No file is there before begin(), however long the process has been loaded."""
+    """No file exists before begin(), however long ago the process was loaded."""
     client = RecorderClient.launch()
     client.wait_until_loaded()
     assert client.alive() and not list(tmp_path.iterdir())
@@ -35,7 +35,7 @@ def test_a_launched_recorder_waits_for_its_file_and_then_records(tmp_path: Path)
 
 @pytest.mark.slow
 def test_one_that_never_began_leaves_nothing_behind() -> None:
-    """As where a device refuses the start meanwhile; it is no cut recording."""
+    """For example, because a device refuses to start. This is not a cut recording."""
     client = RecorderClient.launch()
     assert len(own_rings()) == 1
     assert client.close() and client.close()

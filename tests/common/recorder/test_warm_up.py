@@ -11,7 +11,7 @@ from stillarm.common.recording.topics import TOPICS, TrueState
 
 @pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
 def test_every_topic_has_a_blank_message_that_survives_its_encoding(topic: object) -> None:
-    """So that a new topic is warmed up, too."""
+    """A new topic is thereby warmed up as well."""
     kind = topic.message  # type: ignore[attr-defined]
     encoded = msgspec.msgpack.encode(blank_message(kind))
     assert msgspec.msgpack.encode(msgspec.msgpack.Decoder(kind).decode(encoded)) == encoded

@@ -24,7 +24,7 @@ log_lines = st.builds(LogLine, any_time, st.text(max_size=5), st.text(max_size=4
 
 
 def finite(message: msgspec.Struct) -> dict[str, object]:
-    """As a file can hold it: what is not finite is absent."""
+    """As a file holds it: values that are not finite are absent."""
     plain = msgspec.structs.asdict(message)
     return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in plain.items()}
 

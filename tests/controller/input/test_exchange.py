@@ -62,7 +62,7 @@ def test_a_reference_lapses() -> None:
 
 @given(st.lists(st.binary(max_size=200), max_size=5))
 def test_any_bytes_are_survived(datagrams: list[bytes]) -> None:
-    """By all three ends."""
+    """At all three ends."""
     controller, supervisor = ControllerExchange(DEMO_KEY, 11), SupervisorExchange(DEMO_KEY, 22, 1)
     assert controller.take(datagrams, 5) == []
     supervisor.take(datagrams)

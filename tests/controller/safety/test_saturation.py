@@ -10,7 +10,9 @@ from tests.fixtures.safety_loop import MODEL, run, states, wrong_participation
 
 @pytest.mark.slow
 def test_saturation_without_success_is_a_fault_and_with_success_none() -> None:
-    """A limit of 4 mm/s: a large blow is worked off at it for seconds; a drive of the wrong sense never gets there."""
+    """With a limit of 4 mm/s a large impact takes seconds to damp at the limit; a drive of the wrong sense
+    never succeeds.
+    """
     damping = Damping(max_velocity_rad_s=0.004)
     settings = Settings(arm_at_start=True, method="correlation", damping=damping)
     sound = run(lambda read: None, 6.0, settings, strikes={0.5: 0.03}, reference=lambda t: 0.0)

@@ -151,7 +151,7 @@ def late(model: Model) -> Model:
 def test_damping_with_the_wrong_phase_is_found_out(
     wrong: Callable[[Model], Model], method: str, largest: float
 ) -> None:
-    """Before the vibration is `largest` times the blow; then nothing moves any more."""
+    """Before the vibration exceeds `largest` times the amplitude of the impact; then nothing moves any more."""
     trace = run(
         lambda read: None,
         6.0,

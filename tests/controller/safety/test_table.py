@@ -17,7 +17,7 @@ from tests.fixtures.expected_states import EXPECTED, SEEN
 @pytest.mark.parametrize("event", Event)
 @pytest.mark.parametrize("state", State)
 def test_each_event_in_each_state(state: State, event: Event) -> None:
-    """What is not listed stays where it is."""
+    """An event that is not listed leaves the state unchanged."""
     assert TRANSITIONS[state, event] is EXPECTED.get((state, event), state)
 
 

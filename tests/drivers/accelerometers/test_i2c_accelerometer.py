@@ -175,7 +175,7 @@ def test_a_device_that_went_away_comes_back_by_itself(
 def test_a_read_never_makes_more_than_one_transfer(
     rig: Callable[..., Rig], part: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whatever happens to the device: the loop's time for it is bounded."""
+    """For any failure of the device: the loop's time for it is bounded."""
     made = rig(part)
     bus, transfers = made.driver._bus, []
     assert bus is not None

@@ -104,7 +104,9 @@ def test_no_signed_body_makes_it_raise_or_gives_a_velocity_that_is_no_number(bod
 
 
 def test_commands_of_another_life_of_the_gateway_are_not_followed_but_answered() -> None:
-    """Recorded yesterday, played to the gateway of today; whoever commands today learns its session and is followed."""
+    """Old commands are replayed to a restarted gateway and not followed; a present commander learns its
+    session and is followed.
+    """
     yesterday = plain_datagram(KEY, DRIVE_COMMAND, SESSION, 5, (0.6,), echo=69)
     gateway = DriveGateway(KEY, OWN)
     assert not gateway.receive(yesterday, 0.0)

@@ -1,4 +1,4 @@
-"""An ODrive's lines: found whatever came before, never more than a line kept."""
+"""An ODrive's lines are found after any garbage, and at most one line is kept."""
 
 import pytest
 from hypothesis import given

@@ -7,7 +7,7 @@ from tests.fixtures.seen_images import DRIFT, LENS, position, seen
 
 
 def test_two_effects_add_up() -> None:
-    """Of a slow motion, whose mean over 15 ms is that at mid-exposure within 1e-3 of a pixel."""
+    """The motion is slow: its mean over 15 ms equals the value at mid-exposure within 1e-3 px."""
     mids, plain = seen()
     d = -800.0 * position(mids)
     assert plain == pytest.approx(d, abs=0.01)

@@ -1,4 +1,4 @@
-"""Clocks that step: in the rows and nowhere else."""
+"""Clock steps show in the rows and nowhere else."""
 
 import msgspec
 import pytest

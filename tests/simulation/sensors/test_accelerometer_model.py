@@ -49,7 +49,7 @@ def test_presented_keeps_the_mounting_and_finds_an_emulated_place() -> None:
 
 @pytest.mark.parametrize("name", [*SENSED_PARTS, *SERIAL_DEVICES])
 def test_the_demo_writes_both_models(tmp_path: Path, name: str) -> None:
-    """What the loop assumes, and what the rig truly is: the same but for samples that stand."""
+    """The assumed and the true model differ only in the age of held samples."""
     _, configuration, _ = write_demo_configuration(tmp_path, 20.0, 0, name)
     assert configuration.accelerometer.driver == name
     assumed = load_model(tmp_path / "model.toml").accelerometer

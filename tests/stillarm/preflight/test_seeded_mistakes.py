@@ -49,7 +49,7 @@ KEY, OTHER_KEY = b"the key of this test", b"another key altogether"
 
 
 class Clock:
-    """A clock that moves when somebody sleeps, and calls whoever wants to act meanwhile."""
+    """A clock that advances during sleep(), and calls registered functions meanwhile."""
 
     def __init__(self, meanwhile: Callable[[float], None] = lambda seconds: None) -> None:
         self.now = 100.0

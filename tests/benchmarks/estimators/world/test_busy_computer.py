@@ -12,7 +12,9 @@ BUSY = LIVE.busy or Busy()
 
 
 def test_a_busy_computer_is_behind_at_first_and_late_on_one_side_ever_after() -> None:
-    """The start drains; then a hard earliest moment, a mean as told and a tail; n_i is when an earlier image ended."""
+    """The initial queue drains. Then delays have a hard minimum, the stated mean and a tail; n_i is the end
+    of an earlier image.
+    """
     late, first, means, lost = [], [], [], 0
     for seed in range(30):
         frames = expose(LIVE, 40.0, np.random.default_rng(seed))

@@ -71,7 +71,7 @@ def test_an_arm_at_rest_stays_so_until_it_is_touched(excite: Excitation) -> None
 
 
 def test_the_slow_pull_leaves_what_was_before_as_it_was() -> None:
-    """Blows as usual until a second before."""
+    """Impacts as usual until a second before."""
     data = generate(REGIMES["freerun drift"], 0.3, (3,), 16.0, Arm(), None, pulled_slowly_at(9.0))
     pull = data.motion.forced_s
     assert pull.shape == (1, 2)

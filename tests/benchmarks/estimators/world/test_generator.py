@@ -1,4 +1,4 @@
-"""The benchmark's generator: what it says of its statistics must be true, and it must stand on its own."""
+"""The benchmark's generator: its statistics are as stated, and it shares no code with what it judges."""
 
 import ast
 from dataclasses import replace
@@ -66,7 +66,7 @@ def test_the_motion_obeys_the_modes_equation(seed: int, change: bool) -> None:
 
 
 def test_the_amplitude_stays_within_a_factor_of_two() -> None:
-    """As the issue wants it, at every moment of every trial, and blows are as large as the bound is told."""
+    """At every moment of every trial; the impacts are as large as the bound assumes."""
     arm, time, kicks = Arm(), np.arange(0.0, 40.0, 0.001), []
     for seed in range(40):
         motion = strike_again(arm, 40.0, np.random.default_rng(seed))
@@ -141,7 +141,7 @@ def test_noises_are_fractions_of_the_amplitude(noise: float) -> None:
 
 
 def test_the_sensor_clips_at_its_range() -> None:
-    """A blow may exceed it."""
+    """An impact may exceed it."""
     data = generate(REGIMES["freerun constant"], 0.1, (1,), 10.0, replace(Arm(), range_m_s2=2.0))
     assert data.acceleration_m_s2.max() == 2.0
     assert data.acceleration_m_s2.min() == -2.0

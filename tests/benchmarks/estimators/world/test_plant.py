@@ -19,7 +19,7 @@ from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, Arm
 def test_the_plant_is_its_equations(
     damping_ratio: float, bandwidth_hz: float, command: float, dead_cycles: int
 ) -> None:
-    """Against Runge-Kutta at a twentieth of the cycle, with a command, a force and a blow."""
+    """Against Runge-Kutta at a twentieth of the cycle, with a command, a force and an impact."""
     arm = Arm(damping_ratio=damping_ratio)
     w, lag = arm.angular_frequency, 2 * np.pi * bandwidth_hz
     plant = arm_plant(arm, 2.0, 1.14, bandwidth_hz, dead_cycles)

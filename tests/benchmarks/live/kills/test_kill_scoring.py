@@ -1,4 +1,4 @@
-"""Kills of the supervisor: when they come, which gap is theirs, and what is made of the estimates after it."""
+"""Kills of the supervisor: the gap in the images, and the scores of the estimates after it."""
 
 from dataclasses import replace
 
@@ -46,7 +46,7 @@ def test_what_comes_after_the_next_strike_counts_for_nothing() -> None:
 
 
 def test_being_wrong_and_sure_counts_from_the_kill_on() -> None:
-    """Half the deflection off, with a stated deviation of 0.1 mm: sure of it in the silence."""
+    """The estimate is off by half the deflection and states 0.1 mm during the silence."""
     found = score_kill(said(5.0, 6.0, 0.5), true_run(), KILL, GAP)
     assert found["longest_beyond_2_std_s"] == pytest.approx(1.0, abs=0.2)
     assert found["settled_s"] == 0.0

@@ -79,7 +79,7 @@ def test_measurements_at_their_own_time_give_the_exact_posterior_of_the_present(
 
 
 def test_a_batch_is_the_same_as_its_samples_one_by_one() -> None:
-    """Without disturbances between them, seen from their end."""
+    """There are no disturbances between the samples; the beliefs are compared at their end."""
     random = np.random.default_rng(1)
     model = space(0.5)
     start = first_belief(model, 0.0, 0.0)
@@ -96,7 +96,7 @@ def test_a_batch_is_the_same_as_its_samples_one_by_one() -> None:
 
 
 def test_neighbours_that_change_places_are_both_used() -> None:
-    """Without disturbances the order in which two samples come makes no difference at all."""
+    """Without disturbances the order of two samples makes no difference."""
     model = TwoTimeScales(MODES, Densities(0.0, 0.0, 0.0), None)
     row, start = image_row(model), first_belief(model, 0.0, 0.0)
 
@@ -114,7 +114,7 @@ def test_neighbours_that_change_places_are_both_used() -> None:
 
 
 def test_a_measurement_outside_the_gate_is_skipped_once_and_then_an_impact() -> None:
-    """The modes' covariance is raised by what explains it, the image's zero stays as well known as it was."""
+    """The modes' covariance grows enough to explain it; the covariance of the image's zero does not change."""
     model = space()
     row, belief = image_row(model), first_belief(model, 0.0, 0.0)
     for k in range(1, 60):

@@ -1,4 +1,4 @@
-"""What stands in the accelerometer's place."""
+"""A strain gauge in place of the accelerometer, and a clipped accelerometer."""
 
 from math import nan
 

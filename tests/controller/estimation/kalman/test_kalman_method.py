@@ -64,7 +64,9 @@ def test_an_impact_is_followed_within_a_fifth_of_a_second(method: str) -> None:
 
 @pytest.mark.slow
 def test_the_stated_deviation_covers_the_error() -> None:
-    """Slow wander, the delay taken as constant: what is added for the delay is what the error is made of."""
+    """The delay wanders slowly and the method takes it as constant: the variance added for the delay covers
+    the error.
+    """
     ratios = []
     for seed in range(3):
         a = run("kalman_constant_delay", 5.0, delay=wandering(0.074, 0.0064, 2.0), seed=seed).arrays()
@@ -220,5 +222,5 @@ def test_garbage_never_crashes_and_never_states_nonsense(seed: int, method: str,
 
 
 def test_the_same_inputs_give_the_same_numbers() -> None:
-    """To the bit, which replay rests on."""
+    """To the bit: replay relies on it."""
     assert run("kalman_fusion", 1.5).estimate[1000:] == run("kalman_fusion", 1.5).estimate[1000:]

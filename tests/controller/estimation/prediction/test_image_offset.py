@@ -11,7 +11,7 @@ from tests.fixtures.decaying_vibration import MODE, A, vibration
 @given(offset=st.floats(-1.0, 1.0), phase=st.floats(0.0, 6.28))
 @settings(max_examples=30)
 def test_the_offset_is_found_under_a_vibration(offset: float, phase: float) -> None:
-    """Within one period, to a hundredth of the amplitude; a blow does not move it."""
+    """Within one period, to a hundredth of the amplitude; an impact does not move it."""
     found = ImageOffset(MODE, 3.0)
     for k in range(200):
         if k == 100:
@@ -23,7 +23,7 @@ def test_the_offset_is_found_under_a_vibration(offset: float, phase: float) -> N
 
 
 def test_the_offset_survives_a_long_silence() -> None:
-    """Its covariance stays finite and positive however long nothing is seen."""
+    """Its covariance stays finite and positive during any silence."""
     found = ImageOffset(MODE, 3.0)
     for k in range(50):
         found.add(k / 65, 0.2)

@@ -18,7 +18,7 @@ from tests.fixtures.decaying_vibration import MODE, A, W, vibration
     offset=st.floats(-0.1, 0.1),
 )
 def test_an_exact_sine_is_predicted_exactly(frames: int, phase: float, ahead_s: float, offset: float) -> None:
-    """From three frames on, whatever the phase and how far ahead."""
+    """From three frames on, for any phase and any prediction horizon."""
     regression = SineRegression(MODE, frames, 1e-9, 0.0)
     for k in range(frames):
         regression.add(k / 65, vibration(k / 65, phase) + offset, offset, 0.25)
@@ -42,7 +42,7 @@ def test_the_stated_deviation_is_that_of_the_error() -> None:
 
 
 def test_an_impact_cuts_the_window_and_noise_does_not() -> None:
-    """The fit is right again five frames after a blow; in a minute of noise the window stays whole."""
+    """The fit is right again five frames after an impact; a minute of noise does not cut the window."""
     random = np.random.default_rng(1)
     regression = SineRegression(MODE, 20, 5e-5, 0.0064)
     changes = 0

@@ -1,4 +1,4 @@
-"""`stillarm replay`: what it spares, and what it tells."""
+"""`stillarm replay`: files that it does not overwrite, and its messages."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ def test_a_replay_spares_the_measured_frames(
 def test_a_replay_tells_that_its_recording_was_cut(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    """Else whatever is missing would look like a fault of the replay."""
+    """Otherwise the missing part would look like an error of the replay."""
     (tmp_path / "model.toml").write_text("[arm]\nlength_m = 2.0\n")
     (tmp_path / "fast.csv").write_text("time_s\n" + "".join(f"{n / 1000}\n" for n in range(2000)))
     whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"

@@ -18,7 +18,7 @@ def summary(frames: int, lost: int) -> dict[str, Any]:
 def test_a_computer_that_could_not_keep_up_is_told_of(
     frames: int, lost: int, told: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A run that lost most of its images must not pass for what the method can do."""
+    """A run that lost most of its images says little about the method."""
     print_table(summary(frames, lost))
     assert ("too busy" in capsys.readouterr().out) == told
 
@@ -39,7 +39,7 @@ def test_a_computer_that_could_not_keep_up_is_told_of(
 def test_the_summary_says_what_fused_reached_against_the_others(
     errors: dict[str, float | None], says: str
 ) -> None:
-    """Also where it is worse, and nothing where a score is missing."""
+    """It also says when fused is worse, and says nothing without a score."""
     line = comparison_line({name: {"prediction_error_mean": error} for name, error in errors.items()})
     assert says in line and "\n" not in line
     assert bool(line) == bool(says)
