@@ -49,7 +49,7 @@ class Answers:
 class Score:
     """Figures of one trial. Errors of the deflection are fractions of the momentary amplitude.
 
-    The first seven start at SETTLING_S and exclude AFTER_BLOW_S after each impact; *_all include everything after
+    The first seven start at SETTLING_S and exclude AFTER_IMPACT_S after each impact; *_all include everything after
     SETTLING_S; error_last: mean over the last LAST_S; unanswered: fraction of cycles without a finite prediction, each
     of which counts as a prediction of zero.
     """
@@ -181,7 +181,7 @@ def forced_cycles(data: Data) -> Mask:
 
 
 def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
-    """The scored cycles: settled, ringing, and no impact within the last AFTER_BLOW_S. Shape (cycles,)."""
+    """The scored cycles: settled, ringing, and no impact within the last AFTER_IMPACT_S. Shape (cycles,)."""
     time_s = cycle_times(len(data.deflection_m))
     scored = swinging_cycles(data, from_s)
     for impact in data.motion.impacts_s:

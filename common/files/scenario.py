@@ -17,7 +17,7 @@ Time = Annotated[float, Meta(ge=0.0)]
 
 
 class Strike(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """A blow at the tip: mode number `mode` (1 = first) rings on from it with amplitude `deflection_m`
+    """An impact at the tip: mode number `mode` (1 = first) rings on from it with amplitude `deflection_m`
     (signed).
 
     It jumps the modal velocity by w * deflection_m.

@@ -24,8 +24,8 @@ ACCELEROMETER_SCALE_STD = 0.002
 class Arm:
     """The true arm: one mode and its excitation.
 
-    amplitude_m is the unit of all noises. Impacts come blow_every_s apart and bring the amplitude to blow_to of it;
-    with damping_ratio = 0.01 and 2.6 Hz it stays within 0.64 to 1.25. blow_s: duration of an impact.
+    amplitude_m is the unit of all noises. Impacts come impact_every_s apart and bring the amplitude to impact_to of it;
+    with damping_ratio = 0.01 and 2.6 Hz it stays within 0.64 to 1.25. impact_s: duration of an impact.
     """
 
     frequency_hz: float = 2.6

@@ -7,7 +7,7 @@ Where the paper leaves points open or is biased, this module does the following 
 - Mean and power are updated with the product at each lag, so that the maximised quantity is the correlation
   coefficient r(m). By the Cauchy-Schwarz inequality its maximum lies at the true delay for every window and offset.
 - The force of an impact is not vibration, and is much larger while it lasts. Its samples are left out
-  (blow_samples.py).
+  (impact_samples.py).
 - x is averaged over 2 J + 1 cycles, a pure delay of J, so that all of the accelerometer's samples count, not just those
   at arrivals.
 - Lags are searched within less than half a period of the prior, never at both ends of a periodic function. Each image
