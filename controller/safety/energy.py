@@ -16,9 +16,9 @@ estimated amplitude, and of the accelerometer's amplitude at the mode's frequenc
 may not grow as the vibration does. An amplitude grows if it rises by a fifth in each of four or more consecutive
 periods, to three and a half times its value before them, and to twice the largest of the last minute. The sum counts
 more than each period, because an estimate from a wrong model swings by 15 %. No impact causes such a rise. The
-accelerometer's amplitude shows an impact in two periods (accelerometer_amplitude.py), and two impacts in four: it has to rise in
-five. Twenty simulated hours each of white disturbance and of random impacts (every 0.5, 1, 3 s), at damping ratios of
-0.02, 0.05 and 0.13, gave 12 false alarms by the estimate in 240 hours and 4 by the accelerometer.
+accelerometer's amplitude shows an impact in two periods (accelerometer_amplitude.py), and two impacts in four: it has to
+rise in five. Twenty simulated hours each of white disturbance and of random impacts (every 0.5, 1, 3 s), at damping
+ratios of 0.02, 0.05 and 0.13, gave 12 false alarms by the estimate in 240 hours and 4 by the accelerometer.
 """
 
 from cmath import exp as cexp

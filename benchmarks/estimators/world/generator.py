@@ -170,8 +170,8 @@ def strike_again(
 ) -> Motion:
     """A freely decaying vibration with repeated impacts: constant force for impact_s, at any phase.
 
-    An impact's size is drawn so that the amplitude after it lies in impact_to. Of the two velocities with that effect it
-    uses the smaller.
+    An impact's size is drawn so that the amplitude after it lies in impact_to. Of the two velocities with that effect
+    it uses the smaller.
     """
     w, unit = arm.angular_frequency, arm.amplitude_m
     phase = random.uniform(0.0, 2.0 * np.pi)
