@@ -236,9 +236,8 @@ def score_of(
     known = np.isfinite(said.predicted_m)
     predicted = np.where(known, said.predicted_m, 0.0)
     error = predicted - said.deflection_m
-    with np.errstate(
-        divide="ignore", invalid="ignore"
-    ):  # division by zero for an arm at rest, which is not scored
+    # division by zero for an arm at rest, which is not scored
+    with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.abs(error) / said.unit_m
     last = cycles.copy()
     last[: -round(LAST_S / CYCLE_S)] = False

@@ -39,9 +39,7 @@ def export_csv(recording: Recording, directory: str | Path) -> list[Path]:
 
 
 def export_parquet(recording: Recording, directory: str | Path) -> list[Path]:
-    """The same as Parquet files. Raises UserError, with the remedy, when the package pyarrow is not
-    installed.
-    """
+    """The same as Parquet files. Raises UserError, with the remedy, when the package pyarrow is not installed."""
     try:
         arrow = importlib.import_module("pyarrow")
         parquet = importlib.import_module("pyarrow.parquet")
@@ -78,9 +76,8 @@ def topic_tables(recording: Recording) -> dict[str, Table]:
 def _columns(recording: Recording, topic: Topic) -> Table:
     if topic.message is not ImageSample:
         return {name: column.tolist() for name, column in recording.columns(topic.name).items()}
-    names = [
-        name for name in ImageSample.__struct_fields__ if name not in ("format", "data")
-    ]  # no table of pixels
+    # no table of pixels
+    names = [name for name in ImageSample.__struct_fields__ if name not in ("format", "data")]
     rows = [[getattr(image, name) for name in names] for image in recording.messages(topic.name)]
     return {name: list(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
 
@@ -159,9 +156,7 @@ _FRAMES_FIRST = [
 
 
 def _flat(table: Table) -> Table:
-    """Lists as columns of their own: modal_deflections_m becomes modal_deflections_1_m, ..._2_m; NaN becomes
-    None.
-    """
+    """Lists as columns of their own: modal_deflections_m becomes modal_deflections_1_m, ..._2_m; NaN becomes None."""
     flat: Table = {}
     for name, values in table.items():
         if values and isinstance(values[0], list):

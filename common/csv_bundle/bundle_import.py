@@ -1,6 +1,4 @@
-"""`stillarm import DIR -o REC`: a CSV bundle becomes a recording that replay and diagnose read like any
-other.
-"""
+"""`stillarm import DIR -o REC`: a CSV bundle becomes a recording that replay and diagnose read like any other."""
 
 import difflib
 from collections.abc import Iterator
@@ -36,9 +34,7 @@ _PURPOSE = {"time_s": "the time of a row", "received_s": "when the controller re
 
 
 class ImportReport(msgspec.Struct, frozen=True):
-    """What came in. not_measured, unknown: columns as 'file: column'; notes: lines that the user
-    should read.
-    """
+    """What came in. not_measured, unknown: columns as 'file: column'; notes: lines that the user should read."""
 
     fast_rows: int
     frame_rows: int

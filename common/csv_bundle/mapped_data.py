@@ -1,6 +1,4 @@
-"""`stillarm import FILE --map input=COLUMN --map output=COLUMN --rate-hz HZ -o REC`: one input and one
-output.
-"""
+"""`stillarm import FILE --map input=COLUMN --map output=COLUMN --rate-hz HZ -o REC`: one input and one output."""
 
 from math import isfinite, isnan
 from pathlib import Path

@@ -1,6 +1,4 @@
-"""The configuration file: one TOML file for both computers; each daemon reads the sections that
-concern it.
-"""
+"""The configuration file: one TOML file for both computers; each daemon reads the sections that concern it."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -23,9 +21,7 @@ AccelerometerDriver = Literal[
 
 
 class Link(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Where the two processes listen, and the key that signs what they send. An empty key_file: the
-    demo key.
-    """
+    """Where the two processes listen, and the key that signs what they send. An empty key_file: the demo key."""
 
     controller_host: str = "127.0.0.1"
     controller_port: Port = 47001
@@ -162,9 +158,7 @@ class Tracker(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Supervisor(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Frame capture and tracking. `cycles_in_flight`: how many images are asked for ahead (buffers
-    queued).
-    """
+    """Frame capture and tracking. `cycles_in_flight`: how many images are asked for ahead (buffers queued)."""
 
     cycles_in_flight: Annotated[int, Meta(ge=1, le=32)] = 1
     tracker: Tracker = Tracker()

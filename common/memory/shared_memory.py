@@ -118,9 +118,8 @@ class SharedBlock:
         self.header.release()
         self.buffer.release()
         self._map.close()
-        if (
-            self._owner and not self.replaced()
-        ):  # a successor's block of the same name is not this one's to remove
+        # a successor's block of the same name is not this one's to remove
+        if self._owner and not self.replaced():
             self.path.unlink(missing_ok=True)
 
 

@@ -26,9 +26,7 @@ def _spare_other_files(path: Path) -> None:
 
 
 class AppendFile:
-    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is
-    taken back.
-    """
+    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is taken back."""
 
     def __init__(self, path_or_file: str | Path | IO[bytes]) -> None:
         """Make the file, or write to one that is open. An earlier recording of that name is replaced, any other
@@ -51,9 +49,7 @@ class AppendFile:
         self._length = 0
 
     def write(self, data: bytes) -> int:
-        """Append all of `data`; on OSError the file ends again where it ended before, and the error
-        goes on.
-        """
+        """Append all of `data`; on OSError the file ends again where it ended before, and the error goes on."""
         rest = memoryview(data)
         try:
             while rest:

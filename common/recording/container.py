@@ -127,10 +127,8 @@ def _scan(file: IO[bytes], size: int) -> Contents:
         if not whole:
             break
         file.seek(offset)
-    for (
-        number,
-        count,
-    ) in counts.items():  # only now: where a chunk is damaged, its channels stand in the summary too
+    # only now: where a chunk is damaged, its channels stand in the summary too
+    for number, count in counts.items():
         if number in contents.channels:
             contents.channels[number].messages = count
         else:
@@ -146,9 +144,7 @@ def _note_block(contents: Contents, counts: Counter[int], block: Block, data: by
 
 
 def _walk(body: bytes, channels: dict[int, Channel]) -> Iterator[tuple[int, int, int]]:
-    """Channel number, start and end of each whole message in a chunk's body; adds the channels met to
-    `channels`.
-    """
+    """Channel number, start and end of each whole message in a chunk's body; adds the channels met to `channels`."""
     offset, end = 0, len(body)
     unpack, unpack_message = _RECORD.unpack_from, _MESSAGE_HEAD.unpack_from
     while offset + 9 <= end:
@@ -190,9 +186,8 @@ def _zstd(data: bytes, size: int, cut: bool) -> bytes:
 
 
 def _lz4(data: bytes, size: int, cut: bool) -> bytes:
-    frame = importlib.import_module(
-        "lz4.frame"
-    )  # only other programs' files need it; comes with the package mcap
+    # only other programs' files need it; comes with the package mcap
+    frame = importlib.import_module("lz4.frame")
     return bytes(frame.LZ4FrameDecompressor().decompress(data, max_length=size))
 
 

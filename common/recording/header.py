@@ -96,9 +96,7 @@ def header_metadata(header: RecordingHeader) -> dict[str, str]:
 
 
 def read_header(fields: dict[str, str], notes: dict[str, str], name: str) -> RecordingHeader:
-    """The header out of MCAP metadata; `name` stands for the file. Raises UserError for a foreign or broken
-    one.
-    """
+    """The header out of MCAP metadata; `name` stands for the file. Raises UserError for a foreign or broken one."""
     written = fields.get("format", "")
     if written != str(FORMAT):
         raise UserError(

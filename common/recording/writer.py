@@ -47,9 +47,8 @@ class RecordingWriter:
         self._failure: str | None = None
         self._closed = False
         try:
-            self._writer.start(
-                library="stillarm"
-            )  # no version of a package: the bytes depend on what is given only
+            # no version of a package: the bytes depend on what is given only
+            self._writer.start(library="stillarm")
             self._writer.add_metadata(METADATA_NAME, header_metadata(header))
             self._writer.add_metadata(NOTES_NAME, dict(sorted(header.notes.items())))
         except OSError as error:
@@ -91,9 +90,7 @@ class RecordingWriter:
         self._chunk_start_ns = None
 
     def close(self) -> None:
-        """Complete the file; may be called twice. Raises UserError when that failed, or writing had failed
-        before.
-        """
+        """Complete the file; may be called twice. Raises UserError when that failed, or writing had failed before."""
         if self._closed:
             return
         self._closed = True
@@ -118,9 +115,7 @@ class RecordingWriter:
         return channel
 
     def _fail(self, error: OSError) -> UserError:
-        """End the file after its last whole record, in the fewest bytes that MCAP allows: there may be no
-        room.
-        """
+        """End the file after its last whole record, in the fewest bytes that MCAP allows: there may be no room."""
         reason = (error.strerror or str(error)).lower()
         end = RecordBuilder()
         DataEnd(0).write(end)

@@ -62,9 +62,8 @@ class MethodRun:
     method: str
     times_s: list[float] = field(default_factory=list)
     estimates: list[Estimate] = field(default_factory=list)
-    frames: list[tuple[int, float, DelayEstimate]] = field(
-        default_factory=list
-    )  # frame, received_s, its delay
+    # frame, received_s, its delay
+    frames: list[tuple[int, float, DelayEstimate]] = field(default_factory=list)
 
 
 @dataclass

@@ -32,9 +32,8 @@ def open_bus(name: str, *, wait_s: float = 0.0, key: str = "accelerometer.bus") 
             ) from None
     try:
         bus = smbus2.SMBus(name)
-        with contextlib.suppress(
-            OSError
-        ):  # an adapter without this setting keeps its default, often a second
+        # an adapter without this setting keeps its default, often a second
+        with contextlib.suppress(OSError):
             fcntl.ioctl(int(bus.fd or 0), _I2C_TIMEOUT, _TIMEOUT_10_MS)
         return bus
     except FileNotFoundError:

@@ -9,8 +9,7 @@ _EXPECTED_PER_LOOK = 4
 
 
 class DriveGatewaySocket:
-    """Feeds a DriveGateway from a socket; its answers go to the address of the last command that was
-    accepted."""
+    """Feeds a DriveGateway from a socket; its answers go to the address of the last command that was accepted."""
 
     def __init__(self, gateway: DriveGateway, local: Address, purpose: str = "drive.gateway_port") -> None:
         """Bind to `local`. Raises UserError, naming `purpose`, when that cannot be."""

@@ -26,8 +26,7 @@ class UdpGatewayDrive:
         clock: Callable[[], float] = time.monotonic,
         session: int | None = None,
     ) -> None:
-        """Opens nothing. clock: seconds, never backwards. session: of the commands; None draws a random
-        one."""
+        """Opens nothing. clock: seconds, never backwards. session: of the commands; None draws a random one."""
         self._config = config
         self._gateway = (config.gateway_host, config.gateway_port)
         self._clock = clock

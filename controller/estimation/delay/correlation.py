@@ -146,9 +146,8 @@ class CorrelationDelay:
         power_x = self._mean_xx / w - (self._mean_x / w) ** 2
         covariance = self._mean_xy / w - self._mean_x * (self._mean_y / (w * w))
         self.correlation = covariance / np.sqrt(np.maximum(power_x * power_y, 1e-30))
-        seen = (
-            elapsed * self._sum_power**2 / max(self._sum_power_squared, 1e-300)
-        )  # cycles, weighted by power
+        # cycles, weighted by power
+        seen = elapsed * self._sum_power**2 / max(self._sum_power_squared, 1e-300)
         if amplitude < self._settings.min_amplitude_m or seen < self._half_period:
             return self._hold(elapsed * self._cycle_s)
         reach = self._peak_reach
