@@ -140,9 +140,9 @@ class SharedRing:
     _LENGTH = struct.Struct("<I")
     _WRAP = 0xFFFFFFFF
 
-    def __init__(self, name: str, size: int = 0, *, create: bool, wait_s: float = 0.0) -> None:
+    def __init__(self, name: str, size: int = 0, *, create: bool) -> None:
         """Make a ring of `size` bytes or open one that exists."""
-        self.block = SharedBlock(name, size, create=create, wait_s=wait_s)
+        self.block = SharedBlock(name, size, create=create)
         self.lost = 0
 
     def put(self, message: bytes | bytearray | memoryview) -> bool:

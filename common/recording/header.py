@@ -62,7 +62,6 @@ def live_header(
     origin_monotonic_s: float,
     *,
     seed: int | None = None,
-    notes: dict[str, str] | None = None,
 ) -> RecordingHeader:
     """Header of a run in real time whose time_s is 0 at `origin_monotonic_s` (0 where time_s is the monotonic
     clock).
@@ -81,7 +80,6 @@ def live_header(
         origin_monotonic_s=origin_monotonic_s,
         origin_unix_ns=time.time_ns() + round((origin_monotonic_s - time.monotonic()) * 1e9),
         seed=seed,
-        notes=dict(notes or {}),
     )
 
 

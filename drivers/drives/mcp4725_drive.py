@@ -17,7 +17,6 @@ from stillarm.drivers.buses.i2c import open_bus
 from stillarm.drivers.drives.drive import DriveProbe, JointState
 
 _CODES = 4096
-_READ = 0x0001  # I2C_M_RD
 _ANSWER_BYTES = 5
 _POWER_DOWN = 0x06
 _LARGEST_ZERO_ERROR = 8  # codes: negligible against the model's limits

@@ -19,18 +19,13 @@ class UdpGatewayDrive:
     """Commands a joint's velocity and hears its state; implements stillarm.drivers.drives.drive.Drive."""
 
     def __init__(
-        self,
-        config: DriveDevice,
-        key: bytes,
-        *,
-        clock: Callable[[], float] = time.monotonic,
-        session: int | None = None,
+        self, config: DriveDevice, key: bytes, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        """Opens nothing. clock: seconds, never backwards. session: of the commands; None draws a random one."""
+        """Opens nothing. clock: seconds, never backwards."""
         self._config = config
         self._gateway = (config.gateway_host, config.gateway_port)
         self._clock = clock
-        self.session = new_session() if session is None else session
+        self.session = new_session()
         self._peer = Peer(key, _TAKES, self.session)
         self._socket: UdpSocket | None = None
         self._position = self._velocity = nan

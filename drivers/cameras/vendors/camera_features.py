@@ -72,15 +72,6 @@ def exposure_s(features: Features) -> float | None:
     return None
 
 
-def frame_rate_hz(features: Features) -> float | None:
-    """The rate in use; None if the camera does not report it."""
-    for name in ("ResultingFrameRate", "ResultingFrameRateAbs", *_RATE):
-        rate = features.number(name)
-        if rate is not None and rate > 0.0:
-            return rate
-    return None
-
-
 def _set(features: Features, names: tuple[str, ...], value: float, unit: float, key: str) -> list[str]:
     for name in names:
         if features.write(name, value) or features.number(name) is not None:

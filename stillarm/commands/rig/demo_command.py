@@ -7,6 +7,7 @@ from typing import Any
 from stillarm.arguments import seed
 
 _DURATION_S, _HIDDEN_DURATION_S = 30.0, 60.0
+_OURS = "fused"
 _LOST_SHARE = 0.1  # of the frames; with more losses, the run shows the computer's load rather than the method
 
 
@@ -99,18 +100,18 @@ def print_table(summary: dict[str, Any]) -> None:
         )
 
 
-def comparison_line(methods: dict[str, dict[str, Any]], ours: str = "fused") -> str:
+def comparison_line(methods: dict[str, dict[str, Any]]) -> str:
     """Our method compared with the others in one sentence; empty if there is nothing to compare."""
     error = {name: scores.get("prediction_error_mean") for name, scores in methods.items()}
-    own = error.get(ours)
-    others = [(name, value) for name, value in error.items() if name != ours and value is not None]
+    own = error.get(_OURS)
+    others = [(name, value) for name, value in error.items() if name != _OURS and value is not None]
     if own is None or not others:
         return ""
     against = ", ".join(f"{name} {100.0 * value:.1f} %" for name, value in others)
     best_name, best = min(others, key=lambda each: each[1])
     if best < own:
-        return f"{ours} predicts to {100.0 * own:.1f} % on average, worse than {best_name} here (against {against})"
-    return f"{ours} predicts to {100.0 * own:.1f} % on average, against {against}"
+        return f"{_OURS} predicts to {100.0 * own:.1f} % on average, worse than {best_name} here (against {against})"
+    return f"{_OURS} predicts to {100.0 * own:.1f} % on average, against {against}"
 
 
 def _number(value: float | None, digits: int, factor: float = 1.0) -> str:
