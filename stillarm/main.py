@@ -8,7 +8,7 @@ import warnings
 from types import FrameType, ModuleType
 from typing import NoReturn
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 COMMANDS = {
     "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",
@@ -92,8 +92,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     except OSError as error:
         where = f"{error.filename}: " if error.filename is not None else ""
-        reason = (error.strerror or str(error)).lower()
-        print(f"stillarm: {where}{reason}; correct that, and start again", file=sys.stderr)
+        print(f"stillarm: {where}{reason_of(error)}; correct that, and start again", file=sys.stderr)
         return 1
     except MemoryError:
         print("stillarm: not enough memory; free some, or take a shorter recording", file=sys.stderr)

@@ -17,7 +17,7 @@ from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.header import model_was_given
 from stillarm.common.recording.reader import Recording
 from stillarm.common.recording.topics import TOPICS, FastSample, FrameSample, ImageSample, Topic
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 Table = dict[str, list[Any]]  # columns of one length by name; None where there is no value
 
@@ -95,9 +95,8 @@ def _export(
             (directory / "model.toml").write_text(recording.header.model, encoding="utf-8", newline="")
             written.append(directory / "model.toml")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
         raise UserError(
-            f"{directory}: cannot be written ({reason}); name a folder that you may write to"
+            f"{directory}: cannot be written ({reason_of(error)}); name a folder that you may write to"
         ) from None
     return written
 

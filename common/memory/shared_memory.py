@@ -17,7 +17,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 _MAGIC = 0x6D72616C6C697473  # "stillarm"
 _HEADER = 64  # magic, size, two indices or a sequence, each on its own 8 bytes
@@ -36,7 +36,7 @@ def block_path(name: str) -> Path:
 def _no_memory(name: str, path: Path, length: int, error: OSError) -> UserError:
     return UserError(
         f"shared memory {name!r}: cannot make {length} bytes at {path} "
-        f"({(error.strerror or str(error)).lower()}); "
+        f"({reason_of(error)}); "
         f"free memory in {path.parent}, or remove the file if it is another user's"
     )
 

@@ -9,7 +9,7 @@ from typing import IO, cast
 
 from mcap.writer import MCAP0_MAGIC
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 
 def _spare_other_files(path: Path) -> None:
@@ -40,7 +40,7 @@ class AppendFile:
                 self._file = cast(IO[bytes], Path(path_or_file).open("wb", buffering=0))  # noqa: SIM115 - closed by close()
             except OSError as error:
                 raise UserError(
-                    f"{self.name}: cannot be written ({(error.strerror or str(error)).lower()}); "
+                    f"{self.name}: cannot be written ({reason_of(error)}); "
                     "name a file in an existing folder that you may write to"
                 ) from None
         else:

@@ -22,7 +22,7 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import Chunk, Metadata
 from mcap.writer import MCAP0_MAGIC
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 _RECORD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
@@ -71,9 +71,7 @@ def scan(path: Path) -> Contents:
                 raise UserError(f"{path}: not an MCAP recording; `stillarm import` reads CSV")
             return _scan(file, path.stat().st_size)
     except OSError as error:
-        raise UserError(
-            f"{path}: cannot be read ({(error.strerror or str(error)).lower()}); name a recording"
-        ) from None
+        raise UserError(f"{path}: cannot be read ({reason_of(error)}); name a recording") from None
 
 
 def messages(path: Path, contents: Contents, topic: str) -> Iterator[list[bytes]]:
@@ -92,7 +90,7 @@ def messages(path: Path, contents: Contents, topic: str) -> Iterator[list[bytes]
                 if found:
                     yield found
     except OSError as error:
-        raise UserError(f"{path}: cannot be read ({(error.strerror or str(error)).lower()})") from None
+        raise UserError(f"{path}: cannot be read ({reason_of(error)})") from None
 
 
 def _scan(file: IO[bytes], size: int) -> Contents:

@@ -17,7 +17,7 @@ from stillarm.common.recording.chunk_indices import PackedChunkIndices
 from stillarm.common.recording.header import METADATA_NAME, NOTES_NAME, RecordingHeader, header_metadata
 from stillarm.common.recording.json_schema import json_schema
 from stillarm.common.recording.topics import TOPIC_INDEX, TOPICS
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 _CHUNK_BYTES = 1 << 20
 _CHUNK_NS = 500_000_000  # of log time: what a killed writer may lose
@@ -116,7 +116,6 @@ class RecordingWriter:
 
     def _fail(self, error: OSError) -> UserError:
         """End the file after its last whole record, in the fewest bytes that MCAP allows: there may be no room."""
-        reason = (error.strerror or str(error)).lower()
         end = RecordBuilder()
         DataEnd(0).write(end)
         Footer(summary_start=0, summary_offset_start=0, summary_crc=0).write(end)
@@ -126,6 +125,6 @@ class RecordingWriter:
         except OSError:
             state = "what was written before can be read, and mended with `stillarm recover`"
         self._failure = (
-            f"{self._file.name}: cannot be written any further ({reason}); {state}; free some space"
+            f"{self._file.name}: cannot be written any further ({reason_of(error)}); {state}; free some space"
         )
         return UserError(self._failure)

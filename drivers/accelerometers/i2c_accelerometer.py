@@ -11,7 +11,7 @@ from math import nan
 import smbus2
 
 from stillarm.common.files.configuration import AccelerometerDevice
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.drivers.accelerometers.accelerometer import Reading, SampleStatus
 from stillarm.drivers.accelerometers.i2c_fifo import I2cFifo
 from stillarm.drivers.accelerometers.i2c_set_up import (
@@ -101,7 +101,7 @@ class I2cAccelerometer:
         except OSError as error:
             self.close()
             raise UserError(
-                f"{self._place}: no {self._table.name} answers ({(error.strerror or str(error)).lower()}); "
+                f"{self._place}: no {self._table.name} answers ({reason_of(error)}); "
                 "check power and wiring, or correct accelerometer.address "
                 "(`i2cdetect -y N` lists what answers on bus N)"
             ) from None

@@ -12,7 +12,7 @@ from math import inf, isfinite, nan, pi
 import smbus2
 
 from stillarm.common.files.configuration import DriveDevice
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.drivers.buses.i2c import open_bus
 from stillarm.drivers.drives.drive import DriveProbe, JointState
 
@@ -146,7 +146,7 @@ class Mcp4725Drive:
             self._bus.i2c_rdwr(answer)
         except OSError as error:
             raise UserError(
-                f"{self._place}: no MCP4725 answers ({(error.strerror or str(error)).lower()}); check power and "
+                f"{self._place}: no MCP4725 answers ({reason_of(error)}); check power and "
                 "wiring, or correct drive.mcp4725.address (`i2cdetect -y N` lists what answers on bus N)"
             ) from None
         status, high, low, eeprom_high, eeprom_low = bytes(answer)

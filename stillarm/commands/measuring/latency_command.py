@@ -7,7 +7,7 @@ from typing import Any
 
 from stillarm.arguments import seconds
 from stillarm.common.process.blas_threads import one_blas_thread
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.progress import progress_bar
 
 
@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
             arguments.json.write_text(json.dumps(result, indent=2) + "\n")
         except OSError as error:
             raise UserError(
-                f"--json {arguments.json}: {(error.strerror or str(error)).lower()}; name a file that can be written"
+                f"--json {arguments.json}: {reason_of(error)}; name a file that can be written"
             ) from error
     return 0
 
