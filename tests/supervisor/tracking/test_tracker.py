@@ -10,11 +10,7 @@ from stillarm.common.files.configuration import Tracker
 from stillarm.supervisor.tracking.displacement import Displacement
 from stillarm.supervisor.tracking.tracker import UNCONFIRMED_FRAMES, FeatureTracker, warm_up
 from tests.fixtures.sinusoid_scene import SHAPE, SinusoidScene, photographed
-from tests.fixtures.tracked_scenes import move, tracked, vibration
-
-
-def rms(values):
-    return float(np.sqrt(np.mean(np.square(values))))
+from tests.fixtures.tracked_scenes import move, rms, tracked, vibration
 
 
 @pytest.mark.slow
@@ -24,11 +20,6 @@ def test_subpixel_vibration(shortest):
     assert rms(error[:, :2]) < 0.012
     assert tracker.key_frames == 1
     assert all(r.inliers > 80 for r in results)
-
-
-def test_flicker_does_not_bias():
-    gain = 1.0 + 0.08 * np.sin(0.7 * np.arange(40))
-    assert rms(tracked(vibration(), SinusoidScene(2), gain=gain)[0][:, :2]) < 0.01
 
 
 def test_occluder_over_a_sixth():

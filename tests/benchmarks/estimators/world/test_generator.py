@@ -17,9 +17,7 @@ from stillarm.benchmarks.estimators.world.regimes import (
     REGIMES,
     VARIATION_S,
     Arm,
-    regimes_named,
 )
-from stillarm.common.user_error import UserError
 
 PACKAGE = Path(__file__).parents[4] / "benchmarks" / "estimators"
 OWN = {
@@ -163,11 +161,3 @@ def test_lost_frames_leave_a_gap_in_the_counter() -> None:
     assert 3 not in left.frames.number
     assert np.array_equal(left.seen_m, data.seen_m[~lost])
     assert np.array_equal(left.frames.delay_s, data.frames.delay_s[~lost])
-
-
-def test_an_unknown_regime_is_refused() -> None:
-    """In one line that names what there is."""
-    with pytest.raises(
-        UserError, match=r"regime 'slow': unknown; use one of freerun constant, .*stamped jitter, live$"
-    ):
-        regimes_named(["slow"])

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.common.files.model import Mode
 from stillarm.controller.estimation.kalman.belief import (
     Belief,
     first_belief,
@@ -16,24 +15,7 @@ from stillarm.controller.estimation.kalman.belief import (
 )
 from stillarm.controller.estimation.kalman.kalman_method import quadratic_form
 from stillarm.controller.estimation.kalman.two_time_scales import Densities, TwoTimeScales
-
-MODES = [Mode(frequency_hz=2.6, damping_ratio=0.01), Mode(frequency_hz=14.0, damping_ratio=0.02)]
-
-
-def space(sensor: float | None = None) -> TwoTimeScales:
-    return TwoTimeScales(MODES, Densities(2e-3, 1e-6, 1e-4), sensor)
-
-
-def test_the_whole_state_composes() -> None:
-    """Over 30 ms at once or in three steps: the same transition and the same scatter."""
-    model = space(1.0)
-    phi, added = np.eye(model.size), np.zeros((model.size, model.size))
-    for step in (0.004, 0.015, 0.011):
-        one = model.transition(step)
-        added = one @ added @ one.T + model.scatter(step)
-        phi = one @ phi
-    assert phi == pytest.approx(model.transition(0.030), abs=1e-9)
-    assert added == pytest.approx(model.scatter(0.030), rel=1e-6, abs=1e-14)
+from tests.fixtures.kalman_space import MODES, space
 
 
 def image_row(model: TwoTimeScales) -> np.ndarray:
