@@ -29,12 +29,13 @@ from stillarm.drivers.cameras.camera import Frame
 from stillarm.drivers.drives.drive_gateway import DriveGateway
 from stillarm.drivers.drives.drive_gateway_socket import DriveGatewaySocket
 from stillarm.drivers.drives.odrive_drive import OdriveDrive
+from stillarm.drivers.drives.udp_gateway_drive import greet_gateway
 from stillarm.drivers.emulated_chips.shared_registers import Failure
 from stillarm.drivers.emulation.emulated_accelerometer import emulate_accelerometer
 from stillarm.drivers.emulation.odrive_motor import OdriveMotor
 from stillarm.drivers.emulation.pty_port import PtyPort
 from stillarm.preflight.camera import judge_camera, watch_camera
-from stillarm.preflight.drive import greet_gateway, judge_drive
+from stillarm.preflight.drive import judge_drive
 from stillarm.preflight.link import ask_supervisor, judge_key, judge_link
 from stillarm.preflight.machine import MachineFacts, judge_machine
 from stillarm.preflight.sensor import could_not_start, judge_bus, judge_sensor, read_sensor
