@@ -93,7 +93,7 @@ class Plant:
                 raise UserError(f"effects: {identifier}: {said}")
 
     def strike(self, mode: int, deflection_m: float) -> None:
-        """A blow on mode number `mode` (1 = first), after which it rings with amplitude `deflection_m`
+        """An impact on mode number `mode` (1 = first), after which it rings with amplitude `deflection_m`
         (signed).
 
         The modal velocity jumps by w * deflection_m. Raises IndexError for a mode that the arm does not have.
