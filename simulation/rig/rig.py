@@ -45,6 +45,7 @@ from stillarm.common.user_error import UserError
 from stillarm.controller.loop.schedule import CycleClock
 from stillarm.drivers.accelerometers.mounting import sensed_axes
 from stillarm.drivers.emulation.emulated_accelerometer import emulate_accelerometer
+from stillarm.simulation.arm.ahead import ready_plant
 from stillarm.simulation.arm.disturbance import DISTURBANCE_STREAM, Disturbance
 from stillarm.simulation.arm.effect_clock import EffectClock
 from stillarm.simulation.camera.camera_process import pose_history_name
@@ -150,12 +151,8 @@ class _PlantProcess:
             raise UserError(
                 f"camera.driver = {configuration.camera.driver!r}: the simulated rig needs 'shared_memory'"
             )
-        from stillarm.simulation.arm.plant import Plant  # not above: the camera's process needs no compiler
-
         self._cycle_s = model.timing.cycle_s
-        self._plant = Plant(
-            model
-        )  # compiles what a cycle calls, or finds it on disk, before the clock starts
+        self._plant = ready_plant(model)
         self._plant.effect_clock = EffectClock.waiting()
         self.started_s = RawValue(c_double, inf)
         """When the first command came, on the monotonic clock: the recording's start, for the camera's process."""
