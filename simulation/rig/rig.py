@@ -70,6 +70,10 @@ _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on fr
 _LOOKS = 10  # a cycle, for the first command
 # cycles from the first command to the plant's step; it comes later in its cycle than those that follow
 _AFTER_COMMAND = 0.3
+# cycles from a step to the instant it is made for, the controller's next reading: commands come 0.2 to 0.4 after their
+# cycle's start. Sensors, poses and truth then hold for the instant at which they are read, as a data sheet says, and a
+# command acts from its own cycle on, as the model says.
+AHEAD = 0.4
 
 
 def run(
@@ -198,7 +202,7 @@ class _PlantProcess:
         stepped, cycle = 0, clock.start()
         while not stop:
             behind = min(cycle - stepped, _LONGEST_CATCH_UP)
-            now = clock.origin_s + cycle * self._cycle_s
+            now = clock.origin_s + (cycle + AHEAD) * self._cycle_s
             command = self._drive.poll(now)
             if self._first_command_s is None and self._drive.commanded:
                 self._first_command_s = now
