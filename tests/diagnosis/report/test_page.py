@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from matplotlib.axes import Axes
+from stillarm.diagnosis.scatter import ON_ITS_PAST
 
 from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.causes import CAUSES as CATALOGUE
@@ -18,7 +19,6 @@ from stillarm.diagnosis.report.picture import _TELLING
 from stillarm.diagnosis.report.sections import gains
 from stillarm.diagnosis.report.sections import use as use_section
 from stillarm.diagnosis.report.words import NAMES, next_steps, number, verdict_sentence
-from stillarm.diagnosis.scatter import ON_ITS_PAST
 from stillarm.diagnosis.use import MEASURES
 from tests.fixtures.synthetic import MODEL, measured
 
