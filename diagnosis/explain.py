@@ -16,12 +16,12 @@ from stillarm.diagnosis.candidate import Candidate, Found, Stage
 from stillarm.diagnosis.channels import JOINT_CHANNELS
 from stillarm.diagnosis.comparison import compared
 from stillarm.diagnosis.evidence import score
-from stillarm.diagnosis.fit import Fit, Split, fit, least_level, make_data
+from stillarm.diagnosis.fit import Fit, Split, fit, make_data
 from stillarm.diagnosis.forms import Form, forms
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.laws import LawFound, backward_steps, laws
 from stillarm.diagnosis.refits import QUICK, free_names
-from stillarm.diagnosis.rivals import PRICE_NATS, convinces, of_law
+from stillarm.diagnosis.rivals import MATTERS_OF_NOISE, PRICE_NATS, convinces, of_law, white_noise
 from stillarm.diagnosis.screen import Screening
 from stillarm.diagnosis.world import World
 
@@ -29,7 +29,6 @@ MOST_CAUSES = 3
 _WHOLE = 3  # forms of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _FULL = 12  # steps of a fit
-_DEPARTS = 1.5  # times the level that a simulation reaches
 
 
 def explain(
@@ -190,8 +189,13 @@ def _joint_departs(last: Fit) -> bool:
     world = last.world
     if world.joint_hz <= 0.0:
         return False
-    off = last.residuals["joint_position"]
-    return float(np.sqrt(np.nanmean(off**2))) > _DEPARTS * least_level(world, "joint_position")
+    for name in JOINT_CHANNELS:
+        if name in last.residuals:
+            noise = white_noise(last, name)
+            power = float(np.nanmean(last.residuals[name] ** 2))
+            if power - noise**2 > (MATTERS_OF_NOISE * noise) ** 2:
+                return True
+    return False
 
 
 def _where_it_departs(tried: Sequence[Form], last: Fit) -> list[Form]:
