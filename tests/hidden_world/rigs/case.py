@@ -40,7 +40,7 @@ class Case:
     raw: dict[str, Departure]
     nuisance: float
     expected: str
-    doubtful: bool = False
+    doubtful: bool
 
     @property
     def cause(self) -> str | None:
@@ -73,18 +73,24 @@ def make(seed: int, what: str = "mixed", two: bool = False) -> Case:
     chance = luck(seed, 1)
     causes = _chosen(what, two, chance)
     hardly = len(causes) == 1 and chance.random() < _SHARE_HARDLY
+    hardly = hardly and ALL[causes[0]].fitted
     for attempt in range(_ATTEMPTS):
         case = _made(seed * _ATTEMPTS + attempt, causes, hardly)
-        if len(case.moves) >= _FEWEST_MOVES and not _doubtful(case, hardly):
+        if len(case.moves) >= _FEWEST_MOVES and not case.doubtful and (hardly or _all_clear(case)):
             break
-    return replace(case, doubtful=_doubtful(case, hardly))
+    return case
 
 
-def _doubtful(case: Case, hardly: bool) -> bool:
-    """Whether it is open what should be answered, or the rig cannot show what was to be plain."""
-    if not hardly:
-        return any(size < _LEAST_CLEAR for size in case.sizes)
-    return any(size > _MOST_HIDDEN for size in case.sizes) or of_noise(case.seen) > _MOST_OF_NOISE
+def _all_clear(case: Case) -> bool:
+    """Whether the rig shows what was to be plain."""
+    return all(size >= _LEAST_CLEAR for size in case.sizes)
+
+
+def _doubtful(sizes: list[float], seen: dict[str, Departure]) -> bool:
+    """Whether it is open what should be answered."""
+    if any(_MOST_HIDDEN < size < _LEAST_CLEAR for size in sizes):
+        return True
+    return bool(sizes) and max(sizes) <= _MOST_HIDDEN and of_noise(seen) > _MOST_OF_NOISE
 
 
 def _made(seed: int, causes: list[str], hardly: bool) -> Case:
@@ -111,7 +117,8 @@ def _made(seed: int, causes: list[str], hardly: bool) -> Case:
     matters = any(d.matters for d in seen.values())
     listed = any(e.cause in CAUSES for e in hidden)
     expected = "none" if not matters else "named" if listed else "unexplained"
-    return Case(rig, moves, hidden, recording, tuple(sizes), seen, raw, nuisance, expected)
+    doubtful = _doubtful(sizes, seen)
+    return Case(rig, moves, hidden, recording, tuple(sizes), seen, raw, nuisance, expected, doubtful)
 
 
 def _chosen(what: str, two: bool, chance: np.random.Generator) -> list[str]:
