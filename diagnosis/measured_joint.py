@@ -32,10 +32,11 @@ def departure_hz(measured: Array, simulated: Array, step_s: float) -> float:
     if known.sum() < _FEWEST:
         return 0.0
     filled = filled_in(off)
-    noise = std_about_zero(np.diff(filled, 4)) / _FOURTH
+    # of what was measured alone: across gaps the straight lines have none
+    noise = std_about_zero(np.diff(off[known], 4)) / _FOURTH
     length = min(int(_SEGMENT_S / step_s), len(filled) // 4)
     hz, power = welch(filled, 1.0 / step_s, nperseg=length, detrend="constant")
-    floor = max(noise**2, 1e-16) * 2.0 * step_s
+    floor = max(noise**2, 1e-16) * 2.0 * step_s * len(off) / known.sum()
     above = np.flatnonzero((power > _OUTSTANDING * floor) & (hz > 0.0))
     if not len(above):
         return 0.0
