@@ -122,7 +122,9 @@ def _spectra(fit: Fit, name: str, split: Split) -> Spectra:
             continue
         one = np.where(known, one, 0.0)
         periodogram = np.abs(np.fft.rfft(one)) ** 2 / known.sum()
-        share = known.mean()  # a block tells no more than it has samples, in however many frequencies they are spread
+        share = (
+            known.mean()
+        )  # a block tells no more than it has samples, in however many frequencies they are spread
         band = np.searchsorted(edges, np.fft.rfftfreq(len(one), step)[1:], side="right").clip(1, bands)
         count[b, 0], power[b, 0] = 0.5, 0.5 * periodogram[0]
         count[b, 1:] = share * np.bincount(band, minlength=bands + 1)[1:]
