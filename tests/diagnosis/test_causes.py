@@ -14,12 +14,12 @@ from stillarm.diagnosis.candidate import Candidate
 from stillarm.diagnosis.catalogue import CAUSES
 from stillarm.diagnosis.cause import Context
 from stillarm.diagnosis.diagnose import model_text
+from stillarm.diagnosis.explain import explain
 from stillarm.diagnosis.extended_model import effect_of
 from stillarm.diagnosis.fit import Fit
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.quantities import HIGHER
 from stillarm.diagnosis.screen import residual_peaks, variant
-from stillarm.diagnosis.search import search
 from stillarm.diagnosis.split import interleaved
 from stillarm.simulation.virtual_time.virtual_time import VirtualRun, simulate
 from tests.fixtures.simulated import MODEL as RIG_MODEL
@@ -84,7 +84,7 @@ def test_a_change_of_frequency_is_found_whatever_share_of_it_the_second_mode_tak
     modes = [*MODEL.arm.modes, Mode(frequency_hz=12.0, damping_ratio=0.004, participation=-0.3)]
     model = msgspec.structs.replace(MODEL, arm=msgspec.structs.replace(MODEL.arm, modes=modes))
     data = measured(12.0, 4, values | {HIGHER: share}, model=model)
-    found = search(fitted(data, model=model), interleaved(12.0), only=[cause, "second_bending_mode"])
+    found = explain(fitted(data, model=model), interleaved(12.0), only=[cause, "second_bending_mode"])
     assert [one.cause for one in found.findings] == [cause]
     assert found.final.value(HIGHER) == pytest.approx(share, abs=4.0 * found.final.std[HIGHER])
     assert found.final.std[HIGHER] < 0.3

@@ -6,14 +6,14 @@ import msgspec
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from stillarm.diagnosis.structure import examine
 
+from stillarm.diagnosis.explain import explain
 from stillarm.diagnosis.fit import make_data
 from stillarm.diagnosis.image_dating import dated
 from stillarm.diagnosis.impacts import fit_with_impacts
 from stillarm.diagnosis.measured import Frames, Measured, dated_by_requests
-from stillarm.diagnosis.search import search
 from stillarm.diagnosis.split import interleaved
-from stillarm.diagnosis.structure import examine
 from stillarm.diagnosis.world import World
 from tests.fixtures.synthetic import MODEL, NOISE, measured
 
@@ -84,9 +84,9 @@ def test_requests_date_the_images_although_a_buffer_hands_over_old_ones(held: in
 def test_old_images_are_no_clock_that_was_set_where_the_requests_go_on_evenly() -> None:
     rivals = ["clock_step", "stale_frame_buffer"]
     old = dated(fit_with_impacts(World(triggered(0.0, 0.001, 1), DIM), SPLIT), SPLIT)
-    assert [one.cause for one in search(old, SPLIT, only=rivals).findings] == ["stale_frame_buffer"]
+    assert [one.cause for one in explain(old, SPLIT, only=rivals).findings] == ["stale_frame_buffer"]
     step = dated(fit_with_impacts(World(triggered(0.5 / 65.0, 0.001), TRIGGERED), SPLIT), SPLIT)
-    assert [one.cause for one in search(step, SPLIT, only=rivals).findings] == ["clock_step"]
+    assert [one.cause for one in explain(step, SPLIT, only=rivals).findings] == ["clock_step"]
 
 
 @pytest.mark.slow

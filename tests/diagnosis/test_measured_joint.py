@@ -1,4 +1,4 @@
-"""The joint as measured: no departure in noise, a slow one up to where the spectra meet, and the modes' answer to it."""
+"""The joint as measured: no departure in noise, a slow one to where the spectra meet, and the modes' answer to it."""
 
 from math import pi
 

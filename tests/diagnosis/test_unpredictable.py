@@ -6,14 +6,14 @@ from math import pi
 import msgspec
 import numpy as np
 import pytest
+from stillarm.diagnosis.search import _lost, _of_fit, block_gain
+from stillarm.diagnosis.structure import examine
 
 from stillarm.common.files.model import Arm, Mode
 from stillarm.diagnosis.catalogue import CAUSES
 from stillarm.diagnosis.fit import fit, make_data
 from stillarm.diagnosis.laws import laws
-from stillarm.diagnosis.search import _lost, _of_fit, block_gain
 from stillarm.diagnosis.split import interleaved
-from stillarm.diagnosis.structure import examine
 from stillarm.diagnosis.unpredictable import _struck, predictable, unpredictable
 from stillarm.diagnosis.world import World
 from tests.fixtures.synthetic import MODEL, measured

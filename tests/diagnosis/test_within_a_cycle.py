@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.explain import explain
 from stillarm.diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP
-from stillarm.diagnosis.search import search
 from stillarm.diagnosis.split import interleaved
 from stillarm.diagnosis.world import World
 from tests.fixtures.synthetic import MODEL, empty, fitted, measured
@@ -32,7 +32,7 @@ def test_commands_that_come_a_tenth_of_a_cycle_off_are_nothing_wrong(late_s: flo
     data = measured(12.0, 6, {ARRIVAL: late_s, OF_ARRIVALS: 0.5})
     baseline = fitted(data)
     assert baseline.value(ARRIVAL) == pytest.approx(late_s, abs=4.0 * baseline.std[ARRIVAL] + 1e-5)
-    assert not search(baseline, interleaved(12.0)).findings
+    assert not explain(baseline, interleaved(12.0)).findings
 
 
 def test_a_dead_time_is_told_to_what_is_unknown_within_a_cycle() -> None:
@@ -46,7 +46,7 @@ def test_a_dead_time_is_told_to_what_is_unknown_within_a_cycle() -> None:
 def test_half_a_cycle_more_of_dead_time_is_found() -> None:
     """More than what is left open: as a direction, without its bounds, that would explain it all."""
     data = measured(12.0, 8, {"drive.dead_time_s": 0.0025})
-    found = search(
+    found = explain(
         fitted(data), interleaved(12.0), only=["drive_dead_time", "drive_lag", "accelerometer_lag"]
     )
     assert [one.cause for one in found.findings] == ["drive_dead_time"]
@@ -81,7 +81,7 @@ def test_a_late_accelerometer_reads_before_a_command_or_after_it(late_s: float) 
 def test_a_late_accelerometer_is_told_from_a_drive_with_dead_time() -> None:
     """Whatever it reads of the last jump."""
     data = measured(12.0, 9, {"accelerometer.delay_s": 0.0004, OF_LAST_JUMP: -0.5})
-    found = search(
+    found = explain(
         fitted(data), interleaved(12.0), only=["drive_dead_time", "drive_lag", "accelerometer_lag"]
     )
     assert [one.cause for one in found.findings] == ["accelerometer_lag"]

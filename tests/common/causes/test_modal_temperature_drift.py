@@ -7,7 +7,7 @@ import pytest
 
 from stillarm.common.causes.modal_temperature_drift import law
 from stillarm.common.files.model import Arm, Mode, Model
-from stillarm.diagnosis.search import search
+from stillarm.diagnosis.explain import explain
 from stillarm.diagnosis.split import interleaved
 from stillarm.simulation.arm.plant import Plant
 from tests.fixtures.synthetic import fitted, measured
@@ -39,7 +39,7 @@ def test_a_search_names_it_and_finds_its_size() -> None:
     true = {"modal_temperature_drift.time_constant_s": 4.0, "modal_temperature_drift.relative_change": -0.012}
     data = measured(12.0, 3, true)
     rivals = ["modal_temperature_drift", "stiffness_drift", "payload_change", "cubic_stiffness"]
-    found = search(fitted(data), interleaved(12.0), only=rivals)
+    found = explain(fitted(data), interleaved(12.0), only=rivals)
     assert [one.cause for one in found.findings] == ["modal_temperature_drift"]
     for name, value in true.items():
         assert found.final.value(name) == pytest.approx(value, abs=4.0 * found.final.std[name])

@@ -7,7 +7,7 @@ import pytest
 
 from stillarm.common.causes.rotor_imbalance import law
 from stillarm.common.files.model import Arm, Drive, Mode, Model
-from stillarm.diagnosis.search import search
+from stillarm.diagnosis.explain import explain
 from stillarm.diagnosis.split import interleaved
 from stillarm.simulation.arm.plant import Plant
 from tests.fixtures.synthetic import fitted, measured
@@ -43,7 +43,7 @@ def test_a_search_names_it_and_finds_its_size() -> None:
     true = {"rotor_imbalance.gear_ratio": 70.0, "rotor_imbalance.imbalance_m": 6e-4}
     data = measured(12.0, 3, true)
     rivals = ["rotor_imbalance", "periodic_disturbance", "cubic_stiffness", "gear_backlash", "joint_friction"]
-    found = search(fitted(data), interleaved(12.0), only=rivals)
+    found = explain(fitted(data), interleaved(12.0), only=rivals)
     assert [one.cause for one in found.findings] == ["rotor_imbalance"]
     for name, value in true.items():
         assert found.final.value(name) == pytest.approx(value, abs=4.0 * found.final.std[name])
