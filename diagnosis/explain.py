@@ -17,7 +17,7 @@ from stillarm.diagnosis.channels import JOINT_CHANNELS
 from stillarm.diagnosis.comparison import compared
 from stillarm.diagnosis.evidence import score
 from stillarm.diagnosis.fit import Fit, Split, fit, make_data
-from stillarm.diagnosis.forms import Form, forms
+from stillarm.diagnosis.forms import forms
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.laws import LawFound, backward_steps, laws
 from stillarm.diagnosis.refits import QUICK, free_names
@@ -140,7 +140,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
         screening, candidates = compared(_joint_alone(last, split), drive, split, found)
         candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
     else:
-        screening, candidates = compared(last, _where_it_departs(allowed, last), split, found)
+        screening, candidates = compared(last, allowed, split, found)
         try:
             known = laws(make_data(last.world, split), last)
             candidates += [of_law(last, law) for law in known if law.cause not in taken]
@@ -196,10 +196,3 @@ def _joint_departs(last: Fit) -> bool:
             if power - noise**2 > (MATTERS_OF_NOISE * noise) ** 2:
                 return True
     return False
-
-
-def _where_it_departs(tried: Sequence[Form], last: Fit) -> list[Form]:
-    """The forms that may be at work: not the drive's, where the joint's own sensors show no departure."""
-    if not any(name in last.world.channels for name in JOINT_CHANNELS) or _joint_departs(last):
-        return list(tried)
-    return [one for one in tried if DECLARED[one.id].place != "drive" or one.id == "gear_backlash"]

@@ -76,7 +76,9 @@ def forms(world: World) -> list[Form]:
 
 def from_an_onset(form: Form) -> Form | None:
     """The same form, acting from an instant on; None for one that has an onset, or cannot have one."""
-    begins = BEGINS.get(DECLARED[form.id].place)
+    declared = DECLARED[form.id]
+    # a rotor's imbalance is the drive's, and shakes the arm
+    begins = ARM_BEGIN if declared.acts == "force" else BEGINS.get(declared.place)
     if begins is None or form.begins or form.added or form.id in _NO_ONSET or (form.id, form.name) in _WHOLLY:
         return None
     if any("onset" in name for name in form.cause.settle):
@@ -199,9 +201,15 @@ def _of_course(
     return Form(cause, name, added)
 
 
+def _shown(fit: Fit, channel: str) -> Array:
+    """What a channel should show; zeros where it was not measured, of which no form is made."""
+    one = fit.channel(channel)
+    return one.predicted if one is not None else np.zeros(1)
+
+
 def _swing(fit: Fit) -> Array:
     """What the accelerometer shows of the arm, less its bias."""
-    return np.asarray(fit.predicted.channels["acceleration"] - fit.value("accelerometer.bias_m_s2"))
+    return np.asarray(_shown(fit, "acceleration") - fit.value("accelerometer.bias_m_s2"))
 
 
 def _image_std(fit: Fit) -> float:
@@ -209,12 +217,8 @@ def _image_std(fit: Fit) -> float:
     return float(np.nanstd(seen)) if seen is not None else 1.0
 
 
-def _noise_of(channel: str) -> Callable[[Fit], float]:
-    return lambda fit: float(fit.sigma.get(channel, 1.0))
-
-
 def _lens(fit: Fit) -> tuple[Added, ...]:
-    seen = fit.predicted.channels["displacement"]
+    seen = _shown(fit, "displacement")
     size = float(np.max(np.abs(seen))) or 1.0
     about = seen / size
     return (Added("lens", {"displacement": np.stack([about**2, about**3], axis=1) * size}, 0.3),)
@@ -222,7 +226,7 @@ def _lens(fit: Fit) -> tuple[Added, ...]:
 
 def _lens_values(fit: Fit) -> Values:
     one = next(each for each in fit.world.added if each.name == "lens")
-    size = float(np.max(np.abs(fit.predicted.channels["displacement"]))) or 1.0
+    size = float(np.max(np.abs(_shown(fit, "displacement")))) or 1.0
     cubic, std = plain(fit, x=one.amounts[1])["x"]
     return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
 

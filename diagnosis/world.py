@@ -523,16 +523,26 @@ class World:
 
     def _displacement(self, motion: Motion, vector: Array) -> tuple[Array, Array]:
         at, frames = self.space.place, self.measured.frames
+        exposure_s, cycle_s = self.model.camera.exposure_s, self.measured.cycle_s
+        tilt, begin_s = vector[at["camera.rotation_px_per_rad"]], vector[at[CAMERA_BEGIN]]
+        later = tilt - self.space["camera.rotation_px_per_rad"].start if begin_s > 0.0 else 0.0
         scene = (
             -vector[at["camera.scale_px_per_m"]] * self._tip_of_joint_seen(motion, vector)
-            - vector[at["camera.rotation_px_per_rad"]] * motion.tip_angle
+            - (tilt - later) * motion.tip_angle
         )
         instants = self.instants(vector)
         value, rate = np.empty(len(instants)), np.empty(len(instants))
-        expose(scene, instants, self.model.camera.exposure_s, self.measured.cycle_s, value, rate)
+        expose(scene, instants, exposure_s, cycle_s, value, rate)
         value = value + vector[at["camera.offset_px"]]
+        since = np.maximum(frames.received_s - begin_s, 0.0)
+        if later:
+            more, more_rate = np.empty(len(instants)), np.empty(len(instants))
+            expose(-later * motion.tip_angle, instants, exposure_s, cycle_s, more, more_rate)
+            value, rate = (
+                value + np.where(since > 0.0, more, 0.0),
+                rate + np.where(since > 0.0, more_rate, 0.0),
+            )
         with np.errstate(over="ignore"):  # a candidate that runs away
-            since = np.maximum(frames.received_s - vector[at[CAMERA_BEGIN]], 0.0)
             added = [
                 np.where(since > 0.0, law(value, since), 0.0)
                 for law in _laws_at(effects_in(vector, at), "image")

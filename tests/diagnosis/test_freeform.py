@@ -1,10 +1,12 @@
 """Terms of free form: finite columns of the right shape, and forces that do what the simulation says they do."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from stillarm.diagnosis.fit import Fit
-from stillarm.diagnosis.freeform import Group, groups
+from stillarm.diagnosis.freeform import Group, _memory, groups
 from tests.fixtures.synthetic import fitted, measured
 
 PEAKS = (7.0, 24.0)
@@ -76,6 +78,11 @@ def moved(plain: Fit, name: str, by: float) -> dict[str, np.ndarray]:
     return {one: after[one] - before[one] for one in ("acceleration", "displacement")}
 
 
+def unclipped(plain: Fit, name: str) -> np.ndarray:
+    """Where a channel is within its sensor's range."""
+    return np.abs(plain.predicted.channels[name]) < (19.5 if name == "acceleration" else np.inf)
+
+
 def test_a_force_over_the_deflection_is_a_stiffness(plain: Fit) -> None:
     """A course that is a straight line, -e w^2 q, raises the frequency by e / 2: as the simulation shows it."""
     hz, share = plain.value("modes.0.frequency_hz"), 2e-5
@@ -84,8 +91,8 @@ def test_a_force_over_the_deflection_is_a_stiffness(plain: Fit) -> None:
     wanted = moved(plain, "modes.0.frequency_hz", 0.5 * share * hz)
     for name, columns in named("position").columns(plain).items():
         if name in wanted:
-            off = columns @ line - wanted[name]
-            assert np.std(off) < 0.05 * np.std(wanted[name]), name
+            off = (columns @ line - wanted[name])[unclipped(plain, name)]
+            assert np.std(off) < 0.02 * np.std(wanted[name]), name
 
 
 def test_a_force_over_the_velocity_is_a_damping(plain: Fit) -> None:
@@ -96,8 +103,8 @@ def test_a_force_over_the_velocity_is_a_damping(plain: Fit) -> None:
     wanted = moved(plain, "modes.0.damping_ratio", more)
     for name, columns in named("velocity").columns(plain).items():
         if name in wanted:
-            off = columns @ line - wanted[name]
-            assert np.std(off) < 0.05 * np.std(wanted[name]), name
+            off = (columns @ line - wanted[name])[unclipped(plain, name)]
+            assert np.std(off) < 0.02 * np.std(wanted[name]), name
 
 
 def test_a_force_that_wanders_alike_throughout_is_a_stiffness_and_a_damping(plain: Fit) -> None:
@@ -118,8 +125,6 @@ def test_an_image_scale_that_changes_alike_throughout_is_a_scale(plain: Fit) -> 
 
 def test_a_force_with_a_memory_lags_behind_the_deflection(plain: Fit) -> None:
     """A play's loop takes energy: what it pushes with, less what follows, works against the motion."""
-    from stillarm.diagnosis.freeform import _memory
-
     q = plain.predicted.motion.q[:, 0]
     kept = _memory(plain)
     top = np.max(np.abs(q))
@@ -134,8 +139,6 @@ def test_a_peak_that_the_grid_cannot_show_is_not_tried(plain: Fit) -> None:
 
 
 def test_a_channel_that_was_not_measured_has_no_structure(plain: Fit) -> None:
-    from dataclasses import replace
-
     data = replace(plain.world.measured, acceleration=np.full(6000, np.nan))
     blind = fitted(data)
     assert named("reading").added(blind) is None

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 from matplotlib.axes import Axes
-from stillarm.diagnosis.scatter import ON_ITS_PAST
 
 from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.causes import CAUSES as CATALOGUE
@@ -141,7 +140,12 @@ def test_a_finding_that_what_is_left_dwarfs_is_not_put_forward(found: Diagnosis)
     """Its name comes after what has none, and the page does not send anybody to look for nothing wrong."""
     table = found.table
     unsure = [{**one, "confidence": 0.01} for one in table["findings"]]
-    left = {"channel": "acceleration", "band_hz": [2.0, 9.0], "dependence": ON_ITS_PAST, "term": ""}
+    left = {
+        "channel": "acceleration",
+        "band_hz": [2.0, 9.0],
+        "dependence": "nothing that was tried",
+        "term": "",
+    }
     doubtful = replace(
         found, table={**table, "verdict": "unexplained", "unexplained": left, "findings": unsure}
     )
