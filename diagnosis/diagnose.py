@@ -142,8 +142,8 @@ def diagnose_measured(
     tick(0.05, "baseline")
     baseline, known = _baseline_within(budget, world, split, left_out)
     with budget.limit():
-        found = explain(baseline, split, lambda done, what: tick(0.1 + 0.7 * done, what), known=known)
-    tick(0.8, "what is left")
+        found = explain(baseline, split, lambda done, what: tick(0.1 + 0.75 * done, what), known=known)
+    tick(0.92, "what is left")
     with budget.limit(_JUDGED_SHARE):
         judged = judge(found, split)
     left_out += [*dict.fromkeys(found.left_out), *judged.left_out]
