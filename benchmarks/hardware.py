@@ -15,7 +15,7 @@ import numpy as np
 from stillarm.common.files.configuration import AccelerometerDevice
 from stillarm.drivers.accelerometers.accelerometer import SampleStatus
 from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerometer
-from stillarm.drivers.accelerometers.i2c_transfer import StatusAndData
+from stillarm.drivers.accelerometers.i2c_accelerometer import I2cAccelerometer
 from stillarm.drivers.accelerometers.mounting import sensed_axes
 from stillarm.drivers.accelerometers.register_tables import TABLES
 from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
@@ -66,7 +66,7 @@ def _row(name: str, reads: int) -> dict[str, Any]:
         "delay_ms": 1e3 * driver.delay_s,
         "us_per_read": float(np.median(costs)),
         "us_per_read_p99": float(np.percentile(costs, 99)),
-        "bus_us": None
-        if table is None
-        else 1e6 * _BITS_PER_BYTE * StatusAndData(table, 0).bytes_on_bus / _FAST_MODE_HZ,
+        "bus_us": 1e6 * _BITS_PER_BYTE * driver.bytes_on_bus / _FAST_MODE_HZ
+        if isinstance(driver, I2cAccelerometer)
+        else None,
     }

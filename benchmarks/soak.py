@@ -13,8 +13,7 @@ import msgspec
 import numpy as np
 import tomli_w
 
-from stillarm.common.memory.shared_memory import block_path
-from stillarm.common.user_error import UserError
+from stillarm.simulation.demo.demo import remove_shared_memory, wait_for_camera
 from stillarm.simulation.demo.processes import DemoProcesses
 from stillarm.simulation.demo.set_up import write_demo_configuration
 
@@ -23,7 +22,6 @@ _SAMPLE_EVERY_S = 1.0
 _MOST_GROWTH_MB_PER_H = 4.0
 _MOST_GROWTH_MB = 1.0  # the allocator's step size: below it a slope means nothing
 _MOST_DRIFT_S = 0.001
-_READY_WITHIN_S = 60.0
 
 
 class ProcessSamples:
@@ -83,7 +81,7 @@ def run(
         processes = DemoProcesses(Path(folder))
         try:
             processes.start("rig", "--config", str(path))
-            _wait_for(configuration.camera.device, processes)
+            wait_for_camera(configuration.camera.device, processes)
             processes.start("supervisor", "--config", str(path))
             recording = str(Path(folder) / "recording.mcap")
             processes.start(
@@ -92,18 +90,8 @@ def run(
             samples, lags = _watch(processes, telemetry, duration_s, progress)
         finally:
             processes.stop_all()
-            for name in (configuration.camera.device, f"{configuration.camera.device}-pose"):
-                block_path(name).unlink(missing_ok=True)
+            remove_shared_memory(configuration)
     return _judge(samples, lags, duration_s)
-
-
-def _wait_for(camera: str, processes: DemoProcesses) -> None:
-    deadline = time.monotonic() + _READY_WITHIN_S
-    while not block_path(camera).exists():
-        processes.check()
-        if time.monotonic() > deadline:
-            raise UserError(f"benchmark soak: the rig offers no camera after {_READY_WITHIN_S:g} s")
-        time.sleep(0.05)
 
 
 def _watch(

@@ -59,10 +59,8 @@ def run(trials: int, seed: int) -> dict[str, Any]:
 
 
 def _recording(random: np.random.Generator, case: str) -> tuple[NDArray[np.float64], list[Image]]:
-    height, width = (
-        HEIGHT_PX + 96,
-        WIDTH_PX + 128,
-    )  # larger than the image, so that what leaves does not wrap around
+    # larger than the image, so that what leaves does not wrap around
+    height, width = (HEIGHT_PX + 96, WIDTH_PX + 128)
     fy, fx = np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width)[None, :]
     f2 = fx**2 + fy**2
     spectrum = (

@@ -1,4 +1,4 @@
-"""The one exception whose text is meant for the user."""
+"""The one exception whose text is meant for the user, and the operating system's reason in such a text."""
 
 
 class UserError(Exception):
@@ -6,3 +6,8 @@ class UserError(Exception):
 
     The command line prints it on standard error and exits with status 1; nothing else catches it.
     """
+
+
+def reason_of(error: OSError) -> str:
+    """What the operating system says, such as "permission denied"."""
+    return (error.strerror or str(error)).lower()

@@ -6,14 +6,15 @@ from math import exp, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.budget import OutOfTime
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
-from stillarm.diagnosis.evidence import Score, score, score_of_noise
-from stillarm.diagnosis.explain import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS, Slopes, free_names
-from stillarm.diagnosis.fit import THIN, Fit, Split, fit, least_level, make_data, slopes_of
+from stillarm.diagnosis.evidence import Score, noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.fit import THIN, Fit, Split, fit, make_data, slopes_of
 from stillarm.diagnosis.freeform import Group, groups
 from stillarm.diagnosis.impacts import carried_over
-from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.refits import Slopes, free_names
+from stillarm.diagnosis.rivals import CONVINCING_NATS, MATTERS_OF_NOISE, PRICE_NATS, white_noise
 from stillarm.diagnosis.screen import residual_peaks
 from stillarm.diagnosis.side_by_side import side_by_side
 
@@ -27,7 +28,12 @@ MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
 """And over this (contract.md)."""
 _STEPS = 4  # of a fit of free terms: they are linear
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
-_FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its own
+_EXPLAINED = 0.35
+"""Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
+own discrepancy keep from being explained."""
+_TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
+_SHARPNESS = 10.0  # of the change from one verdict to the other
+_OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
 _RIVAL = 0.05  # of a finding's nats: a free form is no better by less, as no formula is quite the true one
 
 
@@ -72,8 +78,9 @@ class Judged:
 
 def judge(found: Found, split: Split) -> Judged:
     """Weigh what was named against what has no name, and against nothing."""
-    rests = [rest_of(found.final, name) for name in found.final.residuals]
+    rests = [rest_of(found.final, name, split) for name in found.final.residuals]
     material = any(not one.immaterial for one in rests)
+    mattered = any(not rest_of(found.baseline, name, split).immaterial for name in found.baseline.residuals)
     first = found.findings[0] if found.findings else None
     left_out: list[str] = []
     beside = alone = None
@@ -87,23 +94,39 @@ def judge(found: Found, split: Split) -> Judged:
     if first is None:
         verdict = "unexplained" if material else "none"
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
-    named = _odds_of_name(found, first, beside, alone)
-    verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else "unexplained"
+    named = _odds_of_name(found, first, split, beside, alone)
+    unnamed = "unexplained" if mattered or material else "none"
+    verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
     confidence = {
         one.cause: _confidence(found, one, named if one is first else 1.0) for one in found.findings
     }
     return Judged(verdict, rests, beside, alone, confidence, tuple(left_out))
 
 
-def _odds_of_name(found: Found, first: Candidate, beside: Free | None, alone: Free | None) -> float:
+def _odds_of_name(
+    found: Found, first: Candidate, split: Split, beside: Free | None, alone: Free | None
+) -> float:
     """Probability that the first finding is what it is called, rather than a part of something without a name."""
     if first.law is not None:
-        return 0.97
-    left = beside.merit if beside is not None else 0.0
-    rival = alone.merit - first.merit if alone is not None else -first.merit
-    explained = first.merit / max(first.merit + max(left, 0.0), 1e-9)  # of what is explainable
-    ahead = -rival / max(first.merit, 1.0)  # of a free form
-    return 1.0 / (1.0 + exp(-min(8.0 * (explained - 0.5), 20.0 * (ahead + _RIVAL)) * 1.0))
+        return _OF_LAWS
+    gained = float(first.nats.sum())
+    channels = [name for name in first.fit.residuals if (name == "arrival") == (_place(first) == "timing")]
+    channels = channels if _place(first) != "timing" else list(first.fit.residuals)
+    left = explainable(first.fit, split)
+    share = gained / max(gained + sum(left[name] for name in channels), 1e-9)
+    beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
+    free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
+    ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
+    doubts = (
+        _SHARPNESS * (share - _EXPLAINED),
+        _SHARPNESS * (free - 0.5),
+        2.0 * _SHARPNESS * (ahead + _RIVAL),
+    )
+    return 1.0 / (1.0 + exp(-min(doubts)))
+
+
+def _place(one: Candidate) -> str:
+    return DECLARED[one.cause].place
 
 
 def _confidence(found: Found, one: Candidate, named: float) -> float:
@@ -130,7 +153,7 @@ def class_of(found: Found, one: Candidate) -> list[str]:
     for each in stage_of(found, one).candidates:
         if each.cause == one.cause or each.law is not None:
             continue
-        if one.merit - each.merit < ODDS_NATS and each.merit > CONVINCING_NATS:
+        if one.merit - each.merit < max(ODDS_NATS, _TIE * one.merit) and each.merit > CONVINCING_NATS:
             near.append(each.cause)
     return near
 
@@ -177,20 +200,18 @@ def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slo
 def explainable(last: Fit, split: Split) -> dict[str, float]:
     """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise."""
     now = score(last, split)
-    ideal = score_of_noise(last, split, {name: _level(last, name) for name in last.residuals})
-    return {name: max(ideal[name] - float(now.whole[name].sum()), 0.0) for name in ideal}
+    found = {}
+    for name in last.residuals:
+        ideal = score_of_noise(last, name, split, white_noise(last, name) / sqrt(THIN.get(name, 1)))
+        found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
+    return found
 
 
-def _level(last: Fit, name: str) -> float:
-    """A channel's noise in the score's samples."""
-    return noise_of(last, name) / sqrt(THIN.get(name, 1))
-
-
-def rest_of(last: Fit, name: str) -> Rest:
+def rest_of(last: Fit, name: str, split: Split) -> Rest:
     """What a fit leaves in a channel beyond its noise."""
     residual = last.residuals[name]
     known = residual[np.isfinite(residual)]
-    noise = noise_of(last, name)
+    noise = noise_of(last, name, split)
     rms = sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0
     least = max(MATTERS_AT_LEAST.get(name, 0.0), MATTERS_OF_MOTION * variation(last, name))
     immaterial = rms < MATTERS_OF_NOISE * noise or rms < least
@@ -198,15 +219,15 @@ def rest_of(last: Fit, name: str) -> Rest:
     return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, _band(known, step))
 
 
-def noise_of(last: Fit, name: str) -> float:
-    """A channel's white noise, whatever the model: by differences of its residual, not below what a simulation reaches;
-    of the arrivals what their law says is usual."""
-    residual = last.residuals[name]
-    least = least_level(last.world, name)
-    if name == "arrival":
-        return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
-    fourth = np.diff(residual, 4)
-    return max(std_about_zero(fourth[np.isfinite(fourth)]) / _FOURTH, least) if len(fourth) else least
+def noise_of(last: Fit, name: str, split: Split) -> float:
+    """A channel's own noise, whatever the model, with its colour."""
+    many = THIN.get(name, 1)
+    count, level = noise_spectrum(last, name, split, white_noise(last, name) / sqrt(many))
+    return (
+        sqrt(many * float(count @ level) / float(count.sum()))
+        if count.sum() > 0.0
+        else white_noise(last, name)
+    )
 
 
 def variation(last: Fit, name: str) -> float:

@@ -142,11 +142,13 @@ def diagnose_measured(
     tick(0.05, "baseline")
     baseline, known = _baseline_within(budget, world, split, left_out)
     with budget.limit():
-        found = explain(baseline, split, lambda done, what: tick(0.1 + 0.7 * done, what), known=known)
-    tick(0.8, "what is left")
+        found = explain(baseline, split, lambda done, what: tick(0.1 + 0.75 * done, what), known=known)
+    tick(0.92, "what is left")
     with budget.limit(_JUDGED_SHARE):
         judged = judge(found, split)
     left_out += [*dict.fromkeys(found.left_out), *judged.left_out]
+    if judged.verdict == "none":
+        found.findings, found.final = [], found.baseline
     extended = refitted_model(model, found.final)
     effects = [effect_of(one, found.final) for one in found.findings]
     extended = msgspec.structs.replace(extended, effects=with_found(model.effects, effects))
@@ -181,12 +183,15 @@ def _baseline_within(
 ) -> tuple[Fit, tuple[LawFound, ...]]:
     """The baseline as far as the time goes, and the laws found on the way; adds to left_out what it did not go to."""
     since_s = budget.used_s
+    plain: Fit | None = None
     try:
         with budget.limit(_BASELINE_SHARE, since_s):
-            baseline = _without_pulls(_baseline(_moved_as_measured(world, split), split), split)
+            world = _moved_as_measured(world, split)
+            plain = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+            baseline = _without_pulls(_baseline(world, split), split)
     except OutOfTime:
         left_out.append("impacts")
-        return _hurried(budget, since_s, world, split, left_out), ()
+        return plain or _hurried(budget, since_s, world, split, left_out), ()
     known: list[LawFound] = []
     try:
         with budget.limit(_CLOCKS_SHARE, since_s):

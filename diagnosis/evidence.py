@@ -14,12 +14,11 @@ Whittle, "Estimation and information in stationary time series", Arkiv for Matem
 the model: Kennedy and O'Hagan, JRSS B 63, 2001; Brynjarsdottir and O'Hagan, Inverse Problems 30, 2014.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
+from scipy.special import gammaincinv, gammaln
 
 from stillarm.diagnosis.channels import FRAME_CHANNELS
 from stillarm.diagnosis.fit import THIN, Fit, Split, least_level, thinned
@@ -30,6 +29,7 @@ _LOWEST_HZ, _WIDTH = 0.3, 1.25  # of the bands: a quarter wide, as a ringing of 
 _SHAPES = (1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 1e4)
 _TURNS = 30  # of the fixed point that gives S: to 1e-3
 _FEWEST = 12  # samples of a block
+_QUIET, _MOST_COLOUR = 0.25, 4.0  # of the blocks; times the white noise's power
 
 
 @dataclass(frozen=True)
@@ -70,16 +70,31 @@ def score(fit: Fit, split: Split) -> Score:
     return Score(held, whole)
 
 
-def score_of_noise(fit: Fit, split: Split, noise: Mapping[str, float]) -> dict[str, float]:
-    """What the log score of each channel would be, nats over all blocks, if nothing but white noise of these deviations
-    were left."""
-    found = {}
-    for name, deviation in noise.items():
-        spectra = _spectra(fit, name, split)
-        level = np.full(spectra.count.shape[1], max(deviation**2, spectra.least))
-        nats = _log_density(spectra.count, spectra.count * level, level, _SHAPES[-1])
-        found[name] = float(np.where(spectra.count > 0.0, nats, 0.0).sum())
-    return found
+def noise_spectrum(fit: Fit, name: str, split: Split, white: float) -> tuple[Array, Array]:
+    """A channel's noise by bands: how many values each holds, and their level (variance), from `white` (deviation) up.
+
+    What is there in the quietest quarter of the blocks too is taken for the sensor's own noise, up to twice the white
+    one's amplitude: sensors' filters colour it by as much. (The quantile is put right for the number of values.)"""
+    spectra = _spectra(fit, name, split)
+    count = spectra.count.sum(axis=0)
+    seen = count > 0.0
+    there = np.where(spectra.count > 0.0, 1.0, np.nan)[:, seen]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = there * spectra.power[:, seen] / spectra.count[:, seen]
+    usual = np.nanmedian(there * spectra.count[:, seen], axis=0)
+    least = max(white**2, spectra.least)
+    level = np.full(len(count), least)
+    quiet = np.nanquantile(mean, _QUIET, axis=0) / (gammaincinv(usual, _QUIET) / usual)
+    level[seen] = np.clip(quiet, least, _MOST_COLOUR * least)
+    return count, level
+
+
+def score_of_noise(fit: Fit, name: str, split: Split, white: float) -> float:
+    """What the log score of a channel would be, nats over all blocks, if nothing but its own noise were left."""
+    spectra = _spectra(fit, name, split)
+    _, level = noise_spectrum(fit, name, split, white)
+    nats = _log_density(spectra.count, spectra.count * level, level, _SHAPES[-1])
+    return float(np.where(spectra.count > 0.0, nats, 0.0).sum())
 
 
 def _spectra(fit: Fit, name: str, split: Split) -> Spectra:

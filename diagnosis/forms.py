@@ -201,10 +201,15 @@ def _of_course(
     return Form(cause, name, added)
 
 
+def _shown(fit: Fit, channel: str) -> Array:
+    """What a channel should show; zeros where it was not measured, of which no form is made."""
+    one = fit.channel(channel)
+    return one.predicted if one is not None else np.zeros(1)
+
+
 def _swing(fit: Fit) -> Array:
-    """What the accelerometer shows of the arm, less its bias; nothing where there is none."""
-    shown = fit.channel("acceleration")
-    return np.zeros(0) if shown is None else shown.predicted - fit.value("accelerometer.bias_m_s2")
+    """What the accelerometer shows of the arm, less its bias."""
+    return np.asarray(_shown(fit, "acceleration") - fit.value("accelerometer.bias_m_s2"))
 
 
 def _image_std(fit: Fit) -> float:
@@ -212,28 +217,16 @@ def _image_std(fit: Fit) -> float:
     return float(np.nanstd(seen)) if seen is not None else 1.0
 
 
-def _noise_of(channel: str) -> Callable[[Fit], float]:
-    return lambda fit: float(fit.sigma.get(channel, 1.0))
-
-
-def _largest_px(fit: Fit) -> float:
-    """Largest displacement that an image should show; 1 where none shows any."""
-    seen = fit.channel("displacement")
-    return (float(np.max(np.abs(seen.predicted))) if seen is not None else 0.0) or 1.0
-
-
 def _lens(fit: Fit) -> tuple[Added, ...]:
-    seen = fit.channel("displacement")
-    if seen is None:
-        return ()
-    size = _largest_px(fit)
-    about = seen.predicted / size
+    seen = _shown(fit, "displacement")
+    size = float(np.max(np.abs(seen))) or 1.0
+    about = seen / size
     return (Added("lens", {"displacement": np.stack([about**2, about**3], axis=1) * size}, 0.3),)
 
 
 def _lens_values(fit: Fit) -> Values:
     one = next(each for each in fit.world.added if each.name == "lens")
-    size = _largest_px(fit)
+    size = float(np.max(np.abs(_shown(fit, "displacement")))) or 1.0
     cubic, std = plain(fit, x=one.amounts[1])["x"]
     return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
 

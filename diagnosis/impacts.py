@@ -4,7 +4,6 @@ Over one period before and one after each instant, the residual's phasor at the 
 jump between the two that stands out of the usual ones. It opens a new segment with its own state.
 """
 
-from itertools import pairwise
 from math import pi
 from typing import Any
 
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.fit import Fit, Split, colours, fit, make_data
 from stillarm.diagnosis.robust import std_about_zero
-from stillarm.diagnosis.side_by_side import side_by_side
 from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -23,6 +21,7 @@ _OUTSTANDING = 9.0  # times the usual jump
 _NEAR = 5.0  # times those near by
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
+_WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large
 _AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
 _MOST = 40
 _SIGNIFICANT = 6.0
@@ -178,7 +177,7 @@ def _sought(last: Fit, split: Split, extra: tuple[str, ...], fitted: bool = True
         if (turn or fitted) and not new:
             break
         impacts |= new
-        last = refit_with(last, split, tuple(sorted(impacts)), extra)
+        last = refit_with(last, split, tuple(sorted(impacts)), extra, _WHILE_SOUGHT)
         last, impacts = _sharpened(last, split, extra)
     return last
 
@@ -188,79 +187,9 @@ def _in_place(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
     return pruned(last, split, extra)
 
 
-def _redated(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
-    """With each blow half a period earlier or later where that explains more: a blow the other way, half a period off,
-    leaves the first mode as it is but for the time between, which is then wrong, and so is any further mode. What is
-    still wrong about the blow has another cause."""
-    for cycle in last.world.impacts:
-        half = round(0.5 / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s))
-        if cycle not in last.world.impacts or not _wrong_about(last, split, cycle, half):
-            continue
-        others = [one for one in last.world.impacts if one != cycle]
-        for moved in (cycle - half, cycle + half):
-            inside = 1 <= moved <= last.world.measured.cycles - 2
-            if not inside or any(abs(moved - other) < half // 2 for other in others):
-                continue
-            struck = refit_with(last, split, tuple(sorted((*others, moved))), extra)
-            struck = _sharpened(struck, split, extra)[0]
-            better = struck.train_log_likelihood > last.train_log_likelihood + _REDATED_NATS
-            if better and not _wrong_about(struck, split, moved, half):
-                last = struck
-                break
-    return last
-
-
-def _wrong_about(last: Fit, split: Split, cycle: int, half: int) -> bool:
-    """Whether the acceleration or deflection that trains is plainly wrong within half a period of a cycle."""
-    train = make_data(last.world, split).train
-    about = slice(max(cycle - half, 0), cycle + half)
-    for name in ("acceleration", "deflection"):
-        if name in train and train[name][about].any():
-            u = last.residuals[name][about][train[name][about]] / last.sigma[name]
-            if float(np.mean(np.minimum(u * u, _FAR**2))) > _WRONG:
-                return True
-    return False
-
-
-def _merged(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
-    """With one blow in place of two where that explains more: two instants on either side of a blow, each some way
-    from it, may have been found in its stead, and leave wrong what lies between them."""
-    tried: set[tuple[int, int]] = set()
-    while True:
-        cycles = last.world.impacts
-        period = 1.0 / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
-        near = [
-            pair
-            for pair in pairwise(cycles)
-            if pair[1] - pair[0] < _ONE_IMPACT * period and pair not in tried
-        ]
-        if not near:
-            return last
-        tried.add(near[0])
-        one = _in_place_of(last, near[0], split, extra)
-        last = one if one.train_log_likelihood > last.train_log_likelihood else last
-
-
-def _in_place_of(last: Fit, pair: tuple[int, int], split: Split, extra: tuple[str, ...]) -> Fit:
-    """The fit with the likeliest single blow in place of a pair, or the last: where it was, by fits of that blow and
-    its neighbours alone, as there may be many others."""
-    others = tuple(cycle for cycle in last.world.impacts if cycle not in pair)
-
-    def struck(cycle: float) -> Fit:
-        impacts = sorted((*others, round(cycle)))
-        world = last.world.changed(impacts=tuple(impacts))
-        number = impacts.index(round(cycle)) + 1
-        own = [name for j in (number - 1, number, number + 1) for name in world.space.names(f"jump.{j}.")]
-        return fit(make_data(world, split), carried_over(last, world), own, colour=last.colour)
-
-    best = max(side_by_side(struck, np.linspace(*pair, _PLACES)), key=lambda one: one.train_log_likelihood)
-    if best.train_log_likelihood < last.train_log_likelihood - _HOPELESS_NATS:
-        return last
-    best = refit_with(best, split, best.world.impacts, extra)
-    return max(best, _sharpened(best, split, extra)[0], key=lambda one: one.train_log_likelihood)
-
-
-def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = ()) -> Fit:
+def refit_with(
+    last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = (), iterations: int = 12
+) -> Fit:
     """Fit again with these segments, from what is known."""
     world = last.world.changed(impacts=impacts)
     start = carried_over(last, world)
@@ -269,7 +198,7 @@ def refit_with(last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[s
     ]  # segments of a further mode go with their blow
     free = tuple(dict.fromkeys((*world.baseline_names(), *there)))
     data = make_data(world, split)
-    return fit(data, start, free, colour=last.colour | colours(data, start))
+    return fit(data, start, free, colour=last.colour | colours(data, start), iterations=iterations)
 
 
 def carried_over(last: Fit, world: World) -> Array:
@@ -308,7 +237,7 @@ def _sharpened(last: Fit, split: Split, extra: tuple[str, ...]) -> tuple[Fit, se
         moved = sorted(set(moved))
         if tuple(moved) == world.impacts:
             break
-        last = refit_with(last, split, tuple(moved), extra)
+        last = refit_with(last, split, tuple(moved), extra, _WHILE_SOUGHT)
         world = last.world
     return last, set(world.impacts)
 

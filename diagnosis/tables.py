@@ -12,6 +12,7 @@ from stillarm.diagnosis.fit import Fit, Split, least_level, make_data
 from stillarm.diagnosis.residual_tests import autocorrelation
 from stillarm.diagnosis.residuals import noise_floor
 
+NOTHING_LIKE_IT = "nothing that was tried"
 _LAGS = 60
 _HARDLY = 0.2  # confidence
 
@@ -129,7 +130,7 @@ def unexplained_table(judged: Judged) -> dict[str, Any] | None:
     free = judged.beside or judged.alone
     rest = next((one for one in judged.rests if free is not None and one.channel == free.channel), None)
     rest = rest or judged.left or max(judged.rests, key=lambda one: one.share_of_noise)
-    words = free.group.words if free is not None else "nothing that was tried"
+    words = free.group.words if free is not None else NOTHING_LIKE_IT
     return {"channel": rest.channel, "band_hz": list(rest.band_hz), "dependence": words, "term": _term(free)}
 
 

@@ -161,12 +161,12 @@ class World:
         self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
         self._decays: dict[tuple[float, float], Array] = {}
         self._usual = self.space.vector()
-        self._of_sensor = frozenset(
-            name
-            for name in self.space.place
-            if name.startswith("accelerometer.")
-            and name not in ("accelerometer.bias_m_s2", ACCELEROMETER_BEGIN)
-        )
+        kept = ("accelerometer.bias_m_s2", ACCELEROMETER_BEGIN, OF_ARRIVALS)  # the baseline's, or no effect
+        self._of_sensor = [
+            place
+            for name, place in self.space.place.items()
+            if name.startswith("accelerometer.") and name not in kept
+        ]
         self._moving = np.array(
             [
                 at
@@ -433,8 +433,7 @@ class World:
         if begin_s <= 0.0:
             return self._read(motion, vector)
         usual = vector.copy()
-        own = [place for name, place in at.items() if name in self._of_sensor]
-        usual[own] = self._usual[own]
+        usual[self._of_sensor] = self._usual[self._of_sensor]
         return np.where(self.cycle_times >= begin_s, self._read(motion, vector), self._read(motion, usual))
 
     def _read(self, motion: Motion, vector: Array) -> Array:

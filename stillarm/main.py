@@ -5,10 +5,10 @@ import importlib
 import signal
 import sys
 import warnings
-from types import FrameType
+from types import FrameType, ModuleType
 from typing import NoReturn
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 COMMANDS = {
     "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",
@@ -30,6 +30,13 @@ COMMANDS = {
     "benchmark": "regenerate the documentation's tables",
 }
 
+_FOLDERS = {
+    "rig": ("demo", "controller", "supervisor", "rig", "check", "operate", "commission"),
+    "recordings": ("simulate", "import", "export", "recover", "replay", "calibrate", "diagnose", "causes"),
+    "measuring": ("latency", "benchmark"),
+}
+"""Where each command's file lies in stillarm/commands."""
+
 
 class _Parser(argparse.ArgumentParser):
     """Reports a mistake in one line, with the command that explains the arguments."""
@@ -49,8 +56,13 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
             name, help=help_text, description=help_text[0].upper() + help_text[1:] + "."
         )
         if name == command:
-            importlib.import_module(f"stillarm.commands.{name}_command").add_arguments(sub)
+            _module(name).add_arguments(sub)
     return top
+
+
+def _module(command: str) -> ModuleType:
+    folder = next(folder for folder, commands in _FOLDERS.items() if command in commands)
+    return importlib.import_module(f"stillarm.commands.{folder}.{command}_command")
 
 
 def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
@@ -68,8 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
     command = next((word for word in words if word in COMMANDS), None)
     try:
         parsed = parser(command).parse_args(words)
-        module = importlib.import_module(f"stillarm.commands.{parsed.command}_command")
-        status: int = module.run(parsed)
+        status: int = _module(parsed.command).run(parsed)
         return status
     except UserError as error:
         print(f"stillarm: {error}", file=sys.stderr)
@@ -81,8 +92,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     except OSError as error:
         where = f"{error.filename}: " if error.filename is not None else ""
-        reason = (error.strerror or str(error)).lower()
-        print(f"stillarm: {where}{reason}; correct that, and start again", file=sys.stderr)
+        print(f"stillarm: {where}{reason_of(error)}; correct that, and start again", file=sys.stderr)
         return 1
     except MemoryError:
         print("stillarm: not enough memory; free some, or take a shorter recording", file=sys.stderr)

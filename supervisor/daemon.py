@@ -48,9 +48,8 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
     # The camera's driver reports in one line, with a remedy, what OpenCV would warn about.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
     width, height = configuration.camera.width_px or 640, configuration.camera.height_px or 480
-    warm_up(
-        configuration.supervisor.tracker, width, height
-    )  # before the camera opens, so that no frame waits for it
+    # before the camera opens, so that no frame waits for it
+    warm_up(configuration.supervisor.tracker, width, height)
     camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)
     recorder = None
     if record_images is not None:
@@ -68,9 +67,8 @@ def run(configuration_path: Path, record_images: Path | None = None) -> None:
                 log("supervisor", "warning", note)
             stop = StopSignal()
             settle_memory()
-            if (
-                configuration.camera.driver != "file"
-            ):  # a file is read as fast as possible: it has no deadline
+            # a file is read as fast as possible: it has no deadline
+            if configuration.camera.driver != "file":
                 run_fifo(_PRIORITY)
                 loop.begin_fresh()
             loop.run(stop)

@@ -1,5 +1,6 @@
-"""For all tests: linear algebra on one thread, as the commands have it, and no example timed, whatever the machine; and
-the run's last line says how many tests of measured data ran, or were left out."""
+"""For all tests: linear algebra uses one thread, as in the commands, and hypothesis times no example. The
+run's last line says how many tests of measured data ran or were left out.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +17,10 @@ settings.load_profile("untimed")
 
 pytest_plugins = (
     "pytester",
+    "tests.fixtures.cia402_bench",
     "tests.fixtures.emulated_ports",
+    "tests.fixtures.lis3lv02dq",
+    "tests.fixtures.register_chips",
     "tests.plugins.blind_slices",
     "tests.plugins.quick_tests",
 )

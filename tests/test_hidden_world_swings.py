@@ -83,7 +83,7 @@ def test_an_instant_strike_gives_the_amplitude_it_is_sized_by() -> None:
     assert np.max(np.abs(motion.deflection_m)) == pytest.approx(0.01, rel=0.05)
     on_ticks = motion.acceleration_m_s2[:: round(TICK_S / STEP_S)]
     w = 2.0 * np.pi * case.modes[0].frequency_hz
-    assert np.max(np.abs(on_ticks)) < 1.1 * 0.01 * w * w  # no sample lies in the blow
+    assert np.max(np.abs(on_ticks)) < 1.1 * 0.01 * w * w  # no sample lies in the impact
 
 
 def test_acceleration_is_the_second_derivative_of_the_tip() -> None:

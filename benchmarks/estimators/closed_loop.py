@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import floor, nan
+from math import cos, floor, nan, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,18 @@ class Course:
     reference: Callable[[float], float] = lambda time_s: 0.0
     damping: Callable[[float], bool] = lambda time_s: False
     force_std_m_s2: float = 0.0
+
+
+def to_and_fro(from_s: float, every_s: float, lasts_s: float, peak_rad_s: float) -> Callable[[float], float]:
+    """A joint velocity reference, rad/s: moves to and fro in turns, each a raised cosine."""
+
+    def reference(time_s: float) -> float:
+        move, since = divmod(time_s - from_s, every_s)
+        if move < 0.0 or since > lasts_s:
+            return 0.0
+        return (1.0 if move % 2 == 0 else -1.0) * peak_rad_s * 0.5 * (1.0 - cos(2.0 * pi * since / lasts_s))
+
+    return reference
 
 
 @dataclass(frozen=True)

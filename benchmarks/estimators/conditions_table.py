@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
-from math import cos, isfinite, pi
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from stillarm.benchmarks.estimators.closed_loop import Course, run_closed
+from stillarm.benchmarks.estimators.closed_loop import Course, run_closed, to_and_fro
 from stillarm.benchmarks.estimators.starts import (
     CLOSED_STARTS,
     FIGURES,
@@ -15,7 +15,6 @@ from stillarm.benchmarks.estimators.starts import (
     REGIMES_STARTED,
     During,
     during_of,
-    within,
 )
 from stillarm.benchmarks.estimators.tables import failure_of, mean_score
 from stillarm.benchmarks.estimators.trial import (
@@ -27,6 +26,7 @@ from stillarm.benchmarks.estimators.trial import (
     scale_error,
     score,
     score_of,
+    within,
 )
 from stillarm.benchmarks.estimators.world.condition import Condition
 from stillarm.benchmarks.estimators.world.generator import Change, Data, cycle_times, generate
@@ -84,14 +84,6 @@ OPEN_LOOP: dict[str, Condition] = {
 }
 
 
-def _moves(time_s: float) -> float:
-    """Joint velocity reference: to and fro, each move a raised cosine."""
-    move, since = divmod(time_s, _MOVE_EVERY_S)
-    if since > _MOVE_S:
-        return 0.0
-    return (1.0 if move % 2 == 0 else -1.0) * _MOVE_RAD_S * 0.5 * (1.0 - cos(2.0 * pi * since / _MOVE_S))
-
-
 _STRIKES = {0.0: 1.0, **{_STRIKE_EVERY_S * k: 1.2 for k in range(1, int(DURATION_S / _STRIKE_EVERY_S) + 1)}}
 
 
@@ -101,7 +93,7 @@ def _course(**what: Any) -> Course:
 
 
 CLOSED_LOOP: dict[str, Course] = {
-    "joint moving": _course(reference=_moves),
+    "joint moving": _course(reference=to_and_fro(0.0, _MOVE_EVERY_S, _MOVE_S, _MOVE_RAD_S)),
     "damping on": _course(damping=lambda time_s: time_s >= SETTLING_S),
 }
 # Append new ones: a condition's index is part of its trials' seeds.

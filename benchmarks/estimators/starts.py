@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import cos, nan, pi
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.benchmarks.estimators.closed_loop import Course
-from stillarm.benchmarks.estimators.trial import Mask, Said
+from stillarm.benchmarks.estimators.closed_loop import Course, to_and_fro
+from stillarm.benchmarks.estimators.trial import Mask, Said, mean_square
 from stillarm.benchmarks.estimators.world.condition import Condition, Span
 from stillarm.benchmarks.estimators.world.excitation import (
     FIRST_S,
@@ -57,23 +57,10 @@ def during_of(said: Said, cycles: Mask, frames: Mask, nominal_m: float) -> Durin
     return During(
         float(relative.mean()),
         float(relative.max()),
-        _mean_square(delay),
-        _mean_square(normalised),
+        mean_square(delay),
+        mean_square(normalised),
         float(1.0 - known.mean()),
     )
-
-
-def _mean_square(values: Values) -> float:
-    finite = values[np.isfinite(values)]
-    return float(np.mean(finite**2)) if len(finite) else nan
-
-
-def within(spans: list[Span], time_s: Values) -> Mask:
-    """Which of the times lie in one of the spans."""
-    inside: Mask = np.zeros(len(time_s), np.bool_)
-    for begin, end in spans:
-        inside |= (time_s >= begin) & (time_s < end)
-    return inside
 
 
 def _from_the_first(data: Data) -> list[Span]:
@@ -135,16 +122,9 @@ OPEN_STARTS: dict[str, Condition] = {
 }
 
 
-def _jogs(time_s: float) -> float:
-    """Joint velocity reference: short moves to and fro, each a raised cosine."""
-    move, since = divmod(time_s - FIRST_S, _JOG_EVERY_S)
-    if move < 0.0 or since > _JOG_S:
-        return 0.0
-    return (1.0 if move % 2 == 0 else -1.0) * _JOG_RAD_S * 0.5 * (1.0 - cos(2.0 * pi * since / _JOG_S))
-
-
 CLOSED_STARTS: dict[str, tuple[Course, Callable[[], list[Span]]]] = {
     "first motion of the joint": (
-        Course(16.0, {}, reference=_jogs), lambda: [(FIRST_S, FIRST_S + _BEGINS_S)]
+        Course(16.0, {}, reference=to_and_fro(FIRST_S, _JOG_EVERY_S, _JOG_S, _JOG_RAD_S)),
+        lambda: [(FIRST_S, FIRST_S + _BEGINS_S)],
     ),
-}  # fmt: skip
+}

@@ -24,6 +24,7 @@ _UNCERTAIN = (
     "error_mean", "error_max", "delay_rms_s", "ratio", "delay_normalised_error_squared",
     "deflection_normalised_error_squared",
 )  # fmt: skip
+_OURS = "fused"
 _MEAN_OF_MODULUS = sqrt(2.0 / pi)  # of a Gaussian error, over its standard deviation
 
 
@@ -143,19 +144,19 @@ def failure_of(failures: Iterable[str | None]) -> str | None:
     return f"{failed[0]} ({len(failed)} trials)" if failed else None
 
 
-def comparison_rows(judged: Iterable[Judged], ours: str = "fused") -> list[Row]:
-    """Compare `ours` with each other method on the same trials.
+def comparison_rows(judged: Iterable[Judged]) -> list[Row]:
+    """Compare our method with each other one on the same trials.
 
     A row for each cell and figure. difference: mean of ours minus the other's; standard_error: of that mean over the
-    paired trials; worse: whether it exceeds two standard errors. Empty if `ours` is not among the methods.
+    paired trials; worse: whether it exceeds two standard errors. Empty if ours is not among the methods.
     """
     rows = []
     for (regime, noise), cell in _cells(judged).items():
         for other in cell[0].job.methods:
             pairs = [
-                (one.scores[ours], one.scores[other]) for one in cell if {ours, other} <= set(one.scores)
+                (one.scores[_OURS], one.scores[other]) for one in cell if {_OURS, other} <= set(one.scores)
             ]
-            if other == ours or not pairs:
+            if other == _OURS or not pairs:
                 continue
             for figure in ("error_mean", "error_max", "delay_rms_s"):
                 differences = np.array([getattr(a, figure) - getattr(b, figure) for a, b in pairs])
@@ -163,7 +164,7 @@ def comparison_rows(judged: Iterable[Judged], ours: str = "fused") -> list[Row]:
                 mean = float(differences.mean())
                 rows.append(
                     {
-                        "method": ours,
+                        "method": _OURS,
                         "other": other,
                         "regime": regime,
                         "noise": noise,

@@ -1,5 +1,6 @@
 """One trial of one method: runs the controller's own step on the generator's data, and scores it against the truth."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import hypot, nan
 from time import perf_counter_ns
@@ -49,7 +50,7 @@ class Answers:
 class Score:
     """Figures of one trial. Errors of the deflection are fractions of the momentary amplitude.
 
-    The first seven start at SETTLING_S and exclude AFTER_BLOW_S after each impact; *_all include everything after
+    The first seven start at SETTLING_S and exclude AFTER_IMPACT_S after each impact; *_all include everything after
     SETTLING_S; error_last: mean over the last LAST_S; unanswered: fraction of cycles without a finite prediction, each
     of which counts as a prediction of zero.
     """
@@ -173,15 +174,19 @@ def swinging_cycles(data: Data, from_s: float) -> Mask:
 
 def forced_cycles(data: Data) -> Mask:
     """The cycles under a force that is not an impact. Shape (cycles,)."""
-    time_s = cycle_times(len(data.deflection_m))
-    forced = np.zeros(len(time_s), np.bool_)
-    for begin, end in data.motion.forced_s:
-        forced |= (time_s >= begin) & (time_s < end)
-    return forced
+    return within(data.motion.forced_s, cycle_times(len(data.deflection_m)))
+
+
+def within(spans: Iterable[tuple[float, float]], time_s: Values) -> Mask:
+    """Which of the times lie in one of the spans."""
+    inside: Mask = np.zeros(len(time_s), np.bool_)
+    for begin, end in spans:
+        inside |= (time_s >= begin) & (time_s < end)
+    return inside
 
 
 def scored_cycles(data: Data, from_s: float = SETTLING_S) -> Mask:
-    """The scored cycles: settled, ringing, and no impact within the last AFTER_BLOW_S. Shape (cycles,)."""
+    """The scored cycles: settled, ringing, and no impact within the last AFTER_IMPACT_S. Shape (cycles,)."""
     time_s = cycle_times(len(data.deflection_m))
     scored = swinging_cycles(data, from_s)
     for impact in data.motion.impacts_s:
@@ -236,9 +241,8 @@ def score_of(
     known = np.isfinite(said.predicted_m)
     predicted = np.where(known, said.predicted_m, 0.0)
     error = predicted - said.deflection_m
-    with np.errstate(
-        divide="ignore", invalid="ignore"
-    ):  # division by zero for an arm at rest, which is not scored
+    # division by zero for an arm at rest, which is not scored
+    with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.abs(error) / said.unit_m
     last = cycles.copy()
     last[: -round(LAST_S / CYCLE_S)] = False
@@ -253,8 +257,8 @@ def score_of(
         _correlation(predicted[cycles], said.deflection_m[cycles]),
         float(delay_error.mean()),
         float(np.sqrt(np.mean(delay_error**2))),
-        _mean_square(delay_normalised),
-        _mean_square(normalised[cycles]),
+        mean_square(delay_normalised),
+        mean_square(normalised[cycles]),
         float(relative[late].mean()),
         float(relative[late].max()),
         float(relative[last].mean()) if last.any() else nan,
@@ -263,7 +267,8 @@ def score_of(
     )
 
 
-def _mean_square(values: Values) -> float:
+def mean_square(values: Values) -> float:
+    """Of those that are finite; NaN without any."""
     finite = values[np.isfinite(values)]
     return float(np.mean(finite**2)) if len(finite) else nan
 

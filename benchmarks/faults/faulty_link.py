@@ -87,7 +87,7 @@ class Wire:
     def __init__(self, seed: int) -> None:
         """A perfect link, until `fault` is set."""
         self.fault = PERFECT
-        self.sent = self.spoilt = 0
+        self.sent = 0
         self._rng = random.Random(seed)
         self._past: list[bytes] = []
         self._flying: list[tuple[float, int, bytes]] = []
@@ -101,11 +101,8 @@ class Wire:
             past.append(data)
         else:
             past[self._rng.randrange(_REMEMBERED)] = data
-        if self.fault is PERFECT:
-            arriving = [(0.0, data)]
-        else:
-            arriving = faulty_link(self.fault, data, past, self._rng)
-            self.spoilt += all(arrived != data for _, arrived in arriving)
+        perfect = self.fault is PERFECT
+        arriving = [(0.0, data)] if perfect else faulty_link(self.fault, data, past, self._rng)
         for delay, arrived in arriving:
             self._count += 1
             self._flying.append((now_s + delay, self._count, arrived))

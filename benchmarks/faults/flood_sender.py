@@ -17,6 +17,7 @@ from stillarm.common.user_error import UserError
 RATE_HZ = 20_000
 _FORGERIES = 2000
 _PAUSE_S = 0.0005
+_ENDS_WITHIN_S = 30.0
 
 
 def start_flood(
@@ -39,9 +40,9 @@ def start_flood(
     return process
 
 
-def sent_by(process: "subprocess.Popen[bytes]", timeout_s: float = 30.0) -> int:
+def sent_by(process: "subprocess.Popen[bytes]") -> int:
     """Wait until the flood has ended. Returns the number of datagrams. Raises UserError if its process failed."""
-    told = process.communicate(timeout=timeout_s)[0]
+    told = process.communicate(timeout=_ENDS_WITHIN_S)[0]
     if process.returncode != 0:
         raise UserError("the flood's sender failed; see its standard error")
     return int(json.loads(told)["sent"])

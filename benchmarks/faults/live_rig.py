@@ -159,10 +159,6 @@ class LiveRig:
         self.signal(name, signal.SIGTERM)
         self.wait(name)
 
-    def running(self, name: str) -> bool:
-        """Whether a process runs."""
-        return self._processes[name].poll() is None
-
     def fail_accelerometer(self, failure: Failure) -> None:
         """Set a failure in the rig's emulated accelerometer."""
         block = SharedBlock(self.bus_name, create=False)

@@ -24,7 +24,6 @@ from stillarm.simulation.demo.demo import Progress, run_processes
 from stillarm.simulation.demo.own_folder import own_folder
 from stillarm.simulation.demo.ring_down import envelope_m, settling_time_s
 
-DURATION_S = 30.0
 SHORTEST_S, LONGEST_S = 12.0, 600.0  # as for a demo
 _CYCLE_S = 0.001  # of the demo's model
 

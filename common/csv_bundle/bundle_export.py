@@ -17,7 +17,7 @@ from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.header import model_was_given
 from stillarm.common.recording.reader import Recording
 from stillarm.common.recording.topics import TOPICS, FastSample, FrameSample, ImageSample, Topic
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 Table = dict[str, list[Any]]  # columns of one length by name; None where there is no value
 
@@ -39,9 +39,7 @@ def export_csv(recording: Recording, directory: str | Path) -> list[Path]:
 
 
 def export_parquet(recording: Recording, directory: str | Path) -> list[Path]:
-    """The same as Parquet files. Raises UserError, with the remedy, when the package pyarrow is not
-    installed.
-    """
+    """The same as Parquet files. Raises UserError, with the remedy, when the package pyarrow is not installed."""
     try:
         arrow = importlib.import_module("pyarrow")
         parquet = importlib.import_module("pyarrow.parquet")
@@ -78,9 +76,8 @@ def topic_tables(recording: Recording) -> dict[str, Table]:
 def _columns(recording: Recording, topic: Topic) -> Table:
     if topic.message is not ImageSample:
         return {name: column.tolist() for name, column in recording.columns(topic.name).items()}
-    names = [
-        name for name in ImageSample.__struct_fields__ if name not in ("format", "data")
-    ]  # no table of pixels
+    # no table of pixels
+    names = [name for name in ImageSample.__struct_fields__ if name not in ("format", "data")]
     rows = [[getattr(image, name) for name in names] for image in recording.messages(topic.name)]
     return {name: list(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
 
@@ -98,9 +95,8 @@ def _export(
             (directory / "model.toml").write_text(recording.header.model, encoding="utf-8", newline="")
             written.append(directory / "model.toml")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
         raise UserError(
-            f"{directory}: cannot be written ({reason}); name a folder that you may write to"
+            f"{directory}: cannot be written ({reason_of(error)}); name a folder that you may write to"
         ) from None
     return written
 
@@ -159,9 +155,7 @@ _FRAMES_FIRST = [
 
 
 def _flat(table: Table) -> Table:
-    """Lists as columns of their own: modal_deflections_m becomes modal_deflections_1_m, ..._2_m; NaN becomes
-    None.
-    """
+    """Lists as columns of their own: modal_deflections_m becomes modal_deflections_1_m, ..._2_m; NaN becomes None."""
     flat: Table = {}
     for name, values in table.items():
         if values and isinstance(values[0], list):

@@ -1,10 +1,10 @@
-"""`stillarm import DIR -o REC`: a CSV bundle becomes a recording that replay and diagnose read like any
-other.
-"""
+"""`stillarm import DIR -o REC`: a CSV bundle becomes a recording that replay and diagnose read like any other."""
 
 import difflib
+import heapq
 from collections.abc import Iterator
 from math import isnan
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +21,8 @@ from stillarm.common.csv_bundle.csv_table import (
 )
 from stillarm.common.datagrams.fields import plain_types
 from stillarm.common.datagrams.visual_sample import TrackingStatus
-from stillarm.common.files.configuration import default_configuration_path, load_configuration
 from stillarm.common.files.model import Model, load_model
-from stillarm.common.recording.header import RecordingHeader, program_version
+from stillarm.common.recording.header import imported_header
 from stillarm.common.recording.topics import FastSample, ForeignColumns, FrameSample
 from stillarm.common.recording.writer import RecordingWriter
 from stillarm.common.user_error import UserError
@@ -36,9 +35,7 @@ _PURPOSE = {"time_s": "the time of a row", "received_s": "when the controller re
 
 
 class ImportReport(msgspec.Struct, frozen=True):
-    """What came in. not_measured, unknown: columns as 'file: column'; notes: lines that the user
-    should read.
-    """
+    """What came in. not_measured, unknown: columns as 'file: column'; notes: lines that the user should read."""
 
     fast_rows: int
     frame_rows: int
@@ -87,13 +84,18 @@ def import_bundle(directory: str | Path, out_path: str | Path) -> ImportReport:
     ]
     for table, kind, _ in tables:
         notes.extend(_unknown_notes(table, kind))
-    header = _header(directory.resolve().name, read_text(model_file) if model_given else "", notes, fast_rows)
-    writer = RecordingWriter(out_path, header)
+    header_notes = {"source": directory.resolve().name}
+    header_notes |= {f"import_{number:02d}": note for number, note in enumerate(notes)}
+    # Log times are never negative: a clock that starts below zero is shifted by whole seconds.
+    origin_s = max(0, -int(min(row.time_s for row in fast_rows) // 1.0))
+    model_text = read_text(model_file) if model_given else ""
+    writer = RecordingWriter(out_path, imported_header(model_text, header_notes, origin_s * 1_000_000_000))
     try:
-        for topic, message in _in_order(
-            _with_foreign("/fast", fast_rows, fast), _with_foreign("/frames", frame_rows, frames)
-        ):
-            writer.write(topic, message)
+        streams = _with_foreign("/fast", fast_rows, fast), _with_foreign("/frames", frame_rows, frames)
+        # By time; each stream keeps its own order, even where its clock steps back.
+        for _, messages in heapq.merge(*streams, key=itemgetter(0)):
+            for topic, message in messages:
+                writer.write(topic, message)
     finally:
         writer.close()
     return ImportReport(
@@ -253,35 +255,3 @@ def _with_foreign(
             held = {name: column[index] for name, column in zip(unknown, columns, strict=True)}
             found.append((f"{topic}/columns", ForeignColumns(row.time_s, held)))
         yield row.time_s, found
-
-
-def _in_order(
-    *streams: Iterator[tuple[float, list[tuple[str, msgspec.Struct]]]],
-) -> Iterator[tuple[str, msgspec.Struct]]:
-    """Merge by time, keeping each stream's own order even where its clock steps back."""
-    heads = [(stream, next(stream, None)) for stream in streams]
-    while True:
-        ready = [(head[0], index) for index, (_, head) in enumerate(heads) if head is not None]
-        if not ready:
-            return
-        index = min(ready)[1]
-        stream, head = heads[index]
-        assert head is not None
-        yield from head[1]
-        heads[index] = (stream, next(stream, None))
-
-
-def _header(source: str, model: str, notes: list[str], fast: list[FastSample]) -> RecordingHeader:
-    path = default_configuration_path()
-    earliest = min((row.time_s for row in fast), default=0.0)
-    return RecordingHeader(
-        program_version=program_version(),
-        configuration=read_text(path),
-        configuration_name="configs/default.toml",
-        model=model,
-        method=load_configuration(path).controller.method,
-        kind="imported",
-        # Log times are never negative: a clock that starts below zero is shifted by whole seconds.
-        origin_unix_ns=max(0, -int(earliest // 1.0)) * 1_000_000_000,
-        notes={"source": source, **{f"import_{number:02d}": note for number, note in enumerate(notes)}},
-    )

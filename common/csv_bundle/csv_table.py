@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import isfinite, isnan, nan
 from pathlib import Path
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 _NO_MEASUREMENT = frozenset({"", "nan", "na", "n/a", "null", "none"})
 
@@ -39,8 +39,7 @@ def read_text(path: Path) -> str:
     try:
         return path.read_bytes().decode("utf-8-sig")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise UserError(f"{path}: cannot be read ({reason}); name an existing file") from None
+        raise UserError(f"{path}: cannot be read ({reason_of(error)}); name an existing file") from None
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: not UTF-8 text at byte {error.start}; save it as CSV in UTF-8") from None
 

@@ -1,6 +1,4 @@
-"""`stillarm import FILE --map input=COLUMN --map output=COLUMN --rate-hz HZ -o REC`: one input and one
-output.
-"""
+"""`stillarm import FILE --map input=COLUMN --map output=COLUMN --rate-hz HZ -o REC`: one input and one output."""
 
 from math import isfinite, isnan
 from pathlib import Path
@@ -8,8 +6,7 @@ from pathlib import Path
 import msgspec
 
 from stillarm.common.csv_bundle.csv_table import CsvTable, floats, read_rows, read_text
-from stillarm.common.files.configuration import default_configuration_path, load_configuration
-from stillarm.common.recording.header import RecordingHeader, program_version
+from stillarm.common.recording.header import imported_header
 from stillarm.common.recording.topics import PairSample
 from stillarm.common.recording.writer import RecordingWriter
 from stillarm.common.user_error import UserError
@@ -46,21 +43,13 @@ def import_mapped(
         raise UserError(f"{path}: holds no data; rows of numbers are needed")
     places = {role: _place(path, columns[role], role, names, rows) for role in _ROLES}
     values = {role: _column(path, rows, place, columns[role]) for role, place in places.items()}
-    header = RecordingHeader(
-        program_version=program_version(),
-        configuration=read_text(default_configuration_path()),
-        configuration_name="configs/default.toml",
-        model="",
-        method=load_configuration(default_configuration_path()).controller.method,
-        kind="imported",
-        notes={
-            "source": path.name,
-            "input_column": columns["input"],
-            "output_column": columns["output"],
-            "rate_hz": repr(float(rate_hz)),
-        },
-    )
-    writer = RecordingWriter(out_path, header)
+    notes = {
+        "source": path.name,
+        "input_column": columns["input"],
+        "output_column": columns["output"],
+        "rate_hz": repr(float(rate_hz)),
+    }
+    writer = RecordingWriter(out_path, imported_header("", notes))
     try:
         for index, (value, answer) in enumerate(zip(values["input"], values["output"], strict=True)):
             writer.write("/pair", PairSample(index / rate_hz, value, answer))

@@ -1,6 +1,4 @@
-"""The configuration file: one TOML file for both computers; each daemon reads the sections that
-concern it.
-"""
+"""The configuration file: one TOML file for both computers; each daemon reads the sections that concern it."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -16,13 +14,14 @@ Port = Annotated[int, Meta(ge=1, le=65535)]
 Positive = Annotated[float, Meta(gt=0.0)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
-Count = Annotated[int, Meta(ge=1)]
+AccelerometerDriver = Literal[
+    "lis3lv02dq", "lis3dh", "adxl345", "adxl355", "mpu6050", "icm20948",
+    "witmotion", "xsens", "vectornav", "microcontroller", "iio", "none",
+]  # fmt: skip
 
 
 class Link(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Where the two processes listen, and the key that signs what they send. An empty key_file: the
-    demo key.
-    """
+    """Where the two processes listen, and the key that signs what they send. An empty key_file: the demo key."""
 
     controller_host: str = "127.0.0.1"
     controller_port: Port = 47001
@@ -159,9 +158,7 @@ class Tracker(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Supervisor(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Frame capture and tracking. `cycles_in_flight`: how many images are asked for ahead (buffers
-    queued).
-    """
+    """Frame capture and tracking. `cycles_in_flight`: how many images are asked for ahead (buffers queued)."""
 
     cycles_in_flight: Annotated[int, Meta(ge=1, le=32)] = 1
     tracker: Tracker = Tracker()
@@ -178,20 +175,7 @@ class AccelerometerDevice(msgspec.Struct, forbid_unknown_fields=True, frozen=Tru
     bandwidth_hz: which of the part's filters; 0: its default. full_scale_g: where the driver can set it.
     """
 
-    driver: Literal[
-        "lis3lv02dq",
-        "lis3dh",
-        "adxl345",
-        "adxl355",
-        "mpu6050",
-        "icm20948",
-        "witmotion",
-        "xsens",
-        "vectornav",
-        "microcontroller",
-        "iio",
-        "none",
-    ] = "lis3lv02dq"
+    driver: AccelerometerDriver = "lis3lv02dq"
     bus: str = "/dev/i2c-1"
     address: Annotated[int, Meta(ge=0, le=0x77)] = 0
     port: str = "/dev/ttyACM0"

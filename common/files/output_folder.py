@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 
 def make_folder(path: str | Path) -> Path:
@@ -11,8 +11,7 @@ def make_folder(path: str | Path) -> Path:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
         raise UserError(
-            f"{path}: cannot be made a folder ({reason}); name a folder that you may write to"
+            f"{path}: cannot be made a folder ({reason_of(error)}); name a folder that you may write to"
         ) from None
     return path

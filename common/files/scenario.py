@@ -17,7 +17,7 @@ Time = Annotated[float, Meta(ge=0.0)]
 
 
 class Strike(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """A blow at the tip: mode number `mode` (1 = first) rings on from it with amplitude `deflection_m`
+    """An impact at the tip: mode number `mode` (1 = first) rings on from it with amplitude `deflection_m`
     (signed).
 
     It jumps the modal velocity by w * deflection_m.
@@ -29,9 +29,7 @@ class Strike(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Move(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """A move of the joint at constant velocity with ramps of `ramp_s` at both ends, inside
-    [start_s, end_s].
-    """
+    """A move of the joint at constant velocity with ramps of `ramp_s` at both ends, inside [start_s, end_s]."""
 
     start_s: Time
     end_s: Time
@@ -72,9 +70,7 @@ class Scenario(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
-    """Read a scenario by file, or by the name of one that comes with the program
-    (configs/scenario_NAME.toml).
-    """
+    """Read a scenario by file, or by the name of one that comes with the program (configs/scenario_NAME.toml)."""
     path = Path(name_or_path)
     if path.suffix != ".toml":
         known = Path(__file__).parents[2] / "configs"

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 Structure = TypeVar("Structure")
 Key = str | int
@@ -29,8 +29,7 @@ def read_toml_text(path: str | Path) -> str:
     try:
         return Path(path).read_bytes().decode("utf-8")
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise UserError(f"{path}: cannot be read ({reason.lower()}); name an existing TOML file") from None
+        raise UserError(f"{path}: cannot be read ({reason_of(error)}); name an existing TOML file") from None
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from None
 

@@ -12,13 +12,9 @@ from stillarm.common.datagrams.datagram import HEAD, MAX_DATAGRAM_BYTES, MIN_DAT
 from stillarm.common.datagrams.messages import VERSION, Message
 
 _UDP_HEADER_BYTES = 8  # what a program on a UDP socket sees begins with it
-_LOAD_WORD, _LOAD_HALF, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x28, 0x30, 0x80  # BPF_LD + BPF_W, H, B, absolute
-_IF_EQUAL, _IF_ABOVE, _IF_AT_LEAST, _RETURN = (
-    0x15,
-    0x25,
-    0x35,
-    0x06,
-)  # BPF_JMP + JEQ, JGT, JGE with a constant
+_LOAD_WORD, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x30, 0x80  # BPF_LD + BPF_W, B, absolute
+# BPF_JMP + JEQ, JGT, JGE with a constant
+_IF_EQUAL, _IF_ABOVE, _IF_AT_LEAST, _RETURN = (0x15, 0x25, 0x35, 0x06)
 _ALL = 0xFFFFFFFF
 _UINT64 = 0xCF  # msgpack's mark; sessions are drawn so that they take it
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stillarm.common.datagrams.datagram import DEMO_KEY
 from stillarm.common.files.configuration import Link
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 NEW_KEY = "make one with `(umask 077; head -c 32 /dev/urandom > KEY_FILE)` and copy it to both computers"
 
@@ -28,8 +28,7 @@ def load_key(link: Link) -> bytes:
             mode = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
             content = file.read(4096)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise UserError(f"{place}: cannot be read ({reason}); {NEW_KEY}") from None
+        raise UserError(f"{place}: cannot be read ({reason_of(error)}); {NEW_KEY}") from None
     if mode & 0o077:
         raise UserError(
             f"{place}: others may read it (mode {mode:03o}, 600 is allowed); run `chmod 600 {path}`"

@@ -17,7 +17,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 _MAGIC = 0x6D72616C6C697473  # "stillarm"
 _HEADER = 64  # magic, size, two indices or a sequence, each on its own 8 bytes
@@ -36,7 +36,7 @@ def block_path(name: str) -> Path:
 def _no_memory(name: str, path: Path, length: int, error: OSError) -> UserError:
     return UserError(
         f"shared memory {name!r}: cannot make {length} bytes at {path} "
-        f"({(error.strerror or str(error)).lower()}); "
+        f"({reason_of(error)}); "
         f"free memory in {path.parent}, or remove the file if it is another user's"
     )
 
@@ -118,9 +118,8 @@ class SharedBlock:
         self.header.release()
         self.buffer.release()
         self._map.close()
-        if (
-            self._owner and not self.replaced()
-        ):  # a successor's block of the same name is not this one's to remove
+        # a successor's block of the same name is not this one's to remove
+        if self._owner and not self.replaced():
             self.path.unlink(missing_ok=True)
 
 
@@ -141,9 +140,9 @@ class SharedRing:
     _LENGTH = struct.Struct("<I")
     _WRAP = 0xFFFFFFFF
 
-    def __init__(self, name: str, size: int = 0, *, create: bool, wait_s: float = 0.0) -> None:
+    def __init__(self, name: str, size: int = 0, *, create: bool) -> None:
         """Make a ring of `size` bytes or open one that exists."""
-        self.block = SharedBlock(name, size, create=create, wait_s=wait_s)
+        self.block = SharedBlock(name, size, create=create)
         self.lost = 0
 
     def put(self, message: bytes | bytearray | memoryview) -> bool:

@@ -10,9 +10,8 @@ _PR_SET_PDEATHSIG = 1
 
 def ended_with_parent() -> Callable[[], None]:
     """What a new process is to call before it becomes another program: SIGTERM when its parent is gone."""
-    prctl = ctypes.CDLL(
-        None
-    ).prctl  # looked up here: between fork and exec as little as possible is to happen
+    # looked up here: between fork and exec as little as possible is to happen
+    prctl = ctypes.CDLL(None).prctl
     parent = os.getpid()
 
     def ask() -> None:

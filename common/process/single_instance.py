@@ -11,7 +11,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 
 def lock_folder() -> Path:
@@ -38,8 +38,9 @@ def _locked(path: Path, role: str, port: int) -> int:
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise UserError(f"{path}: cannot be opened ({reason}); remove it, or set XDG_RUNTIME_DIR") from None
+        raise UserError(
+            f"{path}: cannot be opened ({reason_of(error)}); remove it, or set XDG_RUNTIME_DIR"
+        ) from None
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:

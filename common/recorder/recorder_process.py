@@ -28,9 +28,8 @@ from stillarm.common.user_error import UserError
 
 __all__ = ["Drain", "RecorderClient", "main"]
 
-_NICENESS = (
-    -10
-)  # what waits in the ring is lost when the ring is full; the daemon itself goes before all the same
+# what waits in the ring is lost when the ring is full; the daemon itself goes before all the same
+_NICENESS = -10
 _PERIOD_S = 0.01
 _WATCH_S = 0.1
 _FLUSH_S = 0.5  # what a killed recorder may lose

@@ -9,7 +9,7 @@ from typing import IO, cast
 
 from mcap.writer import MCAP0_MAGIC
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 
 def _spare_other_files(path: Path) -> None:
@@ -26,9 +26,7 @@ def _spare_other_files(path: Path) -> None:
 
 
 class AppendFile:
-    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is
-    taken back.
-    """
+    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is taken back."""
 
     def __init__(self, path_or_file: str | Path | IO[bytes]) -> None:
         """Make the file, or write to one that is open. An earlier recording of that name is replaced, any other
@@ -42,7 +40,7 @@ class AppendFile:
                 self._file = cast(IO[bytes], Path(path_or_file).open("wb", buffering=0))  # noqa: SIM115 - closed by close()
             except OSError as error:
                 raise UserError(
-                    f"{self.name}: cannot be written ({(error.strerror or str(error)).lower()}); "
+                    f"{self.name}: cannot be written ({reason_of(error)}); "
                     "name a file in an existing folder that you may write to"
                 ) from None
         else:
@@ -51,9 +49,7 @@ class AppendFile:
         self._length = 0
 
     def write(self, data: bytes) -> int:
-        """Append all of `data`; on OSError the file ends again where it ended before, and the error
-        goes on.
-        """
+        """Append all of `data`; on OSError the file ends again where it ended before, and the error goes on."""
         rest = memoryview(data)
         try:
             while rest:

@@ -22,7 +22,7 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import Chunk, Metadata
 from mcap.writer import MCAP0_MAGIC
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 _RECORD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
@@ -71,9 +71,7 @@ def scan(path: Path) -> Contents:
                 raise UserError(f"{path}: not an MCAP recording; `stillarm import` reads CSV")
             return _scan(file, path.stat().st_size)
     except OSError as error:
-        raise UserError(
-            f"{path}: cannot be read ({(error.strerror or str(error)).lower()}); name a recording"
-        ) from None
+        raise UserError(f"{path}: cannot be read ({reason_of(error)}); name a recording") from None
 
 
 def messages(path: Path, contents: Contents, topic: str) -> Iterator[list[bytes]]:
@@ -92,7 +90,7 @@ def messages(path: Path, contents: Contents, topic: str) -> Iterator[list[bytes]
                 if found:
                     yield found
     except OSError as error:
-        raise UserError(f"{path}: cannot be read ({(error.strerror or str(error)).lower()})") from None
+        raise UserError(f"{path}: cannot be read ({reason_of(error)})") from None
 
 
 def _scan(file: IO[bytes], size: int) -> Contents:
@@ -127,10 +125,8 @@ def _scan(file: IO[bytes], size: int) -> Contents:
         if not whole:
             break
         file.seek(offset)
-    for (
-        number,
-        count,
-    ) in counts.items():  # only now: where a chunk is damaged, its channels stand in the summary too
+    # only now: where a chunk is damaged, its channels stand in the summary too
+    for number, count in counts.items():
         if number in contents.channels:
             contents.channels[number].messages = count
         else:
@@ -146,9 +142,7 @@ def _note_block(contents: Contents, counts: Counter[int], block: Block, data: by
 
 
 def _walk(body: bytes, channels: dict[int, Channel]) -> Iterator[tuple[int, int, int]]:
-    """Channel number, start and end of each whole message in a chunk's body; adds the channels met to
-    `channels`.
-    """
+    """Channel number, start and end of each whole message in a chunk's body; adds the channels met to `channels`."""
     offset, end = 0, len(body)
     unpack, unpack_message = _RECORD.unpack_from, _MESSAGE_HEAD.unpack_from
     while offset + 9 <= end:
@@ -190,9 +184,8 @@ def _zstd(data: bytes, size: int, cut: bool) -> bytes:
 
 
 def _lz4(data: bytes, size: int, cut: bool) -> bytes:
-    frame = importlib.import_module(
-        "lz4.frame"
-    )  # only other programs' files need it; comes with the package mcap
+    # only other programs' files need it; comes with the package mcap
+    frame = importlib.import_module("lz4.frame")
     return bytes(frame.LZ4FrameDecompressor().decompress(data, max_length=size))
 
 

@@ -9,7 +9,12 @@ from typing import Literal
 
 import msgspec
 
-from stillarm.common.files.configuration import Configuration, model_path
+from stillarm.common.files.configuration import (
+    Configuration,
+    default_configuration_path,
+    load_configuration,
+    model_path,
+)
 from stillarm.common.files.typed_toml import read_toml_text
 from stillarm.common.user_error import UserError
 
@@ -62,7 +67,6 @@ def live_header(
     origin_monotonic_s: float,
     *,
     seed: int | None = None,
-    notes: dict[str, str] | None = None,
 ) -> RecordingHeader:
     """Header of a run in real time whose time_s is 0 at `origin_monotonic_s` (0 where time_s is the monotonic
     clock).
@@ -81,7 +85,21 @@ def live_header(
         origin_monotonic_s=origin_monotonic_s,
         origin_unix_ns=time.time_ns() + round((origin_monotonic_s - time.monotonic()) * 1e9),
         seed=seed,
-        notes=dict(notes or {}),
+    )
+
+
+def imported_header(model: str, notes: dict[str, str], origin_unix_ns: int = 0) -> RecordingHeader:
+    """Header of measured data: configs/default.toml, and the text of the model file that came with them, or none."""
+    path = default_configuration_path()
+    return RecordingHeader(
+        program_version=program_version(),
+        configuration=read_toml_text(path),
+        configuration_name="configs/default.toml",
+        model=model,
+        method=load_configuration(path).controller.method,
+        kind="imported",
+        origin_unix_ns=origin_unix_ns,
+        notes=notes,
     )
 
 
@@ -96,9 +114,7 @@ def header_metadata(header: RecordingHeader) -> dict[str, str]:
 
 
 def read_header(fields: dict[str, str], notes: dict[str, str], name: str) -> RecordingHeader:
-    """The header out of MCAP metadata; `name` stands for the file. Raises UserError for a foreign or broken
-    one.
-    """
+    """The header out of MCAP metadata; `name` stands for the file. Raises UserError for a foreign or broken one."""
     written = fields.get("format", "")
     if written != str(FORMAT):
         raise UserError(

@@ -4,10 +4,8 @@ import msgspec
 
 from stillarm.common.datagrams.fields import plain_types
 
-_KEPT = (
-    "type",
-    "items",
-)  # msgspec's own schema of a whole Struct refers to parts, which Foxglove does not follow
+# msgspec's own schema of a whole Struct refers to parts, which Foxglove does not follow
+_KEPT = ("type", "items")
 
 
 def json_schema(message: type[msgspec.Struct]) -> bytes:

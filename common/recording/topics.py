@@ -65,9 +65,7 @@ class FrameSample(msgspec.Struct, frozen=True, gc=False):
 
 
 class EstimateSample(msgspec.Struct, frozen=True, gc=False):
-    """/estimate, every cycle: the configured method's delay and deflection, and the damping part of the
-    command.
-    """
+    """/estimate, every cycle: the configured method's delay and deflection, and the damping part of the command."""
 
     time_s: Time
     cycle: Cycle
@@ -87,9 +85,7 @@ class EstimateSample(msgspec.Struct, frozen=True, gc=False):
 
 
 class LinkSample(msgspec.Struct, frozen=True, gc=False):
-    """/link, once a second: counts of the link since the start, the loop's cycles and its missed
-    deadlines.
-    """
+    """/link, once a second: counts of the link since the start, the loop's cycles and its missed deadlines."""
 
     time_s: Time
     cycle: Cycle
@@ -165,9 +161,7 @@ class TrueState(msgspec.Struct, frozen=True):
 
 
 class TrueFrame(msgspec.Struct, frozen=True, gc=False):
-    """/truth/frames, one for each exposure of the simulated camera: when it truly was, when it was handed
-    over.
-    """
+    """/truth/frames, one for each exposure of the simulated camera: when it truly was, when it was handed over."""
 
     time_s: RigTime
     frame: Annotated[int, about("counts exposures")]

@@ -17,7 +17,7 @@ from stillarm.common.recording.chunk_indices import PackedChunkIndices
 from stillarm.common.recording.header import METADATA_NAME, NOTES_NAME, RecordingHeader, header_metadata
 from stillarm.common.recording.json_schema import json_schema
 from stillarm.common.recording.topics import TOPIC_INDEX, TOPICS
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 _CHUNK_BYTES = 1 << 20
 _CHUNK_NS = 500_000_000  # of log time: what a killed writer may lose
@@ -47,9 +47,8 @@ class RecordingWriter:
         self._failure: str | None = None
         self._closed = False
         try:
-            self._writer.start(
-                library="stillarm"
-            )  # no version of a package: the bytes depend on what is given only
+            # no version of a package: the bytes depend on what is given only
+            self._writer.start(library="stillarm")
             self._writer.add_metadata(METADATA_NAME, header_metadata(header))
             self._writer.add_metadata(NOTES_NAME, dict(sorted(header.notes.items())))
         except OSError as error:
@@ -91,9 +90,7 @@ class RecordingWriter:
         self._chunk_start_ns = None
 
     def close(self) -> None:
-        """Complete the file; may be called twice. Raises UserError when that failed, or writing had failed
-        before.
-        """
+        """Complete the file; may be called twice. Raises UserError when that failed, or writing had failed before."""
         if self._closed:
             return
         self._closed = True
@@ -118,10 +115,7 @@ class RecordingWriter:
         return channel
 
     def _fail(self, error: OSError) -> UserError:
-        """End the file after its last whole record, in the fewest bytes that MCAP allows: there may be no
-        room.
-        """
-        reason = (error.strerror or str(error)).lower()
+        """End the file after its last whole record, in the fewest bytes that MCAP allows: there may be no room."""
         end = RecordBuilder()
         DataEnd(0).write(end)
         Footer(summary_start=0, summary_offset_start=0, summary_crc=0).write(end)
@@ -131,6 +125,6 @@ class RecordingWriter:
         except OSError:
             state = "what was written before can be read, and mended with `stillarm recover`"
         self._failure = (
-            f"{self._file.name}: cannot be written any further ({reason}); {state}; free some space"
+            f"{self._file.name}: cannot be written any further ({reason_of(error)}); {state}; free some space"
         )
         return UserError(self._failure)

@@ -167,9 +167,8 @@ class JointDamping:
         age = time_s - self._last_measured_s
         fresh = min(1.0, (settings.stale_after_s - age) / settings.fade_s)
         predicted = self.predicted_m(estimate)
-        vibration = (
-            predicted - estimate.static_m
-        )  # following a static deflection would make the joint creep and damp nothing
+        # following a static deflection would make the joint creep and damp nothing
+        vibration = predicted - estimate.static_m
         grounds = True
         if not isfinite(predicted) or estimate.status in {Status.INVALID, Status.UNESTIMATED}:
             status, grounds = DampingStatus.NO_PREDICTION, False

@@ -4,7 +4,7 @@ import os
 
 from stillarm.common.files.configuration import Safety
 from stillarm.common.process.stop_signal import SignalFlag
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.controller.safety.table import Operator
 
 
@@ -26,7 +26,7 @@ class EmergencyInput:
         except OSError as error:
             raise UserError(
                 f"controller.safety.emergency_stop_input = {self._path!r}: cannot be opened "
-                f"({(error.strerror or str(error)).lower()}); name the file of the switch, such as "
+                f"({reason_of(error)}); name the file of the switch, such as "
                 "/sys/class/gpio/gpio17/value, or leave it empty"
             ) from None
 

@@ -24,9 +24,8 @@ class DriveModel:
         self._stay = exp(-self._rate * cycle_s)
         whole = int(drive.dead_time_s / cycle_s)
         self._fraction = drive.dead_time_s / cycle_s - whole
-        self._waiting = deque(
-            [0.0] * (whole + 2), maxlen=whole + 2
-        )  # commands in the dead time, newest first
+        # commands in the dead time, newest first
+        self._waiting = deque([0.0] * (whole + 2), maxlen=whole + 2)
         self.position_rad = position_rad
         self.velocity_rad_s = 0.0
         self.acceleration_rad_s2 = 0.0

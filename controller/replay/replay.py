@@ -9,7 +9,6 @@ from typing import Any
 import msgspec
 
 from stillarm.common.files.configuration import Configuration, default_configuration_path
-from stillarm.common.files.configuration import Controller as ControllerSettings
 from stillarm.common.files.effects import declared
 from stillarm.common.files.model import Model, check_model, length_of
 from stillarm.common.files.typed_toml import parse_toml
@@ -62,9 +61,8 @@ class MethodRun:
     method: str
     times_s: list[float] = field(default_factory=list)
     estimates: list[Estimate] = field(default_factory=list)
-    frames: list[tuple[int, float, DelayEstimate]] = field(
-        default_factory=list
-    )  # frame, received_s, its delay
+    # frame, received_s, its delay
+    frames: list[tuple[int, float, DelayEstimate]] = field(default_factory=list)
 
 
 @dataclass
@@ -154,12 +152,12 @@ def replay_method(
     return result
 
 
-def compare_with_live(run: RecordedRun, settings: ControllerSettings | None = None) -> LiveComparison:
+def compare_with_live(run: RecordedRun) -> LiveComparison:
     """Run the recorded controller again, and compare every estimate, prediction and command with the recording."""
     refused = any(estimate.reason == Event.UNCOMMISSIONED for estimate in run.estimates)
     controller = Controller(
         run.model,
-        settings or run.configuration.controller,
+        run.configuration.controller,
         f"{run.name} (model)",
         identified_only=refused,  # as it was live; in older recordings of a rig it was not
     )

@@ -16,9 +16,9 @@ estimated amplitude, and of the accelerometer's amplitude at the mode's frequenc
 may not grow as the vibration does. An amplitude grows if it rises by a fifth in each of four or more consecutive
 periods, to three and a half times its value before them, and to twice the largest of the last minute. The sum counts
 more than each period, because an estimate from a wrong model swings by 15 %. No impact causes such a rise. The
-accelerometer's amplitude shows an impact in two periods (felt_amplitude.py), and two impacts in four: it has to rise in
-five. Twenty simulated hours each of white disturbance and of random impacts (every 0.5, 1, 3 s), at damping ratios of
-0.02, 0.05 and 0.13, gave 12 false alarms by the estimate in 240 hours and 4 by the accelerometer.
+accelerometer's amplitude shows an impact in two periods (accelerometer_amplitude.py), and two impacts in four: it has
+to rise in five. Twenty simulated hours each of white disturbance and of random impacts (every 0.5, 1, 3 s), at damping
+ratios of 0.02, 0.05 and 0.13, gave 12 false alarms by the estimate in 240 hours and 4 by the accelerometer.
 """
 
 from cmath import exp as cexp
@@ -51,9 +51,8 @@ class EnergyTest:
         period = 2.0 * pi / w
         self._gain = 1.0 - exp(-cycle_s / period)
         self._mean_gain = cycle_s / _MEAN_S
-        noise = accelerometer.noise_std_m_s2 * sqrt(
-            2.0 * self._gain
-        )  # of the averaged acceleration's amplitude
+        # of the averaged acceleration's amplitude
+        noise = accelerometer.noise_std_m_s2 * sqrt(2.0 * self._gain)
         least = max(abs(accelerometer.scale) * w * w * LEAST_AMPLITUDE_M, 5.0 * noise)
         self._least_energy = least * least * self._energy_per_square
         self._stretch = _STRETCH_PERIODS * period
@@ -95,9 +94,8 @@ class EnergyTest:
         mean = acceleration_m_s2 if self._mean is None else self._mean
         self._mean = mean + self._mean_gain * (acceleration_m_s2 - mean)
         unit = self._unit * (self._turn if elapsed == 1 else self._turn**elapsed)
-        self._unit = unit * (
-            1.5 - 0.5 * (unit.real * unit.real + unit.imag * unit.imag)
-        )  # keeps the modulus at 1
+        # keeps the modulus at 1
+        self._unit = unit * (1.5 - 0.5 * (unit.real * unit.real + unit.imag * unit.imag))
         gain = self._gain
         self._velocity += gain * (velocity_rad_s * unit - self._velocity)
         turned = (acceleration_m_s2 - mean) * unit

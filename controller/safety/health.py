@@ -14,10 +14,8 @@ ACCELEROMETER_DEAD_S = 0.05
 NON_FINITE_S = 0.05
 STALL_S = 0.05
 AFTER_STALL_S = 0.5  # s: until images that waited in the socket, with wrong dates, have passed
-MISSED_SHARE, MISSED_SHARE_AGAIN = (
-    0.25,
-    0.1,
-)  # of the last second's cycles: missing from the first on, present again below the second
+# of the last second's cycles: missing from the first on, present again below the second
+MISSED_SHARE, MISSED_SHARE_AGAIN = (0.25, 0.1)
 _MISSED_OVER_S = 1.0
 
 

@@ -36,6 +36,7 @@ _POLL_S = 0.1
 _PROCESS = "controller"
 _LOADED = "loaded"
 _LOADED_WITHIN_S = 20.0
+_ENDS_WITHIN_S = 3.0
 
 
 def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
@@ -64,9 +65,9 @@ def wait_until_loaded(process: subprocess.Popen[bytes]) -> None:
     process.stdout.close()
 
 
-def stop_statistics(process: subprocess.Popen[bytes], timeout_s: float = 3.0) -> None:
+def stop_statistics(process: subprocess.Popen[bytes]) -> None:
     """Ask it to end, and wait for it; may be called twice."""
-    stop_process(process, timeout_s)
+    stop_process(process, _ENDS_WITHIN_S)
 
 
 class Statistics:

@@ -1,6 +1,6 @@
 """A second bending mode."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from math import pi
 
 import numpy as np
@@ -47,11 +47,13 @@ def _trials(context: Context) -> list[Trial]:
     return trials
 
 
-def _apart(hz: float, known_hz: Iterable[float]) -> bool:
-    """Whether a frequency lies clear of the modes that are known. No beam bends in one plane in two ways so near each
-    other (a clamped one's second is 6.3 times its first, and more with a load at its tip; Blevins, 1979, table 8-1);
-    two near modes beat, and so pass for a frequency or a damping that changes with the amplitude."""
-    return all(max(hz / one, one / hz) > _APART for one in known_hz)
+def _apart(hz: float, known_hz: Sequence[float]) -> bool:
+    """Whether a frequency may be of a further bending mode: above the first by a factor of two at least, and clear of
+    the others. No beam bends in one plane in two ways nearer each other (a clamped one's second is 6.3 times its first,
+    and more with a load at its tip; Blevins, 1979, table 8-1); what rings nearer, or below, is another axis, a mount,
+    or a frequency that changes with the amplitude."""
+    above = hz > _ABOVE_FIRST * known_hz[0]
+    return above and all(max(hz / one, one / hz) > _APART for one in known_hz)
 
 
 def _rings(fit: Fit) -> bool:
@@ -61,7 +63,7 @@ def _rings(fit: Fit) -> bool:
     return _apart(hz[-1], hz[:-1]) and _LEAST_DAMPING < damping < _MOST_DAMPING
 
 
-_APART = 1.25
+_ABOVE_FIRST, _APART = 2.0, 1.25
 _MOST_DAMPING = 0.3  # what is gone within a swing is no ring
 _LEAST_DAMPING = 2e-4  # a ring that does not decay is kept up by something
 

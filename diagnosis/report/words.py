@@ -7,9 +7,9 @@ from stillarm.common.causes import CAUSES
 from stillarm.diagnosis.candidate import Candidate, Stage
 from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
 from stillarm.diagnosis.diagnose import Diagnosis
-from stillarm.diagnosis.explain import CONVINCING_NATS
 from stillarm.diagnosis.report.panels import WORDS
-from stillarm.diagnosis.tables import is_sure_of
+from stillarm.diagnosis.rivals import CONVINCING_NATS
+from stillarm.diagnosis.tables import NOTHING_LIKE_IT, is_sure_of
 from stillarm.diagnosis.use import MEASURES, outcome
 
 NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
@@ -124,10 +124,16 @@ def next_steps(result: Diagnosis) -> list[str]:
     if table["unexplained"]:
         left = table["unexplained"]
         where = f"What is left in the {WORDS.get(left['channel'], left['channel'])}"
-        steps.append(
-            f"{where} looks most like {left['dependence']}. Record again with that alone varied, all else at rest, and "
-            "diagnose both recordings."
-        )
+        if left["dependence"] == NOTHING_LIKE_IT:
+            steps.append(
+                f"{where} resembles nothing that was tried. Look for resonances in the shaded band of its spectrum; "
+                "where the rig is known to have one, add it to the model as a mode and diagnose again."
+            )
+        else:
+            steps.append(
+                f"{where} looks most like {left['dependence']}. Record again with that alone varied, all else at rest, "
+                "and diagnose both recordings."
+            )
     sure = all(is_sure_of(one, table) for one in table["findings"])
     if table["findings"] or table["baseline_changes"]:
         steps.append(

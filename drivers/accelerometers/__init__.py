@@ -8,8 +8,6 @@ __all__ = [
     "accelerometer",
     "accelerometer_factory",
     "i2c_accelerometer",
-    "i2c_set_up",
-    "i2c_transfer",
     "mounting",
     "register_tables",
     "serial_decoders",

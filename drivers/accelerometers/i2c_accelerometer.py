@@ -11,20 +11,22 @@ from math import nan
 import smbus2
 
 from stillarm.common.files.configuration import AccelerometerDevice
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.drivers.accelerometers.accelerometer import Reading, SampleStatus
 from stillarm.drivers.accelerometers.i2c_fifo import I2cFifo
 from stillarm.drivers.accelerometers.i2c_set_up import (
     SetUp,
     WrongIdentity,
-    choose_address,
-    choose_filter,
-    choose_full_scale,
     read_registers,
 )
 from stillarm.drivers.accelerometers.i2c_transfer import StatusAndData
 from stillarm.drivers.accelerometers.mounting import measured_direction
-from stillarm.drivers.accelerometers.register_tables.register_table import RegisterTable
+from stillarm.drivers.accelerometers.register_tables.register_table import (
+    RegisterTable,
+    choose_address,
+    choose_filter,
+    choose_full_scale,
+)
 from stillarm.drivers.buses.i2c import open_bus
 from stillarm.drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 
@@ -101,7 +103,7 @@ class I2cAccelerometer:
         except OSError as error:
             self.close()
             raise UserError(
-                f"{self._place}: no {self._table.name} answers ({(error.strerror or str(error)).lower()}); "
+                f"{self._place}: no {self._table.name} answers ({reason_of(error)}); "
                 "check power and wiring, or correct accelerometer.address "
                 "(`i2cdetect -y N` lists what answers on bus N)"
             ) from None
@@ -154,6 +156,11 @@ class I2cAccelerometer:
         there = self._status in (SampleStatus.FRESH, SampleStatus.HELD)
         xyz = (x * scale, y * scale, z * scale) if there else _NO_NUMBERS
         return Reading(xyz, self._status, self._device_status, self._read_s, nan)
+
+    @property
+    def bytes_on_bus(self) -> int:
+        """Bytes that a read takes on the bus, with the address byte of each message."""
+        return self._transfer.bytes_on_bus
 
     def start_blocks(self) -> None:
         """Switch the FIFO on. Raises UserError if the part has none, OSError if the bus fails."""

@@ -2,8 +2,6 @@
 
 import smbus2
 
-from stillarm.common.files.configuration import AccelerometerDevice
-from stillarm.common.user_error import UserError
 from stillarm.drivers.accelerometers.register_tables.register_table import (
     FilterSetting,
     FullScale,
@@ -74,40 +72,6 @@ def read_registers(bus: smbus2.SMBus, address: int, register: int, length: int) 
     answer = smbus2.i2c_msg.read(address, length)
     bus.i2c_rdwr(smbus2.i2c_msg.write(address, [register]), answer)
     return bytes(answer)
-
-
-def choose_full_scale(table: RegisterTable, device: AccelerometerDevice) -> FullScale:
-    """The configured range. Raises UserError."""
-    if device.full_scale_g not in table.full_scales:
-        raise UserError(
-            f"accelerometer.full_scale_g = {device.full_scale_g}: not a range of the {table.name}; "
-            f"use {' or '.join(map(str, table.full_scales))}"
-        )
-    return table.full_scales[device.full_scale_g]
-
-
-def choose_filter(table: RegisterTable, device: AccelerometerDevice) -> FilterSetting:
-    """The configured filter, or the part's default for a bandwidth of 0. Raises UserError."""
-    if device.bandwidth_hz == 0.0:
-        return table.filters[0]
-    for setting in table.filters:
-        if abs(setting.bandwidth_hz - device.bandwidth_hz) <= 0.01 * setting.bandwidth_hz:
-            return setting
-    raise UserError(
-        f"accelerometer.bandwidth_hz = {device.bandwidth_hz:g}: not a filter of the {table.name}; "
-        f"use {' or '.join(f'{setting.bandwidth_hz:g}' for setting in table.filters)}, or 0 for the first of these"
-    )
-
-
-def choose_address(table: RegisterTable, device: AccelerometerDevice) -> int:
-    """The configured address, or the part's usual one for 0. Raises UserError for an address that I2C reserves."""
-    address = device.address or table.addresses[0]
-    if address < 0x03:
-        raise UserError(
-            f"accelerometer.address = {address}: reserved on I2C; "
-            f"the {table.name} has {' or '.join(f'0x{a:02x}' for a in table.addresses)}"
-        )
-    return address
 
 
 def _with_bits(write: Write, full_scale: FullScale, chosen: FilterSetting) -> Write:

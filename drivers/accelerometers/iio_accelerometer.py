@@ -11,7 +11,7 @@ from math import nan
 from pathlib import Path
 
 from stillarm.common.files.configuration import AccelerometerDevice
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.drivers.accelerometers.accelerometer import Reading, SampleStatus
 from stillarm.drivers.accelerometers.iio_record import IioRecord, read_layout
 from stillarm.drivers.accelerometers.mounting import measured_direction
@@ -72,7 +72,7 @@ class IioAccelerometer:
             self.close()
             raise UserError(
                 f"{_KEY} = {self._config.device!r}: {error.filename or 'the device'} failed "
-                f"({(error.strerror or str(error)).lower()}); run as a user who may write there (a udev rule for iio), "
+                f"({reason_of(error)}); run as a user who may write there (a udev rule for iio), "
                 "and check that the kernel driver has a trigger (trigger/current_trigger)"
             ) from None
         except UserError:

@@ -1,4 +1,4 @@
-"""The driver of every serial accelerometer: it reads a table of drivers/serial_devices.
+"""The driver of every serial accelerometer: it reads a table of serial_devices.py.
 
 In each cycle the driver reads at most 1 KiB of the bytes that have arrived, and returns the newest sample. It reopens a
 port that disappears, and sets up a silent or slow device again, one command a read.

@@ -5,7 +5,7 @@ import fcntl
 
 import smbus2
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 
 MEMORY_PREFIX = "memory:"
 _I2C_TIMEOUT = 0x0702
@@ -32,9 +32,8 @@ def open_bus(name: str, *, wait_s: float = 0.0, key: str = "accelerometer.bus") 
             ) from None
     try:
         bus = smbus2.SMBus(name)
-        with contextlib.suppress(
-            OSError
-        ):  # an adapter without this setting keeps its default, often a second
+        # an adapter without this setting keeps its default, often a second
+        with contextlib.suppress(OSError):
             fcntl.ioctl(int(bus.fd or 0), _I2C_TIMEOUT, _TIMEOUT_10_MS)
         return bus
     except FileNotFoundError:
@@ -44,6 +43,5 @@ def open_bus(name: str, *, wait_s: float = 0.0, key: str = "accelerometer.bus") 
             "permission denied; add this user to the group that owns the bus (usually i2c) and log in again"
         )
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        remedy = f"cannot be opened as an I2C bus ({reason}); name one of /dev/i2c-*"
+        remedy = f"cannot be opened as an I2C bus ({reason_of(error)}); name one of /dev/i2c-*"
     raise UserError(f"{key} = {name!r}: {remedy}")

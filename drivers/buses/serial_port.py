@@ -41,8 +41,6 @@ class SerialPort:
         except (serial.SerialException, OSError, ValueError, termios.error) as error:
             raise UserError(f"{key} = {name!r}: {_remedy(name, error)}") from None
         self._arrived = array("i", [0])
-        self.dropped_bytes = 0
-        """Bytes that did not fit into the port's buffer."""
 
     def read(self) -> bytes:
         """The bytes that have arrived, up to 4096; empty if there are none. Raises PortLost.
@@ -64,14 +62,13 @@ class SerialPort:
         return data
 
     def write(self, data: bytes) -> None:
-        """Send what fits into the port's buffer; drop and count the rest. Raises PortLost."""
+        """Send what fits into the port's buffer; drop the rest. Raises PortLost."""
         try:
-            written = os.write(self._descriptor, data)
+            os.write(self._descriptor, data)
         except BlockingIOError:
-            written = 0
+            return
         except OSError as error:
             raise PortLost(error.strerror or str(error)) from None
-        self.dropped_bytes += len(data) - written
 
     def close(self) -> None:
         """Release the port; may be called twice."""

@@ -8,15 +8,12 @@ import numpy as np
 from stillarm.drivers.cameras.camera import GreyImage
 
 
-def grey_image(image: Any, full_scale: int = 65535) -> GreyImage | None:
-    """Grey values, (height, width), uint8, of a grey, BGR or BGRA image of 8 or 16 bit; else None.
-
-    full_scale: the 16-bit value that becomes 255 (4095 for 12 bit in the lower bits).
-    """
+def grey_image(image: Any) -> GreyImage | None:
+    """Grey values, (height, width), uint8, of a grey, BGR or BGRA image of 8 or 16 bit; else None."""
     if not isinstance(image, np.ndarray) or image.size == 0 or image.ndim not in (2, 3):
         return None
     if image.dtype == np.uint16:
-        image = np.minimum(image.astype(np.uint32) * 255 // full_scale, 255).astype(np.uint8)
+        image = (image.astype(np.uint32) * 255 // 65535).astype(np.uint8)
     if image.dtype != np.uint8:
         return None
     if image.ndim == 2:

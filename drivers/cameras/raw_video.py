@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.drivers.cameras.camera import GreyImage
 
 _PIXEL_BITS = (8, 12, 16)
@@ -44,9 +44,7 @@ def read_header(path: Path) -> RawVideo:
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
-        raise UserError(
-            f"{path}: cannot be read ({(error.strerror or str(error)).lower()}); the .mraw needs its .cih"
-        ) from None
+        raise UserError(f"{path}: cannot be read ({reason_of(error)}); the .mraw needs its .cih") from None
     pairs = (line.split(" : ", 1) for line in text.splitlines() if " : " in line)
     values = {key.strip(): value.strip() for key, value in pairs}
 

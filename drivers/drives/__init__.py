@@ -5,15 +5,12 @@ Not here: limits and damping (controller/command). Begin with drive.py and drive
 """
 
 __all__ = [
-    "cia402_drive",
     "cia402_set_up",
     "cia402_states",
     "drive",
     "drive_factory",
     "drive_gateway",
     "drive_gateway_socket",
-    "mcp4725_drive",
-    "odrive_drive",
     "odrive_lines",
     "udp_gateway_drive",
 ]

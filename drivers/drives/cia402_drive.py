@@ -60,7 +60,7 @@ class Cia402Drive:
         self._can_errors: tuple[type[Exception], ...] = (OSError,)
         self._control = 0
         self._position = self._velocity = nan
-        self._good_s = self._heard_s = self._heartbeat_s = self._retry_s = -inf
+        self._good_s = self._heartbeat_s = self._retry_s = -inf
         self._running = False
         self.drive_state = DriveState.UNKNOWN
         self.identity = ""

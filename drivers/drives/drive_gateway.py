@@ -27,8 +27,7 @@ class DriveGateway:
     """Takes DRIVE_COMMANDs, gives the velocity to follow, and words the DRIVE_STATEs that answer them."""
 
     def __init__(self, key: bytes, session: int | None = None) -> None:
-        """key: 16 to 32 bytes, shared with the controller. session: of the answers; None draws a random
-        one."""
+        """key: 16 to 32 bytes, shared with the controller. session: of the answers; None draws a random one."""
         self.session = new_session() if session is None else session
         self._peer = Peer(key, (DriveCommand,), self.session)
         self._velocity = 0.0
@@ -62,8 +61,7 @@ class DriveGateway:
         return True
 
     def velocity_command(self, now_s: float) -> float:
-        """The joint velocity to follow at `now_s`, rad/s: zero when the last valid command is older than 0.1
-        s."""
+        """The joint velocity to follow at `now_s`, rad/s: zero when the last valid command is older than 0.1 s."""
         if now_s - self._received_s <= DEAD_MAN_S:
             self._status = GatewayStatus.FOLLOWING
             return self._velocity
@@ -72,8 +70,7 @@ class DriveGateway:
         return 0.0
 
     def state_datagram(self, position_rad: float, velocity_rad_s: float) -> bytes:
-        """A DRIVE_STATE of the joint's measured position and velocity, with the newest command's sequence
-        number."""
+        """A DRIVE_STATE of the joint's measured position and velocity, with the newest command's sequence number."""
         return self._peer.encode(
             DriveState(position_rad, velocity_rad_s, int(self._status), self._command_sequence)
         )

@@ -9,13 +9,12 @@ _EXPECTED_PER_LOOK = 4
 
 
 class DriveGatewaySocket:
-    """Feeds a DriveGateway from a socket; its answers go to the address of the last command that was
-    accepted."""
+    """Feeds a DriveGateway from a socket; its answers go to the address of the last command that was accepted."""
 
-    def __init__(self, gateway: DriveGateway, local: Address, purpose: str = "drive.gateway_port") -> None:
-        """Bind to `local`. Raises UserError, naming `purpose`, when that cannot be."""
+    def __init__(self, gateway: DriveGateway, local: Address) -> None:
+        """Bind to `local`. Raises UserError when that cannot be."""
         self._gateway = gateway
-        self._socket = UdpSocket(local, purpose)
+        self._socket = UdpSocket(local, "drive.gateway_port")
         self._socket.guard((DriveCommand,), gateway.session, _EXPECTED_PER_LOOK)
         self._commander: Address | None = None
 

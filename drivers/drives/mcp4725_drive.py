@@ -12,12 +12,11 @@ from math import inf, isfinite, nan, pi
 import smbus2
 
 from stillarm.common.files.configuration import DriveDevice
-from stillarm.common.user_error import UserError
+from stillarm.common.user_error import UserError, reason_of
 from stillarm.drivers.buses.i2c import open_bus
 from stillarm.drivers.drives.drive import DriveProbe, JointState
 
 _CODES = 4096
-_READ = 0x0001  # I2C_M_RD
 _ANSWER_BYTES = 5
 _POWER_DOWN = 0x06
 _LARGEST_ZERO_ERROR = 8  # codes: negligible against the model's limits
@@ -45,7 +44,7 @@ class Mcp4725Drive:
         self._clock, self._sleep = clock, sleep
         self._bus: smbus2.SMBus | None = None
         self._message = smbus2.i2c_msg.write(config.mcp4725.address, [0, 0])
-        self._good_s = self._failed_s = -inf
+        self._good_s = -inf
         self.faults = 0
         """Commands that the DAC did not acknowledge."""
         self.refused = 0
@@ -147,7 +146,7 @@ class Mcp4725Drive:
             self._bus.i2c_rdwr(answer)
         except OSError as error:
             raise UserError(
-                f"{self._place}: no MCP4725 answers ({(error.strerror or str(error)).lower()}); check power and "
+                f"{self._place}: no MCP4725 answers ({reason_of(error)}); check power and "
                 "wiring, or correct drive.mcp4725.address (`i2cdetect -y N` lists what answers on bus N)"
             ) from None
         status, high, low, eeprom_high, eeprom_low = bytes(answer)

@@ -8,10 +8,12 @@ from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
 from stillarm.common.files.configuration import DriveDevice
 from stillarm.common.link.peer import LinkCounts, Peer
 from stillarm.common.link.udp import UdpSocket, new_session
-from stillarm.drivers.drives.drive import JointState
+from stillarm.common.user_error import UserError
+from stillarm.drivers.drives.drive import DriveProbe, JointState
 
 _MAX_DATAGRAMS = 32
 _TAKES = (DriveState, Hello)
+_ASK_EVERY_S = 0.02  # of a gateway that is only asked
 _EXPECTED_PER_CYCLE = 3  # a gateway reports about once a millisecond
 
 
@@ -19,19 +21,13 @@ class UdpGatewayDrive:
     """Commands a joint's velocity and hears its state; implements stillarm.drivers.drives.drive.Drive."""
 
     def __init__(
-        self,
-        config: DriveDevice,
-        key: bytes,
-        *,
-        clock: Callable[[], float] = time.monotonic,
-        session: int | None = None,
+        self, config: DriveDevice, key: bytes, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        """Opens nothing. clock: seconds, never backwards. session: of the commands; None draws a random
-        one."""
+        """Opens nothing. clock: seconds, never backwards."""
         self._config = config
         self._gateway = (config.gateway_host, config.gateway_port)
         self._clock = clock
-        self.session = new_session() if session is None else session
+        self.session = new_session()
         self._peer = Peer(key, _TAKES, self.session)
         self._socket: UdpSocket | None = None
         self._position = self._velocity = nan
@@ -103,3 +99,43 @@ class UdpGatewayDrive:
         self._position, self._velocity = state.position_rad, state.velocity_rad_s
         self.status, self.echoed_sequence = state.status, state.command_sequence
         self._arrived_s = self._clock()
+
+
+def greet_gateway(
+    config: DriveDevice,
+    key: bytes,
+    span_s: float,
+    *,
+    clock: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> DriveProbe:
+    """Ask a gateway for its identity with commands of zero that do not echo its session: it answers and obeys none.
+
+    Raises UserError if it does not answer, or if the port is in use (a controller runs).
+    """
+    session = new_session()
+    peer = Peer(key, _TAKES, session)
+    socket = UdpSocket((config.local_host, config.local_port), "drive.local_port")
+    place = f"{config.gateway_host}:{config.gateway_port}"
+    greetings = 0
+    try:
+        until = clock() + span_s
+        while clock() < until:
+            socket.send(peer.encode(DriveCommand(0.0), echo=0), (config.gateway_host, config.gateway_port))
+            sleep(_ASK_EVERY_S)
+            for data in socket.drain(_MAX_DATAGRAMS):
+                greetings += peer.receive(data) is not None
+    finally:
+        socket.close()
+    if peer.counts.forged and not greetings:
+        raise UserError(
+            f"drive.gateway_host: {place} answers with another signature: the keys differ; copy one link.key_file to "
+            "controller and gateway"
+        )
+    if not greetings:
+        raise UserError(
+            f"drive.gateway_port = {config.gateway_port}: no gateway answers at {place}; check its power and cable, "
+            "start it (the simulated rig: `stillarm rig`), give it the same key, or correct drive.gateway_host and "
+            "gateway_port"
+        )
+    return DriveProbe(f"gateway at {place}", greetings, span_s, nan)

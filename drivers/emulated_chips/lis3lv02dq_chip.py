@@ -35,10 +35,10 @@ class Lis3lv02dqChip:
     has its own.
     """
 
-    def __init__(self, name: str, wait_s: float = 0.0) -> None:
-        """Open the registers `name` that a rig made. Raises UserError if there are none within `wait_s`."""
+    def __init__(self, name: str) -> None:
+        """Open the registers `name` that a rig made. Raises UserError if there are none."""
         self._name = name
-        self._registers = SharedRegisters(name, wait_s)
+        self._registers = SharedRegisters(name)
         self._pointer = 0
         self._increment = 0
         self._held = [False, False, False]

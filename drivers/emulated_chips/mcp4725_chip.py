@@ -48,9 +48,9 @@ class Mcp4725Output:
 class Mcp4725Chip:
     """The bus side; stillarm.drivers.buses.i2c_adapter.I2cDevice."""
 
-    def __init__(self, name: str, wait_s: float = 0.0) -> None:
-        """Open the DAC `name` that a rig made. Raises UserError if there is none within `wait_s`."""
-        self._block = SharedBlock(name, create=False, wait_s=wait_s)
+    def __init__(self, name: str) -> None:
+        """Open the DAC `name` that a rig made. Raises UserError if there is none."""
+        self._block = SharedBlock(name, create=False)
         self._word = word_at(self._block.buffer, 0)
 
     def write(self, data: bytes) -> None:

@@ -76,11 +76,11 @@ class ChipLayout:
 class RegisterChip:
     """Answers for registers in shared memory; stillarm.drivers.buses.i2c_adapter.I2cDevice."""
 
-    def __init__(self, layout: ChipLayout, name: str, wait_s: float = 0.0) -> None:
-        """Open the registers `name` that a rig made. Raises UserError if there are none within `wait_s`."""
+    def __init__(self, layout: ChipLayout, name: str) -> None:
+        """Open the registers `name` that a rig made. Raises UserError if there are none."""
         self._layout = layout
         self._name = name
-        self._registers = SharedRegisters(name, wait_s)
+        self._registers = SharedRegisters(name)
         self._pointer = 0
         self._increment = 1
         self._newest = 0  # the count of the sample in the data registers

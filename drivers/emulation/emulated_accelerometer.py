@@ -1,8 +1,8 @@
 """Makes the emulated accelerometer of the configuration, for the simulated rig."""
 
-from typing import Literal, Protocol, cast, get_args
+from typing import Protocol, cast, get_args
 
-from stillarm.common.files.configuration import AccelerometerDevice
+from stillarm.common.files.configuration import AccelerometerDevice, AccelerometerDriver
 from stillarm.common.user_error import UserError
 from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
 from stillarm.drivers.buses.i2c import MEMORY_PREFIX
@@ -11,19 +11,7 @@ from stillarm.drivers.buses.serial_port import PTY_PREFIX
 from stillarm.drivers.emulated_chips.shared_registers import Failure, SensedRegisters
 from stillarm.drivers.emulation.serial_accelerometer_device import EmulatedSerialAccelerometer
 
-EmulatedDriver = Literal[
-    "lis3lv02dq",
-    "lis3dh",
-    "adxl345",
-    "adxl355",
-    "mpu6050",
-    "icm20948",
-    "witmotion",
-    "xsens",
-    "vectornav",
-    "microcontroller",
-    "none",
-]
+EMULATED = (*SENSED_PARTS, *SERIAL_DEVICES)
 
 
 class EmulatedAccelerometer(Protocol):
@@ -52,14 +40,12 @@ class NoAccelerometer:
         """Do nothing: there is nothing to remove."""
 
 
-def emulated_driver(name: str) -> EmulatedDriver:
+def emulated_driver(name: str) -> AccelerometerDriver:
     """The driver of that name, if there is an emulator for it. Raises UserError."""
-    for driver in get_args(EmulatedDriver):
-        if driver == name:
-            return cast(EmulatedDriver, driver)
-    raise UserError(
-        f"accelerometer {name!r}: no emulator for it; use {', '.join(get_args(EmulatedDriver)[:-1])} or none"
-    )
+    for driver in get_args(AccelerometerDriver):
+        if driver == name and name in (*EMULATED, "none"):
+            return cast(AccelerometerDriver, driver)
+    raise UserError(f"accelerometer {name!r}: no emulator for it; use {', '.join(EMULATED)} or none")
 
 
 def emulate_accelerometer(device: AccelerometerDevice, period_s: float) -> EmulatedAccelerometer:

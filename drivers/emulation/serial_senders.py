@@ -15,6 +15,7 @@ from stillarm.drivers.emulation.serial_frames import (
 )
 
 _DESCRIBE_EVERY = 500
+_LARGEST_UM_S2 = 39_200_000  # what the microcontroller says that its sensor measures
 
 
 class SerialSender(Protocol):
@@ -138,20 +139,18 @@ class VectorNavSender:
 class MicrocontrollerSender:
     """Streams from power-up at 1 kHz, describing its sensor every half second."""
 
-    def __init__(self, range_m_s2: float = 39.2, delay_s: float = 0.0) -> None:
+    def __init__(self) -> None:
         self.rate_hz = 1000.0
-        self._range_um_s2 = round(range_m_s2 * 1e6)
-        self._delay_us = round(delay_s * 1e6)
         self._counter = 0
 
     def frames(self, xyz_m_s2: Sequence[float], time_s: float) -> bytes:
         """A sample, at intervals preceded by a description."""
-        limit, time_us = self._range_um_s2, round(time_s * 1e6)
+        limit, time_us = _LARGEST_UM_S2, round(time_s * 1e6)
         numbers = [min(max(round(a * 1e6), -limit), limit) for a in xyz_m_s2]
         clipped = any(abs(number) == limit for number in numbers)
         sent = b""
         if self._counter % _DESCRIBE_EVERY == 0:
-            described = (round(self.rate_hz * 1e3), limit, self._delay_us)
+            described = (round(self.rate_hz * 1e3), limit, 0)
             sent = microcontroller_frame(2, 0, self._counter, time_us, described)
         sent += microcontroller_frame(1, 2 if clipped else 0, self._counter, time_us, numbers)
         self._counter += 1

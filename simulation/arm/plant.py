@@ -67,8 +67,9 @@ class Plant:
             if (cause := CAUSES[identifier]).limit is not None
         ]
         self._seen_array = np.zeros(5 + 3 * len(rows))
-        # all that a cycle calls is compiled before any clock runs
+        # All that is ever called is compiled before any clock runs: a blow's first one stood the arm still for 50 ms.
         advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)
+        strike(self._arm.copy(), 0, 0.0, 0.0)
         self._shaken_m_s2 = self.modal_forces_m_s2
         self._see()
 
@@ -93,7 +94,7 @@ class Plant:
                 raise UserError(f"effects: {identifier}: {said}")
 
     def strike(self, mode: int, deflection_m: float) -> None:
-        """A blow on mode number `mode` (1 = first), after which it rings with amplitude `deflection_m`
+        """An impact on mode number `mode` (1 = first), after which it rings with amplitude `deflection_m`
         (signed).
 
         The modal velocity jumps by w * deflection_m. Raises IndexError for a mode that the arm does not have.

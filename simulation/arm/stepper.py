@@ -100,7 +100,7 @@ def _ratio(arm: Record, i: int, t: float) -> float:
 
 @compiled
 def strike(arms: Records, i: int, t: float, deflection: float) -> None:
-    """A blow on a mode, after which it rings with amplitude `deflection`, m: its rate jumps by w times that."""
+    """An impact on a mode, after which it rings with amplitude `deflection`, m: its rate jumps by w times that."""
     mode = nth(arms[0].mode, i)
     mode.v += 2.0 * np.pi * mode.hz * _ratio(arms[0], i, t) * deflection
 

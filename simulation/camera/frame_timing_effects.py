@@ -46,9 +46,8 @@ class FrameTimingEffects:
 
     def is_lost(self) -> bool:
         """Whether the next frame is lost. Once for each frame."""
-        lost = [
-            law(float(self._losses.random())) for law in self._losing
-        ]  # each draws, whatever the others say
+        # each draws, whatever the others say
+        lost = [law(float(self._losses.random())) for law in self._losing]
         return any(lost)
 
     def shown_start_s(self, start_s: float) -> float:

@@ -11,7 +11,7 @@ from stillarm.common.files.model import Model
 from stillarm.common.recording.topics import TrueFrame
 from stillarm.drivers.cameras.camera import Frame, GreyImage
 from stillarm.simulation.arm.effect_clock import EffectClock
-from stillarm.simulation.camera.camera_timing import AFTER_DELIVERY_S, CameraTiming, Exposure
+from stillarm.simulation.camera.camera_timing import CameraTiming, Exposure
 from stillarm.simulation.camera.frame_timing_effects import FrameTimingEffects
 from stillarm.simulation.camera.image_effects import image_effects
 from stillarm.simulation.camera.image_motion import mean_displacement_px
@@ -49,7 +49,6 @@ class VirtualCamera:
         *,
         images: bool,
         origin_s: float = 0.0,
-        after_delivery_s: float = AFTER_DELIVERY_S,
     ) -> None:
         """model: the true one; history: where the plant writes its poses, on the same virtual clock.
 
@@ -68,7 +67,6 @@ class VirtualCamera:
             rig,
             seed,
             origin_s=origin_s,
-            after_delivery_s=after_delivery_s,
             effects=FrameTimingEffects(model, seed, clock),
         )
         self._freerun = model.camera.mode == "freerun"

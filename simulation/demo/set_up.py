@@ -30,7 +30,7 @@ _MOTOR_TURNS = {"odrive": -25.0, "cia402": 25.0, "mcp4725": 1.0}  # gears as a r
 STRUCK_M = 0.00625  # the accelerometer's noise of 0.5 m/s^2 is 0.3 of this vibration's acceleration
 SHORTEST_S = 12.0
 LONGEST_S = 600.0
-DAMPING_BEFORE_STRIKE_S = 0.25  # so that it has faded in when the blow falls
+DAMPING_BEFORE_STRIKE_S = 0.25  # so that it has faded in at the impact
 
 
 def demo_scenario(duration_s: float, *, moves: bool = False) -> Scenario:

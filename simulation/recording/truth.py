@@ -26,5 +26,5 @@ def true_state(plant: "Plant", time_s: float) -> TrueState:
 
 
 def strike_line(strike: Strike, time_s: float) -> LogLine:
-    """The note of a blow, at a time of the rig's clock."""
+    """The note of an impact, at a time of the rig's clock."""
     return LogLine(time_s, "info", f"{STRIKE} of mode {strike.mode}, {strike.deflection_m} m")

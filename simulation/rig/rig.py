@@ -45,6 +45,7 @@ from stillarm.common.user_error import UserError
 from stillarm.controller.loop.schedule import CycleClock
 from stillarm.drivers.accelerometers.mounting import sensed_axes
 from stillarm.drivers.emulation.emulated_accelerometer import emulate_accelerometer
+from stillarm.simulation.arm.ahead import ready_plant
 from stillarm.simulation.arm.disturbance import DISTURBANCE_STREAM, Disturbance
 from stillarm.simulation.arm.effect_clock import EffectClock
 from stillarm.simulation.camera.camera_process import pose_history_name
@@ -69,6 +70,10 @@ _LONGEST_CATCH_UP = 1000  # cycles: a rig that was stopped for longer goes on fr
 _LOOKS = 10  # a cycle, for the first command
 # cycles from the first command to the plant's step; it comes later in its cycle than those that follow
 _AFTER_COMMAND = 0.3
+# cycles from a step to the instant it is made for, the controller's next reading: commands come 0.2 to 0.4 after their
+# cycle's start. Sensors, poses and truth then hold for the instant at which they are read, as a data sheet says, and a
+# command acts from its own cycle on, as the model says.
+AHEAD = 0.4
 
 
 def run(
@@ -150,12 +155,8 @@ class _PlantProcess:
             raise UserError(
                 f"camera.driver = {configuration.camera.driver!r}: the simulated rig needs 'shared_memory'"
             )
-        from stillarm.simulation.arm.plant import Plant  # not above: the camera's process needs no compiler
-
         self._cycle_s = model.timing.cycle_s
-        self._plant = Plant(
-            model
-        )  # compiles what a cycle calls, or finds it on disk, before the clock starts
+        self._plant = ready_plant(model)
         self._plant.effect_clock = EffectClock.waiting()
         self.started_s = RawValue(c_double, inf)
         """When the first command came, on the monotonic clock: the recording's start, for the camera's process."""
@@ -201,7 +202,7 @@ class _PlantProcess:
         stepped, cycle = 0, clock.start()
         while not stop:
             behind = min(cycle - stepped, _LONGEST_CATCH_UP)
-            now = clock.origin_s + cycle * self._cycle_s
+            now = clock.origin_s + (cycle + AHEAD) * self._cycle_s
             command = self._drive.poll(now)
             if self._first_command_s is None and self._drive.commanded:
                 self._first_command_s = now

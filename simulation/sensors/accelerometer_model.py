@@ -7,8 +7,8 @@ import msgspec
 from stillarm.common.files.configuration import AccelerometerDevice
 from stillarm.common.files.model import Accelerometer
 from stillarm.drivers.accelerometers.accelerometer_factory import mean_hold_s, open_accelerometer
-from stillarm.drivers.accelerometers.i2c_set_up import choose_filter
 from stillarm.drivers.accelerometers.register_tables import TABLES
+from stillarm.drivers.accelerometers.register_tables.register_table import choose_filter
 from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
 from stillarm.drivers.buses.i2c import MEMORY_PREFIX
 from stillarm.drivers.buses.serial_port import PTY_PREFIX

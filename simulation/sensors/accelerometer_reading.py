@@ -8,9 +8,9 @@ from collections.abc import Callable
 from math import nan
 
 from stillarm.common.files.configuration import AccelerometerDevice
-from stillarm.drivers.accelerometers.i2c_set_up import choose_filter, choose_full_scale
 from stillarm.drivers.accelerometers.mounting import measured_direction, sensed_axes
 from stillarm.drivers.accelerometers.register_tables import TABLES
+from stillarm.drivers.accelerometers.register_tables.register_table import choose_filter, choose_full_scale
 from stillarm.drivers.accelerometers.serial_devices import SERIAL_DEVICES
 from stillarm.drivers.standard_gravity import STANDARD_GRAVITY_M_S2
 

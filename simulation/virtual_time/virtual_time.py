@@ -44,9 +44,8 @@ from stillarm.supervisor.step import Supervisor
 _CONTROLLER_SESSION, _SUPERVISOR_SESSION = 1, 2
 _REPORT_EVERY = 1000  # cycles
 _COUNTED_EVERY = 10  # cycles
-_PROCESSING_S = (
-    AFTER_DELIVERY_S - 0.0005
-)  # tracking and network; the wait for the next cycle adds half a cycle
+# tracking and network; the wait for the next cycle adds half a cycle
+_PROCESSING_S = AFTER_DELIVERY_S - 0.0005
 
 
 class MessageSink(Protocol):

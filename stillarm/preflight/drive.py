@@ -1,77 +1,13 @@
 """Checks the drive: its presence, reports and identity. Nothing is armed, and only zero is commanded."""
 
-import time
-from collections.abc import Callable
 from math import isnan
 
-from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
 from stillarm.common.files.configuration import DriveDevice
 from stillarm.common.files.model import Model
-from stillarm.common.link.peer import Peer
-from stillarm.common.link.udp import UdpSocket, new_session
-from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import DriveProbe
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
-_ASK_EVERY_S = 0.02
 _FEWEST_PER_S = 20.0
-
-
-def probe_drive(config: DriveDevice, key: bytes, span_s: float) -> DriveProbe:
-    """Query the configured drive. Raises UserError if it does not answer."""
-    if config.driver == "odrive":
-        from stillarm.drivers.drives.odrive_drive import OdriveDrive
-
-        return OdriveDrive(config).probe(span_s)
-    if config.driver == "cia402":
-        from stillarm.drivers.drives.cia402_drive import Cia402Drive
-
-        return Cia402Drive(config).probe(span_s)
-    if config.driver == "mcp4725":
-        from stillarm.drivers.drives.mcp4725_drive import Mcp4725Drive
-
-        return Mcp4725Drive(config, wait_s=0.0).probe(span_s)
-    return greet_gateway(config, key, span_s)
-
-
-def greet_gateway(
-    config: DriveDevice,
-    key: bytes,
-    span_s: float,
-    *,
-    clock: Callable[[], float] = time.monotonic,
-    sleep: Callable[[float], None] = time.sleep,
-) -> DriveProbe:
-    """Ask a gateway for its identity with commands of zero that do not echo its session: it answers and obeys none.
-
-    Raises UserError if it does not answer, or if the port is in use (a controller runs).
-    """
-    session = new_session()
-    peer = Peer(key, (DriveState, Hello), session)
-    socket = UdpSocket((config.local_host, config.local_port), "drive.local_port")
-    place = f"{config.gateway_host}:{config.gateway_port}"
-    greetings = 0
-    try:
-        until = clock() + span_s
-        while clock() < until:
-            socket.send(peer.encode(DriveCommand(0.0), echo=0), (config.gateway_host, config.gateway_port))
-            sleep(_ASK_EVERY_S)
-            for data in socket.drain(32):
-                greetings += peer.receive(data) is not None
-    finally:
-        socket.close()
-    if peer.counts.forged and not greetings:
-        raise UserError(
-            f"drive.gateway_host: {place} answers with another signature: the keys differ; copy one link.key_file to "
-            "controller and gateway"
-        )
-    if not greetings:
-        raise UserError(
-            f"drive.gateway_port = {config.gateway_port}: no gateway answers at {place}; check its power and cable, "
-            "start it (the simulated rig: `stillarm rig`), give it the same key, or correct drive.gateway_host and "
-            "gateway_port"
-        )
-    return DriveProbe(f"gateway at {place}", greetings, span_s, float("nan"))
 
 
 def judge_drive(probe: DriveProbe, config: DriveDevice, model: Model) -> list[Verdict]:

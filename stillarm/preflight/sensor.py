@@ -45,9 +45,9 @@ class SensorFacts:
     fastest_read_s: float
 
 
-def declared_bus_hz(bus: str, sys_folder: Path = Path("/sys")) -> float | None:
+def declared_bus_hz(bus: str) -> float | None:
     """Clock of /dev/i2c-N in the device tree, Hz; None if it does not say."""
-    path = sys_folder / "class" / "i2c-adapter" / Path(bus).name / "of_node" / "clock-frequency"
+    path = Path("/sys/class/i2c-adapter") / Path(bus).name / "of_node" / "clock-frequency"
     try:
         return float(int.from_bytes(path.read_bytes()[:4], "big"))
     except OSError:

@@ -12,8 +12,9 @@ from stillarm.common.user_error import UserError
 from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerometer
 from stillarm.drivers.buses.i2c import MEMORY_PREFIX
 from stillarm.drivers.cameras.camera_factory import open_camera
+from stillarm.drivers.drives.drive_factory import probe_drive
 from stillarm.preflight.camera import CameraFacts, judge_camera, watch_camera
-from stillarm.preflight.drive import judge_drive, probe_drive
+from stillarm.preflight.drive import judge_drive
 from stillarm.preflight.link import (
     LinkFacts,
     ask_itself,

@@ -23,9 +23,7 @@ _ENOUGH = 4000  # px: above this, every second one of a row and a column is enou
 
 
 class CoarseShift(NamedTuple):
-    """x, y: motion of the scene in px of the small image; score: correlation * sqrt(share in
-    common), -1..1.
-    """
+    """x, y: motion of the scene in px of the small image; score: correlation * sqrt(share in common), -1..1."""
 
     x: int
     y: int

@@ -23,7 +23,21 @@ def diagnosed(truth: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The trial's marks, by the commands that a user would give."""
     assert main(["import", str(folder / "data"), "-o", str(folder / "rec.mcap")]) == 0
     windows = [word for begin, end in truth["hold_out"] for word in ("--hold-out", f"{begin}:{end}")]
-    assert main(["diagnose", str(folder / "rec.mcap"), "--out", str(folder / "out"), *windows]) == 0
+    assert (
+        main(
+            [
+                "diagnose",
+                str(folder / "rec.mcap"),
+                "--out",
+                str(folder / "out"),
+                "--budget-s",
+                "600",
+                "--no-use",
+                *windows,
+            ]
+        )
+        == 0
+    )
     answer = json.loads((folder / "out" / "diagnosis.json").read_text())
     return mark(truth, {"answer": answer, "seconds": None, "error": None})
 

@@ -92,10 +92,10 @@ def test_old_images_are_no_clock_that_was_set_where_the_requests_go_on_evenly() 
 def test_doubt_of_instants_excuses_no_more_than_the_delay_scatters() -> None:
     for step_s, excused in ((0.0, True), (STEP_S, False)):
         last = fit_with_impacts(World(triggered(step_s), TRIGGERED), SPLIT)  # dated by arrivals
-        assert rest_of(last, "displacement").immaterial is excused
+        assert rest_of(last, "displacement", SPLIT).immaterial is excused
 
 
 def test_requests_noted_to_the_cycle_are_no_discovery() -> None:
     last = fit_with_impacts(World(dated_by_requests(triggered(0.0, 0.001)), TRIGGERED), SPLIT)
-    assert rest_of(last, "displacement").immaterial
+    assert rest_of(last, "displacement", SPLIT).immaterial
     assert last.sigma["displacement"] < 1.2 * NOISE["displacement"]

@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from stillarm.diagnosis.fit import fit, make_data
-from stillarm.diagnosis.impacts import _merged, _redated, fit_with_impacts, pruned
+from stillarm.diagnosis.impacts import fit_with_impacts, pruned
 from stillarm.diagnosis.split import interleaved
 from stillarm.diagnosis.world import World
 from tests.fixtures.synthetic import MODEL, measured
@@ -42,35 +42,3 @@ def test_of_two_impacts_that_share_one_where_it_is_held_out_one_stays() -> None:
     left = pruned(last, split)
     assert len(left.world.impacts) == 1
     assert left.train_log_likelihood > last.train_log_likelihood - 10.0
-
-
-def test_two_instants_on_either_side_of_an_impact_become_one() -> None:
-    data = measured(9.0, 3, impact(1, 0.02), impacts=(5500,))
-    split = interleaved(9.0)
-    world = World(data, MODEL, impacts=(5360, 5640))
-    beside = fit(make_data(world, split), world.space.vector(), world.baseline_names())
-    assert _merged(beside, split, ()).world.impacts == (pytest.approx(5500, abs=3),)
-
-
-def test_two_impacts_within_two_periods_stay_two() -> None:
-    cycles = (5360, 5640)
-    world = World(measured(9.0, 3, impact(1, 0.02) | impact(2, 0.02), cycles), MODEL, cycles)
-    split = interleaved(9.0)
-    both = fit(make_data(world, split), world.space.vector(), world.baseline_names())
-    assert _merged(both, split, ()).world.impacts == cycles
-
-
-@pytest.mark.parametrize("late", [1, -1])
-def test_an_impact_that_is_found_half_a_period_off_is_dated_again(late: int) -> None:
-    split = interleaved(9.0)
-    data = measured(9.0, 3, impact(1, 0.02), impacts=(5500,))
-    world = World(data, MODEL, impacts=(5500 + late * 192,))
-    off = fit(make_data(world, split), world.space.vector(), world.baseline_names())
-    assert _redated(off, split, ()).world.impacts == (pytest.approx(5500, abs=3),)
-
-
-def test_an_impact_that_is_dated_well_stays() -> None:
-    split = interleaved(9.0)
-    world = World(measured(9.0, 3, impact(1, 0.02), (5500,)), MODEL, (5500,))
-    last = fit(make_data(world, split), world.space.vector(), world.baseline_names())
-    assert _redated(last, split, ()) is last

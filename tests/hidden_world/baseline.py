@@ -1,6 +1,6 @@
 """What any honest analyst may refit before naming a cause, and what it does to the measured channels.
 
-Initial state, jump of the bends' rates at each blow, frequency, damping and share of each bend, image scale and
+Initial state, jump of the bends' rates at each impact, frequency, damping and share of each bend, image scale and
 offset, accelerometer bias, mean delay, and where the exposures lie in time.
 """
 

@@ -1,4 +1,4 @@
-"""What is done with an arm in a recording: moves of every kind, rests in which it rings, blows, damping."""
+"""What is done with an arm in a recording: moves of every kind, rests in which it rings, impacts, damping."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ _FARTHEST_RAD = 0.5
 
 @dataclass
 class Plan:
-    """Reference (rad/s) and feedback gain (1/s per m) of each tick; blows: instants and jumps of the bends' rate."""
+    """Reference (rad/s) and feedback gain (1/s per m) of each tick; impacts: instants and jumps of the bends' rate."""
 
     reference: Array
     gain: Array
@@ -62,7 +62,7 @@ def _feedback(rig: Rig, random: np.random.Generator, ticks: int, damped: bool) -
 def _impacts(
     rig: Rig, random: np.random.Generator, rests: list[tuple[int, int]], ticks: int, wanted: bool
 ) -> tuple[Array, Array]:
-    """A blow early in some of the rests. Always drawn, so that what follows does not depend on it."""
+    """An impact early in some of the rests. Always drawn, so that what follows does not depend on it."""
     time, size = [], []
     w = 2.0 * pi * rig.bends[0].hertz
     for begin, end in rests:

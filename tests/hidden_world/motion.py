@@ -1,6 +1,6 @@
 """The arm's motion: classical Runge-Kutta in steps of 0.1 ms, split wherever something happens.
 
-Something: a command reaching the drive, a blow, a reversal of the bending or of the joint (dry friction), sticking
+Something: a command reaching the drive, an impact, a reversal of the bending or of the joint (dry friction), sticking
 and slipping, gear teeth meeting or parting. The instant is bisected to 1e-12 of a step.
 
     joint      vm' = lag (target - drag(vm) - vm), bounded; the link follows, or hangs on teeth with play:

@@ -80,7 +80,7 @@ class Recording:
 
 @dataclass
 class Open:
-    """Small changes to what a rig does, for the oracle: jumps of the state added at the start and at each blow."""
+    """Small changes to what a rig does, for the oracle: jumps of the state added at the start and at each impact."""
 
     start: Array | None = None
     impact_change: Array | None = None

@@ -41,7 +41,7 @@ def turn_from(text: str) -> int | None:
 
 
 def is_named(config: pytest.Config) -> bool:
-    """Whether the command line picks single tests, which then run whatever their turn."""
+    """Whether the command line picks single tests, which then always run."""
     return bool(config.option.keyword) or any("::" in word for word in config.args)
 
 

@@ -60,7 +60,7 @@ def test_a_run_asks_its_slice_and_says_so(
     pytester: pytest.Pytester,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A test that is named on the command line runs whatever its turn."""
+    """A test that is named on the command line always runs."""
     monkeypatch.setenv(VARIABLE, slice_)
     pytester.makeini("[pytest]\nmarkers =\n    blind: takes turns")
     pytester.makepyfile(test_it=FILE)

@@ -48,7 +48,9 @@ def test_a_run_gives_the_rows_of_the_contract_and_starts_when_all_is_warm(tmp_pa
 
 
 def test_a_killed_supervisor_is_replaced_and_what_follows_is_scored(tmp_path: Path) -> None:
-    """The gap is the one asked for, give or take the time that a process takes; the successor is noticed as one."""
+    """The gap has the requested length, up to the time to start a process; the successor is recognised as a
+    new supervisor.
+    """
     words = [
         *("benchmark", "live", "--kill-supervisor", "0.5", "--runs", "1", "--seed", "3"),
         *("--json", str(tmp_path / "kills.json"), "--keep", str(tmp_path / "kept")),

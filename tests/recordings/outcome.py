@@ -18,7 +18,7 @@ BUDGET_S = 2.0  # of a diagnosis: the shapes whose answer is judged take as long
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command came to. status: exit status, None for a traceback; out, error: what it wrote."""
+    """Result of a command. status: exit status, None for a traceback; out, error: what it wrote."""
 
     status: int | None
     out: str
@@ -99,7 +99,7 @@ def diagnosis_of(folder: Path) -> dict[str, Any]:
 
 
 def check_diagnosis(table: dict[str, Any]) -> None:
-    """Whether a table is as the contract has it: a verdict that agrees with what stands beside it, and numbers."""
+    """Whether a table follows the contract: finite numbers, and a verdict that agrees with the findings."""
     assert table["verdict"] in ("named", "none", "unexplained")
     assert (table["unexplained"] is not None) == (table["verdict"] == "unexplained")
     if table["verdict"] == "named":

@@ -70,7 +70,7 @@ def test_the_page_is_the_matrix() -> None:
     ],
 )
 def test_a_plain_recording_shows_nothing_but_its_frequency(name: str, tmp_path: Path) -> None:
-    """The model file is 0.8 % off; all else in it is as the recording was made."""
+    """The model file's frequency is off by 0.8 %; everything else in it is true."""
     outcomes = run_all(SHAPES[name], tmp_path, budget_s=None)
     assert outcomes["diagnose"].status == 0, outcomes["diagnose"].error
     table = diagnosis_of(tmp_path)

@@ -22,7 +22,7 @@ def ringing(
     force: Callable[[float, float, float, float], float] = lambda t, w, q, rate: 0.0,
     breaks_s: tuple[float, ...] = (),
 ) -> Array:
-    """Deflections q(t), m, at times from 0 on, after a blow of w * amplitude at t = 0.
+    """Deflections q(t), m, at times from 0 on, after an impact of w * amplitude at t = 0.
 
     force: (time, present angular frequency, q, q') -> acceleration, m/s^2. breaks_s: where it jumps.
     """

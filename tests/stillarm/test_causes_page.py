@@ -1,13 +1,11 @@
 """`stillarm causes`: what it prints, and the page that comes from it."""
 
-import json
 from pathlib import Path
 
 import pytest
 
 from stillarm.causes_page import page, schema, section
 from stillarm.common.causes import CAUSES
-from stillarm.main import main
 
 ROOT = Path(__file__).parents[2]
 
@@ -40,14 +38,3 @@ def test_the_schema_bounds_what_the_checks_bound() -> None:
         "default": "frames",
     }
     assert entries["stale_frame_buffer"]["properties"]["frames"]["type"] == "integer"
-
-
-def test_the_command_prints_a_list_one_cause_or_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["causes"]) == 0
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(CAUSES)
-    assert main(["causes", "gear_backlash"]) == 0
-    assert capsys.readouterr().out == section(CAUSES["gear_backlash"])
-    assert main(["causes", "--schema"]) == 0
-    assert json.loads(capsys.readouterr().out) == schema()
-    assert main(["causes", "gear_backslash"]) == 1
-    assert "the nearest is gear_backlash" in capsys.readouterr().err

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from stillarm.main import COMMANDS, main
+from tests.fixtures.commands import one_line
 from tests.fixtures.free_ports import free_ports
 
 RIG = """
@@ -29,12 +30,6 @@ def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]
         main([command, "--help"])
     assert stop.value.code == 0
     assert "usage: stillarm" in capsys.readouterr().out
-
-
-def one_line(capsys: pytest.CaptureFixture[str]) -> str:
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1, error
-    return error
 
 
 @pytest.mark.slow
@@ -76,31 +71,12 @@ def test_a_mistake_is_one_line(
 
 
 def test_an_unknown_command_or_argument_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    """With the command that explains."""
+    """The line names the command that explains."""
     for words in (["dmeo"], ["replay", "--methd", "x"], []):
         with pytest.raises(SystemExit) as stop:
             main(words)
         assert stop.value.code == 2
         assert "--help" in one_line(capsys)
-
-
-@pytest.mark.parametrize("seed", ["-1", "1.5", "99999999999999999999999"])
-@pytest.mark.parametrize("command", ["simulate", "demo", "rig", "benchmark"])
-def test_a_seed_that_no_generator_takes_is_one_line(
-    command: str, seed: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main([command, "--seed", seed])
-    assert stop.value.code == 2
-    assert f"{seed}: a whole number from 0 to 9223372036854775807" in one_line(capsys)
-
-
-@pytest.mark.parametrize("duration", ["nan", "inf", "-1", "0", "x"])
-def test_a_duration_that_is_none_is_one_line(duration: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["controller", "--config", "rig.toml", "--duration-s", duration])
-    assert stop.value.code == 2
-    assert f"{duration}: a number of seconds above 0" in one_line(capsys)
 
 
 @pytest.mark.slow
@@ -136,45 +112,15 @@ def test_a_daemon_that_cannot_start_says_why_in_one_line(
     assert done.stderr.count("\n") == 1 and says in done.stderr, done.stderr
 
 
-def test_a_replay_spares_the_measured_frames(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Its own table has the same name as the bundle's."""
-    (tmp_path / "fast.csv").write_text("time_s,acceleration_m_s2\n0.0,1.0\n0.001,1.0\n")
-    (tmp_path / "frames.csv").write_text("frame,received_s\n1,0.0\n")
-    assert main(["import", str(tmp_path), "-o", str(tmp_path / "rec.mcap")]) == 0
-    capsys.readouterr()
-    assert main(["replay", str(tmp_path / "rec.mcap"), "--out", str(tmp_path)]) == 1
-    assert "CSV bundle" in one_line(capsys)
-    assert (tmp_path / "frames.csv").read_text() == "frame,received_s\n1,0.0\n"
-
-
-def test_a_replay_tells_that_its_recording_was_cut(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    """Else whatever is missing would look like a fault of the replay."""
-    (tmp_path / "model.toml").write_text("[arm]\nlength_m = 2.0\n")
-    (tmp_path / "fast.csv").write_text("time_s\n" + "".join(f"{n / 1000}\n" for n in range(2000)))
-    whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
-    assert main(["import", str(tmp_path), "-o", str(whole)]) == 0
-    content = whole.read_bytes()
-    cut.write_bytes(content[: len(content) // 2])
-    capsys.readouterr()
-    assert main(["replay", str(whole), "--out", str(tmp_path / "a")]) == 0
-    assert "missing" not in capsys.readouterr().out
-    assert main(["replay", str(cut), "--out", str(tmp_path / "b")]) == 0
-    assert "its end is missing" in capsys.readouterr().out
-
-
 def test_what_the_operating_system_refuses_is_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Also where nobody foresaw it: a full disk in the middle of a table."""
+    """Also for an unforeseen error: a full disk while a table is written."""
 
     def full(arguments: object) -> int:
         raise OSError(28, "No space left on device", "replay/frames.csv")
 
-    monkeypatch.setattr("stillarm.commands.replay_command.run", full)
+    monkeypatch.setattr("stillarm.commands.recordings.replay_command.run", full)
     assert main(["replay", "rec.mcap"]) == 1
     assert "replay/frames.csv: no space left on device" in one_line(capsys)
 
@@ -183,7 +129,7 @@ def test_what_the_operating_system_refuses_is_one_line(
 def test_sigterm_unwinds_as_ctrl_c_does_even_where_a_shell_has_that_ignored(
     number: signal.Signals, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """So that a demo that is told to end ends its processes on the way, and what moves a joint always stops."""
+    """A terminated demo therefore ends its processes, and a moving joint always stops."""
     unwound = []
 
     def told_to_end(arguments: object) -> int:
@@ -195,7 +141,7 @@ def test_sigterm_unwinds_as_ctrl_c_does_even_where_a_shell_has_that_ignored(
         return 0
 
     before = signal.signal(number, signal.SIG_IGN)
-    monkeypatch.setattr("stillarm.commands.replay_command.run", told_to_end)
+    monkeypatch.setattr("stillarm.commands.recordings.replay_command.run", told_to_end)
     try:
         assert main(["replay", "rec.mcap"]) == 130
     finally:

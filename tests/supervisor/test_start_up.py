@@ -1,4 +1,4 @@
-"""The supervisor's start: what gathered in the camera's queue is not announced, and the next frame is a fresh one."""
+"""The supervisor's start: frames queued in the camera are discarded, and the next frame is fresh."""
 
 from collections import deque
 
@@ -46,7 +46,7 @@ class QueuedCamera:
 
 @pytest.mark.parametrize("queued", [0, 1, 8, 40])
 def test_the_first_frame_after_it_is_one_that_had_to_be_waited_for(queued: int) -> None:
-    """Whatever the driver held; one fresh frame is spent on finding out."""
+    """For any number of queued frames; the check costs one fresh frame."""
     camera = QueuedCamera(queued)
     assert discard_queued(camera, camera.clock) == queued + 1
     asked = camera.now_s

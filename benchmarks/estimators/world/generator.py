@@ -27,7 +27,7 @@ _FIRST_EXPOSURE_S = 0.010
 class Motion:
     """Deflection of one mode, piece by piece: each row starts at start_s from (deflection_m, rate_m_s).
 
-    pole: l of the piece, 1/s; force_m_s2, force_rate_m_s3: the force at the piece's start, and its slope. blows_s:
+    pole: l of the piece, 1/s; force_m_s2, force_rate_m_s3: the force at the piece's start, and its slope. impacts_s:
     middle of each impact, or end of another force. Shapes (pieces,), (impacts,). forced_s: interval of each force that
     is not an impact, shape (forces, 2).
     """
@@ -168,10 +168,10 @@ def vision_errors(arm: Arm, frames: int, random: np.random.Generator) -> Values:
 def strike_again(
     arm: Arm, duration_s: float, random: np.random.Generator, change: Change | None = None
 ) -> Motion:
-    """A freely decaying vibration with repeated impacts: constant force for blow_s, at any phase.
+    """A freely decaying vibration with repeated impacts: constant force for impact_s, at any phase.
 
-    An impact's size is drawn so that the amplitude after it lies in blow_to. Of the two velocities with that effect it
-    uses the smaller.
+    An impact's size is drawn so that the amplitude after it lies in impact_to. Of the two velocities with that effect
+    it uses the smaller.
     """
     w, unit = arm.angular_frequency, arm.amplitude_m
     phase = random.uniform(0.0, 2.0 * np.pi)

@@ -24,8 +24,8 @@ ACCELEROMETER_SCALE_STD = 0.002
 class Arm:
     """The true arm: one mode and its excitation.
 
-    amplitude_m is the unit of all noises. Impacts come blow_every_s apart and bring the amplitude to blow_to of it;
-    with damping_ratio = 0.01 and 2.6 Hz it stays within 0.64 to 1.25. blow_s: duration of an impact.
+    amplitude_m is the unit of all noises. Impacts come impact_every_s apart and bring the amplitude to impact_to of it;
+    with damping_ratio = 0.01 and 2.6 Hz it stays within 0.64 to 1.25. impact_s: duration of an impact.
     """
 
     frequency_hz: float = 2.6
@@ -94,9 +94,8 @@ class Regime:
     skew_ppm: float = 100.0  # largest, uniform; of the frame clock and of the stamps
     trigger_walk_s: float = 0.0
     started_white_s: float = FRAME_S / 4.0
-    started_offset_s: float = (
-        FRAME_S / 4.0
-    )  # largest, uniform: with the white part, the spread of one whole frame
+    # largest, uniform: with the white part, the spread of one whole frame
+    started_offset_s: float = FRAME_S / 4.0
     stamp_s: float = 5e-5
     busy: Busy | None = None
 
@@ -120,9 +119,8 @@ REGIMES: dict[str, Regime] = {
         for law in ("constant", "drift", "jitter")
     )
 }
-REGIMES["live"] = Regime(
-    "live", drift_s=0.005, busy=Busy()
-)  # last, since a regime's index is part of its trials' seeds
+# last, since a regime's index is part of its trials' seeds
+REGIMES["live"] = Regime("live", drift_s=0.005, busy=Busy())
 
 
 def regimes_named(names: list[str] | None) -> list[Regime]:

@@ -17,7 +17,7 @@ from stillarm.common.process.loop_processor import beside_the_loop
 from stillarm.common.process.parent_death import ended_with_parent
 from stillarm.common.user_error import UserError
 from stillarm.controller.statistics.loop_block import LoopBlock
-from stillarm.simulation.demo.demo import Progress, remove_shared_memory, wait_for_camera
+from stillarm.simulation.demo.demo import Progress, compile_ahead, remove_shared_memory, wait_for_camera
 from stillarm.simulation.demo.processes import DemoProcesses
 from stillarm.simulation.demo.set_up import write_demo_configuration
 
@@ -38,6 +38,7 @@ def run_kills(
     """Leave recording.mcap and truth.mcap in `directory`. Raises UserError when a process fails; none runs on."""
     path, configuration, _ = write_demo_configuration(directory, scenario.duration_s, seed)
     (directory / "scenario.toml").write_text(tomli_w.dumps(msgspec.to_builtins(scenario)))
+    compile_ahead(path, configuration)
     processes = DemoProcesses(directory)
     try:
         processes.start("rig", "--config", str(path), "--truth", str(directory / "truth.mcap"))

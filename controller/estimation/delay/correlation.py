@@ -7,7 +7,7 @@ Where the paper leaves points open or is biased, this module does the following 
 - Mean and power are updated with the product at each lag, so that the maximised quantity is the correlation
   coefficient r(m). By the Cauchy-Schwarz inequality its maximum lies at the true delay for every window and offset.
 - The force of an impact is not vibration, and is much larger while it lasts. Its samples are left out
-  (blow_samples.py).
+  (impact_samples.py).
 - x is averaged over 2 J + 1 cycles, a pure delay of J, so that all of the accelerometer's samples count, not just those
   at arrivals.
 - Lags are searched within less than half a period of the prior, never at both ends of a periodic function. Each image
@@ -146,9 +146,8 @@ class CorrelationDelay:
         power_x = self._mean_xx / w - (self._mean_x / w) ** 2
         covariance = self._mean_xy / w - self._mean_x * (self._mean_y / (w * w))
         self.correlation = covariance / np.sqrt(np.maximum(power_x * power_y, 1e-30))
-        seen = (
-            elapsed * self._sum_power**2 / max(self._sum_power_squared, 1e-300)
-        )  # cycles, weighted by power
+        # cycles, weighted by power
+        seen = elapsed * self._sum_power**2 / max(self._sum_power_squared, 1e-300)
         if amplitude < self._settings.min_amplitude_m or seen < self._half_period:
             return self._hold(elapsed * self._cycle_s)
         reach = self._peak_reach

@@ -68,7 +68,7 @@ def updated(
 ) -> Belief:
     """Measurement update with a scalar row @ state + noise.
 
-    blow_within_s: if the measurement is outside the gate, assume an impact within this time (> 0); None: skip it.
+    impact_within_s: if the measurement is outside the gate, assume an impact within this time (> 0); None: skip it.
     """
     time_s, state, covariance = belief[:3]
     seen = covariance @ row

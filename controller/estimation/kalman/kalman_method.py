@@ -28,10 +28,8 @@ _LATEST_S = 0.5  # an image that is older than the filter's instant by more is n
 _IMPACT = 2  # images outside the gate in a row that indicate an impact
 _RESTART_AFTER = 5  # an arm is not struck in four consecutive frames: the image has jumped
 _LARGEST_IMPACT_M = 0.1  # an impact that would make the first mode ring wider counts as a jump, too
-_FAST_LAG_S = (
-    0.4,
-    0.25,
-)  # without images the filter follows the fast sensor: starts at the first lag, goes to the second
+# without images the filter follows the fast sensor: starts at the first lag, goes to the second
+_FAST_LAG_S = (0.4, 0.25)
 _RATE_SPAN_S = 0.002
 _OFFSET_DRIFT = 0.05  # of a fast sensor's offset per second, as a fraction of its noise
 _LEAST_NOISE_M = 1e-6
@@ -71,9 +69,8 @@ class KalmanMethod:
         self._frame_s = 1.0 / model.camera.frame_rate_hz
         self._w = modes[0].angular_frequency
         self._largest_impact = (self._w * _LARGEST_IMPACT_M) ** 2  # as a variance of the rate
-        self._settled_s = (
-            0.5 / modes[0].frequency_hz
-        )  # until then vibration and offset are not distinguishable
+        # until then vibration and offset are not distinguishable
+        self._settled_s = 0.5 / modes[0].frequency_hz
         self._belief: Belief | None = None
         self._present: Belief | None = None  # the belief with the fast sensor's newest samples
         self._unpacked: Belief | None = None  # whose numbers the next two lists hold
@@ -146,9 +143,8 @@ class KalmanMethod:
         elif self._outside_gate >= _RESTART_AFTER or belief.covariance[1, 1] > self._largest_impact:
             rival = self._rival
             self._begin(captured, value)
-            if (
-                rival is not None and not rival.belief.outside_gate
-            ):  # the rival has restarted a few images earlier
+            # the rival has restarted a few images earlier
+            if rival is not None and not rival.belief.outside_gate:
                 self._belief, self._next_cycle = rival.belief, rival.next_cycle
                 self._started_s = rival.began_s
 

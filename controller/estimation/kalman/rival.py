@@ -6,11 +6,7 @@ decide which it was, by the sum of their log predictive densities, from the time
 vibration and zero until at most a period later (prequential analysis: A. P. Dawid, J. Roy. Stat. Soc. A 147, 1984).
 """
 
-from collections.abc import Callable
-
 from stillarm.controller.estimation.kalman.belief import Belief
-
-Correct = Callable[[Belief], Belief]
 
 _ODDS = 5.0  # nats: 150 to 1, since impacts are far more frequent than a moved zero
 _CLEAR_ODDS = 20.0  # nats: decides before the period's end

@@ -56,7 +56,6 @@ ADXL345 = RegisterTable(
     data_length=6,
     decode=little_words,
     ready_mask=0x80,
-    overrun_mask=0x01,
     start_up_s=1.1e-3 + 1.0 / 200.0,
     # 0.75 counts rms at 100 Hz rate, 50 Hz bandwidth
     noise_m_s2_per_sqrt_hz=0.75 / 256.0 * 9.80665 / (50.0 * 1.57) ** 0.5,
@@ -72,5 +71,4 @@ ADXL345 = RegisterTable(
         decode=little_words,
         rolling=False,
     ),
-    max_rate_hz={400_000: 800.0, 100_000: 200.0},
 )

@@ -44,7 +44,6 @@ ADXL355 = RegisterTable(
     data_length=9,
     decode=big_20_bits,
     ready_mask=0x01,
-    overrun_mask=0x04,
     start_up_s=0.010,
     noise_m_s2_per_sqrt_hz=25e-6 * 9.80665,
     fifo=Fifo(

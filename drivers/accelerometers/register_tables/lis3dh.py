@@ -52,7 +52,6 @@ LIS3DH = RegisterTable(
     data_length=6,
     decode=little_words,
     ready_mask=0x08,
-    overrun_mask=0x80,
     start_up_s=0.007,  # 7 samples at the slowest supported rate
     noise_m_s2_per_sqrt_hz=220e-6 * 9.80665,
     fifo=Fifo(

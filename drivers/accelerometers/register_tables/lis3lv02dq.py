@@ -33,7 +33,6 @@ LIS3LV02DQ = RegisterTable(
     data_length=6,
     decode=little_words,
     ready_mask=0x08,
-    overrun_mask=0x80,
     start_up_s=5.0 / 2560.0,
     noise_m_s2_per_sqrt_hz=9.8e-3,  # about a count in 100 Hz; the data sheet states none
 )

@@ -56,7 +56,6 @@ MPU6050 = RegisterTable(
     data_length=6,
     decode=big_words,
     ready_mask=0x01,
-    overrun_mask=0x00,
     start_up_s=0.030,
     noise_m_s2_per_sqrt_hz=400e-6 * 9.80665,
     fifo=Fifo(

@@ -1,8 +1,11 @@
 """The description of an I2C accelerometer as a table, which one driver reads."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import pi
+
+from stillarm.common.files.configuration import AccelerometerDevice
+from stillarm.common.user_error import UserError
 
 Counts = tuple[int, int, int]
 
@@ -67,8 +70,7 @@ class RegisterTable:
 
     addresses: the usual one first. before_identity: writes that make the identity register visible. filters: the
     default first. status_register and data_register are read in one transfer, as one span if they are close together.
-    ready_mask, overrun_mask: bits of the status (0: not available). max_rate_hz: by bus speed in Hz, if the part has
-    such a limit. noise_m_s2_per_sqrt_hz: white noise of one axis.
+    ready_mask: bit of the status. noise_m_s2_per_sqrt_hz: white noise of one axis.
     """
 
     name: str
@@ -83,13 +85,45 @@ class RegisterTable:
     data_length: int
     decode: Callable[[bytes], Counts]
     ready_mask: int
-    overrun_mask: int
     start_up_s: float
     noise_m_s2_per_sqrt_hz: float
     auto_increment: int = 0
     before_identity: tuple[Write, ...] = ()
     fifo: Fifo | None = None
-    max_rate_hz: Mapping[int, float] = field(default_factory=dict)
+
+
+def choose_full_scale(table: RegisterTable, device: AccelerometerDevice) -> FullScale:
+    """The configured range. Raises UserError."""
+    if device.full_scale_g not in table.full_scales:
+        raise UserError(
+            f"accelerometer.full_scale_g = {device.full_scale_g}: not a range of the {table.name}; "
+            f"use {' or '.join(map(str, table.full_scales))}"
+        )
+    return table.full_scales[device.full_scale_g]
+
+
+def choose_filter(table: RegisterTable, device: AccelerometerDevice) -> FilterSetting:
+    """The configured filter, or the part's default for a bandwidth of 0. Raises UserError."""
+    if device.bandwidth_hz == 0.0:
+        return table.filters[0]
+    for setting in table.filters:
+        if abs(setting.bandwidth_hz - device.bandwidth_hz) <= 0.01 * setting.bandwidth_hz:
+            return setting
+    raise UserError(
+        f"accelerometer.bandwidth_hz = {device.bandwidth_hz:g}: not a filter of the {table.name}; "
+        f"use {' or '.join(f'{setting.bandwidth_hz:g}' for setting in table.filters)}, or 0 for the first of these"
+    )
+
+
+def choose_address(table: RegisterTable, device: AccelerometerDevice) -> int:
+    """The configured address, or the part's usual one for 0. Raises UserError for an address that I2C reserves."""
+    address = device.address or table.addresses[0]
+    if address < 0x03:
+        raise UserError(
+            f"accelerometer.address = {address}: reserved on I2C; "
+            f"the {table.name} has {' or '.join(f'0x{a:02x}' for a in table.addresses)}"
+        )
+    return address
 
 
 def first_order_delay_s(bandwidth_hz: float) -> float:

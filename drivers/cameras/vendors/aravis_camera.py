@@ -6,7 +6,7 @@ import numpy as np
 
 from stillarm.common.files.configuration import CameraDevice
 from stillarm.drivers.cameras.camera_stamps import StampReference
-from stillarm.drivers.cameras.vendors.camera_features import exposure_s, set_features
+from stillarm.drivers.cameras.vendors.camera_features import NodeFeatures, exposure_s, set_features
 from stillarm.drivers.cameras.vendors.stream_camera import (
     BUFFERS,
     BackendLost,
@@ -66,7 +66,7 @@ class AravisBackend:
             )
         try:
             camera = Aravis.Camera.new(identifiers[place])
-            features = AravisFeatures(camera, self._error)
+            features = _features(camera.get_device(), self._error)
             notes = set_features(features, self._config)
             self._exposure_s = exposure_s(features)
             stream = camera.create_stream(None, None)
@@ -120,38 +120,21 @@ class AravisBackend:
                 return
 
 
-class AravisFeatures:
-    """stillarm.drivers.cameras.vendors.camera_features.Features for an Aravis device."""
+def _features(device: Any, error: type[Exception]) -> NodeFeatures:
+    """The features of an Aravis device."""
 
-    def __init__(self, camera: Any, error: type[Exception]) -> None:
-        """error: the exception type of Aravis."""
-        self._device, self._error = camera.get_device(), error
+    def put(name: str, value: float | str | bool) -> None:
+        if not device.is_feature_available(name):
+            raise KeyError(name)
+        kinds = {bool: "boolean", str: "string", float: "float", int: "integer"}
+        getattr(device, f"set_{kinds[type(value)]}_feature_value")(name, value)
 
-    def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; as an integer if it is one."""
-        device = self._device
+    def get(name: str) -> Any:
+        if not device.is_feature_available(name):
+            raise KeyError(name)
         try:
-            if not device.is_feature_available(name):
-                return False
-            if isinstance(value, bool):
-                device.set_boolean_feature_value(name, value)
-            elif isinstance(value, str):
-                device.set_string_feature_value(name, value)
-            else:
-                try:
-                    device.set_float_feature_value(name, float(value))
-                except self._error:
-                    device.set_integer_feature_value(name, round(value))
-        except self._error:
-            return False
-        return True
+            return device.get_float_feature_value(name)
+        except error:
+            return device.get_integer_feature_value(name)
 
-    def number(self, name: str) -> float | None:
-        """A feature's number."""
-        for read in (self._device.get_float_feature_value, self._device.get_integer_feature_value):
-            try:
-                if self._device.is_feature_available(name):
-                    return float(read(name))
-            except self._error:
-                continue
-        return None
+    return NodeFeatures(put, get, (KeyError, error))

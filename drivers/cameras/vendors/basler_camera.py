@@ -4,7 +4,7 @@ from typing import Any
 
 from stillarm.common.files.configuration import CameraDevice
 from stillarm.drivers.cameras.camera_stamps import StampReference
-from stillarm.drivers.cameras.vendors.camera_features import exposure_s, set_features
+from stillarm.drivers.cameras.vendors.camera_features import NodeFeatures, exposure_s, set_features
 from stillarm.drivers.cameras.vendors.stream_camera import (
     BUFFERS,
     BackendLost,
@@ -62,7 +62,7 @@ class BaslerBackend:
                 self._config, serials, f"it cannot be opened ({text}); close what else uses it"
             ) from None
         self._camera = camera
-        features = PylonFeatures(camera.GetNodeMap(), self._error)
+        features = _features(camera.GetNodeMap(), self._error)
         notes = set_features(features, self._config)
         self._exposure_s = exposure_s(features)
         self._ticks_per_s = features.number("GevTimestampTickFrequency") or _TICKS_PER_S
@@ -119,31 +119,10 @@ class BaslerBackend:
                 return
 
 
-class PylonFeatures:
-    """stillarm.drivers.cameras.vendors.camera_features.Features for pylon's node map."""
-
-    def __init__(self, node_map: Any, error: type[Exception]) -> None:
-        """error: the exception type of pylon."""
-        self._map, self._error = node_map, error
-
-    def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; as an integer if it is one."""
-        try:
-            node = self._map.GetNode(name)
-            if isinstance(value, bool | str):
-                node.SetValue(value)
-            else:
-                try:
-                    node.SetValue(float(value))
-                except (TypeError, self._error):
-                    node.SetValue(round(value))
-        except (AttributeError, TypeError, self._error):
-            return False
-        return True
-
-    def number(self, name: str) -> float | None:
-        """A feature's number."""
-        try:
-            return float(self._map.GetNode(name).GetValue())
-        except (AttributeError, TypeError, ValueError, self._error):
-            return None
+def _features(node_map: Any, error: type[Exception]) -> NodeFeatures:
+    """The camera's features in pylon's node map."""
+    return NodeFeatures(
+        lambda name, value: node_map.GetNode(name).SetValue(value),
+        lambda name: node_map.GetNode(name).GetValue(),
+        (AttributeError, TypeError, ValueError, error),  # AttributeError: there is no such node
+    )

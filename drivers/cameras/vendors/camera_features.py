@@ -4,7 +4,8 @@ Each value is written and read back; a deviation is reported in one line. Older 
 features: ExposureTimeAbs, AcquisitionFrameRateAbs, GainRaw.
 """
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Any, Protocol
 
 from stillarm.common.files.configuration import CameraDevice
 from stillarm.common.user_error import UserError
@@ -23,6 +24,40 @@ class Features(Protocol):
 
     def number(self, name: str) -> float | None:
         """A feature's number; None if the camera does not have it."""
+
+
+class NodeFeatures:
+    """Features through a maker's own calls, which raise one of `errors` for what a camera lacks or refuses."""
+
+    def __init__(
+        self,
+        put: Callable[[str, float | str | bool], None],
+        get: Callable[[str], Any],
+        errors: tuple[type[Exception], ...],
+    ) -> None:
+        """put: sets a feature; a number comes as float, and as int where that is refused. get: a feature's number."""
+        self._put, self._get, self._errors = put, get, errors
+
+    def write(self, name: str, value: float | str | bool) -> bool:
+        """Set a feature; as an integer if it is one."""
+        try:
+            if isinstance(value, bool | str):
+                self._put(name, value)
+            else:
+                try:
+                    self._put(name, float(value))
+                except self._errors:
+                    self._put(name, round(value))
+        except self._errors:
+            return False
+        return True
+
+    def number(self, name: str) -> float | None:
+        """A feature's number."""
+        try:
+            return float(self._get(name))
+        except self._errors:
+            return None
 
 
 def set_features(features: Features, config: CameraDevice) -> list[str]:
@@ -69,15 +104,6 @@ def exposure_s(features: Features) -> float | None:
         microseconds = features.number(name)
         if microseconds is not None and microseconds > 0.0:
             return microseconds * 1e-6
-    return None
-
-
-def frame_rate_hz(features: Features) -> float | None:
-    """The rate in use; None if the camera does not report it."""
-    for name in ("ResultingFrameRate", "ResultingFrameRateAbs", *_RATE):
-        rate = features.number(name)
-        if rate is not None and rate > 0.0:
-            return rate
     return None
 
 

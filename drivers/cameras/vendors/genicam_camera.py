@@ -8,7 +8,7 @@ import numpy as np
 from stillarm.common.files.configuration import CameraDevice
 from stillarm.common.user_error import UserError
 from stillarm.drivers.cameras.camera_stamps import StampReference
-from stillarm.drivers.cameras.vendors.camera_features import exposure_s, set_features
+from stillarm.drivers.cameras.vendors.camera_features import NodeFeatures, exposure_s, set_features
 from stillarm.drivers.cameras.vendors.stream_camera import (
     BUFFERS,
     BackendLost,
@@ -71,7 +71,7 @@ class GenicamBackend:
             raise no_camera(
                 self._config, serials, f"it cannot be opened ({text}); close what else uses it"
             ) from None
-        features = NodeFeatures(self._acquirer.remote_device.node_map)
+        features = _features(self._acquirer.remote_device.node_map)
         notes = set_features(features, self._config)
         self._exposure_s = exposure_s(features)
         self._acquirer.num_buffers = max(2, self._config.buffers or BUFFERS)
@@ -114,29 +114,14 @@ class GenicamBackend:
             harvester.reset()
 
 
-class NodeFeatures:
-    """stillarm.drivers.cameras.vendors.camera_features.Features for a GenApi node map."""
+def _features(node_map: Any) -> NodeFeatures:
+    """The features of a GenApi node map, which has an exception type for each kind of refusal."""
 
-    def __init__(self, node_map: Any) -> None:
-        """Wraps a node map."""
-        self._map = node_map
+    def put(name: str, value: float | str | bool) -> None:
+        node = getattr(node_map, name)
+        node.value = round(value) if isinstance(value, float) and isinstance(node.value, int) else value
 
-    def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; as an integer if it is one."""
-        try:
-            node = getattr(self._map, name)
-            whole = isinstance(node.value, int) and not isinstance(value, bool | str)
-            node.value = round(float(value)) if whole else value
-        except Exception:  # GenApi has an exception type for each kind of refusal
-            return False
-        return True
-
-    def number(self, name: str) -> float | None:
-        """A feature's number."""
-        try:
-            return float(getattr(self._map, name).value)
-        except Exception:
-            return None
+    return NodeFeatures(put, lambda name: getattr(node_map, name).value, (Exception,))
 
 
 def _image(component: Any) -> Any:

@@ -6,7 +6,7 @@ import numpy as np
 
 from stillarm.common.files.configuration import CameraDevice
 from stillarm.drivers.cameras.camera_stamps import StampReference
-from stillarm.drivers.cameras.vendors.camera_features import exposure_s, set_features
+from stillarm.drivers.cameras.vendors.camera_features import NodeFeatures, exposure_s, set_features
 from stillarm.drivers.cameras.vendors.stream_camera import (
     BUFFERS,
     BackendLost,
@@ -60,7 +60,7 @@ class IdsPeakBackend:
         try:
             self._device = devices[place].OpenDevice(ids_peak.DeviceAccessType_Control)
             self._nodes = self._device.RemoteDevice().NodeMaps()[0]
-            features = PeakFeatures(self._nodes, ids_peak.Exception)
+            features = _features(self._nodes, ids_peak.Exception)
             notes = set_features(features, self._config)
             self._exposure_s = exposure_s(features)
             self._stream = self._device.DataStreams()[0].OpenDataStream()
@@ -123,36 +123,17 @@ class IdsPeakBackend:
                 return
 
 
-class PeakFeatures:
-    """stillarm.drivers.cameras.vendors.camera_features.Features for ids_peak's node map."""
+def _features(nodes: Any, error: type[Exception]) -> NodeFeatures:
+    """The camera's features in ids_peak's node map; enumeration entries by name."""
 
-    def __init__(self, nodes: Any, error: type[Exception]) -> None:
-        """error: the exception type of ids_peak."""
-        self._nodes, self._error = nodes, error
+    def put(name: str, value: float | str | bool) -> None:
+        node = nodes.FindNode(name)
+        (node.SetCurrentEntry if isinstance(value, str) else node.SetValue)(value)
 
-    def write(self, name: str, value: float | str | bool) -> bool:
-        """Set a feature; enumeration entries by name, as an integer if it is one."""
-        try:
-            node = self._nodes.FindNode(name)
-            if isinstance(value, str):
-                node.SetCurrentEntry(value)
-            elif isinstance(value, bool):
-                node.SetValue(value)
-            else:
-                try:
-                    node.SetValue(float(value))
-                except TypeError:
-                    node.SetValue(round(value))
-        except (AttributeError, TypeError, self._error):
-            return False
-        return True
+    def get(name: str) -> Any:
+        return nodes.FindNode(name).Value()
 
-    def number(self, name: str) -> float | None:
-        """A feature's number."""
-        try:
-            return float(self._nodes.FindNode(name).Value())
-        except (AttributeError, TypeError, ValueError, self._error):
-            return None
+    return NodeFeatures(put, get, (AttributeError, TypeError, ValueError, error))
 
 
 def _grey(peak: Any, buffer: Any, width: int, height: int) -> Any:

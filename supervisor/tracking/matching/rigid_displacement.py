@@ -48,9 +48,7 @@ class RigidFit:
         return int(np.count_nonzero(self.weights > 0.1))
 
 
-def fit_rigid(
-    points: Vectors, moved: Vectors, expected_rotation: float = 0.0, scale_floor_px: float = SCALE_FLOOR_PX
-) -> RigidFit | None:
+def fit_rigid(points: Vectors, moved: Vectors, expected_rotation: float = 0.0) -> RigidFit | None:
     """Fit dx, dy and rotation; points and moved: shape (n, 2), px, about the image's centre.
 
     Returns None for fewer than 3 points, or if the points that agree do not determine a displacement.
@@ -60,12 +58,12 @@ def fit_rigid(
     pairs = _Pairs(points, moved)
     motion = _expected_start(pairs, expected_rotation) or _least_median_start(points, moved)
     weights = np.ones(len(points))
-    scale = scale_floor_px
+    scale = SCALE_FLOOR_PX
     for _ in range(_ITERATIONS):
         residual = pairs.residual(motion)
         x, y = residual.real, residual.imag
         spread = np.abs(np.concatenate((x - _median(x), y - _median(y))))
-        scale = max(MAD_TO_STD * _upper_median(spread), scale_floor_px)
+        scale = max(MAD_TO_STD * _upper_median(spread), SCALE_FLOOR_PX)
         rest = np.maximum(1.0 - (x * x + y * y) / (TUKEY * scale) ** 2, 0.0)
         weights = rest * rest
         if np.count_nonzero(weights) < 3:
@@ -75,7 +73,7 @@ def fit_rigid(
         still = abs(motion.rotation - before.rotation) * pairs.reach + abs(motion.shift - before.shift)
         if still < _STILL_PX:
             break
-    covariance = pairs.covariance(motion, weights, scale_floor_px)
+    covariance = pairs.covariance(motion, weights, SCALE_FLOOR_PX)
     if covariance is None:
         return None
     return RigidFit(motion.shift.real, motion.shift.imag, motion.rotation, covariance, weights, float(scale))

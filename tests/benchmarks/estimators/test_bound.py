@@ -70,7 +70,9 @@ def test_brute_force_maximum_likelihood_attains_it() -> None:
 
 
 def test_with_jitter_the_exact_posterior_mean_attains_it() -> None:
-    """Accelerometer next to perfect, exposures and n_i untold: each delay by integrating its exact posterior."""
+    """The accelerometer is nearly perfect, exposures and n_i are unknown: each delay by integrating its exact
+    posterior.
+    """
     drawn = replace(REGIMES["triggered jitter"], jitter_s=0.003)
     told = replace(drawn, trigger_walk_s=5.0, started_white_s=10.0, delay_prior_s=1e-9)
     squares, limits = [], []
@@ -112,7 +114,7 @@ def test_it_is_finite_positive_and_falls_with_every_improvement(name: str) -> No
 
 
 def test_what_was_learnt_of_the_clock_outlives_an_impact() -> None:
-    """A blow raises the deflection's bound at once; in freerun the delay's never rises."""
+    """An impact raises the deflection's bound at once; in freerun the delay's bound never rises."""
     data = generate(REGIMES["freerun drift"], 0.3, (1,), 12.0, Arm())
     limit = bound(data)
     impact = data.motion.impacts_s[1]

@@ -1,4 +1,4 @@
-"""How a trial is judged: known errors must give known figures, and a method must be fed what the world did."""
+"""How a trial is judged: known errors give known figures, and a method gets what the world did."""
 
 from dataclasses import replace
 from math import nan
@@ -83,7 +83,7 @@ def test_silence_counts_as_a_prediction_of_zero() -> None:
 
 
 def test_what_is_scored_leaves_out_settling_and_impacts_and_nothing_else() -> None:
-    """An error right behind a blow shows in the *_all figures only; one at half a second shows in both."""
+    """An error right after an impact shows in the *_all figures only; one half a second later shows in both."""
     impact = round(float(DATA.motion.impacts_s[1]) / CYCLE_S)
     for since, hidden in ((100, True), (490, True), (510, False)):
         said = answers(DATA)

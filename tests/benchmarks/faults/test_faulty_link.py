@@ -1,4 +1,4 @@
-"""The proxy's core: what it makes of datagrams, and that the two ends stand it."""
+"""The proxy's core: how it changes datagrams, and both ends tolerate it."""
 
 import random
 

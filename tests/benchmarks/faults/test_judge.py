@@ -1,4 +1,4 @@
-"""The judge finds what it is to find, and nothing else."""
+"""The judge finds every violation, and nothing else."""
 
 from math import nan
 

@@ -1,4 +1,6 @@
-"""Faults in closed loop, in virtual time: still without grounds, never beyond the limits, and back by itself."""
+"""Faults in closed loop, in virtual time: no motion without grounds, never beyond the limits, and recovery
+without help.
+"""
 
 import pytest
 
@@ -21,7 +23,9 @@ def test_every_fault_is_stood(kind: str) -> None:
 
 
 def test_the_campaign_sees_a_controller_that_goes_on_regardless(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Judged as if there were no grounds, a link that only duplicates must be found guilty: it damps on."""
+    """With all grounds declared missing, the judge must find a violation even for a link that only
+    duplicates.
+    """
     innocent = FAULTS["link duplicates"]
     guilty = VirtualFault(innocent.begin, innocent.end, shortest_s=0.5, longest_s=0.5, groundless=True)
     monkeypatch.setitem(FAULTS, "guilty", guilty)

@@ -65,7 +65,7 @@ def test_drawn_plans(method: str) -> None:
 
 
 class Harmful:
-    """In place of the step: does harm at the first NaN of the accelerometer."""
+    """Replaces the step: does harm at the first NaN of the accelerometer."""
 
     def __init__(self, world: World, harm: str) -> None:
         self.true, self.harm = world.controller, harm
@@ -99,7 +99,7 @@ class Harmful:
     ],
 )
 def test_harm_is_found(harm: str, told: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """So that the tests above cannot pass for want of eyes."""
+    """The tests above therefore cannot pass because the check is blind."""
     monkeypatch.setattr("stillarm.benchmarks.fuzz.odd_child.DEADLINE_S", 2)
     world, usual = warmed("timestamps"), world_of("timestamps")[1]
     monkeypatch.setattr(world, "controller", Harmful(world, harm))

@@ -1,4 +1,4 @@
-"""Every decoder of what others send, on noise and on true data that were damaged: it reads, or says one line."""
+"""Every decoder of foreign data, on noise and on damaged true data: it reads, or raises an error of one line."""
 
 import io
 from collections.abc import Callable

@@ -1,50 +1,18 @@
 """The CSV bundle in and out: values exactly, harmless variations read, errors in one line with the place."""
 
-import csv
-import importlib
 import math
 from pathlib import Path
-from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
-from stillarm.common.csv_bundle.bundle_export import export_csv, export_parquet, topic_tables
+from stillarm.common.csv_bundle.bundle_export import topic_tables
 from stillarm.common.csv_bundle.bundle_import import import_bundle
 from stillarm.common.datagrams.visual_sample import TrackingStatus
-from stillarm.common.files.model import Model, load_model
+from stillarm.common.files.model import Model
 from stillarm.common.files.typed_toml import parse_toml
-from stillarm.common.recording.header import RecordingHeader
-from stillarm.common.recording.reader import Recording, open_recording
-from stillarm.common.recording.topics import (
-    EstimateSample,
-    FastSample,
-    FrameSample,
-    ImageSample,
-    LogLine,
-    TrueState,
-)
-from stillarm.common.recording.writer import RecordingWriter
+from stillarm.common.recording.reader import open_recording
 from stillarm.common.user_error import UserError
-
-REUSED = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-
-
-def bundle(folder: Path, fast: str | bytes, frames: str | None = None, model: str | None = None) -> Path:
-    folder.mkdir(exist_ok=True)
-    for name, content in (("fast.csv", fast), ("frames.csv", frames), ("model.toml", model)):
-        (folder / name).unlink(missing_ok=True)
-        if content is not None:
-            (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-    return folder
-
-
-def imported(
-    folder: Path, fast: str | bytes, frames: str | None = None, model: str | None = None
-) -> Recording:
-    import_bundle(bundle(folder / "b", fast, frames, model), folder / "b.mcap")
-    return open_recording(folder / "b.mcap")
+from tests.fixtures.bundles import bundle, imported
 
 
 def test_the_contract_columns_come_in(tmp_path: Path) -> None:
@@ -185,161 +153,3 @@ def test_times_below_zero_and_of_the_calendar_come_in(tmp_path: Path) -> None:
     assert recording.columns("/fast")["time_s"].tolist() == [-1.5, 0.0, 1700000000.25]
     assert recording.header.origin_unix_ns == 2_000_000_000
     assert recording.columns("/fast")["cycle"].tolist() == [-1500, 0, 1700000000250]
-
-
-numbers = st.floats(-1e12, 1e12) | st.none()
-texts = st.text(
-    st.characters(min_codepoint=32, max_codepoint=0x2FF, exclude_characters="\x7f\x85"), max_size=6
-)
-
-
-@st.composite
-def tables(
-    draw: Any, time_name: str, columns: list[str], extra: st.SearchStrategy[Any]
-) -> dict[str, list[Any]]:
-    rows = draw(st.integers(1, 8))
-    names = draw(st.lists(st.sampled_from(columns), unique=True))
-    table = {name: draw(st.lists(numbers, min_size=rows, max_size=rows)) for name in names}
-    table[time_name] = draw(st.lists(st.floats(-1e6, 1e6), min_size=rows, max_size=rows))
-    if draw(st.booleans()):
-        table["foreign x"] = draw(st.lists(extra, min_size=rows, max_size=rows))
-    return {name: table[name] for name in draw(st.permutations(list(table)))}
-
-
-def write(path: Path, table: dict[str, list[Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(table)
-        writer.writerows(
-            zip(*(["" if v is None else v for v in column] for column in table.values()), strict=True)
-        )
-
-
-def read(path: Path) -> dict[str, list[str]]:
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    return {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
-
-
-def same(given: list[Any], got: list[str] | None) -> bool:
-    if got is None:  # left out: never measured
-        return all(value in (None, "") for value in given)
-    for value, text in zip(given, got, strict=True):
-        if isinstance(value, float):
-            if float(text) != value:
-                return False
-        elif (value or "").strip() != text:
-            try:  # a text that happens to be a number, in a column of such
-                if float(value) != float(text):
-                    return False
-            except ValueError:
-                return False
-    return True
-
-
-FAST_COLUMNS = ["acceleration_m_s2", "joint_velocity_command_rad_s", "joint_torque_n_m", "deflection_m"]
-FRAME_COLUMNS = ["displacement_px", "captured_s", "exposure_s", "displacement_y_px"]
-
-
-@pytest.mark.slow
-@REUSED
-@given(tables("time_s", FAST_COLUMNS, texts | st.none()), tables("received_s", FRAME_COLUMNS, numbers))
-def test_exporting_an_import_gives_the_same_values(
-    tmp_path: Path, fast: dict[str, list[Any]], frames: dict[str, list[Any]]
-) -> None:
-    folder, out = tmp_path / "in", tmp_path / "out"
-    folder.mkdir(exist_ok=True)
-    write(folder / "fast.csv", fast)
-    write(folder / "frames.csv", frames)
-    import_bundle(folder, tmp_path / "a.mcap")
-    export_csv(open_recording(tmp_path / "a.mcap"), out)
-    for name, table in (("fast.csv", fast), ("frames.csv", frames)):
-        back = read(out / name)
-        for column, values in table.items():
-            assert same(values, back.get(column)), (column, values, back.get(column))
-
-
-floats = st.floats(-1e9, 1e9) | st.just(math.nan)
-fast_rows = st.builds(
-    FastSample, st.floats(0, 1e3), st.integers(0, 10**6), *[floats] * 8, damping_allowed=st.booleans()
-)
-frame_rows = st.builds(
-    lambda t, *rest: FrameSample(t, rest[0], rest[1], t, *rest[2:]),
-    st.floats(0, 1e3),
-    st.integers(0, 10**6),
-    st.integers(0, 10**6),
-    floats,
-    st.integers(0, 10**6),
-    st.integers(0, 9),
-    *[floats] * 9,
-    st.integers(0, 500),
-    st.integers(0, 500),
-)
-LIVE = RecordingHeader(
-    program_version="0",
-    configuration="",
-    configuration_name="",
-    model="[arm]\nlength_m = 1.5 # measured\n",
-    method="m",
-    kind="live",
-)
-
-
-@pytest.mark.slow
-@REUSED
-@given(st.lists(fast_rows, min_size=1, max_size=6), st.lists(frame_rows, min_size=1, max_size=6))
-def test_importing_an_export_gives_the_same_samples(
-    tmp_path: Path, fast: list[FastSample], frames: list[FrameSample]
-) -> None:
-    writer = RecordingWriter(tmp_path / "live.mcap", LIVE)
-    for topic, rows in (("/fast", fast), ("/frames", frames)):
-        for row in rows:
-            writer.write(topic, row)
-    writer.close()
-    out = tmp_path / "out"
-    files = export_csv(open_recording(tmp_path / "live.mcap"), out)
-    assert [path.name for path in files] == ["fast.csv", "frames.csv", "model.toml"]
-    import_bundle(out, tmp_path / "again.mcap")
-    again = open_recording(tmp_path / "again.mcap")
-    assert [repr(row) for row in again.messages("/fast")] == [repr(row) for row in fast]
-    assert [repr(row) for row in again.messages("/frames")] == [repr(row) for row in frames]
-    assert again.header.model == LIVE.model
-    assert load_model(out / "model.toml").arm.length_m == 1.5
-
-
-def test_other_topics_are_exported_too(tmp_path: Path) -> None:
-    writer = RecordingWriter(tmp_path / "a.mcap", LIVE)
-    writer.write("/truth/state", TrueState(0.0, 1, 2, 3, 4, 5, 6, [0.5, math.nan]))
-    writer.write("/log", LogLine(0.0, "info", 'a "quoted", line'))
-    writer.write("/estimate", EstimateSample(0.0, 0, math.nan, 0.1, "held", 1.0, 1.0, 1.0, 0.0, "off"))
-    nan = math.nan
-    writer.write("/images", ImageSample(0.5, 3, 7, nan, nan, 0, nan, nan, nan, 0, 0, "png", "aGk="))
-    writer.close()
-    export_csv(open_recording(tmp_path / "a.mcap"), tmp_path / "out")
-    images = read(tmp_path / "out" / "images.csv")
-    assert images["counter"] == ["3"] and images["stamp_s"] == [""] and "data" not in images
-    state = read(tmp_path / "out" / "truth_state.csv")
-    assert (state["modal_deflections_1_m"], state["modal_deflections_2_m"]) == (["0.5"], [""])
-    assert read(tmp_path / "out" / "log.csv")["text"] == ['a "quoted", line']
-    assert read(tmp_path / "out" / "estimate.csv")["delay_s"] == [""]
-
-
-def test_parquet_needs_its_package(tmp_path: Path) -> None:
-    recording = imported(tmp_path, "time_s,deflection_m\n0,\n1,2.5\n")
-    try:
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        with pytest.raises(UserError, match="pip install pyarrow") as refused:
-            export_parquet(recording, tmp_path / "out")
-        assert "\n" not in str(refused.value)
-    else:
-        export_parquet(recording, tmp_path / "out")
-        table = parquet.read_table(tmp_path / "out" / "fast.parquet")
-        assert table.to_pydict() == {"time_s": [0.0, 1.0], "deflection_m": [None, 2.5]}
-
-
-def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
-    recording = imported(tmp_path, "time_s\n0\n")
-    (tmp_path / "file").write_text("")
-    with pytest.raises(UserError, match="file: cannot be written"):
-        export_csv(recording, tmp_path / "file")

@@ -1,15 +1,13 @@
-"""The table of messages, beside the wire as it was before the table, and the tables of docs/protocol.md."""
+"""The table of messages: the same bytes on the wire as before there was a table, and the tables of
+docs/protocol.md.
+"""
 
-import re
 from math import nan
-from pathlib import Path
 
 import msgspec
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from stillarm.common.datagrams.datagram import HEAD, Datagram, decode, encode, kind_of
+from stillarm.common.datagrams.datagram import Datagram, decode, encode, kind_of
 from stillarm.common.datagrams.fields import plain_types
 from stillarm.common.datagrams.messages import (
     MESSAGES,
@@ -22,12 +20,8 @@ from stillarm.common.datagrams.messages import (
     Timestamp,
     Visual,
 )
-from stillarm.common.datagrams.protocol_document import message_section, message_tables
-from stillarm.common.datagrams.visual_datagram import LinkTimes, link_times, visual_message, visual_sample
-from stillarm.common.datagrams.visual_sample import VisualSample
 from tests.reference.plain_datagram import FIELDS, plain_datagram
 
-DOCS = Path(__file__).parents[3] / "docs"
 KEY = b"0123456789abcdef"
 SESSION, OWN = (1 << 62) + 5, (1 << 62) + 9
 RECORDED: list[tuple[Message, str]] = [  # by the program as it was before this table
@@ -103,35 +97,3 @@ def test_a_value_of_another_type_or_out_of_its_bounds_is_malformed(message: Mess
 )
 def test_bounds(kind: int, body: tuple[object, ...]) -> None:
     assert decode(KEY, plain_datagram(KEY, kind, SESSION, 1, body)) == ("malformed",)
-
-
-@given(
-    st.builds(
-        VisualSample,
-        st.integers(-1, 2**63),
-        st.integers(-1, 2**63),
-        st.integers(0, 9),
-        *[st.floats(allow_nan=False)] * 9,
-        *[st.integers(0, 1000)] * 2,
-    )
-)
-def test_a_visual_sample_comes_back(sample: VisualSample) -> None:
-    message = visual_message(7, sample, LinkTimes(1.0, 2.0, 3.0))
-    assert (message.timestamp_session, message.started_cycle) == (7, sample.started_cycle)
-    assert visual_sample(message) == sample
-    assert link_times(message) == (1.0, 2.0, 3.0)
-
-
-def test_the_visual_message_holds_the_sample_s_fields() -> None:
-    """By name, type and order; all but `restarted`, which the receiver sets."""
-    sample, message = list(plain_types(VisualSample).items()), list(plain_types(Visual).items())
-    assert sample[:-1] == message[1:-3] and sample[-1][0] == "restarted"
-
-
-def test_the_documents_hold_the_tables() -> None:
-    """To the character; paste what `python -m stillarm.common.datagrams.protocol_document` prints where they do not."""
-    protocol, gateway = ((DOCS / name).read_text(encoding="utf-8") for name in ("protocol.md", "gateway.md"))
-    assert message_tables() in protocol
-    assert re.findall(r"^\| (\w+) \| .* \|$", protocol, flags=re.M)[1:6] == list(HEAD)
-    for message in (DriveCommand, DriveState, Hello):
-        assert message_section(message) in gateway

@@ -23,7 +23,7 @@ def test_the_default_configuration_loads_with_its_model() -> None:
 
 
 def test_only_the_simulated_rig_is_one() -> None:
-    """What decides whether a model must have been identified before it damps."""
+    """This decides whether only an identified model may damp."""
     path = default_configuration_path()
     assert not is_simulated_rig(load_configuration(path))
     assert is_simulated_rig(load_configuration(path.with_name("simulated_rig.toml")))

@@ -62,7 +62,7 @@ def test_offset_and_skew_are_found(offset_s: float, skew: float) -> None:
 def test_the_error_is_never_more_than_half_the_round_trip(
     there_s: float, back_s: float, jitter_s: float, seed: int
 ) -> None:
-    """Ways of unequal length cannot be told from an offset; what is promised is the bound."""
+    """Asymmetric delays look like an offset; only the bound is promised."""
     clock = ClockOffset()
     exchange(
         clock, from_s=0.0, to_s=20.0, offset_s=5.0, skew=50e-6, there_s=there_s, back_s=back_s,

@@ -94,7 +94,7 @@ def test_a_session_without_an_echo_of_ones_own_is_not_taken() -> None:
 @settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 4), st.integers(1, 9), st.sampled_from([0, 50, 60])), max_size=30))
 def test_whatever_was_recorded_before_a_start_changes_nothing(played: list[tuple[int, int, int]]) -> None:
-    """Datagrams of any session that echo no session or a former one: the link that stands goes on undisturbed."""
+    """Datagrams of any session that echo no session or a former one do not disturb the present link."""
     taken = Peer(KEY, (Timestamp,), OWN)
     taken.receive(timestamp(9, 1, OWN))
     for sequence, datagram in enumerate(played, start=2):

@@ -1,4 +1,4 @@
-"""What a warmed-up process holds is neither collected nor, where that is allowed, dropped."""
+"""Objects of a warmed-up process are not collected, and its memory is locked where that is allowed."""
 
 import subprocess
 import sys

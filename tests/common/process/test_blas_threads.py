@@ -23,7 +23,8 @@ def test_what_the_environment_says_stays(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_it_comes_before_numpy() -> None:
     """Importing it, and the commands that call it, loads no numpy: the variables would come too late."""
     commands = [
-        f"stillarm.commands.{name}_command" for name in ("calibrate", "controller", "diagnose", "latency")
+        f"stillarm.commands.{name}_command"
+        for name in ("recordings.calibrate", "rig.controller", "recordings.diagnose", "measuring.latency")
     ]
     text = f"import sys, stillarm.common.process.blas_threads, {', '.join(commands)}; print('numpy' in sys.modules)"
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).resolve().parents[3])}

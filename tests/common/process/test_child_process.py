@@ -1,4 +1,4 @@
-"""A process of the program's own is found wherever the user stands, and is gone once it was stopped."""
+"""A child process is found from any working directory, and has ended after it was stopped."""
 
 import subprocess
 import sys

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="th
 
 @pytest.fixture(autouse=True)
 def place() -> Iterator[set[int]]:
-    """Where this process may run; as it was, afterwards."""
+    """The processors of this process; restored afterwards."""
     before = os.sched_getaffinity(0)
     yield before
     os.sched_setaffinity(0, before)
@@ -30,7 +30,7 @@ def test_others_leave_the_loop_its_processor(place: set[int]) -> None:
 
 
 def test_a_single_processor_is_shared(place: set[int]) -> None:
-    """There is nowhere else to go."""
+    """There is no other processor."""
     os.sched_setaffinity(0, {min(place)})
     leave_it_to_the_loop()
     assert os.sched_getaffinity(0) == {min(place)}

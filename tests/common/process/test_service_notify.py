@@ -1,28 +1,18 @@
 """What systemd sees of a daemon, its units, its lock and its log, without systemd."""
 
-import json
-import os
-import signal
 import socket
-import subprocess
-import sys
 from collections.abc import Iterator
 from configparser import ConfigParser
 from pathlib import Path
 
 import pytest
 
-from stillarm.common.files.configuration import Configuration
 from stillarm.common.process.service_notify import Watchdog, notify
-from stillarm.common.process.single_instance import hold_instance
 from stillarm.common.recorder.recorder_client import RecorderClient
-from stillarm.common.recorder.structured_log import log, log_line, log_start
 from stillarm.common.recording.header import RecordingHeader
 from stillarm.common.recording.topics import TOPIC_INDEX, FastSample
-from stillarm.common.user_error import UserError
 from stillarm.controller.loop.realtime import CPU_LATENCY
-
-ROOT = Path(__file__).parents[3]
+from tests.fixtures.imports import ROOT
 
 
 @pytest.fixture
@@ -61,96 +51,6 @@ def test_the_watchdog_is_fed_only_while_the_counter_moves(
     assert not Watchdog().feed(5, 99.0)
 
 
-def test_a_second_daemon_is_refused_and_names_the_first(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
-    held = hold_instance("controller", 47001)
-    with pytest.raises(UserError, match=rf"process {os.getpid()}\)"):
-        hold_instance("controller", 47001)
-    hold_other = hold_instance("controller", 47002)
-    os.close(held)
-    os.close(hold_other)
-    os.close(hold_instance("controller", 47001))
-
-
-@pytest.mark.slow
-def test_the_lock_of_a_killed_daemon_is_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its file stays, with a number that may be anybody's by now."""
-    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
-    code = (
-        "import time; from stillarm.common.process.single_instance import hold_instance\n"
-        "hold_instance('supervisor', 5); print('held', flush=True); time.sleep(600)"
-    )
-    process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None and process.stdout.readline() == "held\n"
-    with pytest.raises(UserError, match=f"process {process.pid}"):
-        hold_instance("supervisor", 5)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    process.stdout.close()
-    assert (tmp_path / "stillarm-supervisor-5.lock").read_text() == f"{process.pid}\n"
-    os.close(hold_instance("supervisor", 5))
-    assert (tmp_path / "stillarm-supervisor-5.lock").read_text() == f"{os.getpid()}\n"
-
-
-@pytest.mark.slow
-def test_a_daemon_that_ends_removes_its_lock_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """But never one that is another's by now."""
-    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
-    path = tmp_path / "stillarm-controller-5.lock"
-    code = (
-        "from stillarm.common.process.single_instance import hold_instance\nhold_instance('controller', 5)\n"
-    )
-    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
-    assert not path.exists()
-    replaced = code + f"import os; os.unlink({str(path)!r}); open({str(path)!r}, 'w').write('another')"
-    subprocess.run([sys.executable, "-c", replaced], cwd=ROOT, check=True)
-    assert path.read_text() == "another"
-
-
-def test_a_lock_file_removed_while_it_was_being_locked_is_made_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Else two daemons would each hold the lock of a file of the same name."""
-    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
-    path = tmp_path / "stillarm-controller-5.lock"
-    locks: list[int] = []
-
-    def remove_then_lock(descriptor: int, how: int) -> None:
-        if not locks:
-            path.unlink()
-        locks.append(how)
-
-    monkeypatch.setattr("stillarm.common.process.single_instance.fcntl.flock", remove_then_lock)
-    held = hold_instance("controller", 5)
-    assert len(locks) == 2
-    assert os.fstat(held).st_ino == path.stat().st_ino
-    os.close(held)
-
-
-def test_a_line_is_one_json_object_whatever_is_in_it() -> None:
-    line = log_line("controller", "warning", "two\nlines", 0.5, value=float("nan"), nested={"a": [1, "ü"]})
-    assert "\n" not in line
-    assert json.loads(line) == {
-        "time": "1970-01-01T00:00:00.500+00:00",
-        "level": "warning",
-        "process": "controller",
-        "event": "two\nlines",
-        "value": None,
-        "nested": {"a": [1, "ü"]},
-    }
-
-
-def test_the_configuration_is_in_the_first_line(capsys: pytest.CaptureFixture[str]) -> None:
-    log_start("controller", Configuration(), "a.toml")
-    log("controller", "error", "x")
-    first, warning, second = capsys.readouterr().err.splitlines()
-    assert "demo key" in json.loads(warning)["event"]
-    assert json.loads(first)["configuration"]["link"]["controller_port"] == 47001
-    assert json.loads(second)["level"] == "error"
-
-
 @pytest.mark.parametrize("role", ["controller", "supervisor"])
 def test_the_units_ask_for_what_the_daemons_need(role: str) -> None:
     unit = ConfigParser(strict=False, interpolation=None)
@@ -166,7 +66,7 @@ def test_the_units_ask_for_what_the_daemons_need(role: str) -> None:
 
 
 def test_the_units_user_is_made_and_may_hold_the_processors_latency() -> None:
-    """Without, the controller would refuse to start as a service."""
+    """Otherwise the controller would refuse to start as a service."""
     users = (ROOT / "deploy" / "sysusers" / "stillarm.conf").read_text().splitlines()
     rule = (ROOT / "deploy" / "udev" / "80-stillarm.rules").read_text()
     unit = (ROOT / "deploy" / "systemd" / "stillarm-controller.service").read_text()

@@ -3,15 +3,13 @@
 import os
 from pathlib import Path
 
-import msgspec
 import pytest
 
 from stillarm.common.memory.shared_memory import block_path
 from stillarm.common.recorder.recorder_client import RecorderClient
-from stillarm.common.recorder.warm_up import blank_message, warm_up
 from stillarm.common.recording.header import RecordingHeader
 from stillarm.common.recording.reader import open_recording
-from stillarm.common.recording.topics import TOPIC_INDEX, TOPICS, FastSample, TrueState
+from stillarm.common.recording.topics import TOPIC_INDEX, FastSample
 from stillarm.common.user_error import UserError
 
 HEADER = RecordingHeader(
@@ -25,7 +23,7 @@ def own_rings() -> list[Path]:
 
 @pytest.mark.slow
 def test_a_launched_recorder_waits_for_its_file_and_then_records(tmp_path: Path) -> None:
-    """No file is there before begin(), however long the process has been loaded."""
+    """No file exists before begin(), however long ago the process was loaded."""
     client = RecorderClient.launch()
     client.wait_until_loaded()
     assert client.alive() and not list(tmp_path.iterdir())
@@ -37,7 +35,7 @@ def test_a_launched_recorder_waits_for_its_file_and_then_records(tmp_path: Path)
 
 @pytest.mark.slow
 def test_one_that_never_began_leaves_nothing_behind() -> None:
-    """As where a device refuses the start meanwhile; it is no cut recording."""
+    """For example, because a device refuses to start. This is not a cut recording."""
     client = RecorderClient.launch()
     assert len(own_rings()) == 1
     assert client.close() and client.close()
@@ -54,21 +52,3 @@ def test_a_file_that_cannot_be_written_is_told_at_begin(tmp_path: Path) -> None:
     assert not client.alive()
     client.close()
     assert not own_rings()
-
-
-@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
-def test_every_topic_has_a_blank_message_that_survives_its_encoding(topic: object) -> None:
-    """So that a new topic is warmed up, too."""
-    kind = topic.message  # type: ignore[attr-defined]
-    encoded = msgspec.msgpack.encode(blank_message(kind))
-    assert msgspec.msgpack.encode(msgspec.msgpack.Decoder(kind).decode(encoded)) == encoded
-
-
-def test_a_blank_message_holds_zeros_where_values_are_required() -> None:
-    assert blank_message(TrueState) == TrueState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, [0.0])
-
-
-def test_warming_up_touches_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    warm_up()
-    assert not list(tmp_path.iterdir())

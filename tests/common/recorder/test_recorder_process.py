@@ -1,4 +1,4 @@
-"""The recorder outlives whoever puts messages, and completes the file in every case."""
+"""The recorder outlives the process that puts messages, and always completes the file."""
 
 import contextlib
 import errno

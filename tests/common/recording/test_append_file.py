@@ -1,4 +1,4 @@
-"""What a new recording may replace: an earlier one, and nothing else."""
+"""A new recording may replace an earlier recording and no other file."""
 
 from pathlib import Path
 

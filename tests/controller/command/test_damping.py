@@ -119,7 +119,7 @@ def test_damping_while_the_joint_moves_returns_to_the_commanded_position() -> No
 
 
 def test_the_command_is_zero_within_a_fifth_of_a_second_of_the_last_image() -> None:
-    """Whatever the arm does; and it comes back by itself with the images."""
+    """For any motion of the arm; damping resumes with the images."""
     arm = model()
 
     def cut(read: CycleInput) -> None:

@@ -1,4 +1,6 @@
-"""The dither: bounded whatever happens, away from the modes, and enough to date the camera without an accelerometer."""
+"""The dither is always bounded, stays away from the modes, and suffices to date the camera without an
+accelerometer.
+"""
 
 from math import nan
 
@@ -29,7 +31,7 @@ CYCLE_S = 0.001
 def test_position_and_velocity_stay_within_their_bounds(
     cycles: list[tuple[bool, int]], amplitude: float, frequency: float, fade: float
 ) -> None:
-    """However it is switched, and however many cycles are skipped; the velocities add up to the position."""
+    """For any switching and any number of skipped cycles; the velocities add up to the position."""
     settings = Dither(True, amplitude, frequency, fade)
     state, position = STILL, 0.0
     for wanted, elapsed in cycles:

@@ -1,4 +1,4 @@
-"""What the configuration may choose among, and how it refuses the rest."""
+"""The choices of the configuration, and how others are refused."""
 
 from pathlib import Path
 

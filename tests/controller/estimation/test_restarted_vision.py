@@ -1,4 +1,4 @@
-"""A supervisor that was started anew has another zero: it is noticed, recorded, and kicks nobody."""
+"""A restarted supervisor has another zero: this is detected and recorded, and causes no jump of the command."""
 
 from math import nan
 
@@ -42,7 +42,7 @@ def test_the_first_sample_of_a_second_supervisor_is_marked_and_no_other() -> Non
 
 
 def test_the_mark_survives_recording() -> None:
-    """So that a replay begins anew in the same cycle."""
+    """A replay therefore restarts the method in the same cycle."""
     assert visual_sample(frame_sample(sample(1, restarted=True), 5, 0.001)).restarted
     assert not visual_sample(frame_sample(sample(1), 5, 0.001)).restarted
 
@@ -59,7 +59,7 @@ class Counted:
 
 
 def test_a_method_begins_anew_with_what_the_new_supervisor_sent() -> None:
-    """Of a cycle that read samples of both, it is given the new one's."""
+    """In a cycle with samples of both supervisors, the method gets those of the new one."""
     made: list[Counted] = []
 
     def make() -> Counted:

@@ -15,9 +15,8 @@ from stillarm.common.user_error import UserError
 from stillarm.controller.input.exchange import ReferenceExchange
 from stillarm.controller.input.operator_input import OperatorInput
 from stillarm.controller.safety.table import Operator
+from tests.fixtures.link_ends import SENDER, SESSION
 from tests.reference.plain_datagram import OPERATOR_COMMAND, plain_datagram
-
-SESSION, SENDER = (1 << 62) + 5, (1 << 62) + 9
 
 
 def test_the_switch_is_read_in_every_cycle_and_anything_unreadable_stops(tmp_path: Path) -> None:
@@ -57,26 +56,6 @@ def test_the_signal_stops_once_each_time_it_comes() -> None:
         assert operator.asked() == 0
     finally:
         signal.signal(signal.SIGUSR1, before)
-
-
-def test_a_datagram_counts_after_the_sender_has_heard_from_this_controller() -> None:
-    """The first one is greeted, the next one taken; a replayed one is not, nor one for another session."""
-    exchange, sender = ReferenceExchange(DEMO_KEY, SESSION), OperatorSender(DEMO_KEY, SENDER)
-    exchange.take([sender.command(Operator.ARM)], 0.0)
-    assert exchange.asked() == 0
-    hello = exchange.hello()
-    assert hello is not None
-    sender.take([hello])
-    assert sender.known
-    word = sender.command(Operator.DISARM)
-    exchange.take([word, sender.command(Operator.CLEAR)], 0.0)
-    assert exchange.asked() == Operator.DISARM | Operator.CLEAR
-    assert exchange.asked() == 0
-    exchange.take([word], 0.0)
-    assert exchange.asked() == 0
-    other = ReferenceExchange(DEMO_KEY, SESSION + 2)
-    other.take([sender.command(Operator.ARM)], 0.0)
-    assert other.asked() == 0
 
 
 @pytest.mark.parametrize("value", [0, 16, -1, True, 1.0, "arm", None])

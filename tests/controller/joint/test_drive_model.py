@@ -36,7 +36,7 @@ def reference(drive: Drive, commands: list[float]) -> tuple[np.ndarray, np.ndarr
 @given(dead_time_s=st.floats(0.0, 0.006), bandwidth_hz=st.floats(3.0, 40.0), seed=st.integers(0, 100))
 @settings(max_examples=8, deadline=None, derandomize=True)
 def test_follows_the_finer_integration(dead_time_s: float, bandwidth_hz: float, seed: int) -> None:
-    """Smooth commands such as damping gives: velocity within 1 % and position within 1 % of their spans."""
+    """For smooth commands as in damping: velocity and position within 1 % of their spans."""
     drive = Drive(dead_time_s=dead_time_s, bandwidth_hz=bandwidth_hz)
     random = np.random.default_rng(seed)
     t = np.arange(400) * 0.001

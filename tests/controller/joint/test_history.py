@@ -37,7 +37,7 @@ def test_instants_outside_are_the_nearest_held() -> None:
 
 @given(gaps=st.lists(st.integers(1, 10**6), min_size=1, max_size=8), length=st.integers(3, 20))
 def test_a_fill_is_as_writing_each_cycle(gaps: list[int], length: int) -> None:
-    """Of any length; and one into the past changes nothing."""
+    """For any length; a fill into the past changes nothing."""
     history, cycle = CycleHistory(length), 5
     history.write(cycle, 1.0)
     wanted = [0.0] * (length - 1) + [1.0]

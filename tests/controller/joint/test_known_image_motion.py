@@ -1,4 +1,6 @@
-"""What is taken off the image is misdated with it: its rate, and that nothing takes the error for a blow."""
+"""The joint's motion is subtracted from the image at the image's estimated date: the rate of that motion is
+known, and a wrong date is not taken for an impact.
+"""
 
 from math import cos, pi, sin
 
@@ -45,7 +47,9 @@ def test_the_rates_are_those_of_what_is_taken_off() -> None:
 
 @pytest.mark.parametrize("method", ["timestamps", "correlation"])
 def test_a_joint_that_moves_does_not_cut_the_window(method: str) -> None:
-    """Time stamps half a frame early: the joint's motion, taken off at the wrong instant, is no blow."""
+    """With time stamps half a frame early the joint's motion is subtracted at the wrong instant; this must
+    not count as an impact.
+    """
     controller = Controller(MODEL, Settings(method=method))
     across = controller.method
     assert isinstance(across, MethodAcrossRestarts)
@@ -63,7 +67,7 @@ def test_a_joint_that_moves_does_not_cut_the_window(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["kalman_variable_delay", "kalman_fusion"])
 def test_a_joint_that_moves_does_not_begin_the_filter_anew(method: str) -> None:
-    """As above: what was a tenth of the images out of the gate is within the variance that misdating is given."""
+    """As above: without the variance for misdating a tenth of the images would lie outside the gate."""
     controller = Controller(MODEL, Settings(method=method))
     across = controller.method
     assert isinstance(across, MethodAcrossRestarts)

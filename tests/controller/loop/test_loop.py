@@ -137,7 +137,7 @@ def test_read_then_write_in_every_cycle_and_the_command_fades_at_the_end(
 def test_missed_cycles_are_counted_with_their_counters(
     parts: tuple[Devices, RingRecorder, LoopBlock],
 ) -> None:
-    """The number goes on by as much as was missed."""
+    """The cycle number advances by the number of missed cycles."""
     loop = loop_of(parts, Clock({100: 3, 200: 1}))
     loop.run(lambda cycle: cycle >= 300)
     count, overruns = parts[2].overruns(0)

@@ -78,7 +78,7 @@ def test_the_row_holds_what_the_step_read() -> None:
 
 
 def test_a_cycles_trust_is_recorded() -> None:
-    """Of a method that has none, by the status of its delay."""
+    """For a method without its own trust it follows from the status of the delay."""
     unknown = DelayEstimate(0.07, 0.001, Status.UNESTIMATED)
     for trust, recorded in ((Trust.DOUBTFUL, "doubtful"), (None, "starting")):
         answered = CycleOutput(0.0, 0.0, DampingStatus.OFF, Estimate(unknown, trust=trust), 0.0)

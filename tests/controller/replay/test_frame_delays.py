@@ -43,7 +43,7 @@ def test_a_frame_dated_later_is_told_once_more_and_once_only() -> None:
 
 
 def test_images_that_had_to_wait_for_the_next_one_are_told_in_that_ones_cycle() -> None:
-    """As where several come close together."""
+    """For example, when several images come close together."""
     delays = FrameDelays()
     assert places(delays.told([sample(7)], said())) == [(0, 74)]
     assert places(delays.told([sample(8), sample(9)], said(7, 8))) == [(1, 74), (2, 74), (0, 7), (1, 8)]

@@ -30,7 +30,7 @@ def test_columns_and_values(tmp_path: Path) -> None:
 
 
 def test_trust_has_a_row_where_it_changes_and_none_between(tmp_path: Path) -> None:
-    """Of each method from its first cycle on, with the reason of the moment."""
+    """For each method from its first cycle on, with the reason at that time."""
     known = DelayEstimate(0.07, 1e-3, Status.ESTIMATED)
 
     def said(trust: Trust | None, reason: str = "") -> Estimate:

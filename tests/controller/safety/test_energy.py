@@ -1,4 +1,4 @@
-"""The energy test by itself: blows and noise are no growth, a vibration that the joint feeds is."""
+"""The energy test by itself: impacts and noise are no growth; a vibration that the joint feeds is."""
 
 from dataclasses import dataclass
 from math import cos, exp, inf, nan, pi, sin
@@ -70,13 +70,13 @@ def test_two_impacts_near_each_other_are_no_growth(apart_periods: float, phase: 
 @pytest.mark.slow
 @pytest.mark.parametrize("frequency_hz", [0.3, 2.6])
 def test_noise_alone_is_no_growth(frequency_hz: float) -> None:
-    """Of a sensor that is rather noisy: in a slow arm's deflection it stands for centimetres."""
+    """With a rather noisy sensor: for a slow arm its noise equals centimetres of deflection."""
     assert first_alarm_s(model_of(frequency_hz, 2.0), 120.0) == inf
 
 
 @pytest.mark.parametrize("estimate_known", [False, True])
 def test_steady_growth_is_found_within_six_periods(estimate_known: bool) -> None:
-    """Of a blow, at 1.4 a period; with and without an estimate."""
+    """After an impact, with a growth of 1.4 per period; with and without an estimate."""
     model = model_of()
     found_s = first_alarm_s(
         model, 6.0, impacts=(Impact(1.0, A),), growth_per_period=1.4, estimate_known=estimate_known

@@ -14,7 +14,7 @@ from stillarm.controller.statistics.histogram import (
 
 
 def test_percentiles_to_a_microsecond() -> None:
-    """Of a long-tailed law; the greatest is exact, and beyond the bins too."""
+    """For a long-tailed distribution; the maximum is exact, also beyond the bins."""
     durations = np.random.default_rng(1).exponential(80e-6, 20_000)
     histogram = MicrosecondHistogram()
     for duration in durations:

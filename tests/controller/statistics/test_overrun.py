@@ -51,7 +51,9 @@ def test_every_cause_has_a_remedy() -> None:
 
 
 def test_the_counters_move_with_what_this_thread_does() -> None:
-    """New pages are faults, a sleep is a switch; nothing is negative, and the second reading begins anew."""
+    """New pages are faults, a sleep is a switch; nothing is negative, and the second reading starts from
+    zero.
+    """
     counters = ThreadCounters()
     counters.moved()
     pages = bytearray(64 << 20)

@@ -1,4 +1,4 @@
-"""What befalls the processors: slowed down, taken away."""
+"""Processors that are slowed down or taken away."""
 
 import os
 from pathlib import Path

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from matplotlib.axes import Axes
 
-from stillarm.commands.diagnose_result import sentence
+from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.causes import CAUSES as CATALOGUE
 from stillarm.diagnosis.catalogue import CAUSES
 from stillarm.diagnosis.diagnose import Diagnosis, diagnose_measured

@@ -8,14 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from stillarm.common.files.configuration import AccelerometerDevice
 from stillarm.common.user_error import UserError
 from stillarm.drivers.accelerometers.accelerometer import SampleStatus
 from stillarm.drivers.accelerometers.iio_accelerometer import IioAccelerometer
-from stillarm.drivers.accelerometers.iio_record import Channel
 
 SCALE = 0.000598  # m/s^2 a count, as the kernel's adxl345 and others state it
 RECORD = struct.Struct("<3h2xq")  # three words, padding, time in ns
@@ -222,18 +219,6 @@ def test_no_sample_is_told(make: Callable[..., Rig]) -> None:
         rig.driver.start()
     with pytest.raises(RuntimeError, match="start"):
         rig.driver.read()
-
-
-@given(
-    value=st.integers(-(1 << 12), (1 << 12) - 1),
-    big_endian=st.booleans(),
-    at=st.integers(0, 5),
-    shift=st.integers(0, 3),
-)
-def test_any_channel_is_decoded(value: int, big_endian: bool, at: int, shift: int) -> None:
-    stored = ((value & 0x1FFF) << shift | 0x7 >> 3 - shift).to_bytes(2, "big" if big_endian else "little")
-    channel = Channel(at, 2, big_endian, True, 13, shift)
-    assert channel.decode(b"\xff" * at + stored + b"\xff" * 3) == value
 
 
 def test_before_start_there_is_nothing() -> None:

@@ -23,7 +23,7 @@ def dot(one: Any, other: Any) -> float:
 @pytest.mark.slow
 @given(MOUNTS, st.floats(-50.0, 50.0))
 def test_what_is_felt_is_what_is_read(mount: AccelerometerDevice, acceleration: float) -> None:
-    """Gravity stands across, whatever the mounting."""
+    """For any mounting, gravity is perpendicular to the measured axis."""
     felt = sensed_axes(acceleration, mount)
     assert dot(measured_direction(mount), felt) == pytest.approx(acceleration, abs=1e-9)
     assert dot(felt, felt) == pytest.approx(acceleration**2 + STANDARD_GRAVITY_M_S2**2)

@@ -173,7 +173,7 @@ def test_a_sample_stands_for_a_while_and_then_no_more(rig: Callable[..., Rig], n
 
 @EVERY
 def test_a_read_takes_at_most_a_kilobyte(rig: Callable[..., Rig], name: str) -> None:
-    """However much has piled up, and the newest of it."""
+    """Also with a long backlog, of which it reads the newest part."""
     made = rig(name)
     for step in range(3000):
         made.feel(0.001 * step)

@@ -6,46 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from stillarm.common.files.configuration import CameraDevice
 from stillarm.common.user_error import UserError
-from stillarm.drivers.cameras.camera import EndOfStream
-from stillarm.drivers.cameras.camera_factory import open_camera
 from stillarm.drivers.cameras.file_camera import FileCamera
-from stillarm.drivers.cameras.opencv_camera import OpenCvCamera
-
-HEADER = """#Camera Information Header
-Record Rate(fps) : 10000
-Total Frame : {frames}
-Image Width : {width}
-Image Height : {height}
-Color Type : Mono
-Color Bit : {bits}
-EffectiveBit Depth : {depth}
-EffectiveBit Side : {side}
-"""
-
-
-def frames_of(path):
-    camera = FileCamera(path)
-    camera.start()
-    found = []
-    with pytest.raises(EndOfStream):
-        while True:
-            found.append(camera.read(0.0))
-    camera.close()
-    camera.close()
-    return found
-
-
-def test_folder_in_natural_order(tmp_path):
-    for number in (1, 2, 10):
-        cv2.imwrite(str(tmp_path / f"frame{number}.png"), np.full((40, 50), 10 * number, np.uint8))
-    cv2.imwrite(str(tmp_path / "frame3.png"), np.full((40, 50, 3), 30, np.uint8))
-    (tmp_path / "notes.txt").write_text("no image")
-    found = frames_of(tmp_path)
-    assert [int(f.image[0, 0]) for f in found] == [10, 20, 30, 100]
-    assert [f.counter for f in found] == [0, 1, 2, 3]
-    assert all(f.image.shape == (40, 50) and f.stamp_s is None for f in found)
+from tests.fixtures.camera_files import frames_of, write_raw
 
 
 def test_video(tmp_path):
@@ -55,39 +18,6 @@ def test_video(tmp_path):
         writer.write(np.full((48, 64, 3), level, np.uint8))
     writer.release()
     assert [round(float(f.image.mean()), -1) for f in frames_of(path)] == [50, 100, 150]
-
-
-def write_raw(folder, values, bits, depth, side):
-    frames, height, width = values.shape
-    header = HEADER.format(frames=frames, width=width, height=height, bits=bits, depth=depth, side=side)
-    (folder / "v.cih").write_text(header)
-    if bits == 8:
-        data = values.astype(np.uint8).tobytes()
-    elif bits == 16:
-        data = values.astype("<u2").tobytes()
-    else:
-        pairs = values.reshape(-1, 2)
-        data = b"".join(((int(a) << 12) | int(b)).to_bytes(3, "big") for a, b in pairs)
-    (folder / "v.mraw").write_bytes(data)
-    return folder / "v.cih"
-
-
-@pytest.mark.parametrize(
-    ("bits", "depth", "side", "scale"),
-    [
-        (8, 8, "Lower", 1),
-        (8, 12, "Higher", 1),
-        (12, 12, "Lower", 16),
-        (16, 12, "Lower", 16),
-        (16, 12, "Higher", 256),
-        (16, 16, "Lower", 256),
-    ],
-)
-def test_raw_video(tmp_path, bits, depth, side, scale):
-    grey = np.random.default_rng(0).integers(0, 256, (3, 34, 36))
-    found = frames_of(write_raw(tmp_path, grey * scale, bits, depth, side))
-    assert np.array_equal(np.stack([f.image for f in found]), grey)
-    assert len(frames_of(tmp_path / "v.mraw")) == 3
 
 
 def test_errors_are_one_line_with_a_remedy(tmp_path):
@@ -119,6 +49,12 @@ def test_errors_are_one_line_with_a_remedy(tmp_path):
         FileCamera(path).start()
 
 
-def test_factory_takes_the_named_driver(tmp_path):
-    assert isinstance(open_camera(CameraDevice(driver="file", device=str(tmp_path))), FileCamera)
-    assert isinstance(open_camera(CameraDevice(driver="opencv", device="0")), OpenCvCamera)
+def test_folder_in_natural_order(tmp_path):
+    for number in (1, 2, 10):
+        cv2.imwrite(str(tmp_path / f"frame{number}.png"), np.full((40, 50), 10 * number, np.uint8))
+    cv2.imwrite(str(tmp_path / "frame3.png"), np.full((40, 50, 3), 30, np.uint8))
+    (tmp_path / "notes.txt").write_text("no image")
+    found = frames_of(tmp_path)
+    assert [int(f.image[0, 0]) for f in found] == [10, 20, 30, 100]
+    assert [f.counter for f in found] == [0, 1, 2, 3]
+    assert all(f.image.shape == (40, 50) and f.stamp_s is None for f in found)

@@ -8,7 +8,6 @@ import pytest
 
 from stillarm.common.files.configuration import CameraDevice
 from stillarm.common.user_error import UserError
-from stillarm.drivers.cameras.camera_stamps import StampGate
 from stillarm.drivers.cameras.opencv_camera import REOPEN_S, OpenCvCamera, set_capture
 
 
@@ -121,16 +120,6 @@ def test_a_stalled_device_gives_none_and_is_opened_again():
     assert first.released == 1
     assert len(opened) == 3 and all(b - a >= REOPEN_S for a, b in pairwise(opened))
     assert sum(f is not None for f in frames) == 1
-
-
-def test_stamps_must_be_recent_monotonic_and_rising():
-    gate = StampGate()
-    assert gate.accept(99.98, 100.0) == 99.98
-    assert gate.accept(99.98, 100.01) is None  # the same again
-    assert gate.accept(100.5, 100.02) is None  # the future
-    assert gate.accept(50.0, 100.03) is None  # a play time, or another clock
-    assert gate.accept(float("nan"), 100.03) is None
-    assert gate.accept(100.01, 100.03) == 100.01
 
 
 def test_exposure_gain_rate_and_buffers_are_set_and_read_back():

@@ -13,7 +13,7 @@ from stillarm.drivers.cameras.shared_memory_camera import SharedMemoryCamera
 
 
 class _Time:
-    """A clock that moves when somebody sleeps, and what happens at given instants meanwhile."""
+    """A clock that advances during sleep(), with events at given instants."""
 
     def __init__(self) -> None:
         self.now = 1000.0

@@ -8,9 +8,7 @@ from hypothesis import strategies as st
 
 from stillarm.common.datagrams.datagram import Datagram, Rejected, decode, encode
 from stillarm.common.datagrams.messages import DriveState, Hello
-from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive_gateway import DEAD_MAN_S, DriveGateway, GatewayStatus
-from stillarm.drivers.drives.drive_gateway_socket import DriveGatewaySocket
 from tests.reference.plain_datagram import DRIVE_COMMAND, plain_datagram
 
 KEY = b"a key of the tests' own"
@@ -105,16 +103,10 @@ def test_no_signed_body_makes_it_raise_or_gives_a_velocity_that_is_no_number(bod
     assert gateway.velocity_command(0.0) == (float(body) if accepted else 0.0)
 
 
-def test_a_second_gateway_on_a_port_is_refused_in_one_line() -> None:
-    first = DriveGatewaySocket(DriveGateway(KEY), ("127.0.0.1", 0))
-    with pytest.raises(UserError, match=r"^drive\.gateway_port: [^\n]*; [^\n]*$"):
-        DriveGatewaySocket(DriveGateway(KEY), first.address)
-    first.close()
-    first.close()
-
-
 def test_commands_of_another_life_of_the_gateway_are_not_followed_but_answered() -> None:
-    """Recorded yesterday, played to the gateway of today; whoever commands today learns its session and is followed."""
+    """Old commands are replayed to a restarted gateway and not followed; a present commander learns its
+    session and is followed.
+    """
     yesterday = plain_datagram(KEY, DRIVE_COMMAND, SESSION, 5, (0.6,), echo=69)
     gateway = DriveGateway(KEY, OWN)
     assert not gateway.receive(yesterday, 0.0)

@@ -4,13 +4,10 @@ from math import inf, isnan, pi
 
 import msgspec
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from stillarm.common.files.configuration import DriveDevice, OdriveDevice
 from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.odrive_drive import WATCHDOG_S, OdriveDrive
-from stillarm.drivers.drives.odrive_lines import LineReader, checked_line, line_text
 from stillarm.drivers.emulation.odrive_motor import OdriveMotor
 from stillarm.drivers.emulation.pty_port import PtyPort
 
@@ -64,13 +61,6 @@ def bench(request: pytest.FixtureRequest):
     bench.drive.close()
     if bench.port is not None:
         bench.port.close()
-
-
-def test_checksum_is_the_xor_of_all_before_the_star():
-    assert checked_line("u 0") == b"u 0 *69\n"  # 0x75 ^ 0x20 ^ 0x30 ^ 0x20
-    assert line_text(b"u 0 *69") == "u 0"
-    assert line_text(b"u 0 *70") is None
-    assert line_text(b"u 0") is None
 
 
 def test_commands_go_out_in_turns_of_the_motor_and_reports_come_back_in_radians_of_the_joint(bench):
@@ -190,23 +180,6 @@ def test_a_probe_arms_nothing(bench):
     assert found.identity.startswith("Hardware version") and found.reports > 10 and not found.notes
     assert found.position_rad == pytest.approx(2.0 * 2 * pi / GEAR)
     assert bench.motor.state == 1 and bench.motor.commands == 0
-
-
-@given(st.lists(st.binary(max_size=300), max_size=20))
-def test_no_bytes_make_the_reader_raise_or_keep_more_than_a_line(chunks):
-    reader = LineReader()
-    for chunk in chunks:
-        for text in reader.feed(chunk):
-            assert isinstance(text, str)
-    assert len(reader._rest) <= 256
-
-
-@given(st.binary(max_size=50).filter(lambda b: b"\n" not in b and b"\r" not in b), st.integers(1, 7))
-def test_a_line_is_found_whatever_came_before_and_however_it_is_cut(garbage, cut):
-    reader = LineReader()
-    data = garbage + b"\n" + checked_line("0.5 1.25")
-    texts = [t for i in range(0, len(data), cut) for t in reader.feed(data[i : i + cut])]
-    assert texts[-1] == "0.5 1.25"
 
 
 def test_a_uart_that_is_too_slow_is_told(bench):

@@ -91,7 +91,7 @@ class Arrivals:
 class Event:
     """Something that is done with the arm.
 
-    kind   `strike`  blow at the tip that lasts ramp_s (0: no time), size m: the amplitude that it gives an arm at rest
+    kind   `strike`  impact at the tip that lasts ramp_s (0: no time), size m: the amplitude it gives an arm at rest
            `push`    half a sine of force over ramp_s, size m: force / w^2
            `pull`    force grows over ramp_s, is held for hold_s and let go at once, size m: the static deflection
            `rock`    force at `ratio` times the arm's frequency over hold_s, size m: what it builds up

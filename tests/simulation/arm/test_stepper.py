@@ -75,7 +75,7 @@ class Judge:
         )
 
     def run(self) -> Array:
-        """(theta, theta', q1, q1', q2, q2') at each cycle, from a blow on the first mode on."""
+        """(theta, theta', q1, q1', q2, q2') at each cycle, from an impact on the first mode on."""
         times = np.arange(len(COMMANDS) + 1) * CYCLE_S
         changes = np.flatnonzero(np.diff(COMMANDS, prepend=0.0)) * CYCLE_S + DRIVE.dead_time_s
         edges = np.unique([0.0, *changes[changes < times[-1]], *self.onsets, times[-1]])

@@ -24,7 +24,7 @@ from stillarm.simulation.camera.virtual_camera import Delivery, VirtualCamera
 
 @dataclass
 class _Bench:
-    """A clock that stands still except while rendering and between steps, and the camera's surroundings."""
+    """A clock that advances only while rendering and between steps, and the camera's surroundings."""
 
     now: float = 0.0
     rendering_s: float = 0.003
@@ -224,7 +224,7 @@ def test_a_frame_that_an_effect_loses_is_told_of_and_holds_up_nobody() -> None:
 
 
 def test_effects_count_their_time_from_the_recordings_start() -> None:
-    """Before it a drift stands at zero; the camera's process learns of it while it runs."""
+    """Before that a drift is zero; the camera's process learns the start while it runs."""
     clock = EffectClock.waiting()
     model = Model(effects=[{"cause": "delay_drift", "rate_s_per_s": 0.01}])
     timing = CameraTiming(

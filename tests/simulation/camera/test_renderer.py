@@ -38,7 +38,7 @@ def _shifted(
 
 
 def _error_px(image: np.ndarray, exact: np.ndarray) -> float:
-    """By how much the image lies beside the exact one, least squares, px."""
+    """Shift of the image against the exact one, by least squares, px."""
     slope = np.gradient(exact, axis=1)[:, 2:-2]
     return float(np.sum((image.astype(float) - exact)[:, 2:-2] * slope) / np.sum(slope * slope))
 

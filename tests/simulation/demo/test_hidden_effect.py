@@ -1,4 +1,4 @@
-"""`demo --hide`: what is drawn, what it goes into, and that nobody but the rig is told."""
+"""`demo --hide`: the drawn effect goes into the rig's model only."""
 
 from pathlib import Path
 

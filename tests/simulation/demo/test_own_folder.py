@@ -1,4 +1,4 @@
-"""The demo's output folder: nobody else's files are lost in it."""
+"""The demo's output folder: it removes no other files."""
 
 from pathlib import Path
 

@@ -37,7 +37,7 @@ def test_the_same_bytes_as_without_it(tmp_path: Path) -> None:
 
 
 def test_a_file_that_cannot_be_written_is_one_line_and_no_hang(tmp_path: Path) -> None:
-    """Said at the latest when it is closed, however much was written meanwhile."""
+    """The error appears at the latest on closing, however much was written before."""
     files = RecordingProcess([(tmp_path / "absent" / "a.mcap", HEADER)])
     (sink,) = files.sinks
     with pytest.raises(UserError) as error:

@@ -1,12 +1,19 @@
 """The rig's process where it cannot start: nothing of another rig's is touched, nothing is left behind."""
 
+import multiprocessing
 import socket
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from stillarm.common.files.configuration import load_configuration
+from stillarm.common.files.model import Timing, load_model
+from stillarm.common.files.scenario import Scenario
 from stillarm.common.memory.shared_memory import SharedBlock, block_path
+from stillarm.common.recording.topics import TrueState
 from stillarm.common.user_error import UserError
 from stillarm.controller.loop.schedule import CycleClock
 from stillarm.simulation.rig import rig
@@ -118,3 +125,56 @@ def test_without_a_command_the_plant_keeps_its_own_time() -> None:
     rig.fall_into_step(clock, 3, 0.01, _CommandedAt(10**9))
     assert clock.origin_s == now
     assert time.monotonic() >= now + 0.03
+
+
+def test_a_step_is_made_for_the_controller_s_next_reading() -> None:
+    """A command is seen some 0.3 of a cycle after its cycle began; the step that follows shows the next one's start."""
+    clock, drive = CycleClock(0.01, time.monotonic() + 10.0), _CommandedAt(2)
+    rig.fall_into_step(clock, 3, 0.01, drive)
+    next_reading_s = drive.seen_s - 0.003 + 0.01
+    assert clock.origin_s + (3 + rig.AHEAD) * 0.01 == pytest.approx(next_reading_s, abs=1e-6)
+
+
+class _Heard:
+    """A recorder that notes what it was given, and when."""
+
+    def __init__(self) -> None:
+        self.truth: list[tuple[float, float]] = []
+
+    def put(self, topic: int, message: object) -> None:
+        if isinstance(message, TrueState):
+            self.truth.append((time.monotonic(), message.time_s))
+
+
+def test_sensor_and_truth_and_pose_hold_for_the_instant_of_the_next_reading(
+    configuration: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        configuration.write_text(configuration.read_text().replace("PORT", str(probe.getsockname()[1])))
+    model = msgspec.structs.replace(
+        load_model(configuration.with_name("model.toml")), timing=Timing(cycle_s=0.02)
+    )
+    loaded = load_configuration(configuration)
+    plant = rig._PlantProcess(loaded, model, Scenario(duration_s=10.0), loaded.rig)
+    heard, steps = _Heard(), iter([False] * 12)
+    receiver, sender = multiprocessing.Pipe(duplex=False)
+    try:
+        plant.run(_Until(steps), heard, receiver, lambda: True)  # type: ignore[arg-type]
+        assert plant._poses.newest_time_s() == heard.truth[-1][1]
+    finally:
+        plant.close()
+        receiver.close()
+        sender.close()
+    ahead_s = max(holds_for_s - made_s for made_s, holds_for_s in heard.truth)  # less what a step came late
+    assert 0.5 * rig.AHEAD * 0.02 < ahead_s <= rig.AHEAD * 0.02
+
+
+class _Until:
+    """A stop signal that comes when the values have run out."""
+
+    def __init__(self, values: Iterator[bool]) -> None:
+        self._values = values
+
+    def __bool__(self) -> bool:
+        return next(self._values, True)

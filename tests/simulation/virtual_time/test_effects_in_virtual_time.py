@@ -7,61 +7,19 @@ import msgspec
 import pytest
 
 from stillarm.common.causes import CAUSES
-from stillarm.common.files.configuration import Configuration, load_configuration
-from stillarm.common.files.model import load_model
-from stillarm.common.files.scenario import Move, Scenario, Strike, Window
-from stillarm.common.user_error import UserError
+from stillarm.common.files.scenario import Window
 from stillarm.controller.replay.replay import RecordedRun, compare_with_live
-from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
 from stillarm.simulation.virtual_time.virtual_time import VirtualRun, simulate
+from tests.fixtures.virtual_rows import CONFIGURATION, MODEL, SCENARIO, Rows, plain_rows, run, said
 
 pytestmark = pytest.mark.slow
 
-CONFIGURATION = load_configuration(default_simulation_configuration())
-MODEL = load_model(default_simulation_configuration().with_name("model.toml"))
-SCENARIO = Scenario(
-    duration_s=2.0,
-    strikes=[Strike(0.3, 0.00625)],
-    moves=[Move(1.0, 1.5, 0.1)],
-    random_disturbance_m_s2=0.1,
-)
 SIZES: dict[str, dict[str, Any]] = {
     "drive_deadband": {"deadband_rad_s": 0.02},
     "drive_saturation": {"max_velocity_rad_s": 0.05},
     "impulse_noise": {"rate_hz": 20.0, "amplitude_m_s2": 10.0},
     "delay_bursts": {"rate_hz": 5.0, "duration_s": 0.2, "delay_s": 0.05},
 }
-
-
-def said(rows: dict[str, list[Any]], topic: str) -> bytes:
-    """A topic's rows as they are recorded; a number that is not there is equal to itself there."""
-    return msgspec.json.encode(rows[topic])
-
-
-class Rows:
-    """A recording in memory."""
-
-    def __init__(self) -> None:
-        self.of: dict[str, list[Any]] = {}
-
-    def write(self, topic_name: str, message: msgspec.Struct) -> None:
-        self.of.setdefault(topic_name, []).append(message)
-
-
-def run(
-    *effects: dict[str, Any], scenario: Scenario = SCENARIO, configuration: Configuration = CONFIGURATION
-) -> dict[str, list[Any]]:
-    """Rows by topic; the controller assumes the model without effects."""
-    recording, truth = Rows(), Rows()
-    true = msgspec.structs.replace(MODEL, effects=list(effects))
-    simulate(VirtualRun(configuration, true, MODEL, scenario, 7, name="rig.toml"), recording, truth)
-    return recording.of | truth.of
-
-
-def stamped() -> Configuration:
-    rig = CONFIGURATION.rig
-    scene = msgspec.structs.replace(rig.scene, stamped=True)
-    return msgspec.structs.replace(CONFIGURATION, rig=msgspec.structs.replace(rig, scene=scene))
 
 
 def clear(identifier: str) -> dict[str, Any]:
@@ -78,11 +36,6 @@ def clear(identifier: str) -> dict[str, Any]:
     return effect | SIZES.get(identifier, {})
 
 
-@pytest.fixture(scope="module")
-def plain() -> dict[str, list[Any]]:
-    return run()
-
-
 # Worked out by the program as it was before it knew any effect: cycle -> acceleration, theta, deflection, s''.
 BEFORE = {
     500: (0.430956298828125, 0.0, -0.0005899979353114086, 0.18324025739399402),
@@ -96,9 +49,9 @@ FRAMES_BEFORE = {
 }
 
 
-def test_a_model_without_effects_runs_as_before_there_were_any(plain: dict[str, list[Any]]) -> None:
+def test_a_model_without_effects_runs_as_before_there_were_any() -> None:
     """As far as the processor's own mathematics allow; a changed draw is off in the first digit."""
-    fast, frames, state = plain["/fast"], plain["/frames"], plain["/truth/state"]
+    fast, frames, state = plain_rows()["/fast"], plain_rows()["/frames"], plain_rows()["/truth/state"]
     for cycle, wanted in BEFORE.items():
         row, true = fast[cycle], state[cycle]
         found = (row.acceleration_m_s2, row.joint_position_rad, true.deflection_m, true.tip_acceleration_m_s2)
@@ -112,21 +65,21 @@ def test_a_model_without_effects_runs_as_before_there_were_any(plain: dict[str, 
 
 
 @pytest.mark.parametrize("identifier", CAUSES)
-def test_every_cause_runs_and_shows_in_the_recording(identifier: str, plain: dict[str, list[Any]]) -> None:
+def test_every_cause_runs_and_shows_in_the_recording(identifier: str) -> None:
     """In the sensors' rows where it sits before them; a cause of the image or of its timing in no fast row."""
     found = run(clear(identifier))
     place = CAUSES[identifier].place
     if place in {"camera", "timing"}:
-        assert said(found, "/frames") != said(plain, "/frames")
-        assert said(found, "/fast") == said(plain, "/fast")
+        assert said(found, "/frames") != said(plain_rows(), "/frames")
+        assert said(found, "/fast") == said(plain_rows(), "/fast")
     else:
-        assert said(found, "/fast") != said(plain, "/fast")
+        assert said(found, "/fast") != said(plain_rows(), "/fast")
     if place == "accelerometer":
-        assert said(found, "/frames") == said(plain, "/frames")
-    assert (said(found, "/truth/state") != said(plain, "/truth/state")) == (place in {"arm", "drive"})
+        assert said(found, "/frames") == said(plain_rows(), "/frames")
+    assert (said(found, "/truth/state") != said(plain_rows(), "/truth/state")) == (place in {"arm", "drive"})
 
 
-def test_no_size_is_no_effect_in_any_row(plain: dict[str, list[Any]]) -> None:
+def test_no_size_is_no_effect_in_any_row() -> None:
     """All causes at once, each at the value at which nothing happens."""
     none: list[dict[str, Any]] = []
     declared = {"dead_time_s": 0.002, "bandwidth_hz": 20.0, "max_velocity_rad_s": 0.6, "range_m_s2": 19.6}
@@ -144,7 +97,7 @@ def test_no_size_is_no_effect_in_any_row(plain: dict[str, list[Any]]) -> None:
         none.append(effect)
     assert len(none) == len(CAUSES) - 1
     found = run(*none)
-    assert all(said(found, topic) == said(plain, topic) for topic in plain)
+    assert all(said(found, topic) == said(plain_rows(), topic) for topic in plain_rows())
 
 
 def test_a_recording_with_effects_replays_to_the_same_numbers() -> None:
@@ -157,43 +110,6 @@ def test_a_recording_with_effects_replays_to_the_same_numbers() -> None:
     )
     assert replayed.cycles == 2000
     assert replayed.identical, replayed.first_difference
-
-
-@pytest.mark.parametrize(("clock", "rows"), [("frames", False), ("all", True)])
-def test_the_controllers_clock_steps_in_the_rows_and_nowhere_else(
-    clock: str, rows: bool, plain: dict[str, list[Any]]
-) -> None:
-    step = {"cause": "clock_step", "onset_s": 1.0, "step_s": -0.25, "clock": clock}
-    found = run(step)
-
-    def stepped(time_s: float) -> float:
-        return time_s - 0.25 if time_s >= 1.0 else time_s
-
-    for was, now in zip(plain["/frames"], found["/frames"], strict=True):
-        times = {"received_s": stepped(was.received_s), "started_s": stepped(was.started_s)}
-        wanted = msgspec.structs.replace(was, time_s=stepped(was.time_s) if rows else was.time_s, **times)
-        assert msgspec.json.encode(now) == msgspec.json.encode(wanted)
-    for topic in ("/fast", "/estimate"):
-        for was, now in zip(plain[topic], found[topic], strict=True):
-            assert now.time_s == (stepped(was.time_s) if rows else was.time_s)
-            assert now.cycle == was.cycle
-    assert said(found, "/truth/state") == said(plain, "/truth/state")
-    straddling = [f for f in plain["/frames"] if f.started_s < 1.0 <= f.received_s]
-    assert straddling
-
-
-def test_the_cameras_clock_steps_in_its_stamps_and_asks_for_stamps() -> None:
-    step = {"cause": "clock_step", "onset_s": 1.0, "step_s": 0.1, "clock": "camera"}
-    was, now = run(configuration=stamped()), run(step, configuration=stamped())
-    jumps = [b.captured_s - a.captured_s for a, b in zip(was["/frames"], now["/frames"], strict=True)]
-    mids = {frame.frame: frame.mid_exposure_s for frame in was["/truth/frames"]}
-    after = [mids[frame.frame] >= 1.0 for frame in was["/frames"]]
-    assert jumps == pytest.approx([0.1 if late else 0.0 for late in after], abs=1e-9)
-    assert any(after) and not all(after)
-    with pytest.raises(
-        UserError, match=r"^rig\.toml: effects: clock_step: clock = \"camera\": [^\n]*stamped = true"
-    ):
-        run(step)
 
 
 def test_lost_frames_show_as_gaps_and_a_triggered_camera_is_asked_again() -> None:

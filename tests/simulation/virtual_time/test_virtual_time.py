@@ -114,7 +114,7 @@ def test_with_images_the_tracker_takes_the_error_models_place(tmp_path: Path) ->
     wanted = -800.0 * np.interp(mids, truth.time_s, truth.deflection_m)
     found = np.array([f.displacement_px for f in recorded.frames])
     error = found - wanted
-    smear = mids < 0.29  # a frame exposed across the blow is no sample of a smooth motion
+    smear = mids < 0.29  # a frame exposed across the impact is no sample of a smooth motion
     error = error[smear | (mids > 0.32)]
     assert np.std(error) < 0.05
 

@@ -29,12 +29,13 @@ from stillarm.drivers.cameras.camera import Frame
 from stillarm.drivers.drives.drive_gateway import DriveGateway
 from stillarm.drivers.drives.drive_gateway_socket import DriveGatewaySocket
 from stillarm.drivers.drives.odrive_drive import OdriveDrive
+from stillarm.drivers.drives.udp_gateway_drive import greet_gateway
 from stillarm.drivers.emulated_chips.shared_registers import Failure
 from stillarm.drivers.emulation.emulated_accelerometer import emulate_accelerometer
 from stillarm.drivers.emulation.odrive_motor import OdriveMotor
 from stillarm.drivers.emulation.pty_port import PtyPort
 from stillarm.preflight.camera import judge_camera, watch_camera
-from stillarm.preflight.drive import greet_gateway, judge_drive
+from stillarm.preflight.drive import judge_drive
 from stillarm.preflight.link import ask_supervisor, judge_key, judge_link
 from stillarm.preflight.machine import MachineFacts, judge_machine
 from stillarm.preflight.sensor import could_not_start, judge_bus, judge_sensor, read_sensor
@@ -42,13 +43,14 @@ from stillarm.preflight.verdict import Level, Verdict, fail
 from stillarm.supervisor.exchange import SupervisorExchange
 from tests.fixtures.free_ports import free_ports
 
+CYCLE_S = 0.001
+
 MODEL = Model()
 KEY, OTHER_KEY = b"the key of this test", b"another key altogether"
-CYCLE_S = 0.001
 
 
 class Clock:
-    """A clock that moves when somebody sleeps, and calls whoever wants to act meanwhile."""
+    """A clock that advances during sleep(), and calls registered functions meanwhile."""
 
     def __init__(self, meanwhile: Callable[[float], None] = lambda seconds: None) -> None:
         self.now = 100.0
@@ -367,17 +369,3 @@ def test_a_rig_without_a_mistake_passes(part, tmp_path: Path) -> None:
 
 def test_at_least_fifteen_mistakes_are_seeded() -> None:
     assert len(MISTAKES) >= 15
-
-
-def test_an_ordinary_machine_may_run_a_simulated_rig() -> None:
-    facts = MachineFacts(("no FIFO",), "6.1", False, frozenset({"powersave"}), 1)
-    levels = [v.level for v in judge_machine(facts, emulated=True)]
-    assert levels == [Level.WARN] * 4
-    assert judge_machine(facts, emulated=False)[0].level == Level.FAIL
-
-
-@pytest.mark.parametrize(
-    ("declared", "level"), [(100_000.0, Level.FAIL), (400_000.0, Level.OK), (1e6, Level.OK)]
-)
-def test_what_the_device_tree_says_of_the_bus_is_believed(declared: float, level: Level) -> None:
-    assert judge_bus("/dev/i2c-1", declared, 0.0003, CYCLE_S).level == level

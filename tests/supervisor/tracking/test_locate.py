@@ -1,4 +1,6 @@
-"""What a lost scene costs in one image, counted and not timed; and that what is found is never wrong."""
+"""The cost of a lost scene in one image, counted instead of timed; a scene that is found again is never
+wrong.
+"""
 
 import cv2
 import numpy as np

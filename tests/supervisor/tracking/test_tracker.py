@@ -1,6 +1,5 @@
 """The tracker on a scene whose displacement is known exactly."""
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,43 +10,7 @@ from stillarm.common.files.configuration import Tracker
 from stillarm.supervisor.tracking.displacement import Displacement
 from stillarm.supervisor.tracking.tracker import UNCONFIRMED_FRAMES, FeatureTracker, warm_up
 from tests.fixtures.sinusoid_scene import SHAPE, SinusoidScene, photographed
-
-RATE_HZ = 65.0
-
-
-def tracked(truth, scene, *, gain=None, smear=None, occluder=False, config=None):
-    """Track the scene along truth, (n, 3); errors, (n, 3), and the displacements."""
-    random = np.random.default_rng(5)
-    patch = cv2.GaussianBlur(random.uniform(-700, 956, (160, 320)), (0, 0), 2)
-    tracker = FeatureTracker(config or Tracker())
-    results = []
-    for i, (x, y, rotation) in enumerate(truth):
-        grey = scene.at(x, y, rotation, smear=(0, 0) if smear is None else smear[i])
-        if occluder:
-            left = 50 + 3 * i % 250
-            grey[100:260, left : left + 320] = patch
-        grey *= 1.0 if gain is None else gain[i]
-        results.append(tracker.track(photographed(grey, random)))
-    found = np.array([(r.dx, r.dy, r.rotation) for r in results])
-    return found - truth, results, tracker
-
-
-def vibration(frames=40):
-    """3 px amplitude at 2.6 Hz in x, a little in y, from zero."""
-    t = np.arange(frames) / RATE_HZ
-    x = 3.0 * np.sin(2 * np.pi * 2.6 * t)
-    return np.stack([x, 0.7 * np.sin(9.0 * t), 0.0 * t], axis=1)
-
-
-def move(length_px, seconds, frames):
-    """A smooth move in x with a tenth of it in y, starting at 0.2 s."""
-    s = np.clip((np.arange(frames) / RATE_HZ - 0.2) / seconds, 0, 1)
-    x = length_px * (s - np.sin(2 * np.pi * s) / (2 * np.pi))
-    return np.stack([x, 0.1 * x, 0 * x], axis=1)
-
-
-def rms(values):
-    return float(np.sqrt(np.mean(np.square(values))))
+from tests.fixtures.tracked_scenes import move, rms, tracked, vibration
 
 
 @pytest.mark.slow
@@ -57,11 +20,6 @@ def test_subpixel_vibration(shortest):
     assert rms(error[:, :2]) < 0.012
     assert tracker.key_frames == 1
     assert all(r.inliers > 80 for r in results)
-
-
-def test_flicker_does_not_bias():
-    gain = 1.0 + 0.08 * np.sin(0.7 * np.arange(40))
-    assert rms(tracked(vibration(), SinusoidScene(2), gain=gain)[0][:, :2]) < 0.01
 
 
 def test_occluder_over_a_sixth():
@@ -77,17 +35,6 @@ def test_rotation():
 
 
 @pytest.mark.slow
-def test_fast_move_and_back_gives_the_same_number():
-    there = move(520.0, 0.6, 54)
-    truth = np.concatenate([there, there[::-1]])
-    error, results, tracker = tracked(truth, SinusoidScene(5))
-    assert all(r.status == TrackingStatus.MEASURED for r in results)
-    assert tracker.key_frames >= 2
-    assert np.abs(error[:, :2]).max() < 0.05
-    assert np.abs(error[-5:, :2]).max() < 0.01  # on the first key frame again
-
-
-@pytest.mark.slow
 def test_fast_move_with_motion_blur():
     there = move(500.0, 0.5, 65)
     smear = 0.9 * np.gradient(there[:, :2], axis=0)
@@ -98,57 +45,10 @@ def test_fast_move_with_motion_blur():
     assert np.abs(error[-5:, :2]).max() < 0.1  # sharp again: the error of smeared key frames has been mended
 
 
-@pytest.mark.slow
-def test_handover_makes_no_step():
-    error, _, tracker = tracked(move(300.0, 0.8, 68), SinusoidScene(6))
-    assert tracker.key_frames >= 2
-    assert np.abs(np.diff(error[:, 0])).max() < 0.03
-
-
 def test_covariance_is_of_the_errors_size():
     error, results, _ = tracked(vibration(), SinusoidScene(7, 10.0))
     std = np.median([np.sqrt(r.covariance[0, 0]) for r in results[1:]])
     assert 0.3 < rms(error[1:, 0]) / std < 4.0
-
-
-def bad_images(scene):
-    random = np.random.default_rng(8)
-    other = SinusoidScene(99)
-    good = photographed(scene.at(0, 0), random)
-    return {
-        TrackingStatus.NO_IMAGE: None,
-        TrackingStatus.DARK: photographed(np.full(SHAPE, 3.0), random),
-        TrackingStatus.SATURATED: np.full(SHAPE, 255, np.uint8),
-        TrackingStatus.BLANK: photographed(np.full(SHAPE, 120.0), random),
-        TrackingStatus.BLURRED: photographed(cv2.GaussianBlur(scene.at(0, 0), (0, 0), 8), random),
-        TrackingStatus.JUMPED: photographed(other.at(0, 0), random),
-        TrackingStatus.FROZEN: good,
-    }
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("status", list(bad_images(SinusoidScene(1))))
-def test_bad_image_is_flagged_and_tracking_resumes(status):
-    scene = SinusoidScene(11)
-    random = np.random.default_rng(9)
-    tracker = FeatureTracker(Tracker())
-    bad = bad_images(scene)[status]
-    truth = vibration(24)
-    for i, (x, y, _) in enumerate(truth):
-        if 8 <= i < 13:
-            image = bad if bad is None else bad.copy()
-            result = tracker.track(image)
-            if status == TrackingStatus.FROZEN and i == 8:
-                continue  # the first of them is not yet the same again
-            wanted = {status, TrackingStatus.FROZEN} if i > 8 else {status}
-            assert result.status in wanted
-            assert (
-                np.isnan([result.dx, result.dy, result.rotation]).all() and np.isnan(result.covariance).all()
-            )
-        else:
-            result = tracker.track(photographed(scene.at(x, y), random))
-            assert result.status == TrackingStatus.MEASURED
-            assert abs(result.dx - x) < 0.03 and abs(result.dy - y) < 0.03
 
 
 def test_found_again_elsewhere_after_a_gap():

@@ -44,7 +44,7 @@ def arm(**mode: float) -> Arm:
 def test_without_noise_the_delay_is_found_to_a_fraction_of_a_cycle(
     delay_s: float, frequency_hz: float, damping_ratio: float, offset_px: float, sign: float, bias: float
 ) -> None:
-    """Whatever the delay, frequency, damping (the lead 2 zeta / w), signs, image offset and accelerometer bias."""
+    """For any delay, frequency, damping (the lead 2 zeta / w), signs, image offset and accelerometer bias."""
     model = Model(
         arm=arm(frequency_hz=frequency_hz, damping_ratio=damping_ratio),
         accelerometer=Accelerometer(scale=-0.8 * sign),

@@ -1,4 +1,4 @@
-"""A blow's own samples, told from a noisy vibration."""
+"""Samples during an impact are distinguished from a noisy vibration."""
 
 from math import isnan
 

@@ -16,7 +16,7 @@ from stillarm.controller.estimation.delay.moving_average import MovingAverage
     length=st.integers(1, 9),
 )
 def test_mean_of_what_is_present(values: list[float], length: int) -> None:
-    """NaN counts as no value; with none at all the last mean stands."""
+    """NaN counts as no value; without any value the last mean is kept."""
     average, last = MovingAverage(length), 0.0
     for k, value in enumerate(values):
         window = [v for v in values[max(0, k + 1 - length) : k + 1] if not isnan(v)]

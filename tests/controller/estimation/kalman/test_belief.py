@@ -1,14 +1,10 @@
 """The filter's parts against matrix exponentials and against conditioning one joint Gaussian law."""
 
-from math import pi
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.linalg import expm
 
-from stillarm.common.files.model import Mode
 from stillarm.controller.estimation.kalman.belief import (
     Belief,
     first_belief,
@@ -18,57 +14,8 @@ from stillarm.controller.estimation.kalman.belief import (
     updated_by_batch,
 )
 from stillarm.controller.estimation.kalman.kalman_method import quadratic_form
-from stillarm.controller.estimation.kalman.mode_dynamics import ModeDynamics
 from stillarm.controller.estimation.kalman.two_time_scales import Densities, TwoTimeScales
-
-MODES = [Mode(frequency_hz=2.6, damping_ratio=0.01), Mode(frequency_hz=14.0, damping_ratio=0.02)]
-modes = st.builds(
-    Mode, frequency_hz=st.floats(0.2, 60.0), damping_ratio=st.one_of(st.just(0.0), st.floats(0.0, 0.7))
-)
-
-
-def van_loan(dynamics: np.ndarray, noise: np.ndarray, elapsed_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Transition and added covariance by one matrix exponential (IEEE Trans. Automatic Control 23, 1978)."""
-    n = len(dynamics)
-    block = np.block([[-dynamics, noise], [np.zeros((n, n)), dynamics.T]]) * elapsed_s
-    whole = expm(block)
-    phi = whole[n:, n:].T
-    return phi, phi @ whole[:n, n:]
-
-
-@given(mode=modes, elapsed_s=st.floats(1e-4, 0.4))
-@settings(max_examples=80, derandomize=True)
-def test_mode_dynamics_are_exact(mode: Mode, elapsed_s: float) -> None:
-    """Transition and scatter, for any damping, zero too."""
-    w, zeta = 2 * pi * mode.frequency_hz, mode.damping_ratio
-    if w * elapsed_s > 20.0:  # where van Loan's growing exponential has lost its digits
-        elapsed_s = 20.0 / w
-    phi, added = van_loan(np.array([[0.0, 1.0], [-w * w, -2 * zeta * w]]), np.diag([0.0, 1.0]), elapsed_s)
-    dynamics = ModeDynamics(mode)
-    got, scatter = dynamics.transition(elapsed_s), dynamics.scatter(elapsed_s)
-    scale = np.array([[1.0, 1 / w], [w, 1.0]])
-    assert np.reshape(got, (2, 2)) == pytest.approx(phi, abs=1e-9 * np.max(scale) * np.exp(0.5))
-    assert scatter.vv == pytest.approx(added[1, 1], rel=1e-6)
-    assert scatter.qv == pytest.approx(added[0, 1], rel=1e-5, abs=1e-9 * added[1, 1] / w)
-    assert scatter.qq == pytest.approx(added[0, 0], rel=1e-5, abs=1e-9 * added[1, 1] / (w * w))
-    back = np.reshape(dynamics.transition(-elapsed_s), (2, 2))
-    assert back @ phi == pytest.approx(np.eye(2), abs=1e-6 * max(w, 1.0))
-
-
-def space(sensor: float | None = None) -> TwoTimeScales:
-    return TwoTimeScales(MODES, Densities(2e-3, 1e-6, 1e-4), sensor)
-
-
-def test_the_whole_state_composes() -> None:
-    """Over 30 ms at once or in three steps: the same transition and the same scatter."""
-    model = space(1.0)
-    phi, added = np.eye(model.size), np.zeros((model.size, model.size))
-    for step in (0.004, 0.015, 0.011):
-        one = model.transition(step)
-        added = one @ added @ one.T + model.scatter(step)
-        phi = one @ phi
-    assert phi == pytest.approx(model.transition(0.030), abs=1e-9)
-    assert added == pytest.approx(model.scatter(0.030), rel=1e-6, abs=1e-14)
+from tests.fixtures.kalman_space import MODES, space
 
 
 def image_row(model: TwoTimeScales) -> np.ndarray:
@@ -114,7 +61,7 @@ def test_measurements_at_their_own_time_give_the_exact_posterior_of_the_present(
 
 
 def test_a_batch_is_the_same_as_its_samples_one_by_one() -> None:
-    """Without disturbances between them, seen from their end."""
+    """There are no disturbances between the samples; the beliefs are compared at their end."""
     random = np.random.default_rng(1)
     model = space(0.5)
     start = first_belief(model, 0.0, 0.0)
@@ -131,7 +78,7 @@ def test_a_batch_is_the_same_as_its_samples_one_by_one() -> None:
 
 
 def test_neighbours_that_change_places_are_both_used() -> None:
-    """Without disturbances the order in which two samples come makes no difference at all."""
+    """Without disturbances the order of two samples makes no difference."""
     model = TwoTimeScales(MODES, Densities(0.0, 0.0, 0.0), None)
     row, start = image_row(model), first_belief(model, 0.0, 0.0)
 
@@ -149,7 +96,7 @@ def test_neighbours_that_change_places_are_both_used() -> None:
 
 
 def test_a_measurement_outside_the_gate_is_skipped_once_and_then_an_impact() -> None:
-    """The modes' covariance is raised by what explains it, the image's zero stays as well known as it was."""
+    """The modes' covariance grows enough to explain it; the covariance of the image's zero does not change."""
     model = space()
     row, belief = image_row(model), first_belief(model, 0.0, 0.0)
     for k in range(1, 60):

@@ -10,33 +10,15 @@ from hypothesis import strategies as st
 
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.configuration import Controller as Settings
-from stillarm.common.files.configuration import Kalman
-from stillarm.common.files.model import Accelerometer, Arm, Mode, Model
+from stillarm.common.files.model import Arm, Mode, Model
 from stillarm.controller.estimation.estimate import Observation, Status
 from stillarm.controller.estimation.methods import make_method
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.joint.joint_motion import JointMotion
-from stillarm.controller.loop.recorded import fast_sample, recorded_cycles
-from stillarm.controller.loop.step import Controller
-from tests.reference.arm_world import Trace, constant, run_world, wandering, white
+from tests.fixtures.kalman_trials import A, mean_error, run
+from tests.reference.arm_world import wandering, white
 
-A = 0.00625
-MODEL = Model(arm=Arm(length_m=2.0, modes=[Mode(damping_ratio=0.002)]))
 METHODS = ("kalman_constant_delay", "kalman_variable_delay", "kalman_fusion")
-NOISE = {"accelerometer_noise": 0.5, "image_noise_px": 0.05}
-
-
-def run(method: str, duration_s: float, kalman: Kalman = Kalman(), **world: object) -> Trace:  # noqa: B008
-    controller = Controller(MODEL, Settings(arm_at_start=True, method=method, kalman=kalman))
-    world = {"strikes": {0.2: A}, "delay": constant(0.074), **NOISE, **world}
-    return run_world(MODEL, controller, duration_s, **world)  # type: ignore[arg-type]
-
-
-def mean_error(trace: Trace, from_s: float, to_s: float = 1e9) -> float:
-    """Mean absolute error as a share of the struck amplitude."""
-    a = trace.arrays()
-    span = (a["time"] > from_s) & (a["time"] < to_s)
-    return float(np.mean(np.abs(a["estimate"] - a["truth"])[span])) / A
 
 
 @pytest.mark.slow
@@ -82,7 +64,9 @@ def test_an_impact_is_followed_within_a_fifth_of_a_second(method: str) -> None:
 
 @pytest.mark.slow
 def test_the_stated_deviation_covers_the_error() -> None:
-    """Slow wander, the delay taken as constant: what is added for the delay is what the error is made of."""
+    """The delay wanders slowly and the method takes it as constant: the variance added for the delay covers
+    the error.
+    """
     ratios = []
     for seed in range(3):
         a = run("kalman_constant_delay", 5.0, delay=wandering(0.074, 0.0064, 2.0), seed=seed).arrays()
@@ -138,29 +122,6 @@ def test_without_a_camera_nothing_is_claimed() -> None:
     trace = run("kalman_fusion", 1.0, change_input=cut_images(0, 10**6), damping=lambda t: True)
     assert all(output.estimate.status is Status.UNESTIMATED for output in trace.outputs)
     assert not np.any(trace.arrays()["command"])
-
-
-@pytest.mark.slow
-def test_a_strain_gauge_is_fused_in_the_accelerometers_place() -> None:
-    """An offset and noise of 5 % of the amplitude; the camera's constant delay is 10 ms off, which the gauge mends."""
-
-    def gauge(read: CycleInput) -> None:
-        read.deflection_m = 0.002 - read.acceleration_m_s2 / MODEL.arm.modes[0].angular_frequency ** 2
-        read.deflection_m += 0.05 * A * np.sin(1e4 * read.cycle)  # as good as noise, and the same every time
-        read.acceleration_m_s2 = nan
-
-    kalman = Kalman(fusion_sensor="strain_gauge", fusion_delay="model", strain_noise_m=0.05 * A)
-    world = {"delay": constant(0.084), "accelerometer_noise": 0.0, "change_input": gauge}
-    assert mean_error(run("kalman_fusion", 4.0, kalman, **world), 1.5) < 0.04
-    assert mean_error(run("kalman_constant_delay", 4.0, **world), 1.5) > 0.08
-
-
-def test_a_measured_deflection_survives_recording() -> None:
-    """From the cycle to /fast and back, to the bit."""
-    read = CycleInput(5, deflection_m=0.1 + 0.2, joint_position_rad=0.0)
-    row = fast_sample(read, Controller(MODEL, Settings(arm_at_start=True)).step(read), 0.001)
-    (again,) = recorded_cycles([row], [])
-    assert again.read.deflection_m == 0.1 + 0.2
 
 
 @pytest.mark.slow
@@ -261,20 +222,5 @@ def test_garbage_never_crashes_and_never_states_nonsense(seed: int, method: str,
 
 
 def test_the_same_inputs_give_the_same_numbers() -> None:
-    """To the bit, which replay rests on."""
+    """To the bit: replay relies on it."""
     assert run("kalman_fusion", 1.5).estimate[1000:] == run("kalman_fusion", 1.5).estimate[1000:]
-
-
-def test_a_clipped_accelerometer_is_not_believed() -> None:
-    """A range below the vibration's peak: samples at the range's end are none."""
-    model = Model(arm=MODEL.arm, accelerometer=Accelerometer(range_m_s2=1.0))
-
-    def clip(read: CycleInput) -> None:
-        read.acceleration_m_s2 = min(max(read.acceleration_m_s2, -1.0), 1.0)
-
-    controller = Controller(model, Settings(arm_at_start=True, method="kalman_fusion"))
-    trace = run_world(
-        model, controller, 4.0, strikes={0.2: A}, delay=constant(0.074), accelerometer_noise=0.1,
-        image_noise_px=0.05, change_input=clip,
-    )  # fmt: skip
-    assert mean_error(trace, 1.5) < 0.03

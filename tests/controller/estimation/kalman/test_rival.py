@@ -1,4 +1,4 @@
-"""The filter that begins at a surprise: it takes the other's place on evidence, and on nothing else."""
+"""The filter that starts at an impact replaces the other on evidence only."""
 
 from math import nan
 
@@ -29,7 +29,7 @@ def watch(mine: list[float], others: list[float], step_s: float = 0.015) -> Riva
 @given(st.lists(st.floats(-40.0, 8.0), min_size=60, max_size=60))
 @settings(deadline=None)
 def test_nobody_wins_by_foretelling_the_same(densities: list[float]) -> None:
-    """It is decided when its time is over, and the filter that stands remains."""
+    """The comparison ends when its time is over, and the incumbent remains."""
     rival = watch(densities, densities)
     assert rival.decided
     assert not rival.wins
@@ -52,7 +52,7 @@ def test_what_it_says_before_it_has_settled_does_not_count() -> None:
 
 
 def test_one_outlier_does_not_decide() -> None:
-    """Nor few images, however long they take."""
+    """Few images do not decide either, even over a long time."""
     others = [1.0] * 60
     others[20] = -1e6
     rival = watch([0.8] * 60, others)

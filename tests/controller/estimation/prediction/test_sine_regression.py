@@ -1,23 +1,14 @@
 """Regression, change detection and the image's offset on exact and noisy decaying sines."""
 
-from math import cos, exp, pi, sqrt
+from math import exp
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from stillarm.common.files.model import Mode
-from stillarm.controller.estimation.prediction.image_offset import ImageOffset
 from stillarm.controller.estimation.prediction.sine_regression import SineRegression
-
-MODE = Mode(frequency_hz=2.6, damping_ratio=0.01)
-W = 2 * pi * 2.6
-A = 0.006
-
-
-def vibration(t: float, phase: float = 0.0, amplitude: float = A) -> float:
-    return amplitude * exp(-0.01 * W * t) * cos(W * sqrt(1 - 1e-4) * t + phase)
+from tests.fixtures.decaying_vibration import MODE, A, W, vibration
 
 
 @given(
@@ -27,7 +18,7 @@ def vibration(t: float, phase: float = 0.0, amplitude: float = A) -> float:
     offset=st.floats(-0.1, 0.1),
 )
 def test_an_exact_sine_is_predicted_exactly(frames: int, phase: float, ahead_s: float, offset: float) -> None:
-    """From three frames on, whatever the phase and how far ahead."""
+    """From three frames on, for any phase and any prediction horizon."""
     regression = SineRegression(MODE, frames, 1e-9, 0.0)
     for k in range(frames):
         regression.add(k / 65, vibration(k / 65, phase) + offset, offset, 0.25)
@@ -51,7 +42,7 @@ def test_the_stated_deviation_is_that_of_the_error() -> None:
 
 
 def test_an_impact_cuts_the_window_and_noise_does_not() -> None:
-    """The fit is right again five frames after a blow; in a minute of noise the window stays whole."""
+    """The fit is right again five frames after an impact; a minute of noise does not cut the window."""
     random = np.random.default_rng(1)
     regression = SineRegression(MODE, 20, 5e-5, 0.0064)
     changes = 0
@@ -79,31 +70,6 @@ def test_a_long_gap_starts_afresh() -> None:
         regression.add(k / 65, vibration(k / 65), 0.0, 0.25)
     regression.add(2.0, 0.0, 0.0, 0.25)
     assert regression.samples == 1
-
-
-@given(offset=st.floats(-1.0, 1.0), phase=st.floats(0.0, 6.28))
-@settings(max_examples=30)
-def test_the_offset_is_found_under_a_vibration(offset: float, phase: float) -> None:
-    """Within one period, to a hundredth of the amplitude; a blow does not move it."""
-    found = ImageOffset(MODE, 3.0)
-    for k in range(200):
-        if k == 100:
-            found.forget_vibration()
-        value = vibration(k / 65, phase) if k < 100 else vibration(k / 65, phase + 2.0, 3 * A)
-        found.add(k / 65, value + offset)
-        if k > 25:
-            assert found.offset_m == pytest.approx(offset, abs=0.01 * A + 1e-5 * abs(offset))
-
-
-def test_the_offset_survives_a_long_silence() -> None:
-    """Its covariance stays finite and positive however long nothing is seen."""
-    found = ImageOffset(MODE, 3.0)
-    for k in range(50):
-        found.add(k / 65, 0.2)
-    found.add(1e5, 0.3)
-    for k in range(100):
-        found.add(1e5 + k / 65, 0.3)
-    assert found.offset_m == pytest.approx(0.3, abs=1e-3)
 
 
 @given(

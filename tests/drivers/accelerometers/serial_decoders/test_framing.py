@@ -1,6 +1,5 @@
 """Every serial decoder: whole streams, any chunks, any garbage, broken frames."""
 
-import struct
 from collections.abc import Callable
 from math import isnan
 
@@ -17,10 +16,8 @@ from stillarm.drivers.emulation.serial_frames import (
     ccitt_crc,
     microcontroller_frame,
     vectornav_data,
-    witmotion_acceleration,
     witmotion_frame,
     xsens_data,
-    xsens_message,
 )
 
 Encode = Callable[[int], bytes]
@@ -140,44 +137,6 @@ def test_a_byte_lost_costs_one_frame(name: str) -> None:
 
 def test_crc_is_that_of_the_published_check_value() -> None:
     assert ccitt_crc(b"123456789") == 0x31C3  # CRC-16/XMODEM's
-
-
-def test_witmotion_takes_accelerations_among_other_frames() -> None:
-    data = witmotion_frame(0x52, (1, 2, 3, 4)) + bytes.fromhex("5551000800F8FF07C40979")
-    sample = FrameDecoder(WITMOTION).feed(data)
-    assert len(sample) == 1
-    assert sample[0].x_m_s2 == pytest.approx(9.80665)
-    assert sample[0].y_m_s2 == pytest.approx(-9.80665)
-    assert FrameDecoder(WITMOTION).feed(witmotion_acceleration(1.0, 2.0, 3.0))[0].z_m_s2 == pytest.approx(
-        3, abs=0.003
-    )
-
-
-def test_xsens_formats_counter_and_time() -> None:
-    double = struct.pack(">HB3d", 0x4023, 24, 1.5, -2.5, 3.5)
-    stamped = struct.pack(">HBHHBI", 0x1020, 2, 777, 0x1060, 4, 123_456) + double
-    message = xsens_message(0x36, stamped)
-    assert sum(message[1:]) % 256 == 0
-    (sample,) = FrameDecoder(XSENS).feed(message)
-    assert sample == (1.5, -2.5, 3.5, 777, -1, pytest.approx(12.3456))
-    fixed_point = xsens_message(0x36, struct.pack(">HB3i", 0x4021, 12, 1, 2, 3))
-    acknowledge = xsens_message(0x31, b"")
-    cut = xsens_message(0x36, struct.pack(">HB2f", 0x4020, 12, 1.0, 2.0))
-    assert FrameDecoder(XSENS).feed(fixed_point + acknowledge + cut) == []
-
-
-def test_vectornav_groups_and_fields() -> None:
-    """Common: angles, acceleration; inertial: uncompensated acceleration, temperature: the compensated one is taken."""
-    body = struct.pack("<BHH3f3f3ff", 0x05, 0x0108, 0x0014, 9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 7.0, 7.0, 7.0, 25.0)
-    (sample,) = FrameDecoder(VECTORNAV).feed(b"\xfa" + body + struct.pack(">H", ccitt_crc(body)))
-    assert sample[:3] == (1.0, 2.0, 3.0)
-    alone = struct.pack("<BH3f", 0x04, 0x0004, 4.0, 5.0, 6.0)
-    (sample,) = FrameDecoder(VECTORNAV).feed(b"\xfa" + alone + struct.pack(">H", ccitt_crc(alone)))
-    assert sample[:3] == (4.0, 5.0, 6.0)
-    without = struct.pack("<BH3f", 0x01, 0x0008, 4.0, 5.0, 6.0)
-    decoder = FrameDecoder(VECTORNAV)
-    assert decoder.feed(b"\xfa" + without + struct.pack(">H", ccitt_crc(without))) == []
-    assert decoder.frames == 1
 
 
 def test_microcontroller_description_and_fault() -> None:

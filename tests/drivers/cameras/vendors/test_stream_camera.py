@@ -1,18 +1,12 @@
 """What every vendor's camera has in common, on a backend that fails in every way."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from stillarm.common.files.configuration import CameraDevice
 from stillarm.common.user_error import UserError
 from stillarm.drivers.cameras.camera_stamps import DeviceStampGate, StampReference, mid_exposure_s
-from stillarm.drivers.cameras.vendors.camera_features import frame_rate_hz, set_features
-from stillarm.drivers.cameras.vendors.frame_counter import FrameCounter
-from stillarm.drivers.cameras.vendors.stream_camera import REOPEN_S, BackendLost, Grab, StreamCamera, chosen
+from stillarm.drivers.cameras.vendors.stream_camera import REOPEN_S, BackendLost, Grab, StreamCamera
 
 IMAGE = np.full((48, 64), 7, np.uint8)
 
@@ -103,19 +97,6 @@ def test_wrong_counters_never_run_backwards():
     assert counts == [5, 6, 7, 8, 9, 10, 11, 12] and camera.wrong_counters == 4
 
 
-def test_a_gige_block_number_wraps_over_zero():
-    counter = FrameCounter(65535)
-    assert [counter.accept(raw) for raw in (65534, 65535, 1, 3)] == [65534, 65535, 65536, 65538]
-    assert counter.wrong == 0
-
-
-@given(st.lists(st.integers(0, 2**64), min_size=1, max_size=50), st.sampled_from([0, 65535]))
-def test_counts_only_grow(raw, modulus):
-    counter = FrameCounter(modulus)
-    counts = [counter.accept(value) for value in raw]
-    assert all(after > before for before, after in pairwise(counts))
-
-
 def test_unplugged_and_plugged_again():
     camera, backend, clock = camera_of([Grab(IMAGE, 1)])
     assert camera.read(0.1).counter == 1
@@ -150,70 +131,3 @@ def test_a_software_trigger_keeps_as_many_under_way_as_asked_for():
 
 def test_what_the_camera_refused_is_told():
     assert camera_of([])[0].notes == ["camera.gain = 3: the camera took 2 instead"]
-
-
-@pytest.mark.parametrize(("device", "place"), [("B2", 1), ("0", 0), ("2", None), ("C", None)])
-def test_a_camera_is_chosen_by_serial_number_or_place(device, place):
-    assert chosen(CameraDevice(device=device), ["A1", "B2"]) == place
-
-
-class Features:
-    """A camera with some features, each of which takes values within bounds."""
-
-    def __init__(self, **bounds):
-        self.bounds = bounds
-        self.values = {name: bound[0] for name, bound in bounds.items()}
-
-    def write(self, name, value):
-        if name not in self.bounds:
-            return False
-        allowed = self.bounds[name]
-        self.values[name] = (
-            value if isinstance(value, bool | str) else min(max(value, allowed[0]), allowed[-1])
-        )
-        return True
-
-    def number(self, name):
-        value = self.values.get(name)
-        return None if value is None or isinstance(value, str) else float(value)
-
-
-PLAIN = {"Width": (64, 640), "Height": (64, 480), "PixelFormat": ("", "z")}
-
-
-def test_features_are_set_and_read_back():
-    features = Features(**PLAIN, ExposureTime=(100, 20000), AcquisitionFrameRate=(1, 60), Gain=(0, 20))
-    config = CameraDevice(width_px=320, height_px=240, exposure_s=0.005, frame_rate_hz=50.0, gain=6.0)
-    assert set_features(features, config) == []
-    assert features.values["ExposureTime"] == pytest.approx(5000) and features.values["Width"] == 320
-    assert frame_rate_hz(features) == 50.0
-
-
-def test_features_by_their_older_names():
-    features = Features(**PLAIN, ExposureTimeAbs=(100, 20000), AcquisitionFrameRateAbs=(1, 60))
-    assert set_features(features, CameraDevice(exposure_s=0.005, frame_rate_hz=50.0)) == []
-    assert features.values["ExposureTimeAbs"] == pytest.approx(5000)
-
-
-@pytest.mark.parametrize(
-    ("config", "words"),
-    [
-        (CameraDevice(exposure_s=0.5), "camera.exposure_s = 0.5: the camera took 0.02 instead"),
-        (CameraDevice(frame_rate_hz=500.0), "camera.frame_rate_hz = 500: the camera took 60 instead"),
-        (CameraDevice(gain=3.0), "camera.gain = 3: the camera has no such setting"),
-    ],
-)
-def test_what_is_refused_is_one_line(config, words):
-    features = Features(**PLAIN, ExposureTime=(100, 20000), AcquisitionFrameRate=(1, 60))
-    (note,) = set_features(features, config)
-    assert words in note and "\n" not in note
-
-
-def test_a_size_that_is_not_taken_stops():
-    with pytest.raises(UserError, match=r"camera\.width_px = 800: camera '0' gives 640 instead"):
-        set_features(Features(**PLAIN), CameraDevice(width_px=800))
-
-
-def test_a_trigger_that_is_not_there_stops():
-    with pytest.raises(UserError, match=r"camera\.trigger = 'software'"):
-        set_features(Features(**PLAIN), CameraDevice(trigger="software"))

@@ -1,0 +1,105 @@
+"""What a fitted form is worth, and whether it is more than chance and more than a model's usual discrepancy."""
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis.candidate import Candidate
+from stillarm.diagnosis.evidence import Score, score
+from stillarm.diagnosis.fit import Fit, Split, least_level
+from stillarm.diagnosis.laws import LawFound
+from stillarm.diagnosis.refits import Begun
+from stillarm.diagnosis.robust import std_about_zero
+
+Array = NDArray[np.float64]
+
+_FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its own
+
+PRICE_NATS = 3.0
+"""What each number that a form fits costs: half the logarithm of the thousand or so independent things that a block's
+bands tell (Schwarz 1978)."""
+CONVINCING_NATS = 12.0
+"""Least merit of a finding: odds of 20 to 1 (3 nats) against each of some hundred forms, onsets and sizes tried
+(log 100 = 4.6), and as much again for noise that is not quite what the score takes it for."""
+LEAST_OF_NOISE = 0.15
+"""Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
+MATTERS_OF_NOISE = 0.5
+"""A rest that matters is over this part of a channel's noise (contract.md)."""
+
+
+def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split) -> Candidate:
+    after = score(fitted, split)
+    nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
+    own = one.form.cause.free(fitted.world)
+    values = one.form.cause.parameters_of(fitted)
+    merit = (
+        float(nats.sum())
+        - PRICE_NATS * (len(own) + (2 if one.form.begins else 0))
+        - one.form.cause.prior_penalty(fitted)
+    )
+    if one.form.added is not None:  # of many amounts: what it was fitted to says little of what it foretells
+        merit = min(merit, 3.0 * float(held.sum()))
+    white = fitted.held_out_score - last.held_out_score
+    return Candidate(
+        one.form.id, fitted, fitted.train_log_likelihood - last.train_log_likelihood, float(held.sum()),
+        float(held.std(ddof=1) * sqrt(len(held))), white, values, None, own,
+        train_blocks=fitted.train_blocks - last.train_blocks, form=one.form.name,
+        begins=one.form.begins, merit=merit, nats=nats,
+        begins_s=fitted.value(one.form.begins) if one.form.begins else None,
+        parameters_of=one.form.cause.parameters_of,
+    )  # fmt: skip
+
+
+def of_law(last: Fit, law: LawFound) -> Candidate:
+    """A law of noise or timing as a candidate: each block is judged by what the others say already."""
+    gains = law.held_out_score
+    spread = float(np.std(gains, ddof=1) * sqrt(len(gains)))
+    return Candidate(
+        law.cause, last, law.train_log_likelihood, float(gains.sum()), spread, gains, law.values, law,
+        tuple(law.values), law.note, merit=float(gains.sum()) - PRICE_NATS * len(law.values), nats=gains,
+    )  # fmt: skip
+
+
+def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
+    """Whether a candidate is more than chance and more than a model's usual discrepancy, and within its bounds.
+    beside: a finding there is already: what does not matter beside it is told as left."""
+    if one.merit < CONVINCING_NATS or not _within_bounds(one):
+        return False
+    if one.law is not None:
+        return True
+    return size_in_noise(last, one.fit) > (MATTERS_OF_NOISE if beside else LEAST_OF_NOISE)
+
+
+def size_in_noise(before: Fit, after: Fit) -> float:
+    """How much less is left in the channel that a cause mends most, over that channel's noise."""
+    return max(_mended(before, after, name) for name in before.residuals)
+
+
+def _mended(before: Fit, after: Fit, name: str) -> float:
+    power = float(np.nanmean(before.residuals[name] ** 2) - np.nanmean(after.residuals[name] ** 2))
+    return sqrt(max(power, 0.0)) / white_noise(after, name)
+
+
+def white_noise(last: Fit, name: str) -> float:
+    """A channel's white noise: by fourth differences of its residual, not below what a simulation reaches; of the
+    arrivals what their law says is usual."""
+    residual = last.residuals[name]
+    least = least_level(last.world, name) or 1e-12
+    if name == "arrival":
+        return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
+    fourth = np.diff(residual, 4)
+    known = fourth[np.isfinite(fourth)]
+    return max(std_about_zero(known) / _FOURTH, least) if len(known) else least
+
+
+def _within_bounds(one: Candidate) -> bool:
+    known = {parameter.name: parameter for parameter in DECLARED[one.cause].parameters}
+    for name, (value, _) in one.values.items():
+        parameter = known.get(name)
+        if parameter is not None and parameter.kind in ("number", "whole"):
+            slack = 1e-9 * max(abs(parameter.lowest), abs(parameter.highest))
+            if not parameter.lowest - slack <= value <= parameter.highest + slack:
+                return False
+    return True

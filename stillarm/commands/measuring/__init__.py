@@ -1,0 +1,1 @@
+"""Commands that measure this machine and the methods: latency, and the documentation's tables."""

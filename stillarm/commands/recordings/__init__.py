@@ -1,0 +1,1 @@
+"""Commands that make, convert, mend, replay and diagnose recordings, calibrate from them, and list the causes."""

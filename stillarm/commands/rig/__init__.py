@@ -1,0 +1,1 @@
+"""Commands that run, check, identify or operate a rig, real or simulated."""

@@ -1,0 +1,118 @@
+"""`stillarm demo`: rig, supervisor and controller in real time, then replay and figures."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from stillarm.arguments import seed
+
+_DURATION_S, _HIDDEN_DURATION_S = 30.0, 60.0
+_OURS = "fused"
+_LOST_SHARE = 0.1  # of the frames; with more losses, the run shows the computer's load rather than the method
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument(
+        "--duration-s", type=float, metavar="S", help="length of the run (30; with --hide 60)"
+    )
+    parser.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="output folder (demo)")
+    parser.add_argument(
+        "--accelerometer",
+        metavar="NAME",
+        help="accelerometer that the rig emulates, by its registers or frames: lis3lv02dq, lis3dh, "
+        "adxl345, adxl355, mpu6050, icm20948, witmotion, xsens, vectornav, microcontroller (the configuration's)",
+    )
+    parser.add_argument(
+        "--drive",
+        metavar="NAME",
+        help="drive that the rig emulates: udp_gateway, odrive, cia402, mcp4725 (the configuration's)",
+    )
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of everything random (0)")
+    parser.add_argument(
+        "--hide",
+        type=seed,
+        metavar="SEED",
+        help="draw an effect from SEED and hide it in the rig, for `stillarm diagnose` to find",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the demo and print its table."""
+    from stillarm.progress import progress_bar
+    from stillarm.simulation.demo.demo import run_demo
+
+    hide = arguments.hide
+    duration_s = arguments.duration_s
+    if duration_s is None:
+        duration_s = _DURATION_S if hide is None else _HIDDEN_DURATION_S
+    print(
+        f"A flexible arm is struck at 2 s and rings; it is struck again at {0.6 * duration_s:g} s and damped."
+    )
+    summary = run_demo(
+        arguments.out,
+        duration_s,
+        arguments.seed,
+        progress_bar,
+        arguments.accelerometer,
+        drive=arguments.drive,
+        hide=hide,
+    )
+    if hide is not None:
+        print("The rig contains a hidden effect that its model does not describe. To find it:")
+        print(f"stillarm diagnose {arguments.out / 'recording.mcap'}")
+        return 0
+    print_table(summary)
+    print(
+        f"Figures, recording.mcap and summary.json are in {arguments.out}; begin with {arguments.out / 'overview.png'}"
+    )
+    return 0
+
+
+def print_table(summary: dict[str, Any]) -> None:
+    """Print the demo's results as a table."""
+    damping = summary["damping"]
+    free = damping["settling_time_free_s"] or damping["settling_time_free_fitted_s"]
+    print(f"{'':<26}{'free':>10}{'damped':>10}")
+    print(
+        f"{'settling time to 5 %, s':<26}{_number(free, 2):>10}{_number(damping['settling_time_damped_s'], 2):>10}"
+    )
+    ratios = _number(damping["damping_ratio_free"], 3), _number(damping["damping_ratio_damped"], 3)
+    print(f"{'damping ratio':<26}{ratios[0]:>10}{ratios[1]:>10}")
+    print(f"{'':<26}" + "".join(f"{name:>14}" for name in summary["methods"]))
+    for label, key, factor, digits in (
+        ("capture delay, ms", "delay_mean_s", 1e3, 1),
+        ("delay error rms, ms", "delay_error_rms_s", 1e3, 1),
+        ("prediction error mean, %", "prediction_error_mean", 100.0, 1),
+    ):
+        values = (_number(m[key], digits, factor) for m in summary["methods"].values())
+        print(f"{label:<26}" + "".join(f"{value:>14}" for value in values))
+    if comparison := comparison_line(summary["methods"]):
+        print(comparison)
+    print(
+        f"{summary['cycles']} cycles, {summary['deadline_misses']} deadlines missed, "
+        f"{summary['frames']} frames, {summary['frames_lost']} lost; "
+        f"replay {'identical' if summary['replay_identical'] else 'DIFFERENT'}"
+    )
+    if summary["frames_lost"] > _LOST_SHARE * (summary["frames"] + summary["frames_lost"]):
+        print(
+            "This computer was too busy for the camera's images, so the figures mean little; close other programs"
+        )
+
+
+def comparison_line(methods: dict[str, dict[str, Any]]) -> str:
+    """Our method compared with the others in one sentence; empty if there is nothing to compare."""
+    error = {name: scores.get("prediction_error_mean") for name, scores in methods.items()}
+    own = error.get(_OURS)
+    others = [(name, value) for name, value in error.items() if name != _OURS and value is not None]
+    if own is None or not others:
+        return ""
+    against = ", ".join(f"{name} {100.0 * value:.1f} %" for name, value in others)
+    best_name, best = min(others, key=lambda each: each[1])
+    if best < own:
+        return f"{_OURS} predicts to {100.0 * own:.1f} % on average, worse than {best_name} here (against {against})"
+    return f"{_OURS} predicts to {100.0 * own:.1f} % on average, against {against}"
+
+
+def _number(value: float | None, digits: int, factor: float = 1.0) -> str:
+    return "-" if value is None else f"{factor * value:.{digits}f}"

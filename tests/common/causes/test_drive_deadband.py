@@ -1,0 +1,13 @@
+"""A dead band: commands within it are lost, others pass unchanged."""
+
+import pytest
+
+from tests.fixtures.driven_joint import rig, velocities
+
+
+@pytest.mark.parametrize(
+    ("command", "steady"), [(0.015, 0.0), (-0.015, 0.0), (0.02, 0.0), (0.021, 0.021), (-0.3, -0.3)]
+)
+def test_steady_velocities_of_both_signs(command: float, steady: float) -> None:
+    joint = rig({"cause": "drive_deadband", "deadband_rad_s": 0.02})
+    assert velocities(joint, [command] * 400)[-1] == pytest.approx(steady, abs=1e-12)
