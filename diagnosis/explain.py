@@ -17,7 +17,7 @@ from stillarm.diagnosis.channels import JOINT_CHANNELS
 from stillarm.diagnosis.comparison import compared
 from stillarm.diagnosis.evidence import score
 from stillarm.diagnosis.fit import Fit, Split, fit, make_data
-from stillarm.diagnosis.forms import forms
+from stillarm.diagnosis.forms import Form, forms
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.laws import LawFound, backward_steps, laws
 from stillarm.diagnosis.refits import QUICK, free_names
