@@ -14,7 +14,7 @@ from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.budget import OutOfTime
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
 from stillarm.diagnosis.channels import JOINT_CHANNELS
-from stillarm.diagnosis.comparison import compared
+from stillarm.diagnosis.comparison import LEFT_OUT, compared
 from stillarm.diagnosis.evidence import score
 from stillarm.diagnosis.fit import Fit, Split, fit, make_data
 from stillarm.diagnosis.forms import Form, forms
@@ -117,11 +117,15 @@ def _explained(
     for turn in range(len(begun), MOST_CAUSES):
         tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
         upstream = turn == 0 and _joint_departs(found.final)
-        stage = _round(found, split, only, upstream)
-        found.stages.append(stage)
-        if stage.taken is None and upstream:
-            stage = _round(found, split, only, upstream=False)
+        try:
+            stage = _round(found, split, only, upstream)
             found.stages.append(stage)
+            if stage.taken is None and upstream:
+                stage = _round(found, split, only, upstream=False)
+                found.stages.append(stage)
+        except OutOfTime:
+            found.left_out.append(LEFT_OUT)
+            break
         if stage.taken is None:
             break
         found.findings.append(stage.taken)
