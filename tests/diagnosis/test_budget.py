@@ -59,6 +59,7 @@ def test_the_limit_holds_for_work_on_the_other_core_too() -> None:
     assert side_by_side(lambda item: check_time(), [1, 2]) == [None, None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seconds", "left_out"),
     [

@@ -22,6 +22,7 @@ def test_nothing_is_found_where_nothing_is_hidden() -> None:
     assert [one.cause for one in found.findings] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("quantity", "value", "cause"),
     [

@@ -90,6 +90,7 @@ def test_from_an_onset_it_acts_as_before_and_begins_at_a_quantity_of_its_place(o
     assert from_an_onset(later) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", [one for one in ALL if from_an_onset(one) is not None], ids=titled)
 def test_what_begins_at_the_end_has_done_nothing(one: Form, plain: Fit) -> None:
     """And what begins in the middle has done something only from then on."""
