@@ -2,7 +2,6 @@
 
 from cmath import exp
 from collections import deque
-from enum import Enum
 from math import hypot, inf, isfinite, pi, sqrt
 
 from stillarm.common.datagrams.visual_sample import VisualSample
@@ -24,6 +23,7 @@ from stillarm.controller.estimation.fused.joint_input import JointInput
 from stillarm.controller.estimation.fused.layout import Layout
 from stillarm.controller.estimation.fused.present import Present
 from stillarm.controller.estimation.fused.sensor_health import AccelerometerHealth
+from stillarm.controller.estimation.fused.spread_work import SpreadWork, Steps
 
 _FIRST_PERIODS, _HIGHEST_PERIODS = (
     1.0 / 24.0,
@@ -40,25 +40,12 @@ _DOUBTFUL = "images lie further from what is predicted than the stated deviation
 _SCALE_DRIFTS = "images and accelerometer drift apart: the scene's depth, or the accelerometer's gain"
 
 
-class _Work(Enum):
-    """What the last frame has left to do."""
-
-    NONE = 0
-    DATE = 1
-    ARRIVAL = 2
-    STARTED = 3
-    AIM = 4
-    PREDICT = 5
-    LOOK = 6
-    TAKE = 7
-    SETTLE = 8
-    MERGE = 9
-    PRESENT = 10
-    LEARN = 11
-    BLOCKS = 12
-
-
-_OF_FRAME = frozenset(list(_Work)[_Work.DATE.value : _Work.MERGE.value])
+# The steps of a frame, in their order; those before MERGE change the filters by it.
+DATE, ARRIVAL, STARTED = "date", "arrival", "n_i"
+AIM, PREDICT, LOOK, TAKE, SETTLE = "aim", "predict", "look", "take", "settle"
+MERGE, PRESENT, LEARN, BLOCKS = "merge", "present", "learn", "blocks ahead"
+_OF_FRAME = frozenset((DATE, ARRIVAL, STARTED, AIM, PREDICT, LOOK, TAKE, SETTLE))
+_AIMED, _TO_TAKE = frozenset((PREDICT, LOOK)), frozenset((TAKE, SETTLE))
 
 
 class FusedMethod:
@@ -121,10 +108,7 @@ class FusedMethod:
         self._start_sum = [0j] * at.modes
         self._taken: list[Block] = []  # by the bank, since the snapshot
         self._snapshot: Merged | None = None
-        self._work = _Work.NONE
-        self._frame: tuple[VisualSample, float, bool] | None = (
-            None  # read last; when, and whether its image counts
-        )
+        self._work = SpreadWork()
         self._dated: list[
             tuple[int, float, float]
         ] = []  # in this cycle: frame, its delay, standard deviation
@@ -157,8 +141,7 @@ class FusedMethod:
 
     def see_new_zero(self) -> None:
         """OutlivesSupervisor: the dates, the arm and the accelerometer are as they were."""
-        while self._work in _OF_FRAME:
-            self._work_off()
+        self._finish_frame()
         self._take_what_was_seen()
         self.frames.see_new_zero()
         self._snapshot = None
@@ -318,75 +301,81 @@ class FusedMethod:
         samples = samples[-_MOST_DATED:]
         first_looked_at = len(samples) - _MOST_IMAGES
         for place, sample in enumerate(samples):
-            while self._work in _OF_FRAME:
-                self._work_off()
-            self._frame = sample, time_s, sample.measured and place >= first_looked_at
-            self._work = _Work.DATE
+            self._finish_frame()
+            self._work.begin(self._steps(sample, time_s, sample.measured and place >= first_looked_at))
 
-    def _date_frame(self) -> None:
-        assert self._frame is not None
-        sample, received_s, _ = self._frame
-        self._work = _Work.ARRIVAL if self.frames.accept(sample, received_s) else _Work.SETTLE
+    def _steps(self, sample: VisualSample, received_s: float, looked_at: bool) -> Steps:
+        """What a frame leaves to do; each `yield` names the step that follows it, for a cycle of its own."""
+        frames = self.frames
+        yield DATE
+        if frames.accept(sample, received_s):
+            yield ARRIVAL
+            frames.take_arrival()
+            yield STARTED
+            frames.dates.take_started()
+            if looked_at:
+                yield from self._image_steps(sample, received_s)
+        yield SETTLE
+        if frames.settle():
+            self._tell_date(sample.frame)
+        yield MERGE
+        self._merge(self._now_s)
+        yield PRESENT
+        self._restart_present(self._now_s)
+        yield LEARN
+        if frames.learn():
+            self._snapshot = None
+            self._restart_present(self._now_s)
+        while self._block_ahead():
+            yield BLOCKS
+            if self._block_ahead():
+                self._take_oldest_block()
 
-    def _take_arrival(self) -> None:
-        self.frames.take_arrival()
-        self._work = _Work.STARTED
+    def _image_steps(self, sample: VisualSample, received_s: float) -> Steps:
+        """From the frame's date to its measurement update. A bank that changes after AIM has it aimed at anew."""
+        frames = self.frames
+        aimed = self._aim(sample, received_s)  # little work: still of the step before
+        while True:
+            while not aimed:
+                yield AIM
+                aimed = self._aim(sample, received_s)
+                if not aimed:
+                    self._take_oldest_block()
+            if (yield PREDICT):
+                aimed = False
+                continue
+            frames.predict_image()
+            if not (yield LOOK):
+                break
+            aimed = False
+        if self._look(sample.frame, received_s):
+            yield TAKE
+            frames.take()
 
-    def _take_started(self) -> None:
-        assert self._frame is not None
-        self.frames.dates.take_started()
-        self._work = _Work.AIM if self._frame[2] else _Work.SETTLE
-        if self._frame[2]:
-            instant_s = self.frames.dates.expected_instant_s()
-            if not self._block_before(instant_s):
-                self._aim_at(instant_s)  # little work, both
+    def _aim(self, sample: VisualSample, received_s: float) -> bool:
+        """Aim at an image unless a block before its exposure has yet to be taken in."""
+        instant_s = self.frames.dates.expected_instant_s()
+        if self._block_before(instant_s):
+            return False
+        self.frames.aim(sample, received_s, self._joint_input)
+        self._last_instant_s = instant_s
+        return True
 
     def _block_before(self, time_s: float) -> bool:
         return bool(self._blocks) and self._blocks[0].end_s <= time_s
 
-    def _aim_at_image(self) -> None:
-        """The image that waits, once the blocks before it have been taken in."""
-        instant_s = self.frames.dates.expected_instant_s()
-        if self._block_before(instant_s):
-            self._take_oldest_block()
-        else:
-            self._aim_at(instant_s)
-
-    def _aim_at(self, instant_s: float) -> None:
-        """The image that waits, exposed at instant_s, no block before it being left."""
-        assert self._frame is not None
-        sample, received_s, _ = self._frame
-        self.frames.aim(sample, received_s, self._joint_input)
-        self._last_instant_s = instant_s
-        self._work = _Work.PREDICT
-
-    def _predict_image(self) -> None:
-        self.frames.predict_image()
-        self._work = _Work.LOOK
-
-    def _look_at_image(self) -> None:
-        assert self._frame is not None
-        frames, (sample, received_s, _) = self.frames, self._frame
+    def _look(self, frame: int, received_s: float) -> bool:
+        """Compare the image with what was predicted; whether it is of use."""
+        frames = self.frames
         in_use = bool(self._blocks) and self._blocks[-1].count > 0 and not self.health.mute
         sees = in_use and self.health.sees_impacts and self._now_s - self._alarm_s > _ALARM_S
         of_use = frames.look(ImpactReport(self._impacts.suspicion, sees, in_use))
         self._last_frame_s = received_s
         if frames.impact:
             self._impacts.forget()
-        self._work = _Work.TAKE if of_use else _Work.SETTLE
         if not of_use:
-            self._tell_date(sample.frame)
-
-    def _take_image(self) -> None:
-        assert self._frame is not None
-        self.frames.take()
-        self._work = _Work.SETTLE
-
-    def _settle(self) -> None:
-        assert self._frame is not None
-        if self.frames.settle():
-            self._tell_date(self._frame[0].frame)
-        self._work = _Work.MERGE
+            self._tell_date(frame)
+        return of_use
 
     def _take_oldest_block(self) -> None:
         self._take_what_was_seen()
@@ -399,43 +388,23 @@ class FusedMethod:
 
     def _take_what_was_seen(self) -> None:
         """Before anything else changes the bank; what was only aimed at is aimed at anew."""
-        if self._work in (_Work.PREDICT, _Work.LOOK):
-            self._work = _Work.AIM
-        if self._work is _Work.TAKE:
-            self._take_image()
-        if self._work is _Work.SETTLE:
-            self._settle()
+        if self._work.due in _AIMED:
+            self._work.withdraw()
+        self._work.advance_through(_TO_TAKE)
+
+    def _finish_frame(self) -> None:
+        """All steps that are left of the last frame but for those that only tell of it."""
+        while self._work.due in _OF_FRAME:
+            self._work_off()
 
     def _work_off(self) -> None:
-        """What a frame leaves to do, a part in each of the next cycles, so that none is long."""
+        """A step of what a frame leaves to do."""
         if not self.frames.leave_block():
-            _PARTS[self._work](self)
-
-    def _work_out_present(self) -> None:
-        self._restart_present(self._now_s)
-        self._work = _Work.LEARN
-
-    def _learn(self) -> None:
-        if self.frames.learn():
-            self._snapshot = None
-            self._restart_present(self._now_s)
-        self._go_on_with_blocks()
-
-    def _go_on_with_blocks(self) -> None:
-        self._work = _Work.BLOCKS if self._block_ahead() else _Work.NONE
-
-    def _take_block_ahead(self) -> None:
-        if self._block_ahead():
-            self._take_oldest_block()
-        self._go_on_with_blocks()
+            self._work.advance()
 
     def _block_ahead(self) -> bool:
         """Whether there is a block that the next image will want taken in."""
         return self._block_before(self._last_instant_s + _AHEAD_FRAMES * self._frame_s)
-
-    def _merge_filters(self) -> None:
-        self._merge(self._now_s)
-        self._work = _Work.PRESENT
 
     def _merge(self, now_s: float) -> None:
         self._snapshot = self.frames.merged(now_s)
@@ -521,20 +490,3 @@ class FusedMethod:
         return Estimate(
             delay, deflection, rate, std, of_deflection, self.reason, frames.blind, dated, static_m, trust
         )
-
-
-_PARTS = {
-    _Work.NONE: lambda method: None,
-    _Work.DATE: FusedMethod._date_frame,
-    _Work.ARRIVAL: FusedMethod._take_arrival,
-    _Work.STARTED: FusedMethod._take_started,
-    _Work.AIM: FusedMethod._aim_at_image,
-    _Work.PREDICT: FusedMethod._predict_image,
-    _Work.LOOK: FusedMethod._look_at_image,
-    _Work.TAKE: FusedMethod._take_image,
-    _Work.SETTLE: FusedMethod._settle,
-    _Work.MERGE: FusedMethod._merge_filters,
-    _Work.PRESENT: FusedMethod._work_out_present,
-    _Work.LEARN: FusedMethod._learn,
-    _Work.BLOCKS: FusedMethod._take_block_ahead,
-}
