@@ -6,8 +6,8 @@ Plain floats: it runs once a block and once a frame for each block since the fra
 from cmath import exp
 from math import sqrt
 
-from stillarm.controller.estimation.fused.blocks import Block, Jump, along_rate
-from stillarm.controller.estimation.fused.quadratic_form import quadratic_form
+from stillarm.controller.estimation.fused.accelerometer.blocks import Block, Jump, along_rate
+from stillarm.controller.estimation.fused.small_arrays import quadratic_form
 
 
 class Present:

@@ -9,7 +9,7 @@ import pytest
 from stillarm.common.files.configuration import Controller as Settings
 from stillarm.common.files.model import Mode
 from stillarm.controller.estimation.estimate import Status
-from stillarm.controller.estimation.fused.bank import Law
+from stillarm.controller.estimation.fused.filters.laws import Law
 from stillarm.controller.estimation.fused.method import FusedMethod
 from stillarm.controller.estimation.methods import make_method
 from tests.reference.ringing_world import Trial, judge, model_for, ring

@@ -11,10 +11,12 @@ from hypothesis import strategies as st
 from stillarm.benchmarks.estimators.trial import assumed_model
 from stillarm.benchmarks.estimators.world.regimes import REGIMES
 from stillarm.common.files.configuration import Fused
-from stillarm.controller.estimation.fused import start
-from stillarm.controller.estimation.fused.bank import QUIET, FilterBank
-from stillarm.controller.estimation.fused.blocks import Jump
-from stillarm.controller.estimation.fused.layout import Layout
+from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
+from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.filters import start
+from stillarm.controller.estimation.fused.filters.bank import FilterBank
+from stillarm.controller.estimation.fused.filters.jumps import inflate
+from stillarm.controller.estimation.fused.filters.laws import QUIET
 from stillarm.controller.estimation.fused.present import Present
 
 LENGTH_M = 2.0
@@ -49,7 +51,7 @@ def test_the_present_takes_a_change_of_force_as_the_bank_does(
 ) -> None:
     filters, at, present = ringing()
     jump = Jump(time_s, (0.002,), (0.0005,), doubt, size)
-    filters.inflate(jump, QUIET)
+    inflate(filters, jump, QUIET)
     present.inflate(jump)
     assert present.z[0] == pytest.approx(complex(filters.phasors()[0, 0]), abs=1e-12)
     assert present.force == pytest.approx(float(filters.x[0, at.force]), abs=1e-15)

@@ -1,0 +1,174 @@
+"""Which filter the images bear out: probabilities with a fading memory, and refuted filters started again."""
+
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.files.configuration import Fused
+from stillarm.common.files.model import Model
+from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.dates.dating import Dating
+from stillarm.controller.estimation.fused.filters import start
+from stillarm.controller.estimation.fused.filters.bank import FilterBank
+from stillarm.controller.estimation.fused.filters.laws import FILTERS, LAWS, LEVELS, Law
+from stillarm.controller.estimation.fused.filters.new_beginning import copy_filter, start_anew
+from stillarm.controller.estimation.fused.small_arrays import largest, summed
+
+Array = NDArray[np.float64]
+
+_MEMORY_FRAMES = 60.0
+_REFUTED, _UNLIKELY = 1e-4, 0.1
+_USUAL_FRAMES, _LEAST_USUAL = 300.0, 0.01
+_BLIND_HANDICAP = 50.0  # in the logarithm of the probability: only a full refutation (_LOWEST) outweighs it
+_LEVEL_FRAMES, _LEAST_DISTURBED, _MOST_DISTURBED = 300.0, 0.01, 0.5
+_LARGEST_NIS = 25.0  # one image may not decide alone
+_LOWEST = -60.0
+_UNPROVEN = 7.0  # by so much less likely than the best, in the logarithm, a filter begins anew
+_LEAST_SHIFT_S = 0.001
+
+
+class Evidence:
+    """Probabilities of the filters, weights (filters,); best: the most probable filter."""
+
+    def __init__(self, model: Model, settings: Fused, at: Layout, length_m: float) -> None:
+        """As the model's camera mode suggests."""
+        self._at = at
+        self._delay_s = model.timing.capture_delay_s
+        self._first = start.variances(model, settings, at, length_m)
+        self._prior = start.beliefs(model)
+        self.stamps_admitted = False
+        self._while_seeing = self._prior
+        self.begin()
+
+    def begin(self) -> None:
+        """No image has told anything."""
+        self._log = np.zeros(FILTERS)
+        self._refuted_for = np.zeros(FILTERS)
+        self._disturbed = start.DISTURBED
+        self._level = np.zeros(FILTERS)
+        self._expect_level()
+        self._normalise()
+        self._usual: Array = self._by_law()
+
+    def _normalise(self) -> None:
+        total = self._prior + self._level + self._log
+        weights = np.exp(total - largest(total))
+        self.weights: Array = weights / summed(weights)
+        self.best = int(total.argmax())
+
+    def likeliest(self, law: Law) -> int:
+        """The more probable one of a law's filters."""
+        return int(law) + LAWS * int(self.weights[law::LAWS].argmax())
+
+    def law(self, law: Law) -> float:
+        """Probability of a law, whatever the level of disturbance."""
+        return float(summed(self.weights[law::LAWS]))
+
+    def _by_law(self) -> Array:
+        result: Array = summed(self.weights.reshape(LEVELS, LAWS), 0)
+        return result
+
+    def weigh(self, nis: Array, variance: Array) -> None:
+        """Take in an image's normalised innovations squared and their variances, m^2."""
+        keep = 1.0 - 1.0 / _MEMORY_FRAMES
+        self._log = keep * self._log - 0.5 * (np.minimum(nis, _LARGEST_NIS) + np.log(variance))
+        self._log -= largest(self._log)
+        np.maximum(self._log, _LOWEST, out=self._log)
+        self._normalise()
+
+    def remember(self) -> None:
+        """After an image, seen beside an accelerometer: which laws are usual, and how often the arm is disturbed.
+
+        The probability that it is, slowly averaged, is what is expected of the next image.
+        """
+        self._usual += (self._by_law() - self._usual) / _USUAL_FRAMES
+        now = float(summed(self.weights[LAWS:]))
+        learnt = self._disturbed + (now - self._disturbed) / _LEVEL_FRAMES
+        self._disturbed = min(max(learnt, _LEAST_DISTURBED), _MOST_DISTURBED)
+        self._expect_level()
+
+    def _expect_level(self) -> None:
+        self._level[LAWS:] = log(self._disturbed / (1.0 - self._disturbed))
+
+    @property
+    def log_weights(self) -> Array:
+        """Logarithms of the filters' probabilities by the last images, (filters,)."""
+        return self._prior + self._level + self._log
+
+    def restore(self, log_weights: Array) -> None:
+        """The filters are as they were when these were their probabilities."""
+        self._log = np.maximum(log_weights - self._prior - self._level, _LOWEST)
+        self._log -= largest(self._log)
+        self._refuted_for[:] = 0.0
+        self._normalise()
+
+    def admit_stamps(self, bank: FilterBank, dating: Dating) -> None:
+        """The camera stamps its frames: from now on that law counts, starting from what the best one knows."""
+        self.stamps_admitted = True
+        best = self.best
+        dating.nominal[Law.STAMPS] = dating.nominal[best % LAWS] + bank.x[best, self._at.shift]
+        spread = float(self._first[best, self._at.shift])
+        for target in range(int(Law.STAMPS), FILTERS, LAWS):
+            self._start(bank, target, best, 0.0, spread)
+            self._prior[target] = self._prior[target - 1] + 0.7
+        self._normalise()
+
+    def begin_clock(self, bank: FilterBank, dating: Dating) -> None:
+        """The clock's period was another: its law begins anew, from what the best one of the others knows."""
+        others = np.where(np.arange(FILTERS) % LAWS == Law.CLOCK, 0.0, self.weights)
+        best, at = int(np.argmax(others)), self._at
+        instant = float(dating.nominal[best % LAWS] + bank.x[best, at.shift])
+        variance = max(float(bank.p[best, at.shift, at.shift] + bank.jitter[best]), _LEAST_SHIFT_S**2)
+        for target in range(int(Law.CLOCK), FILTERS, LAWS):
+            self._start(bank, target, best, instant - float(dating.nominal[Law.CLOCK]), variance)
+            self._log[target] = self._log[best] - _UNPROVEN
+            self._refuted_for[target] = 0.0
+        self._normalise()
+
+    def respawn(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
+        """A filter refuted for a while starts again from the best one; instant_s: of the last frame, with std_s."""
+        best = self.best
+        low = self.weights < _REFUTED
+        if not self.stamps_admitted:
+            low[Law.STAMPS :: LAWS] = False
+        counts = self._refuted_for
+        counts += 1.0
+        counts *= low
+        if largest(counts) <= _MEMORY_FRAMES:
+            return
+        for target in np.flatnonzero(counts > _MEMORY_FRAMES).tolist():
+            counts[target] = 0.0
+            law = Law(target % LAWS)
+            of_law = self.likeliest(law)
+            if self.weights[of_law] > 0.05:
+                copy_filter(bank, target, of_law)
+            else:
+                shift = instant_s - float(dating.nominal[law])
+                self._start(bank, target, best, shift, max(std_s, _LEAST_SHIFT_S) ** 2)
+            self._log[target] = -_UNPROVEN
+
+    def go_blind(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
+        """The accelerometer is lost: images alone can hardly tell a drifting delay from a changed frequency.
+
+        So the laws keep the probabilities that they had, and none that was unlikely keeps a shift of its own.
+        """
+        best = self.best
+        unlikely = np.tile(self._usual < _UNLIKELY, LEVELS)
+        if not self.stamps_admitted:
+            unlikely[Law.STAMPS :: LAWS] = False
+        for target in np.flatnonzero(unlikely).tolist():
+            shift = instant_s - float(dating.nominal[target % LAWS])
+            self._start(bank, target, best, shift, max(std_s, _LEAST_SHIFT_S) ** 2)
+        self._while_seeing = self._prior
+        laws = np.log(np.maximum(self._usual, _LEAST_USUAL))
+        laws[self._usual < _UNLIKELY] -= _BLIND_HANDICAP
+        self._prior = np.tile(laws, LEVELS)
+
+    def see_again(self) -> None:
+        """The accelerometer is back."""
+        self._prior = self._while_seeing
+
+    def _start(self, bank: FilterBank, target: int, source: int, shift_s: float, variance: float) -> None:
+        at, first = self._at, self._first[target]
+        start_anew(bank, target, source, shift_s, (variance, float(first[at.skew]), float(first[at.late])))

@@ -1,0 +1,158 @@
+"""An image predicted, compared and taken in by all filters, each at its own instant."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.controller.estimation.fused.filters.bank import FilterBank
+from stillarm.controller.estimation.fused.filters.laws import Array, ComplexArray
+from stillarm.controller.estimation.fused.small_arrays import summed
+
+_VAGUE = 0.002  # of the squared rate
+_UNTOLD = 0.25  # of a shift's first variance: what images have left of it
+_INSIGNIFICANT = (
+    0.1  # of the squared rate: of less than three deviations, an image's rate is noise, and tells no instant
+)
+_FLOOR = 0.002  # of the deflection: no image scale or model is better
+
+
+class Vibration(NamedTuple):
+    """What each filter expects of the arm at its instant, as an image would show it: lag since edge_s, s, (filters, 1);
+    by mode, (filters, m), exp((slow + i w) t) and the phasor turned by it, m; deflection, m, and its rate, m/s,
+    (filters,).
+    """
+
+    lag: Array
+    turn: ComplexArray
+    own: ComplexArray
+    deflection: Array
+    rate: Array
+
+
+@dataclass(slots=True)
+class Seen:
+    """One image as each filter sees it before taking it in; arrays of shape (filters,)."""
+
+    residual: Array
+    variance: Array
+    rate: Array
+    ph: Array  # covariance times the slope of the image's value by the state, (filters, n)
+    nis: Array  # normalised innovation squared
+    phasor: Array  # variance of the first mode's phasor, m^2, the mean of its parts'
+
+
+def turned_to(bank: FilterBank, times_s: Array) -> ComplexArray:
+    """By what a phasor at edge_s is to be multiplied for what images show of it at times_s (filters, k): shape
+    (filters, k, m)."""
+    lag = (times_s - bank.edge_s)[:, :, None]
+    turned: ComplexArray = (
+        np.exp(bank.fast_rates()[:, None, :] * lag + bank.iw * bank.edge_s) * bank.image_gain
+    )
+    return turned
+
+
+def vibration_at(bank: FilterBank, times_s: Array, step: ComplexArray) -> Vibration:
+    """What each filter expects of the arm at times_s (filters,). step: joint's phasor increments since edge_s,
+    (filters, m).
+    """
+    z, fast = bank.phasors(), bank.fast_rates()
+    lag = (times_s - bank.edge_s)[:, None]
+    turn = np.exp(fast * lag.astype(np.complex128) + bank.iw * bank.edge_s) * bank.image_gain
+    own = z * turn
+    total = own + step * turn
+    return Vibration(lag, turn, own, summed(total.real, 1), summed((fast * total).real, 1))
+
+
+def look_at_image(
+    bank: FilterBank,
+    value_m: float,
+    vibration: Vibration,
+    joint_m: Array,
+    joint_rate: Array,
+    joint_rate_variance: float,
+    noise: float,
+) -> Seen:
+    """An image that shows value_m of that vibration, when the joint alone moved the tip by joint_m (filters,).
+
+    joint_rate: rate of joint_m, m/s, (filters,), with its variance. noise: of the image, variance, m^2.
+    """
+    at, p, w2 = bank.at, bank.p, bank.at.w_first**2
+    blur = np.exp(-0.5 * w2 * bank.jitter)
+    scale = 1.0 + bank.x[:, at.scale]
+    deflection = vibration.deflection * blur + bank.x[:, at.force]
+    tip = joint_m + deflection
+    rate = scale * (joint_rate + vibration.rate)
+    slope = np.zeros(bank.x.shape)
+    shown, drawn = (scale * blur)[:, None], vibration.lag * -scale[:, None]
+    turn, own = vibration.turn, vibration.own
+    slope[:, at.cosine], slope[:, at.sine] = turn.real * shown, turn.imag * shown
+    slope[:, at.frequency], slope[:, at.decay] = own.imag * drawn, own.real * drawn
+    slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
+    slope[:, at.force] = scale
+    phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
+    rate_variance = w2 * phasor + joint_rate_variance
+    untold = p[:, at.shift, at.shift] > _UNTOLD * bank.first[:, at.shift]
+    unseen = untold & (rate_variance > _INSIGNIFICANT * _known_rate2(bank, rate))
+    if unseen.any():
+        slope[unseen, at.shift] = 0.0
+    residual = value_m - scale * tip - bank.x[:, at.offset]
+    # second order: products of two uncertain quantities, and a large shift bends the sinusoid
+    unknown = bank.jitter + p[:, at.shift, at.shift]
+    rate2 = rate * rate
+    products = p[:, at.scale, at.scale] * (phasor + rate2 * unknown) + (_FLOOR * deflection) ** 2
+    bend = 0.5 * (w2 * deflection * unknown) ** 2
+    extra = noise + rate2 * (bank.jitter + unseen * p[:, at.shift, at.shift])
+    extra += rate_variance * unknown + bend + products
+    ph = np.matvec(p, slope)
+    variance = np.vecdot(ph, slope) + extra
+    return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)
+
+
+def take_image(
+    bank: FilterBank, seen: Seen, extra: Array, phase_only: NDArray[np.bool_] | None
+) -> tuple[Array, Array]:
+    """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).
+
+    phase_only: filters whose dating images can tell nothing of, (filters,), if there are any.
+
+    Returns what each filter then holds of this frame's own instant beyond its shift: mean, s, and the variance
+    of the instant as a whole, s^2; each (filters,).
+    """
+    t = bank.at.shift
+    ph, variance = seen.ph, seen.variance * extra
+    gain = ph / variance[:, None]
+    vague = _vague(bank, seen)
+    if phase_only is not None:
+        vague |= phase_only
+    if vague.any():
+        for i in (t, bank.at.skew, bank.at.late, bank.at.ahead):
+            gain[vague, i] = 0.0
+        both = gain[:, :, None] * ph[:, None, :]
+        bank.p -= both + both.transpose(0, 2, 1)
+        bank.p += gain[:, :, None] * (gain * variance[:, None])[:, None, :]
+    else:
+        bank.p -= gain[:, :, None] * ph[:, None, :]
+    bank.x += gain * seen.residual[:, None]
+    own = seen.rate * bank.jitter / variance
+    spread = bank.p[:, t, t] + bank.jitter - own * own * variance - 2.0 * own * ph[:, t]
+    return own * seen.residual, np.maximum(spread, 1e-14)
+
+
+def _vague(bank: FilterBank, seen: Seen) -> NDArray[np.bool_]:
+    """Which filters know the vibration's rate too badly to tell an instant by it, (filters,).
+
+    Phase and instant look alike in an image. Linearised about a wrong rate, as behind a blow, each image would
+    seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
+    stays.
+    """
+    result: NDArray[np.bool_] = seen.phasor > (_VAGUE / bank.at.w_first**2) * _known_rate2(bank, seen.rate)
+    return result
+
+
+def _known_rate2(bank: FilterBank, rate: Array) -> Array:
+    """Square of the image's rate as each filter has it, at this instant and on average, m^2/s^2, (filters,)."""
+    a, b = bank.x[:, 0], bank.x[:, 1]
+    result: Array = (0.5 * bank.at.w_first**2) * (a * a + b * b) + rate * rate
+    return result

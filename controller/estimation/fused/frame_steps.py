@@ -1,0 +1,148 @@
+"""What a frame leaves to do, as a sequence of steps: each has a controller's cycle of its own, so that none is long.
+
+The next frame, if it comes before the last step, first has this one's measurement taken in. What only tells of this
+one, from the mixture on, is then left to the next.
+"""
+
+from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
+from stillarm.controller.estimation.fused.arm.joint_input import JointInput
+from stillarm.controller.estimation.fused.block_history import BlockHistory
+from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
+from stillarm.controller.estimation.fused.spread_work import SpreadWork, Steps
+
+_ALARM_S = 0.6
+_MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates count: no cycle may be long
+_MOST_DATED = 4  # in a cycle, 0.1 to 0.25 ms each; those before them count as lost
+_AHEAD_FRAMES = 0.9  # of an image are blocks taken in
+
+# The steps in their order; those before MERGE change the filters by the frame.
+DATE, ARRIVAL, STARTED = "date", "arrival", "n_i"
+AIM, PREDICT, LOOK, TAKE, SETTLE = "aim", "predict", "look", "take", "settle"
+MERGE, PRESENT, LEARN, BLOCKS = "merge", "present", "learn", "blocks ahead"
+_OF_FRAME = frozenset((DATE, ARRIVAL, STARTED, AIM, PREDICT, LOOK, TAKE, SETTLE))
+_AIMED, _TO_TAKE = frozenset((PREDICT, LOOK)), frozenset((TAKE, SETTLE))
+
+
+class FrameSteps:
+    """now_s: time of the cycle, which whoever calls keeps. last_frame_s: when the image looked at last was read.
+
+    dated: frames whose delay was told in this cycle: number, delay, s, and its standard deviation, s; whoever reports
+    them clears it.
+    """
+
+    def __init__(self, fusion: FrameFusion, history: BlockHistory, joint_input: JointInput) -> None:
+        """No frame yet."""
+        self._fusion, self._history, self._joint_input = fusion, history, joint_input
+        self._work = SpreadWork()
+        self.now_s = 0.0
+        self._ahead_s = _AHEAD_FRAMES * fusion.state.frame_s
+        self._last_instant_s = float("-inf")
+        self.dated: list[tuple[int, float, float]] = []
+        self.last_frame_s = float("-inf")
+
+    def see(self, samples: list[VisualSample]) -> None:
+        """Leave the last one to the cycles that follow; those before it have to be done with at once."""
+        samples = samples[-_MOST_DATED:]
+        first_looked_at = len(samples) - _MOST_IMAGES
+        for place, sample in enumerate(samples):
+            self.finish_frame()
+            self._work.begin(self._steps(sample, self.now_s, sample.measured and place >= first_looked_at))
+
+    def work_off(self) -> None:
+        """A step."""
+        if not self._fusion.blocks.leave():
+            self._work.advance()
+
+    def finish_frame(self) -> None:
+        """All steps that are left of the last frame but for those that only tell of it."""
+        while self._work.due in _OF_FRAME:
+            self.work_off()
+
+    def take_what_was_seen(self) -> None:
+        """Before anything else changes the bank; what was only aimed at is aimed at anew."""
+        if self._work.due in _AIMED:
+            self._work.withdraw()
+        self._work.advance_through(_TO_TAKE)
+
+    def take_oldest_block(self) -> None:
+        """Give the bank the oldest block that waits."""
+        self.take_what_was_seen()
+        self._history.hand_over_oldest()
+
+    def _steps(self, sample: VisualSample, received_s: float, looked_at: bool) -> Steps:
+        """Each `yield` names the step that follows it."""
+        fusion, history = self._fusion, self._history
+        yield DATE
+        if fusion.accept(sample, received_s):
+            yield ARRIVAL
+            fusion.take_arrival()
+            yield STARTED
+            fusion.dates.take_started()
+            if looked_at:
+                yield from self._image_steps(sample, received_s)
+        yield SETTLE
+        if fusion.settle():
+            self._tell_date(sample.frame)
+        yield MERGE
+        history.merge(self.now_s)
+        yield PRESENT
+        history.restart_present(self.now_s)
+        yield LEARN
+        if fusion.learn():
+            history.forget_snapshot()
+            history.restart_present(self.now_s)
+        while self._block_ahead():
+            yield BLOCKS
+            if self._block_ahead():
+                self.take_oldest_block()
+
+    def _image_steps(self, sample: VisualSample, received_s: float) -> Steps:
+        """From the frame's date to its measurement update. If the bank changes after AIM, it is aimed at anew."""
+        fusion = self._fusion
+        aimed = self._aim(sample, received_s)  # little work: still of the step before
+        while True:
+            while not aimed:
+                yield AIM
+                aimed = self._aim(sample, received_s)
+                if not aimed:
+                    self.take_oldest_block()
+            if (yield PREDICT):
+                aimed = False
+                continue
+            fusion.predict_image()
+            if not (yield LOOK):
+                break
+            aimed = False
+        if self._look(sample.frame, received_s):
+            yield TAKE
+            fusion.take()
+
+    def _aim(self, sample: VisualSample, received_s: float) -> bool:
+        """Aim at an image, unless a block before its exposure has yet to be taken in."""
+        instant_s = self._fusion.dates.expected_instant_s()
+        if self._history.has_block_before(instant_s):
+            return False
+        self._fusion.aim(sample, received_s, self._joint_input)
+        self._last_instant_s = instant_s
+        return True
+
+    def _look(self, frame: int, received_s: float) -> bool:
+        """Compare the image with what was predicted; whether it is of use."""
+        fusion, history = self._fusion, self._history
+        in_use = history.in_use
+        sees = in_use and fusion.state.health.sees_impacts and self.now_s - history.alarm_s > _ALARM_S
+        of_use = fusion.look(ImpactReport(history.impacts.suspicion, sees, in_use))
+        self.last_frame_s = received_s
+        if fusion.impact:
+            history.impacts.forget()
+        if not of_use:
+            self._tell_date(frame)
+        return of_use
+
+    def _tell_date(self, frame: int) -> None:
+        self.dated.append((frame, self._fusion.delay_s, self._fusion.delay_std_s))
+
+    def _block_ahead(self) -> bool:
+        """Whether there is a block that the next image will want taken in."""
+        return self._history.has_block_before(self._last_instant_s + self._ahead_s)

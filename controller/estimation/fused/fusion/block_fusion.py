@@ -1,0 +1,105 @@
+"""The accelerometer's blocks taken in by the filters, in parts that cost about the same."""
+
+from typing import NamedTuple
+
+from stillarm.controller.estimation.fused.accelerometer.blocks import Block
+from stillarm.controller.estimation.fused.filters.block_update import (
+    AimedAtBlock,
+    aim_at_block,
+    look_at_block,
+    move_on,
+    take_block,
+)
+from stillarm.controller.estimation.fused.filters.jumps import inflate, loosen_bias
+from stillarm.controller.estimation.fused.filters.laws import QUIET
+from stillarm.controller.estimation.fused.fusion.state import FusionState
+
+_HUBER = 7.0
+
+
+class _Aimed(NamedTuple):
+    """A block looked at, to be taken in next: block_update.take_block."""
+
+    aimed: AimedAtBlock
+    variance: float
+    shown: tuple[float, float] | None
+
+
+class BlockFusion:
+    """`take` looks at a block; `leave` does the rest, a part in each call, before anything else changes the bank."""
+
+    def __init__(self, state: FusionState) -> None:
+        """No block is waiting."""
+        self._state = state
+        self._left: Block | None = None  # looked at, its end not yet reached
+        self._aimed: _Aimed | None = None
+
+    def take(self, block: Block) -> None:
+        """Look at the oldest block of the accelerometer not yet taken in."""
+        self.finish()
+        state = self._state
+        bank = state.bank
+        for jump in block.jumps:
+            inflate(bank, jump, QUIET)
+            if jump.force_step_m:
+                state.held_force.step(jump.force_step_m)
+        held = state.held_force.during(block.start_s, block.end_s)
+        if held is not None:
+            inflate(bank, held, QUIET)
+        push = state.force.during(block.start_s, block.end_s)
+        if push is not None:
+            inflate(bank, push)
+        state.unused_blocks += 1
+        if block.count:
+            self._look(block)
+        self._left = block
+
+    def _look(self, block: Block) -> None:
+        """Compare the block with what images say of its time; what contradicts them counts less, or not at all."""
+        state = self._state
+        bank, health = state.bank, state.health
+        value, expected, quadrature, variance = look_at_block(bank, block, state.evidence.best)
+        total = variance + block.variance
+        drifted = health.compare(value, expected, total)
+        state.date_watch.see(value, expected, quadrature, total)
+        if drifted and state.date_watch.shows_offset:
+            loosen_bias(bank, drifted)
+        if health.mute:
+            return
+        state.unused_blocks = 0
+        self._watch_scale(block, value - expected, expected, total * health.doubt)
+        huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
+        variance = block.variance * max(huber, health.doubt)
+        self._aimed = _Aimed(aim_at_block(bank, block), variance, state.force.shown(block))
+
+    def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
+        # A random force moves images and accelerometer alike: their departures do add up. So do a misled filter's.
+        state = self._state
+        if state.force.intensity or state.fresh.astray(block.end_s):
+            state.scale_watch.restart()
+        elif state.scale_watch.see(difference, expected, variance, block.end_s - block.start_s):
+            state.as_calibrated = False
+            state.fresh.remembered.forget()
+
+    def leave(self) -> bool:
+        """Take in the block looked at last, then, in a second call, move on to its end; False where all is done."""
+        if self._left is None:
+            return False
+        state = self._state
+        block, bank = self._left, state.bank
+        if self._aimed is not None:
+            take_block(bank, *self._aimed)
+            self._aimed = None
+            return True
+        self._left = None
+        dt = block.end_s - bank.edge_s
+        noise = state.state_noise * dt
+        noise[:, state.at.scale] += state.scale_watch.grown(dt)
+        noise[:, state.at.phasor] = (state.phasor_noise() * dt)[:, None] + block.motion_variance
+        move_on(bank, block, noise)
+        return True
+
+    def finish(self) -> None:
+        """All that is left to do with the block looked at last."""
+        while self.leave():
+            pass

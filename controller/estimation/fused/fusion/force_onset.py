@@ -1,0 +1,52 @@
+"""When a force that lasts may have begun: images tell it, at once or by innovations that keep their sign."""
+
+from math import sqrt
+
+from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
+from stillarm.controller.estimation.fused.filters.image_update import Seen
+from stillarm.controller.estimation.fused.filters.jumps import end_force, give_force, inflate, loosen
+from stillarm.controller.estimation.fused.filters.laws import QUIET
+from stillarm.controller.estimation.fused.fusion.state import FusionState
+
+_ZERO_KNOWN = 1.0  # of an image's variance
+
+
+def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
+    """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
+    the time, nor before the image's zero is known, from which a force deflects the tip."""
+    held, c = state.held_force, state.at.offset
+    if not held.may_begin(time_s):
+        return False
+    if not held.active:
+        zero_variance = float(state.bank.p[state.evidence.best, c, c])
+        if state.shaken or zero_variance > _ZERO_KNOWN * state.image_m2:
+            return False
+        give_force(state.bank, state.slow_pull.followed_m())
+    held.begin(time_s, size_m)
+    return True
+
+
+def watch_slow_pull(state: FusionState, seen: Seen, time_s: float) -> None:
+    """An image within its gate, exposed at time_s: whether innovations have kept their sign for half a period."""
+    best = state.evidence.best
+    std = sqrt(float(seen.variance[best]))
+    c = state.at.offset
+    zero_m, variance = float(state.bank.x[best, c]), float(state.bank.p[best, c, c])
+    pulled = state.slow_pull.see(float(seen.residual[best]) / std, zero_m, variance)
+    if pulled and not state.shaken:
+        state.slow_pull.restart()
+        if begin_force(state, time_s, 2.0 * std):
+            none = (0.0,) * state.at.modes
+            inflate(state.bank, Jump(time_s, none, none, 2.0 * std), QUIET)
+
+
+def follow_force(state: FusionState) -> None:
+    """After an image: end the force's state if no force is left, or if it reverses as only a changed arm would."""
+    held, bank, best, f = state.held_force, state.bank, state.evidence.best, state.at.force
+    if held.active and held.see(bank.edge_s, float(bank.x[best, f]), float(bank.p[best, f, f])):
+        end_force(bank)
+        held.end(bank.edge_s)
+    elif held.active and held.oscillates(bank.edge_s):
+        end_force(bank)
+        held.end(bank.edge_s)
+        loosen(bank)

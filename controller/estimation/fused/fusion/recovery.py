@@ -1,0 +1,122 @@
+"""What is begun anew after an image where the filters are lost, their dates wrong, or the vibration misled."""
+
+from math import sqrt
+
+from stillarm.controller.estimation.fused.arm.joint_input import JointInput
+from stillarm.controller.estimation.fused.filters.date_update import doubt_dates, redate
+from stillarm.controller.estimation.fused.filters.laws import LAW_OF, Law
+from stillarm.controller.estimation.fused.filters.new_beginning import begin_near, start_vibration
+from stillarm.controller.estimation.fused.fusion.state import FusionState
+from stillarm.controller.estimation.fused.fusion.unexplained_image import UnexplainedImage
+from stillarm.controller.estimation.fused.recovery.fresh_fit import Fresh
+from stillarm.controller.estimation.fused.recovery.fresh_start import Situation
+
+_ZERO_LEARNT = 0.1  # of an image's variance: the zero's, for what is known to be remembered
+_NO_RANDOM_FORCE = 1.2  # misfit: such a force would leave more
+_DATES_DOUBT = 0.5  # frames: of the dates, where the filters were led astray by what is not known
+_PATIENCE_S = 4.0
+_CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
+
+
+class Recovery:
+    """dates_doubted: whether the vibration was lately started anew, and nothing has told why it had to be."""
+
+    def __init__(self, state: FusionState, unexplained: UnexplainedImage) -> None:
+        """All is well."""
+        self._state, self._unexplained = state, unexplained
+        self._received_s = 0.0
+        self._dates_doubted_until_s = float("-inf")
+
+    @property
+    def dates_doubted(self) -> bool:
+        return self._received_s < self._dates_doubted_until_s
+
+    def recover(self, received_s: float, joint: JointInput | None) -> bool:
+        """After an image read at received_s, with the joint's motion; whether the filters have begun anew."""
+        return self._check(received_s) or self._start_fresh(received_s, joint)
+
+    def forget_wrong_dates(self) -> None:
+        """What a wrong clock has taught of the accelerometer is wrong, too."""
+        state = self._state
+        state.health.begin_comparison()
+        state.date_watch.restart()
+        state.fresh.forget()
+        state.scale_watch.restart()
+        state.images = 0
+        self._unexplained.end_run()
+        state.as_calibrated = True
+        state.held_force.end(state.bank.edge_s)
+        state.slow_pull.restart()
+
+    def _check(self, received_s: float) -> bool:
+        state = self._state
+        bank, at, best, consistency = state.bank, state.at, state.evidence.best, state.consistency
+        clocked = _CLOCKED[best] and not state.dates.period_found
+        skew = float(bank.x[best, at.skew]) if clocked else 0.0
+        skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
+        lost = consistency.see(received_s, state.nis, skew, skew_std, state.delay_s)
+        lag_rad = state.date_watch.lag_rad
+        if lag_rad and not state.shaken:
+            redate(bank, -lag_rad / at.w_first)
+            self.forget_wrong_dates()
+            state.images = max(state.images, 1)
+            consistency.begin(received_s)
+            return True
+        if (
+            lost
+            and state.fresh.remembered.known is not None
+            and not consistency.lost_for(received_s, _PATIENCE_S)
+        ):
+            return False  # what was known may still explain the images
+        if not lost or state.shaken or state.held_force.active:  # what shakes the arm is no wrong date
+            return False
+        phasors = bank.x[best].copy()
+        state.dates.begin_anew(received_s)
+        begin_near(bank, phasors)
+        self.forget_wrong_dates()
+        state.images = 1  # the image's zero is known
+        consistency.begin(received_s)
+        return True
+
+    def _start_fresh(self, received_s: float, joint: JointInput | None) -> bool:
+        """Start the vibration anew where the filters were led astray, if the last images tell from what."""
+        state = self._state
+        held, dates = state.held_force, state.dates
+        now = Situation(
+            received_s, state.nis, self._unexplained.impact or state.outliers > 0, held.active, held.moves,
+            state.shaken, state.consistency.calm and self._zero_known,
+            state.date_watch.suspected_rad != 0.0 or state.scale_watch.drifts, state.amplitude_m,
+        )  # fmt: skip
+        fresh = state.fresh.choose(now, dates.changes, state.bank, state.evidence, joint, dates.shift_noise)
+        self._received_s = received_s
+        if fresh is not None:
+            self._begin_with(fresh, received_s)
+        return fresh is not None
+
+    @property
+    def _zero_known(self) -> bool:
+        """Whether the image's zero is known far better than one image tells it."""
+        state = self._state
+        best, c = state.evidence.best, state.at.offset
+        return float(state.bank.p[best, c, c]) < _ZERO_LEARNT * state.image_m2
+
+    def _begin_with(self, fresh: Fresh, now_s: float) -> None:
+        state = self._state
+        bank, held, m, best = state.bank, state.held_force, state.at.modes, state.evidence.best
+        forced = held.active
+        start_vibration(bank, fresh.states, fresh.mean, fresh.covariance, fresh.parts)
+        if fresh.parts > 2 * m:
+            held.rests(float(fresh.mean[best, 2 * m]), now_s)
+        elif held.active:
+            held.end(now_s, explained=True)
+        state.health.begin_comparison()
+        if forced:  # what a force did looked like a phase, another scale, or a random force
+            state.date_watch.restart()
+            state.scale_watch.begin()
+            if fresh.misfit[best] < _NO_RANDOM_FORCE:
+                state.force.restart()
+        if not state.blind:  # the dates may have been wrong: images cannot tell, the accelerometer will
+            doubt_dates(bank, (_DATES_DOUBT * state.frame_s) ** 2)
+        self._dates_doubted_until_s = now_s + state.at.period_s
+        state.slow_pull.restart()
+        self._unexplained.end_run()

@@ -1,0 +1,109 @@
+"""What the parts of the fusion share: the filters, what is learnt beside them, and the facts of the last image."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.files.configuration import Fused
+from stillarm.common.files.model import Model
+from stillarm.controller.estimation.fused.accelerometer.sensor_health import AccelerometerHealth
+from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.dates.evidence import Evidence
+from stillarm.controller.estimation.fused.dates.frame_dates import FrameDates
+from stillarm.controller.estimation.fused.filters import start
+from stillarm.controller.estimation.fused.filters.bank import FilterBank
+from stillarm.controller.estimation.fused.filters.laws import LAWS
+from stillarm.controller.estimation.fused.learning.held_force import HeldForce, SlowPull
+from stillarm.controller.estimation.fused.learning.learnt_force import LearntForce
+from stillarm.controller.estimation.fused.learning.learnt_walks import LearntWalks
+from stillarm.controller.estimation.fused.learning.scale_watch import ScaleWatch
+from stillarm.controller.estimation.fused.recovery.consistency import Consistency
+from stillarm.controller.estimation.fused.recovery.date_watch import DateWatch
+from stillarm.controller.estimation.fused.recovery.fresh_start import FreshStart
+
+Array = NDArray[np.float64]
+
+_UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
+
+
+@dataclass(slots=True)
+class FusionState:
+    """image_m2: variance of an image's noise, m^2. state_noise: growth of the states' variances, (filters, n), 1/s;
+    phasor_share: of the phasors' deviation as a share of the amplitude, squared, (filters,), 1/s.
+
+    amplitude_m: of the vibration, by the filters' mixture. images: taken in since the image's zero was forgotten.
+    outliers: images running that broke with everything. nis: normalised innovation squared of the image looked at last.
+    delay_s, delay_std_s: of that image. as_calibrated: whether neither arm nor scene has changed since the start.
+    unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told nothing for a while.
+    """
+
+    at: Layout
+    frame_s: float
+    image_m2: float
+    health: AccelerometerHealth
+    bank: FilterBank
+    evidence: Evidence
+    dates: FrameDates
+    walks: LearntWalks
+    force: LearntForce
+    held_force: HeldForce
+    slow_pull: SlowPull
+    scale_watch: ScaleWatch
+    date_watch: DateWatch
+    consistency: Consistency
+    fresh: FreshStart
+    state_noise: Array
+    phasor_share: Array
+    delay_s: float
+    delay_std_s: float
+    amplitude_m: float = 0.0
+    images: int = 0
+    outliers: int = 0
+    nis: float = 1.0
+    as_calibrated: bool = True
+    unused_blocks: int = 0
+    blind: bool = False
+
+    @property
+    def shaken(self) -> bool:
+        """Whether a steady random force moves the arm: then nothing tells another force, or a free vibration."""
+        return self.force.intensity > 0.0
+
+    def phasor_noise(self) -> Array:
+        """Growth of the variance of each phasor component by each filter, m^2/s, (filters,)."""
+        noise: Array = self.phasor_share * self.amplitude_m**2 + _UNSEEN * self.image_m2
+        return noise
+
+
+def fusion_state(
+    model: Model, settings: Fused, at: Layout, length_m: float, health: AccelerometerHealth
+) -> FusionState:
+    """Nothing seen yet. health: told what the images make of each block of the accelerometer."""
+    frame_s = start.frame_s(model)
+    bank = FilterBank(at, start.variances(model, settings, at, length_m), start.jitters_s(model))
+    evidence = Evidence(model, settings, at, length_m)
+    state_noise = start.state_noise(settings, at)
+    walks = LearntWalks(at, state_noise, LAWS)
+    image_m2 = (at.per_px * model.camera.noise_std_px) ** 2
+    return FusionState(
+        at=at,
+        frame_s=frame_s,
+        image_m2=image_m2,
+        health=health,
+        bank=bank,
+        evidence=evidence,
+        dates=FrameDates(model, at, bank, evidence, walks.lead),
+        walks=walks,
+        force=LearntForce(at.w.tolist(), image_m2, health.variance),
+        held_force=HeldForce(at.modes, image_m2, at.period_s),
+        slow_pull=SlowPull(0.5 * at.period_s / frame_s),
+        scale_watch=ScaleWatch(),
+        date_watch=DateWatch(),
+        consistency=Consistency(),
+        fresh=FreshStart(at, image_m2, state_noise, start.spread_s(model)),
+        state_noise=state_noise,
+        phasor_share=start.phasor_share(settings),
+        delay_s=model.timing.capture_delay_s,
+        delay_std_s=start.first_shift_s(model),
+    )

@@ -1,0 +1,143 @@
+"""An image that breaks with everything: wrong by itself, a miscounted frame, an impact, a force, or a changed arm."""
+
+from collections import deque
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
+from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
+from stillarm.controller.estimation.fused.filters.image_update import Seen
+from stillarm.controller.estimation.fused.filters.jumps import inflate, loosen
+from stillarm.controller.estimation.fused.filters.laws import DISTURBED, QUIET, Law
+from stillarm.controller.estimation.fused.filters.new_beginning import forget_phase
+from stillarm.controller.estimation.fused.fusion.force_onset import begin_force
+from stillarm.controller.estimation.fused.fusion.image_delay import ImageDelay
+from stillarm.controller.estimation.fused.fusion.image_stages import Look, compared_at
+from stillarm.controller.estimation.fused.fusion.state import FusionState
+
+Array = NDArray[np.float64]
+
+_OUTLIER = 16.0  # normalised innovation squared
+_SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of an impact, by the accelerometer, standard deviations squared
+_VOTES = 3
+_BEFORE_AN_IMPACT = 8  # frames: so many may have been taken in before an impact was noticed
+_BREAK_MEMORY_FRAMES = 60.0
+_IMPACTS = 1.5  # breaks within that memory that may be impacts
+
+
+class UnexplainedImage:
+    """impact: whether the image looked at last was taken for the first one after an impact."""
+
+    def __init__(self, state: FusionState, delay: ImageDelay) -> None:
+        """None seen. delay: how late images come in the mean."""
+        self._state, self._delay = state, delay
+        self._votes = self._voted = 0
+        self._late = self._breaks = 0.0
+        self._before: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_AN_IMPACT)
+        self.impact = False
+
+    def begin_image(self) -> None:
+        """Another image is looked at."""
+        self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
+        self.impact = False
+
+    def breaks(self, nis: Array) -> bool:
+        """Whether an image is outside the gate of all filters that count."""
+        state = self._state
+        return bool(
+            nis[state.evidence.best] > _OUTLIER and float(nis[state.evidence.weights > 0.05].min()) > 9.0
+        )
+
+    def end_run(self) -> None:
+        """The run of images that break, if there was one, is over."""
+        self._state.outliers = self._votes = 0
+
+    def remember(self, received_s: float) -> None:
+        """Without an accelerometer: what was known before an impact that may yet be noticed."""
+        bank = self._state.bank
+        self._before.append((received_s, bank.x.copy(), bank.p.copy()))
+
+    def forget_before(self) -> None:
+        """The accelerometer has gone: what was known beside it is no better than what is known."""
+        self._before.clear()
+
+    def explain(self, image: Look, times: Array, received_s: float, seen: Seen, report: ImpactReport) -> bool:
+        """Change the filters by what explains the image, exposed at times (filters,); whether to use it."""
+        state = self._state
+        state.outliers += 1
+        if not self._worth_explaining(image, times, received_s, report):
+            return False
+        if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * state.frame_s:
+            state.dates.recount(self._voted)
+            return True
+        self._take_for_impact(times, received_s, seen, report)
+        return True
+
+    def _worth_explaining(self, image: Look, times: Array, received_s: float, report: ImpactReport) -> bool:
+        """Whether more than one image by itself is wrong; counts what the arrivals say of a miscounted frame."""
+        state = self._state
+        if state.held_force.active:
+            return state.outliers >= 2
+        if report.suspicion < _SUSPICIOUS:
+            extra = self._other_count(image, times, received_s)
+            if extra != self._voted:
+                self._votes, self._late = 0, 0.0
+            self._votes += int(extra != 0)
+            self._voted = extra
+            self._late += received_s - float(times[Law.CLOCK]) - self._delay.mean_s
+            return self._votes >= _VOTES or state.outliers > _VOTES
+        return report.suspicion >= _EVIDENT or state.outliers >= 2
+
+    def _take_for_impact(self, times: Array, received_s: float, seen: Seen, report: ImpactReport) -> None:
+        state = self._state
+        bank, best = state.bank, state.evidence.best
+        self.impact = True
+        self._breaks += 1.0
+        size = 1.5 * abs(float(seen.residual[best]))
+        unseen = report.sees and report.suspicion < _SUSPICIOUS
+        # An arm that has changed breaks again and again, and makes the accelerometer contradict, too.
+        if (report.in_use and self._breaks > _IMPACTS) or unseen:
+            # No impact explains it: a force has begun, or the arm or the scene has changed. The quiet filters take it
+            # for the former, the disturbed ones for the latter, and the images decide.
+            loosen(bank, DISTURBED)
+            state.scale_watch.restart()
+            state.as_calibrated = False
+        if state.blind and self._before:
+            then_s, x, p = self._before[0]
+            grown = state.state_noise * (received_s - then_s)
+            grown[:, state.at.shift] += state.dates.shift_noise * (received_s - then_s)
+            forget_phase(bank, max(size, 1.5 * state.amplitude_m), x, p, grown)
+            self._before.clear()
+            return
+        sizes = (size,) + (0.3 * size,) * (state.at.modes - 1)
+        force_m = size if begin_force(state, float(times[best]), size) else 0.0
+        inflate(bank, Jump.guessed(float(times[best]), sizes, force_m), QUIET)
+
+    @property
+    def clock_known(self) -> bool:
+        """Whether the clock's law is possible, and its shift known to a part of a frame."""
+        state = self._state
+        clock = state.evidence.likeliest(Law.CLOCK)
+        variance = float(state.bank.p[clock, state.at.shift, state.at.shift])
+        return sqrt(variance) <= state.frame_s / 5.0 and state.evidence.law(Law.CLOCK) >= 0.05
+
+    def _other_count(self, image: Look, times: Array, received_s: float) -> int:
+        """By how many frames the counter is off if image and arrival agree on it; 0 where they do not.
+
+        A counter of arrivals does not tell of lost frames, nor of a buffer that has begun to hand over older ones.
+        """
+        if not self.clock_known:
+            return 0
+        state = self._state
+        clock, behind = state.evidence.likeliest(Law.CLOCK), state.dates.dating.behind
+        costs: list[tuple[float, int]] = []
+        for extra in sorted({-2, -1, 1, 2, 3, behind - 1, behind, behind + 1} - {0}):
+            moved = times.copy()
+            moved[clock] += extra * state.frame_s
+            nis = float(compared_at(state, image, moved).nis[clock])
+            late = received_s - float(moved[clock]) - self._delay.mean_s
+            costs.append((nis + late * late / self._delay.variance, extra))
+        cost, extra = min(costs)
+        return extra if cost < _OUTLIER else 0

@@ -1,0 +1,6 @@
+"""What the model does not state and the innovations teach: how far states walk, forces, and the image scale.
+
+Not here: faults, which are in recovery/. Begin with learnt_walks.py.
+"""
+
+__all__ = ["held_force", "learnt_force", "learnt_walks", "scale_watch", "stated_scale"]

@@ -1,0 +1,178 @@
+"""When the filters have been led astray, and what they are started from again (docs/fused.md, section 9).
+
+A pull, a push, or images in disorder move the filters by what is not in their model. Two other explanations are held
+ready for the images of the last period: a free vibration, or one about a constant force, with all else as the filters
+have it now (fresh_fit.py), and a free one with all else as it was when all was well (remembered.py). One is taken where
+images cost clearly less by it than they have cost the filters; what was known before, where they cost hardly more.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.controller.estimation.fused.arm.joint_input import JointInput
+from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.dates.evidence import Evidence
+from stillarm.controller.estimation.fused.filters.bank import FilterBank
+from stillarm.controller.estimation.fused.filters.laws import LAWS
+from stillarm.controller.estimation.fused.filters.new_beginning import restore
+from stillarm.controller.estimation.fused.recovery.fresh_fit import Fresh, HeldImages, fresh_fit
+from stillarm.controller.estimation.fused.recovery.remembered import Remembered
+
+Array = NDArray[np.float64]
+
+_LARGEST_NIS, _RECENT_IMAGES = 30.0, 6.0
+_INCONSISTENT = 5.0  # mean of the last innovations squared: by chance once in a day
+_ASTRAY_PERIODS = 5.0  # what went wrong may show for so long
+_PERIODS = (0.6, 1.2)  # of the images that a fit takes
+_FORCED_PERIODS = (
+    1.0  # at least, to tell a constant force from the vibration about it, and a frequency from another
+)
+_AGAIN_PERIODS = 0.5
+_GOOD_MISFIT = 1.5
+_GOOD_SHARE = 0.05  # of the amplitude, its deviation
+_CHEAPER, _CHEAPER_SHAKEN = 12.0, 25.0  # what less a fit must cost; where a steady random force moves the arm
+_NO_DEARER = -6.0  # what more the simpler explanation may
+
+
+class Situation(NamedTuple):
+    """After an image. surprise: its normalised innovation squared by the most likely filter; broke: whether it, or the
+    one before, left its gate; held, moves: whether a force is held, and changes; shaken: whether a steady random force
+    is known; calm: whether all is well, and the image's zero known; elsewhere: whether something else is found to be
+    wrong, the dates or the scale."""
+
+    time_s: float
+    nis: float
+    broke: bool
+    held: bool
+    moves: bool
+    shaken: bool
+    calm: bool
+    elsewhere: bool
+    amplitude_m: float
+
+
+class FreshStart:
+    """Watches for filters led astray; `choose` gives a fit that they are to be started from."""
+
+    def __init__(self, at: Layout, noise_m2: float, state_noise: Array, shift_spread_s: float) -> None:
+        """noise_m2: of an image; state_noise: growth of the states' variances,
+        (filters, n), 1/s; shift_spread_s: how far a delay wanders, s."""
+        self._at, self._noise_m2 = at, noise_m2
+        self._state_noise, self._shift_variance = state_noise, shift_spread_s**2
+        self._slow_states = [*range(2 * at.modes, 4 * at.modes)]
+        self._images = HeldImages()
+        self.remembered = Remembered()
+        self._recent = 1.0
+        self._astray_until_s, self._not_before_s = float("-inf"), float("-inf")
+        self._changes = 0
+
+    def add(self, nominal_s: Array, value_m: float, noise_m2: float, nis: float, variance: float) -> None:
+        """An image: its nominal instant by each law, s, (laws,), what it shows, m, its variance, m^2, and the filters'
+        innovation squared over its variance, and that, m^2."""
+        cost = min(nis, _LARGEST_NIS) + float(np.log(max(variance, noise_m2) / noise_m2))
+        self._images.add(nominal_s, value_m, noise_m2, cost)
+
+    def forget(self) -> None:
+        """Dates, or the image's zero, have changed."""
+        self._images.forget()
+        self.remembered.forget()
+
+    def astray(self, time_s: float) -> bool:
+        """Whether the filters may have been led astray lately."""
+        return time_s < self._astray_until_s
+
+    def choose(
+        self, now: Situation, changes: int, bank: FilterBank, evidence: Evidence, joint: JointInput | None,
+        shift_noise: Array,
+    ) -> Fresh | None:  # fmt: skip
+        """A fit to start from, or None. Where it is a fit with what was known before, the bank has that already.
+
+        changes: how often the dates' count or clock has changed. shift_noise: growth of the variance of the dates'
+        shift, (filters,), s^2/s.
+        """
+        if changes != self._changes:
+            self._changes = changes
+            self.forget()
+        self._recent += (min(now.nis, _LARGEST_NIS) - self._recent) / _RECENT_IMAGES
+        inconsistent = self._recent > _INCONSISTENT
+        self._watch(now, inconsistent, bank, evidence)
+        blocked = now.time_s < self._not_before_s or now.elsewhere or (now.shaken and not now.held)
+        if joint is None or blocked or not self.astray(now.time_s):
+            return None
+        found, periods = self._first_good(now, inconsistent, bank, evidence, joint, shift_noise)
+        if found is not None:
+            self._recent = 1.0
+            self._not_before_s = now.time_s + periods * self._at.period_s
+        return found
+
+    def _watch(self, now: Situation, inconsistent: bool, bank: FilterBank, evidence: Evidence) -> None:
+        if now.held or inconsistent or now.broke:
+            self._astray_until_s = now.time_s + _ASTRAY_PERIODS * self._at.period_s
+            self.remembered.trouble()
+        elif now.calm and not self.astray(now.time_s) and evidence.best < LAWS:
+            self.remembered.calm(now.time_s, bank.x, bank.p, evidence.log_weights)
+
+    def _first_good(
+        self, now: Situation, inconsistent: bool, bank: FilterBank, evidence: Evidence, joint: JointInput,
+        shift_noise: Array,
+    ) -> tuple[Fresh | None, float]:  # fmt: skip
+        differs = self.remembered.differs(bank.x[evidence.best], self._slow_states)
+        cheaper = _CHEAPER_SHAKEN if now.shaken else _CHEAPER
+        for periods in _PERIODS:
+            whole = periods >= _FORCED_PERIODS
+            if whole and (differs or now.held):
+                known = self._as_remembered(now, periods, bank, evidence, joint, shift_noise)
+                if known is not None:
+                    return known, periods
+            for force, asked in ((False, now.held or inconsistent), (True, whole and now.held)):
+                if not asked or (force and not (inconsistent or now.moves)):
+                    continue
+                fresh = self._fit(now, periods, bank, evidence, joint, force=force, learn=False)
+                if fresh is not None and self._good(fresh, evidence.best, cheaper):
+                    return fresh, periods
+        return None, 0.0
+
+    def _as_remembered(
+        self, now: Situation, periods: float, bank: FilterBank, evidence: Evidence, joint: JointInput,
+        shift_noise: Array,
+    ) -> Fresh | None:  # fmt: skip
+        """If what was known when all was well explains the last images, nothing of it has changed."""
+        known = self.remembered.known
+        if known is None:
+            return None
+        before = bank.x.copy(), bank.p.copy()
+        since_s = now.time_s - known.time_s
+        grown = self._state_noise * since_s
+        grown[:, self._at.shift] += np.minimum(shift_noise * since_s, self._shift_variance)
+        restore(bank, known.x, known.p, grown)
+        free = self._fit(now, periods, bank, evidence, joint, force=False, learn=True)
+        if free is not None and self._good(free, evidence.best, _NO_DEARER):
+            evidence.restore(known.log_weights)
+            return free
+        bank.x, bank.p = before
+        self._not_before_s = now.time_s + _AGAIN_PERIODS * self._at.period_s
+        return None
+
+    def _fit(
+        self, now: Situation, periods: float, bank: FilterBank, evidence: Evidence, joint: JointInput, *, force: bool,
+        learn: bool,
+    ) -> Fresh | None:  # fmt: skip
+        window = self._images.newest(periods * self._at.period_s, evidence.best % LAWS, now.time_s)
+        if window is None:
+            return None
+        return fresh_fit(window, bank, self._at, joint, now.amplitude_m, force=force, learn=learn)
+
+    def _good(self, fresh: Fresh, best: int, least_gain: float) -> bool:
+        """Whether it explains the images, at so much less than they have cost the filters, and tells the vibration."""
+        if fresh.gain[best] < least_gain or fresh.misfit[best] > _GOOD_MISFIT + 3.0 * sqrt(
+            2.0 / fresh.freedom
+        ):
+            return False
+        phasor = slice(0, 2 * self._at.modes)
+        power = float(fresh.mean[best, phasor] @ fresh.mean[best, phasor])
+        return float(np.trace(fresh.covariance[best, phasor, phasor])) < max(
+            _GOOD_SHARE**2 * power, self._noise_m2
+        )
