@@ -12,8 +12,6 @@ from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
 from stillarm.controller.estimation.fused.fusion.mixture import Merged
 from stillarm.controller.estimation.fused.present import Present
 
-_USUAL_IMPACT_STDS = 10.0  # of a block's noise, at the least
-
 
 class BlockHistory:
     """Blocks wait here until the bank takes them in, before the next image.
@@ -31,9 +29,11 @@ class BlockHistory:
         self._cycle_s = cycle_s
         self._fusion, self._joint_input = fusion, joint_input
         self._health = fusion.state.health
+        assumed = fusion.state.assumed
+        self._assumed, self._blocks_assumed = assumed.impact_detector, assumed.blocks
         self.present = Present(w, at.sigma.tolist(), at.w_first)
-        self.impacts = ImpactDetector(w, block_s)
-        self.sums = BlockSums(at.modes)
+        self.impacts = ImpactDetector(w, block_s, assumed)
+        self.sums = BlockSums(at.modes, assumed)
         self.begun = False
         self.start_cycle = 0
         self.start_s = 0.0
@@ -87,7 +87,7 @@ class BlockHistory:
             return
         noise = block.variance * health.doubt
         variance = noise + present.bias_variance
-        usual = max(abs(present.z[0]), _USUAL_IMPACT_STDS * sqrt(variance))
+        usual = max(abs(present.z[0]), self._assumed.usual_stds * sqrt(variance))
         impact = self.impacts.see(block, residual, variance, usual)
         if impact is None or not health.alarm(block.end_s, impact.excess):
             present.take_block(block, noise, self._fusion.force.shown(block), at_end=True)
@@ -105,7 +105,7 @@ class BlockHistory:
         self.alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - impact.blocks_ago)
         block = self._blocks[place]
-        block.jumps += (Jump.guessed(block.start_s, impact.sizes_m),)
+        block.jumps += (Jump.guessed(block.start_s, impact.sizes_m, assumed=self._blocks_assumed),)
         self.restart_present(self._blocks[-1].end_s)
 
     def add_jump(self, time_s: float, jump: Jump) -> bool:
@@ -166,7 +166,7 @@ class BlockHistory:
                 present.take_block(block, noise, self._fusion.force.shown(block), at_end=False)
             self._push(block.start_s, block.end_s)
             present.move_on(block)
-            present.widen(block.motion_variance)
+            present.widen(block.motion_variance(self._blocks_assumed.motion_doubt))
         for jump in self._open_jumps:
             present.inflate(jump)
         rest = now_s - self.start_s
@@ -177,7 +177,8 @@ class BlockHistory:
     def widen_present(self, block: Block) -> None:
         """What may have happened to the vibration in the block that has just been closed."""
         self.present.widen(
-            self._fusion.phasor_noise() * (block.end_s - block.start_s) + block.motion_variance
+            self._fusion.phasor_noise() * (block.end_s - block.start_s)
+            + block.motion_variance(self._blocks_assumed.motion_doubt)
         )
         self._push(block.start_s, block.end_s)
 

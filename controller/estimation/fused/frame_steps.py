@@ -11,11 +11,6 @@ from stillarm.controller.estimation.fused.block_history import BlockHistory
 from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
 from stillarm.controller.estimation.fused.spread_work import SpreadWork, Steps
 
-_ALARM_S = 0.6
-_MOST_IMAGES = 2  # looked at in a cycle; of those before them only the dates count: no cycle may be long
-_MOST_DATED = 4  # in a cycle, 0.1 to 0.25 ms each; those before them count as lost
-_AHEAD_FRAMES = 0.9  # of an image are blocks taken in
-
 # The steps in their order; those before MERGE change the filters by the frame.
 DATE, ARRIVAL, STARTED = "date", "arrival", "n_i"
 AIM, PREDICT, LOOK, TAKE, SETTLE = "aim", "predict", "look", "take", "settle"
@@ -36,15 +31,15 @@ class FrameSteps:
         self._fusion, self._history, self._joint_input = fusion, history, joint_input
         self._work = SpreadWork()
         self.now_s = 0.0
-        self._ahead_s = _AHEAD_FRAMES * fusion.state.frame_s
+        self._ahead_s = fusion.state.assumed.update.ahead_frames * fusion.state.frame_s
         self._last_instant_s = float("-inf")
         self.dated: list[tuple[int, float, float]] = []
         self.last_frame_s = float("-inf")
 
     def see(self, samples: list[VisualSample]) -> None:
         """Leave the last one to the cycles that follow; those before it have to be done with at once."""
-        samples = samples[-_MOST_DATED:]
-        first_looked_at = len(samples) - _MOST_IMAGES
+        samples = samples[-self._fusion.state.assumed.update.dated_in_cycle :]
+        first_looked_at = len(samples) - self._fusion.state.assumed.update.images_in_cycle
         for place, sample in enumerate(samples):
             self.finish_frame()
             self._work.begin(self._steps(sample, self.now_s, sample.measured and place >= first_looked_at))
@@ -131,7 +126,11 @@ class FrameSteps:
         """Compare the image with what was predicted; whether it is of use."""
         fusion, history = self._fusion, self._history
         in_use = history.in_use
-        sees = in_use and fusion.state.health.sees_impacts and self.now_s - history.alarm_s > _ALARM_S
+        sees = (
+            in_use
+            and fusion.state.health.sees_impacts
+            and self.now_s - history.alarm_s > fusion.state.assumed.impact_detector.again_s
+        )
         of_use = fusion.look(ImpactReport(history.impacts.suspicion, sees, in_use))
         self.last_frame_s = received_s
         if fusion.impact:

@@ -40,7 +40,7 @@ class MeasuredChanges:
         """A force that has begun, changed or ended."""
         time_s, history = step.cycle * self._cycle_s, self._history
         self._fusion.held_force.step(step.size_m)
-        if not history.add_jump(time_s, Jump.stepped(time_s, step.size_m)):
+        if not history.add_jump(time_s, Jump.stepped(time_s, step.size_m, self._fusion.state.assumed.blocks)):
             return  # images exposed since then have seen it
         history.forget_snapshot()
         history.restart_present(now_s)

@@ -9,6 +9,7 @@ from stillarm.controller.estimation.estimate import Estimate, Observation
 from stillarm.controller.estimation.fused.accelerometer.sensor_health import AccelerometerHealth
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.block_history import BlockHistory
 from stillarm.controller.estimation.fused.frame_steps import FrameSteps
 from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
@@ -16,52 +17,52 @@ from stillarm.controller.estimation.fused.measured_changes import MeasuredChange
 from stillarm.controller.estimation.fused.sample_intake import SampleIntake
 from stillarm.controller.estimation.fused.stated_estimate import StatedEstimate
 
-_FIRST_PERIODS, _HIGHEST_PERIODS = (
-    1.0 / 24.0,
-    1.0 / 8.0,
-)  # a block lasts, of the first and of the highest mode
-_SHORTEST_BLOCK, _LONGEST_BLOCK = 3, 25  # cycles
-_BACKLOG_S = 0.15  # of blocks, beyond the model's delay
-
 
 class FusedMethod:
     """Accelerometer, images, frame counter, stamps, arrivals and joint motion in a bank of filters."""
 
-    def __init__(self, model: Model, settings: Fused, model_name: str) -> None:
+    def __init__(
+        self, model: Model, settings: Fused, model_name: str, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """Raises UserError for a model without length."""
-        self._model, self._settings = model, settings
+        self._model, self._settings, self._assumed = model, settings, assumed
+        blocks = assumed.blocks
         self._length = length_of(model, model_name)
         self._cycle_s = model.timing.cycle_s
         self._at = Layout(model, self._length)
         self._w: list[float] = self._at.w.tolist()
         shortest = (
-            2.0 * pi / self._cycle_s * min(_FIRST_PERIODS / self._w[0], _HIGHEST_PERIODS / max(self._w))
+            2.0
+            * pi
+            / self._cycle_s
+            * min(blocks.first_periods / self._w[0], blocks.highest_periods / max(self._w))
         )
-        self._block_cycles = min(max(round(shortest), _SHORTEST_BLOCK), _LONGEST_BLOCK)
+        self._block_cycles = min(max(round(shortest), blocks.fewest_cycles), blocks.most_cycles)
         self._most_blocks = int(
-            (model.timing.capture_delay_s + _BACKLOG_S) / (self._block_cycles * self._cycle_s)
+            (model.timing.capture_delay_s + blocks.backlog_s) / (self._block_cycles * self._cycle_s)
         )
         self._begin()
 
     def _begin(self) -> None:
         """Everything unknown."""
-        model, at, cycle_s = self._model, self._at, self._cycle_s
+        model, at, cycle_s, assumed = self._model, self._at, self._cycle_s, self._assumed
         per_sample = 1.0 / at.w_first**2 / abs(model.accelerometer.scale)
         health = AccelerometerHealth(
             per_sample * model.accelerometer.noise_std_m_s2,
             model.accelerometer.range_m_s2,
-            per_sample * 0.005,
+            per_sample * assumed.samples.least_noise_m_s2,
             per_sample,
+            assumed,
         )
-        self.frames = FrameFusion(model, self._settings, at, self._length, health)
-        self._joint_input = JointInput(self._w, at.input_gain, cycle_s)
+        self.frames = FrameFusion(model, self._settings, at, self._length, health, assumed)
+        self._joint_input = JointInput(self._w, at.input_gain, cycle_s, assumed)
         self._history = BlockHistory(
             at, cycle_s, self._block_cycles * cycle_s, self.frames, self._joint_input
         )
         self._steps = FrameSteps(self.frames, self._history, self._joint_input)
         changes = MeasuredChanges(at, cycle_s, self.frames, self._history, self._steps, self._joint_input)
         self._intake = SampleIntake(
-            model, at, self._length, health, self._history, self._joint_input, changes
+            model, at, self._length, health, self._history, self._joint_input, changes, assumed
         )
         self._stated = StatedEstimate(self._settings, self.frames, self._steps, self._history.present)
 

@@ -10,6 +10,7 @@ from stillarm.controller.estimation.fused.accelerometer.impact_meter import Forc
 from stillarm.controller.estimation.fused.accelerometer.sensor_health import AccelerometerHealth
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import Assumptions
 from stillarm.controller.estimation.fused.block_history import BlockHistory
 from stillarm.controller.estimation.fused.measured_changes import MeasuredChanges
 
@@ -19,7 +20,7 @@ class SampleIntake:
 
     def __init__(
         self, model: Model, at: Layout, length_m: float, health: AccelerometerHealth, history: BlockHistory,
-        joint_input: JointInput, changes: MeasuredChanges,
+        joint_input: JointInput, changes: MeasuredChanges, assumed: Assumptions,
     ) -> None:  # fmt: skip
         """No sample yet. health: judges each; history: has the block under way; changes: told of measured impacts."""
         sensor, cycle_s = model.accelerometer, model.timing.cycle_s
@@ -35,10 +36,10 @@ class SampleIntake:
         ]
         # an impact on a high mode shows little deflection and much acceleration
         highest = max(w) / w[0]
-        self._allowance = 0.2 * highest**2 if len(w) > 1 else 0.0
+        self._allowance = assumed.samples.allowance * highest**2 if len(w) > 1 else 0.0
         filter_cycles = round(sensor.delay_s / cycle_s)
         self._filter_turn = [exp(-1j * one * filter_cycles * cycle_s) for one in w] if filter_cycles else []
-        self._meter = ImpactMeter(w[0], cycle_s)
+        self._meter = ImpactMeter(w[0], cycle_s, assumed)
         self._held_back: list[tuple[Block, int]] = []  # with how many samples
 
     def see(self, observation: Observation, turn: list[complex]) -> None:

@@ -20,6 +20,7 @@ class StatedEstimate:
         """The delay has never been known."""
         self._settings = settings
         self._fusion, self._frame, self._present = fusion, frame, present
+        self._assumed = fusion.state.assumed.update
         self._w_first = fusion.state.at.w_first
         self._known = False
         self.reason = ""
@@ -69,9 +70,9 @@ class StatedEstimate:
             return Status.UNESTIMATED
         if not known:
             self.reason = health.reason or "the delay can no longer be seen"
-        elif amplitude_m < max(settings.min_amplitude_m, 3.0 * std_m):
+        elif amplitude_m < max(settings.min_amplitude_m, self._assumed.delay_shown_stds * std_m):
             self.reason = "vibration too small to show the delay"
-        elif time_s - self._frame.last_frame_s > 0.25:
+        elif time_s - self._frame.last_frame_s > self._assumed.no_images_s:
             self.reason = "no images"
         else:
             return Status.ESTIMATED

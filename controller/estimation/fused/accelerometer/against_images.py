@@ -6,16 +6,15 @@ value = gain expected + offset. Forgetting is exponential, so that all three fol
 
 from math import inf, sqrt
 
-_MEMORY_BLOCKS = 25.0
-_LARGEST = 40.0  # normalised difference squared: one block may not decide alone
-_FEW = 8.0  # blocks
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class AgainstImages:
     """Gain with its standard deviation, offset, m, with its own, and strain: mean normalised difference squared."""
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """Nothing compared yet."""
+        self._assumed = assumed.against_images
         self.gain, self.gain_std = 1.0, inf
         self.offset, self.offset_std = 0.0, inf
         self.strain = 1.0
@@ -27,18 +26,18 @@ class AgainstImages:
 
     def see(self, value_m: float, expected_m: float, variance: float) -> None:
         """A block's mean, without bias, beside what images say of its time; variance: of the difference, m^2."""
-        keep, weight = 1.0 - 1.0 / _MEMORY_BLOCKS, 1.0 / variance
+        keep, weight = 1.0 - 1.0 / self._assumed.memory_blocks, 1.0 / variance
         self._count = keep * self._count + 1.0
         difference = value_m - expected_m
-        nis = min(difference * difference * weight, _LARGEST)
-        self.strain += (nis - self.strain) / _MEMORY_BLOCKS
+        nis = min(difference * difference * weight, self._assumed.largest_nis)
+        self.strain += (nis - self.strain) / self._assumed.memory_blocks
         self._w = keep * self._w + weight
         self._x = keep * self._x + weight * expected_m
         self._y = keep * self._y + weight * value_m
         self._xx = keep * self._xx + weight * expected_m * expected_m
         self._xy = keep * self._xy + weight * expected_m * value_m
         self.gain_std = self.offset_std = inf
-        if self._count < _FEW:
+        if self._count < self._assumed.few_blocks:
             return
         self.offset, self.offset_std = (self._y - self._x) / self._w, 1.0 / sqrt(self._w)
         spread = self._xx - self._x * self._x / self._w

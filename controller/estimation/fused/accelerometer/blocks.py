@@ -7,13 +7,8 @@ from cmath import exp
 from dataclasses import dataclass
 from typing import NamedTuple
 
-_GROWN = 2.5
-_MOTION_DOUBT = (
-    0.01  # of what the joint's motion adds to a phasor: participation and drive are known to some per cent
-)
-_STEP_DOUBT = (
-    0.2  # of a step of force: it takes some time to happen, and the phase at its beginning is not quite known
-)
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
+from stillarm.controller.estimation.fused.assumptions.sensor_assumptions import BlockAssumptions
 
 
 def along_rate(w: float, time_s: float) -> complex:
@@ -35,15 +30,24 @@ class Jump(NamedTuple):
     force_step_m: float = 0.0
 
     @classmethod
-    def guessed(cls, time_s: float, sizes_m: tuple[float, ...], force_m: float = 0.0) -> "Jump":
+    def guessed(
+        cls,
+        time_s: float,
+        sizes_m: tuple[float, ...],
+        force_m: float = 0.0,
+        assumed: BlockAssumptions = ASSUMPTIONS.blocks,
+    ) -> "Jump":
         """An impact of about those sizes, and a change of force of about that size, at about that time."""
-        along, across = tuple(1.5 * one for one in sizes_m), tuple(0.3 * one for one in sizes_m)
-        return cls(time_s, along, across, 1.5 * force_m)
+        along, across = (
+            tuple(assumed.along * one for one in sizes_m),
+            tuple(assumed.across * one for one in sizes_m),
+        )
+        return cls(time_s, along, across, assumed.along * force_m)
 
     @classmethod
-    def stepped(cls, time_s: float, size_m: float) -> "Jump":
+    def stepped(cls, time_s: float, size_m: float, assumed: BlockAssumptions = ASSUMPTIONS.blocks) -> "Jump":
         """A force has changed at that time by size_m, as the accelerometer has seen, in an arm of one mode."""
-        doubt = _STEP_DOUBT * abs(size_m)
+        doubt = assumed.step_doubt * abs(size_m)
         return cls(time_s, (doubt,), (doubt,), doubt, size_m)
 
 
@@ -67,17 +71,17 @@ class Block:
     step: tuple[complex, ...] = ()
     jumps: tuple[Jump, ...] = ()
 
-    @property
-    def motion_variance(self) -> float:
-        """Of each phasor's parts, by how well the joint's effect on the arm is known, m^2."""
-        return 0.5 * sum([(_MOTION_DOUBT * abs(one)) ** 2 for one in self.step])
+    def motion_variance(self, doubt: float) -> float:
+        """Of each phasor's parts, m^2, where the joint's effect on the arm is known to that share of it."""
+        return 0.5 * sum([(doubt * abs(one)) ** 2 for one in self.step])
 
 
 class BlockSums:
     """Sums over the block under way."""
 
-    def __init__(self, modes: int) -> None:
+    def __init__(self, modes: int, assumed: Assumptions = ASSUMPTIONS) -> None:
         """Empty."""
+        self._grown = assumed.blocks.grown
         self._none = [0j] * modes
         self.clear()
 
@@ -104,7 +108,7 @@ class BlockSums:
         if n == 0:
             return Block(start_s, end_s, step=step)
         own = self._squares / n
-        if own > _GROWN * variance:
+        if own > self._grown * variance:
             variance = own
         return Block(
             start_s, end_s, n, self._value / n, tuple(one / n for one in self._turn),

@@ -6,15 +6,14 @@ it. Noise alone puts fewer samples on its outermost level than on the one before
 
 from math import inf
 
-_HITS = 6  # of the same extreme value
-_TIMES_THE_NEXT = 4  # as many as there are on the next level
-_WATCHED_CYCLES = 1000
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class _Side:
     """The upper side; level: where the signal is cut off, or infinity."""
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
+        self._assumed = assumed.samples
         self.level = inf
         self._forget()
 
@@ -26,7 +25,7 @@ class _Side:
         if value > self.level:  # it was no limit, or is none any more
             self.level = inf
         self._age += 1
-        if self._age > _WATCHED_CYCLES:
+        if self._age > self._assumed.clip_watched_cycles:
             self._forget()
         if value < self._next:
             return
@@ -35,7 +34,10 @@ class _Side:
             self._top, self._hits = value, 1
         elif value == self._top:
             self._hits += 1
-            if self._hits >= _HITS and self._hits >= _TIMES_THE_NEXT * self._next_hits:
+            if (
+                self._hits >= self._assumed.clip_hits
+                and self._hits >= self._assumed.clip_times_next * self._next_hits
+            ):
                 self.level = value
         elif value > self._next:
             self._next, self._next_hits = value, 1
@@ -46,10 +48,11 @@ class _Side:
 class Clipping:
     """Both sides of a signal. low, high: where it is cut off, in its own unit; infinite where it is not."""
 
-    def __init__(self, limit: float) -> None:
+    def __init__(self, limit: float, assumed: Assumptions = ASSUMPTIONS) -> None:
         """limit: end of the range as it is configured."""
+        self._assumed = assumed.samples
         self._limit = limit
-        self._upper, self._lower = _Side(), _Side()
+        self._upper, self._lower = _Side(assumed), _Side(assumed)
 
     @property
     def high(self) -> float:

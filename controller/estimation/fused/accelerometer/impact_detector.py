@@ -10,11 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Block
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.small_arrays import summed
-
-_BLOCKS = 12
-_SIGNIFICANT = 28.0  # (5.3 standard deviations)^2: by chance once in some hours at a hundred blocks a second
-_MORE_PER_MODE = 3.0
 
 
 class Impact(NamedTuple):
@@ -42,9 +39,10 @@ class ImpactReport(NamedTuple):
 class ImpactDetector:
     """Watches the residuals of the accelerometer's blocks."""
 
-    def __init__(self, w: list[float], block_s: float) -> None:
+    def __init__(self, w: list[float], block_s: float, assumed: Assumptions = ASSUMPTIONS) -> None:
         """w: angular frequency of each mode, rad/s."""
-        ages = np.arange(_BLOCKS)
+        self._assumed = assumed.impact_detector
+        ages = np.arange(self._assumed.blocks)
         after = (ages[None, :] - ages[:, None] + 0.5) * block_s  # row: onset at the start of that block
         shape = np.stack(
             [np.where(after > 0.0, (one / w[0]) ** 2 * np.sin(one * after), 0.0) for one in w], axis=1
@@ -52,14 +50,14 @@ class ImpactDetector:
         self._shape = shape  # (onsets, modes, blocks)
         self._products = shape[:, :, None] * shape[:, None]  # (onsets, modes, modes, blocks)
         self._prior = np.diag([(one / w[0]) ** 4 for one in w])  # modes are struck alike in acceleration
-        self._significant = _SIGNIFICANT + _MORE_PER_MODE * (len(w) - 1)
+        self._significant = self._assumed.significant + self._assumed.more_per_mode * (len(w) - 1)
         self.suspicion = 0.0
         self.forget()
 
     def forget(self) -> None:
         """Watch only what comes from now on."""
-        self._residuals = [0.0] * _BLOCKS
-        self._weights = [0.0] * _BLOCKS
+        self._residuals = [0.0] * self._assumed.blocks
+        self._weights = [0.0] * self._assumed.blocks
         self.suspicion = 0.0
 
     def see(self, block: Block, residual_m: float, variance: float, usual_m: float) -> Impact | None:
@@ -90,4 +88,6 @@ class ImpactDetector:
         odds = np.exp(0.5 * (evidence - self.suspicion))  # the onset is uncertain, and with it the size
         power = sizes**2 + np.diagonal(covariance, axis1=1, axis2=2)
         sizes_m = np.sqrt(odds @ power / odds.sum())
-        return Impact(_BLOCKS - best, tuple(sizes_m.tolist()), self.suspicion / self._significant)
+        return Impact(
+            self._assumed.blocks - best, tuple(sizes_m.tolist()), self.suspicion / self._significant
+        )

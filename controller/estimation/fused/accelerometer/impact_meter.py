@@ -9,17 +9,7 @@ from collections import deque
 from math import hypot, sqrt
 from typing import NamedTuple
 
-_DRIFT, _ALARM = 1.0, 12.0  # standard deviations: by chance once in a thousand hours
-_MOST_OF_ONE = 6.0  # standard deviations: one or two wild samples are no strike
-_OVER = 2.0  # standard deviations: the strike is still under way
-_QUIET = 6  # cycles before and after it
-_LONGEST_RAD = 0.35  # of the mode's phase: a longer force is no strike
-_QUIET_STDS = 3.0
-_MEAN_STDS, _QUIET_SHARE = 3.0, 0.25  # a strike's mean; that around it as a share of it
-_EDGE = 0.4  # cycles: of the sum of a pulse that starts and ends between samples
-_INSTANT = 0.29  # cycles, likewise
-_STEP_STDS = 4.0  # of one sample: a smaller step is left to the images
-_STEADY_SHARE = 0.6  # of a step's mean, by its first and last third: over 0.35 rad a cosine falls to 0.94
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class ForceStep(NamedTuple):
@@ -47,10 +37,13 @@ class ImpactMeter:
     open: a strike is under way, or the sensor is not yet quiet after one.
     """
 
-    def __init__(self, w: float, cycle_s: float) -> None:
+    def __init__(self, w: float, cycle_s: float, assumed: Assumptions = ASSUMPTIONS) -> None:
         """w: angular frequency of the mode, rad/s."""
-        self._longest = max(4, round(_LONGEST_RAD / (w * cycle_s)))
-        self._recent: deque[tuple[int, float]] = deque(maxlen=2 * self._longest + 5 * _QUIET)
+        self._assumed = assumed.impact_meter
+        self._longest = max(4, round(self._assumed.longest_rad / (w * cycle_s)))
+        self._recent: deque[tuple[int, float]] = deque(
+            maxlen=2 * self._longest + 5 * self._assumed.quiet_cycles
+        )
         self.reset()
 
     def reset(self) -> None:
@@ -70,9 +63,9 @@ class ImpactMeter:
         if not self.open:
             self._watch(cycle, share)
             return None
-        if share * self._sign > _OVER:
+        if share * self._sign > self._assumed.over_stds:
             self._last_over = cycle
-        if cycle - self._last_over < _QUIET:
+        if cycle - self._last_over < self._assumed.quiet_cycles:
             if cycle - self.since <= self._longest:
                 return None
             step = self._step(std_m)
@@ -83,15 +76,17 @@ class ImpactMeter:
         return impact
 
     def _watch(self, cycle: int, share: float) -> None:
-        bounded = min(max(share, -_MOST_OF_ONE), _MOST_OF_ONE)
-        self._up += bounded - _DRIFT
-        self._down -= bounded + _DRIFT
+        bounded = min(max(share, -self._assumed.most_of_one_stds), self._assumed.most_of_one_stds)
+        self._up += bounded - self._assumed.drift_stds
+        self._down -= bounded + self._assumed.drift_stds
         if self._up <= 0.0:
             self._up, self._up_since = 0.0, cycle + 1
         if self._down <= 0.0:
             self._down, self._down_since = 0.0, cycle + 1
-        if self._up > _ALARM or self._down > _ALARM:
-            self._sign, self.since = (1.0, self._up_since) if self._up > _ALARM else (-1.0, self._down_since)
+        if self._up > self._assumed.alarm_stds or self._down > self._assumed.alarm_stds:
+            self._sign, self.since = (
+                (1.0, self._up_since) if self._up > self._assumed.alarm_stds else (-1.0, self._down_since)
+            )
             self._last_over, self.open = cycle, True
 
     def _step(self, std_m: float) -> ForceStep | None:
@@ -105,35 +100,38 @@ class ImpactMeter:
         inside = [m for cycle, m in self._recent if cycle > first]
         third = max(1, len(inside) // 3)
         mean, early, late = (sum(part) / len(part) for part in (inside, inside[:third], inside[-third:]))
-        if not before or abs(mean) < _STEP_STDS * std_m or mean * self._sign < 0.0:
+        if not before or abs(mean) < self._assumed.step_stds * std_m or mean * self._sign < 0.0:
             return None
         half = max(1, len(before) // 2)  # by halves: a higher mode has another sign in each
-        if max(abs(sum(part)) / len(part) for part in (before[:half], before[-half:])) > _QUIET_SHARE * abs(
-            mean
-        ):
+        if max(
+            abs(sum(part)) / len(part) for part in (before[:half], before[-half:])
+        ) > self._assumed.quiet_share * abs(mean):
             return None
-        if min(early / mean, late / mean) < _STEADY_SHARE:
+        if min(early / mean, late / mean) < self._assumed.steady_share:
             return None
         return ForceStep(first, -mean)
 
     def _measured(self, std_m: float) -> MeasuredImpact | None:
         first, last = self.since - 1, self._last_over + 1
-        before = [m for cycle, m in self._recent if first - _QUIET <= cycle < first]
+        before = [m for cycle, m in self._recent if first - self._assumed.quiet_cycles <= cycle < first]
         inside = [one for one in self._recent if first <= one[0] <= last]
         after = [m for cycle, m in self._recent if cycle > last]
-        if len(before) + len(inside) + len(after) != last - first + 2 * _QUIET:
+        if len(before) + len(inside) + len(after) != last - first + 2 * self._assumed.quiet_cycles:
             return None  # samples are missing
         total = sum([one[1] for one in inside])
         mean = total * self._sign / len(inside)
         around = max(abs(sum(before)) / len(before), abs(sum(after)) / len(after))
-        if mean < _MEAN_STDS * std_m or around > max(_QUIET_SHARE * mean, _QUIET_STDS * std_m / sqrt(_QUIET)):
+        if mean < self._assumed.mean_stds * std_m or around > max(
+            self._assumed.quiet_share * mean,
+            self._assumed.quiet_stds * std_m / sqrt(self._assumed.quiet_cycles),
+        ):
             return None  # it swings on: a higher mode, a force that stays, a sensor that lies
         centre = sum([cycle * m for cycle, m in inside]) / total
         peak = max([m * self._sign for _, m in inside])
         spread = sum([(cycle - centre) ** 2 for cycle, _ in inside])
         return MeasuredImpact(
             centre,
-            hypot(_INSTANT, std_m * sqrt(spread) / total),
+            hypot(self._assumed.instant_cycles, std_m * sqrt(spread) / total),
             total,
-            hypot(std_m * sqrt(len(inside)), _EDGE * peak),
+            hypot(std_m * sqrt(len(inside)), self._assumed.edge_cycles * peak),
         )

@@ -8,22 +8,7 @@ from math import isfinite, sqrt
 
 from stillarm.controller.estimation.fused.accelerometer.against_images import AgainstImages
 from stillarm.controller.estimation.fused.accelerometer.clipping import Clipping
-
-_STUCK_CYCLES = 30
-_CLIPPED = 0.98  # of the range
-_LIKELY_CUT = 2.0  # standard deviations from a limit
-_HUBER, _SCATTER = 4.0, 12.0
-_MEMORY_CYCLES = 700.0
-_NOISY = 4.0  # times the variance that the model states
-_SPIKING, _SPIKES_MEMORY = 0.01, 1000.0  # share of samples beyond the bound; cycles
-_GAIN_OFF, _GAIN_RIGHT, _GAIN_KNOWN = 0.3, 0.2, 0.1
-_GAIN_STDS = 3.5
-_SEES = 0.15  # standard deviation of the gain over a period
-_DRIFTED_STDS = 5.0
-_DRIFT_KEPT, _DRIFT_GOES_ON, _DRIFT_TOLD = 0.985, 0.1, 0.994  # in each block after it
-_STRAINED = 2.5  # mean normalised difference from the images squared
-_TENSE = 1.5  # likewise: by chance in one block of forty
-_ALARMS_MEMORY_S, _MOST_ALARMS = 1.0, 4.0
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class AccelerometerHealth:
@@ -32,17 +17,26 @@ class AccelerometerHealth:
     variance: of a sample as deflection, m^2. mute: not to be used. reason: what is wrong with it, "" for nothing.
     """
 
-    def __init__(self, noise_m: float, range_m_s2: float, least_m: float, m_per_m_s2: float) -> None:
+    def __init__(
+        self,
+        noise_m: float,
+        range_m_s2: float,
+        least_m: float,
+        m_per_m_s2: float,
+        assumed: Assumptions = ASSUMPTIONS,
+    ) -> None:
         """noise_m: standard deviation of a sample as deflection, m, as the model has it; least_m: a floor to it.
 
         m_per_m_s2: deflection that an acceleration of 1 m/s^2 stands for.
         """
+        self._assumed, self._images = assumed.samples, assumed.against_images
+        self._all_assumed = assumed
         self.variance = max(noise_m, least_m) ** 2
         self._stated = self.variance
         self._least = least_m**2
         self._m_per_m_s2 = m_per_m_s2
-        self._clipping = Clipping(_CLIPPED * range_m_s2)
-        self._against = AgainstImages()
+        self._clipping = Clipping(self._assumed.clipped * range_m_s2, assumed)
+        self._against = AgainstImages(self._all_assumed)
         self._last = float("nan")
         self._same = self._missing = self._cut = 0
         self._spikes = self._alarms = 0.0
@@ -66,27 +60,27 @@ class AccelerometerHealth:
         self._same = 0
         self._last = acceleration_m_s2
         clipping.see(acceleration_m_s2)
-        margin = _LIKELY_CUT * sqrt(self.variance) / self._m_per_m_s2
+        margin = self._assumed.likely_cut * sqrt(self.variance) / self._m_per_m_s2
         inside = clipping.low < acceleration_m_s2 < clipping.high
         if inside and (not clipping.found or not clipping.near(expected_m_s2, margin)):
             self._cut = max(0, self._cut - 1)
             return True
-        self._cut = min(_STUCK_CYCLES, self._cut + 2)
+        self._cut = min(self._assumed.stuck_cycles, self._cut + 2)
         return False
 
     def bounded(self, residual_m: float, allowed_m: float) -> float:
         """A residual bounded as Huber has it, allowing for allowed_m of vibration; learns the variance from it."""
-        limit = _HUBER * sqrt(self.variance)
+        limit = self._assumed.huber * sqrt(self.variance)
         short = min(max(residual_m, -limit), limit)
-        self.variance += (short * short - self.variance) / _MEMORY_CYCLES
+        self.variance += (short * short - self.variance) / self._assumed.noise_cycles
         kept = min(max(residual_m, -limit - allowed_m), limit + allowed_m)
         self.variance = max(self.variance, self._least)
-        self._spikes += (float(kept != residual_m) - self._spikes) / _SPIKES_MEMORY
+        self._spikes += (float(kept != residual_m) - self._spikes) / self._assumed.spikes_cycles
         return kept
 
     def scatter(self, residual_m: float) -> float:
         """A residual as it counts in its block's scatter: wider than `bounded`, so that sudden noise shows at once."""
-        limit = _SCATTER * sqrt(self.variance)
+        limit = self._assumed.scatter * sqrt(self.variance)
         return min(max(residual_m, -limit), limit)
 
     def compare(self, value_m: float, expected_m: float, variance: float) -> float:
@@ -98,20 +92,20 @@ class AccelerometerHealth:
         against.see(value_m, expected_m, variance)
         off = abs(against.gain - 1.0)
         if self.mute:
-            self.mute = off > _GAIN_RIGHT or against.gain_std > _GAIN_KNOWN
+            self.mute = off > self._images.gain_right or against.gain_std > self._images.gain_known
         else:
-            self.mute = off > max(_GAIN_OFF, _GAIN_STDS * against.gain_std)
-        self._drift *= _DRIFT_KEPT
-        self._drifting *= _DRIFT_TOLD
-        if abs(against.offset) < _DRIFTED_STDS * against.offset_std:
-            return _DRIFT_GOES_ON * self._drift
+            self.mute = off > max(self._images.gain_off, self._images.gain_stds * against.gain_std)
+        self._drift *= self._images.drift_kept
+        self._drifting *= self._images.drift_told
+        if abs(against.offset) < self._images.drifted_stds * against.offset_std:
+            return self._images.drift_goes_on * self._drift
         self._drift, self._drifting = against.offset**2, 1.0
         against.forget_offset()
         return self._drift
 
     def begin_comparison(self) -> None:
         """What the images made of it was wrong."""
-        self._against = AgainstImages()
+        self._against = AgainstImages(self._all_assumed)
         self._drift = self._drifting = 0.0
         self.mute = False
 
@@ -119,12 +113,12 @@ class AccelerometerHealth:
     def doubt(self) -> float:
         """By what a block's variance is to be multiplied: 1, or how far the sensor contradicts the images."""
         strain = self._against.strain
-        return strain if strain > _STRAINED else 1.0
+        return strain if strain > self._images.strained else 1.0
 
     @property
     def sees_impacts(self) -> bool:
         """Whether a blow would show in it: alive, in accord with the images, and its noise small enough."""
-        return not self.mute and self.doubt == 1.0 and self._against.gain_std < _SEES
+        return not self.mute and self.doubt == 1.0 and self._against.gain_std < self._images.sees_gain_std
 
     def alarm(self, time_s: float, excess: float) -> bool:
         """The accelerometer reports a blow, by `excess` times what is significant; whether to believe it.
@@ -132,24 +126,24 @@ class AccelerometerHealth:
         Not where it contradicts the images as much anyway, nor when it reports more of them than any arm is struck.
         """
         since = time_s - self._alarm_s
-        self._alarms = 1.0 + self._alarms * max(0.0, 1.0 - since / _ALARMS_MEMORY_S)
+        self._alarms = 1.0 + self._alarms * max(0.0, 1.0 - since / self._images.alarms_s)
         self._alarm_s = time_s
         strain = self._against.strain
-        contradicts = strain > _STRAINED or _TENSE < strain > excess
-        return not contradicts and self._alarms < _MOST_ALARMS
+        contradicts = strain > self._images.strained or self._images.tense < strain > excess
+        return not contradicts and self._alarms < self._images.most_alarms
 
     @property
     def reason(self) -> str:
         """What is wrong with the sensor, the gravest first; empty for nothing."""
         for there, name in (
-            (self._missing > _STUCK_CYCLES, "accelerometer silent"),
-            (self._same > _STUCK_CYCLES, "accelerometer stuck"),
+            (self._missing > self._assumed.stuck_cycles, "accelerometer silent"),
+            (self._same > self._assumed.stuck_cycles, "accelerometer stuck"),
             (self.mute, "accelerometer does not show the vibration"),
-            (self._cut >= _STUCK_CYCLES // 2, "accelerometer clipped"),
-            (self._against.strain > _STRAINED, "accelerometer contradicts the images"),
+            (self._cut >= self._assumed.stuck_cycles // 2, "accelerometer clipped"),
+            (self._against.strain > self._images.strained, "accelerometer contradicts the images"),
             (self._drifting > 0.5, "accelerometer's bias drifts"),
-            (self._spikes > _SPIKING, "accelerometer spiking"),
-            (self.variance > _NOISY * self._stated, "accelerometer noisy"),
+            (self._spikes > self._assumed.spiking, "accelerometer spiking"),
+            (self.variance > self._assumed.noisy * self._stated, "accelerometer noisy"),
         ):
             if there:
                 return name

@@ -8,16 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.controller.estimation.fused.arm.resting_joint import RestingJoint
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
-_HELD = 1024  # cycles
-_SLOPE_S = 0.002  # the joint's rate is taken over twice this
-_NOISE_CYCLES = 500.0  # memory of the encoder's noise
-_BETWEEN_SAMPLES = 2.0 / 3.0
-_LATELY_S = 0.5  # images of so long ago may still come
-_OF_THIRD_DIFFERENCE = 20.0  # variance of the third difference of white noise, by its own: 1 + 9 + 9 + 1
 
 
 class JointInput:
@@ -26,18 +20,22 @@ class JointInput:
     Between two instants an undamped, correctly tuned phasor moves by the difference of G; docs/fused.md, section 1.
     """
 
-    def __init__(self, w: list[float], gain: list[float], cycle_s: float) -> None:
+    def __init__(
+        self, w: list[float], gain: list[float], cycle_s: float, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """w: damped angular frequency of each mode, rad/s; gain: - participation length / w."""
+        self._assumed = assumed.joint
+        self._cycles = self._assumed.held_cycles
         self._cycle_s = cycle_s
         self._w = w
         self._gain = [-1j * g * cycle_s for g in gain]
         self._half_back = [exp(0.5j * one * cycle_s) for one in w]
         # by cycle: G of each mode, then theta + i theta'
-        self._held = np.zeros((_HELD, len(w) + 1), dtype=np.complex128)
+        self._held = np.zeros((self._cycles, len(w) + 1), dtype=np.complex128)
         self._position, self._rate = self._held.real[:, -1], self._held.imag[:, -1]
-        self._reach = max(1, round(_SLOPE_S / cycle_s))
+        self._reach = max(1, round(self._assumed.slope_s / cycle_s))
         self._recent: deque[float] = deque(maxlen=2 * self._reach + 1)
-        self._joint = RestingJoint()
+        self._joint = RestingJoint(assumed)
         self._moved_cycle = 0  # when the joint moved last
         self._per_s = 0.5 / (self._reach * cycle_s)
         self._noise = self._noise_count = 0.0
@@ -52,7 +50,7 @@ class JointInput:
         if self._cycle is None:
             self._position[:] = position_rad
             self._recent.extend([position_rad] * (2 * self._reach))
-        skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, _HELD)
+        skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, self._cycles)
         self._cycle = cycle
         recent, position, rates = self._recent, self._position, self._rate
         for back in range(skipped, -1, -1):
@@ -61,18 +59,18 @@ class JointInput:
             if not skipped:
                 self._learn_noise()
             rate = (position_rad - recent[0]) * self._per_s
-            position[here % _HELD] = position_rad
-            rates[here % _HELD] = rate  # for want of what comes after it
-            rates[(here - self._reach) % _HELD] = rate
+            position[here % self._cycles] = position_rad
+            rates[here % self._cycles] = rate  # for want of what comes after it
+            rates[(here - self._reach) % self._cycles] = rate
             self._see_rest(here, position_rad)
         for i, one in enumerate(turn):
             step = self._gain[i] * mean_acceleration_rad_s2 * one.conjugate() * self._half_back[i]
             for back in range(skipped, 0, -1):  # cycles that never came: the same load at their own phase
                 self.sum[i] += step * exp(1j * self._w[i] * back * self._cycle_s)
-                self._held[(cycle - back) % _HELD, i] = self.sum[i]
+                self._held[(cycle - back) % self._cycles, i] = self.sum[i]
             self.sum[i] += step
             self.increment[i] = step
-            self._held[cycle % _HELD, i] = self.sum[i]
+            self._held[cycle % self._cycles, i] = self.sum[i]
 
     def _see_rest(self, cycle: int, position_rad: float) -> None:
         """A joint at rest stands where it is held; what it did while that was being noticed is written anew."""
@@ -83,13 +81,13 @@ class JointInput:
         if changed:
             self._rewrite(cycle)
         elif joint.resting:
-            self._position[cycle % _HELD] = joint.held_rad
+            self._position[cycle % self._cycles] = joint.held_rad
             for back in (0, self._reach):
-                self._rate[(cycle - back) % _HELD] = 0.0
+                self._rate[(cycle - back) % self._cycles] = 0.0
 
     def _rewrite(self, cycle: int) -> None:
         joint, recent = self._joint, list(self._joint.recent)
-        places = np.arange(cycle - len(recent) + 1, cycle + 1) % _HELD
+        places = np.arange(cycle - len(recent) + 1, cycle + 1) % self._cycles
         if joint.resting:
             self._position[places], self._rate[places] = joint.held_rad, 0.0
             return
@@ -104,14 +102,14 @@ class JointInput:
             return
         a, b, c, d = self._recent[-4], self._recent[-3], self._recent[-2], self._recent[-1]
         third = d - a + 3.0 * (b - c)
-        self._noise_count = min(self._noise_count + 1.0, _NOISE_CYCLES)
-        self._noise += (third * third / _OF_THIRD_DIFFERENCE - self._noise) / self._noise_count
+        self._noise_count = min(self._noise_count + 1.0, self._assumed.noise_cycles)
+        self._noise += (third * third / self._assumed.third_difference - self._noise) / self._noise_count
 
     @property
     def position_variance(self) -> float:
         """Variance of theta by the encoder's noise, rad^2, of a joint that has lately moved: between two samples, two
         thirds of a sample's."""
-        return _BETWEEN_SAMPLES * self._noise if self._moved_lately else 0.0
+        return self._assumed.between_samples * self._noise if self._moved_lately else 0.0
 
     @property
     def rate_variance(self) -> float:
@@ -120,7 +118,10 @@ class JointInput:
 
     @property
     def _moved_lately(self) -> bool:
-        return self._cycle is not None and self._cycle - self._moved_cycle < _LATELY_S / self._cycle_s
+        return (
+            self._cycle is not None
+            and self._cycle - self._moved_cycle < self._assumed.lately_s / self._cycle_s
+        )
 
     def add(self, time_s: float, increment: list[complex]) -> None:
         """A strike at time_s, within the last second, has moved the phasors by `increment`."""
@@ -128,8 +129,8 @@ class JointInput:
         first = ceil(time_s / self._cycle_s)
         for i, more in enumerate(increment):
             self.sum[i] += more
-            for cycle in range(max(first, newest - _HELD + 1), newest + 1):
-                self._held[cycle % _HELD, i] += more
+            for cycle in range(max(first, newest - self._cycles + 1), newest + 1):
+                self._held[cycle % self._cycles, i] += more
 
     def position_at(self, time_s: float) -> float:
         """theta at an instant of the last second, rad."""
@@ -144,7 +145,7 @@ class JointInput:
         asked = np.empty(k + 1)
         asked[:k], asked[k] = times_s, edge_s
         newest = 0 if self._cycle is None else self._cycle
-        oldest = max(newest - _HELD + 2.0, 0.0)
+        oldest = max(newest - self._cycles + 2.0, 0.0)
         # fmin and fmax turn NaN into the oldest: cast to an integer it would keep take(mode="wrap") busy for ever
         places = np.fmin(np.fmax(asked / self._cycle_s, oldest), newest - 1e-9)
         low = places.astype(np.int64)

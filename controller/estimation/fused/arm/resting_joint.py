@@ -9,16 +9,7 @@ at its mean while a short mean stays near to it.
 from collections import deque
 from math import sqrt
 
-_SHORT_CYCLES = 16  # the mean that is compared with the position held
-_REST_CYCLES = 64  # without a sign of motion; the position held then is their mean
-_OF_DEPARTURE = (
-    1.0 / _SHORT_CYCLES + 1.0 / _REST_CYCLES
-)  # variance of the difference of both means, by the noise's
-_SIGNIFICANT = 5.0  # standard deviations of that: by chance once in a day
-_SLOW_SHARE = (
-    0.002  # of a resting joint's drift, a cycle: thermal drift and creep are followed within half a second
-)
-_LEAST_RAD = 1e-9
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class RestingJoint:
@@ -27,9 +18,12 @@ class RestingJoint:
     recent: the last positions, rad, the newest last.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """Nothing seen: the joint is taken to move."""
-        self.recent: deque[float] = deque(maxlen=_REST_CYCLES)
+        self._assumed = assumed.joint
+        # variance of the difference of both means, by the noise's
+        self._of_departure = 1.0 / self._assumed.short_cycles + 1.0 / self._assumed.rest_cycles
+        self.recent: deque[float] = deque(maxlen=self._assumed.rest_cycles)
         self._short_sum = self._long_sum = 0.0
         self._calm = 0
         self.resting = False
@@ -38,25 +32,28 @@ class RestingJoint:
     def see(self, position_rad: float, noise_variance: float) -> bool:
         """Take in a cycle's position, with the variance of the encoder's noise, rad^2; whether rest began or ended."""
         recent = self.recent
-        if len(recent) == _REST_CYCLES:
+        if len(recent) == self._assumed.rest_cycles:
             self._long_sum -= recent[0]
-        if len(recent) >= _SHORT_CYCLES:
-            self._short_sum -= recent[-_SHORT_CYCLES]
+        if len(recent) >= self._assumed.short_cycles:
+            self._short_sum -= recent[-self._assumed.short_cycles]
         recent.append(position_rad)
         self._short_sum += position_rad
         self._long_sum += position_rad
-        if len(recent) < _REST_CYCLES:
+        if len(recent) < self._assumed.rest_cycles:
             return False
-        place = self.held_rad if self.resting else self._long_sum / _REST_CYCLES
-        departure = self._short_sum / _SHORT_CYCLES - place
-        if abs(departure) > _SIGNIFICANT * sqrt(noise_variance * _OF_DEPARTURE) + _LEAST_RAD:
+        place = self.held_rad if self.resting else self._long_sum / self._assumed.rest_cycles
+        departure = self._short_sum / self._assumed.short_cycles - place
+        if (
+            abs(departure)
+            > self._assumed.moved_stds * sqrt(noise_variance * self._of_departure) + self._assumed.least_rad
+        ):
             was, self.resting, self._calm = self.resting, False, 0
             return was
-        self._calm = min(self._calm + 1, _REST_CYCLES)
+        self._calm = min(self._calm + 1, self._assumed.rest_cycles)
         if self.resting:
-            self.held_rad += _SLOW_SHARE * departure
+            self.held_rad += self._assumed.slow_share * departure
             return False
-        self.resting = self._calm >= _REST_CYCLES
+        self.resting = self._calm >= self._assumed.rest_cycles
         if self.resting:
-            self.held_rad = self._long_sum / _REST_CYCLES
+            self.held_rad = self._long_sum / self._assumed.rest_cycles
         return self.resting

@@ -7,10 +7,7 @@ delays: Moon, Skelly and Towsley, INFOCOM 1999). The floor is the least arrival 
 
 from collections import deque
 
-_MEMORY_FRAMES = 96
-_MEAN_FRAMES = 16.0
-_FELL_SPREADS = 3.0  # of the delay: a floor that falls by less has only been met more closely
-_ABOVE_SPREADS = 6.0  # of the delay: an arrival later than that above the floor tells nothing of the clock
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class ArrivalFloor:
@@ -20,8 +17,9 @@ class ArrivalFloor:
     arrivals near the floor, s.
     """
 
-    def __init__(self, spread_s: float) -> None:
+    def __init__(self, spread_s: float, assumed: Assumptions = ASSUMPTIONS) -> None:
         """spread_s: of the capture delay from frame to frame."""
+        self._assumed = assumed.arrivals
         self._spread_s = spread_s
         self.restart()
 
@@ -36,16 +34,16 @@ class ArrivalFloor:
         """Take in arrival minus nominal instant, s; whether it is near enough to the floor to tell of the clock."""
         lowest = self._lowest
         self._count += 1
-        while lowest and lowest[0][0] <= self._count - _MEMORY_FRAMES:
+        while lowest and lowest[0][0] <= self._count - self._assumed.floor_frames:
             lowest.popleft()
         floor = lowest[0][1] if lowest else late_s
-        self.fell = late_s < floor - _FELL_SPREADS * self._spread_s
+        self.fell = late_s < floor - self._assumed.fell_spreads * self._spread_s
         while lowest and lowest[-1][1] >= late_s:
             lowest.pop()
         lowest.append((self._count, late_s))
-        near = late_s < floor + _ABOVE_SPREADS * self._spread_s
+        near = late_s < floor + self._assumed.above_spreads * self._spread_s
         if self.fell or self._count == 1:
             self.mean_s = late_s
         elif near:
-            self.mean_s += (late_s - self.mean_s) / min(self._count, _MEAN_FRAMES)
+            self.mean_s += (late_s - self.mean_s) / min(self._count, self._assumed.floor_mean_frames)
         return near

@@ -8,23 +8,21 @@ error is taken for no walk.
 from collections import deque
 from math import sqrt
 
-_MIDDLE, _LONG = 64, 256  # frames
-_MEMORY, _LONG_MEMORY = 300.0, 2500.0  # frames
-_ENOUGH = 64  # differences over the longest time
-_DOUBT = 5.0  # two standard deviations of a difference of two such means: 2 * 1.22 * sqrt(2 * 2)
-_LEAST_WALK = 0.005  # of the white spread, in a square root second
-_SAFETY = 1.5  # the few independent differences of a drift make its walk uncertain
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class ArrivalSpread:
     """White variance, s^2, and walk, s^2/s, of arrival, or n_i, minus nominal instant of exposure."""
 
-    def __init__(self, frame_s: float, spread_s: float, cycle_s: float) -> None:
+    def __init__(
+        self, frame_s: float, spread_s: float, cycle_s: float, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """spread_s: what the model says; it stands for both until the differences tell."""
+        self._assumed = assumed.arrivals
         self._frame_s = frame_s
         self._least = cycle_s * cycle_s / 12.0  # arrivals are read once a cycle
         self._first = spread_s * spread_s
-        self._past: deque[float] = deque(maxlen=_LONG)
+        self._past: deque[float] = deque(maxlen=self._assumed.long_frames)
         self._short = self._steady_short = self._middle = self._long = 0.0
         self._shorts = self._middles = self._longs = 0
 
@@ -38,27 +36,31 @@ class ArrivalSpread:
         if past:
             self._shorts += 1
             square = (difference_s - past[-1]) ** 2
-            self._short += (square - self._short) / min(float(self._shorts), _MEMORY)
-            self._steady_short += (square - self._steady_short) / min(float(self._shorts), _LONG_MEMORY)
-        if len(past) >= _MIDDLE:
+            self._short += (square - self._short) / min(float(self._shorts), self._assumed.memory_frames)
+            self._steady_short += (square - self._steady_short) / min(
+                float(self._shorts), self._assumed.long_memory_frames
+            )
+        if len(past) >= self._assumed.middle_frames:
             self._middles += 1
-            square = (difference_s - past[-_MIDDLE]) ** 2
-            self._middle += (square - self._middle) / min(float(self._middles), _LONG_MEMORY)
-        if len(past) >= _LONG:
+            square = (difference_s - past[-self._assumed.middle_frames]) ** 2
+            self._middle += (square - self._middle) / min(
+                float(self._middles), self._assumed.long_memory_frames
+            )
+        if len(past) >= self._assumed.long_frames:
             self._longs += 1
-            square = (difference_s - past[-_LONG]) ** 2
-            self._long += (square - self._long) / min(float(self._longs), _LONG_MEMORY)
+            square = (difference_s - past[-self._assumed.long_frames]) ** 2
+            self._long += (square - self._long) / min(float(self._longs), self._assumed.long_memory_frames)
         past.append(difference_s)
 
     @property
     def known(self) -> bool:
         """Whether enough has been seen to tell what lasts from what does not."""
-        return self._longs >= _ENOUGH
+        return self._longs >= self._assumed.enough
 
     @property
     def white(self) -> float:
         """Variance of what changes from frame to frame, s^2."""
-        return max(0.5 * self._short, self._least) if self._shorts > 16 else self._first
+        return max(0.5 * self._short, self._least) if self._shorts > self._assumed.few else self._first
 
     @property
     def walk(self) -> float:
@@ -66,7 +68,16 @@ class ArrivalSpread:
         if not self.known:
             return self._first
         short = self._steady_short
-        doubt = _DOUBT * short / sqrt(min(float(self._longs), 2.0 * _LONG_MEMORY))
-        middle = (self._middle - short - doubt) / (_MIDDLE * self._frame_s)
-        long = (self._long - short - doubt) / (_LONG * self._frame_s)
-        return max(_SAFETY * middle, _SAFETY * long, _LEAST_WALK * _LEAST_WALK * 0.5 * short, 1e-10)
+        doubt = (
+            self._assumed.doubt
+            * short
+            / sqrt(min(float(self._longs), 2.0 * self._assumed.long_memory_frames))
+        )
+        middle = (self._middle - short - doubt) / (self._assumed.middle_frames * self._frame_s)
+        long = (self._long - short - doubt) / (self._assumed.long_frames * self._frame_s)
+        return max(
+            self._assumed.safety * middle,
+            self._assumed.safety * long,
+            self._assumed.least_walk * self._assumed.least_walk * 0.5 * short,
+            1e-10,
+        )

@@ -6,16 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.filters.laws import LAWS, Law
-
-_RESET_BACK = 8  # a counter that falls by more than this was reset; by less, the frame is an old one
-_MISMATCH_FRAMES = 2.5
-_MISMATCH_SPREADS = 8.5  # of the delay: six standard deviations of the difference of two
-_STAMP_MISMATCH_FRAMES = 4.0
-_LONGEST_STALL_FRAMES = 20.0  # a camera's or a socket's queue holds no more: beyond that frames were lost
-_STALL_FRAMES = 8  # a queue that has been held up has drained after so many
-_NO_BURST_FRAMES = 3  # if so many have not begun to catch up, there is no queue
-_CATCHES_UP = 0.5  # frames
 
 
 class Dating:
@@ -26,11 +18,16 @@ class Dating:
     the arrivals are behind the counter: so many may have been lost without being counted.
     """
 
-    def __init__(self, frame_s: float, delay_s: float, spread_s: float = 0.0) -> None:
+    def __init__(
+        self, frame_s: float, delay_s: float, spread_s: float = 0.0, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """frame_s: nominal period of the frames; delay_s, spread_s: prior mean and spread of the capture delay."""
+        self._assumed = assumed.count
         self._frame_s = frame_s
         # one frame late by chance is no jump of the counter
-        self._mismatch = max(_MISMATCH_FRAMES, _MISMATCH_SPREADS * spread_s / frame_s)
+        self._mismatch = max(
+            self._assumed.mismatch_frames, self._assumed.mismatch_spreads * spread_s / frame_s
+        )
         self._delay_s = delay_s
         self.nominal: NDArray[np.float64] = np.zeros(LAWS)
         self.elapsed: NDArray[np.float64] = np.zeros(LAWS)
@@ -61,14 +58,18 @@ class Dating:
             self.elapsed[:] = self._frame_s
         else:
             frames = sample.frame - self._frame
-            if -_RESET_BACK < frames <= 0:
+            if -self._assumed.reset_back < frames <= 0:
                 return False
             passed = max(received_s - self._received_s, 0.0)
             in_frames = passed / self._frame_s
-            slack = self._mismatch + 0.02 * in_frames
-            if frames < 0 or frames - in_frames > slack or in_frames - frames > _LONGEST_STALL_FRAMES:
+            slack = self._mismatch + self._assumed.mismatch_passed * in_frames
+            if (
+                frames < 0
+                or frames - in_frames > slack
+                or in_frames - frames > self._assumed.longest_stall_frames
+            ):
                 frames = max(1, round(in_frames))  # reset, jumped, or a count of arrivals with many lost
-                self.doubt_s = 0.7 * self._frame_s
+                self.doubt_s = self._assumed.recount_doubt_frames * self._frame_s
                 self._since_stall = -1
             else:
                 lost = self._lost(in_frames - frames, slack)
@@ -97,21 +98,23 @@ class Dating:
             self._missing, self._since_stall, self._stalled = 0.0, 0, behind
         self._missing += behind
         self._since_stall += 1
-        burst = self._missing < self._stalled - _CATCHES_UP
-        if self._missing > slack and self._since_stall < (_STALL_FRAMES if burst else 1 + _NO_BURST_FRAMES):
+        burst = self._missing < self._stalled - self._assumed.catches_up_frames
+        if self._missing > slack and self._since_stall < (
+            self._assumed.stall_frames if burst else 1 + self._assumed.no_burst_frames
+        ):
             return 0
         lost = round(self._missing) if self._missing > slack else 0
         self._since_stall = -1
         if lost:
-            self.doubt_s = 0.7 * self._frame_s
+            self.doubt_s = self._assumed.recount_doubt_frames * self._frame_s
         return lost
 
     def _follow_stamp(self, captured_s: float, by_counter_s: float) -> None:
         step = captured_s - self._captured_s
-        slack = _STAMP_MISMATCH_FRAMES * self._frame_s + 0.5 * by_counter_s
+        slack = self._assumed.stamp_mismatch_frames * self._frame_s + 0.5 * by_counter_s
         good = isfinite(step) and step > 0.0 and abs(step - by_counter_s) < slack
         if self.stamped and not good:
-            self.stamp_doubt_s = 2.0 * self._frame_s
+            self.stamp_doubt_s = self._assumed.stamp_doubt_frames * self._frame_s
         self.stamped = self.stamped or good
         self.elapsed[Law.STAMPS] = step if good else by_counter_s
         self.nominal[Law.STAMPS] += self.elapsed[Law.STAMPS]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from stillarm.common.files.configuration import Fused
 from stillarm.common.files.model import Model
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.dates.dating import Dating
 from stillarm.controller.estimation.fused.filters import start
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
@@ -17,26 +18,20 @@ from stillarm.controller.estimation.fused.small_arrays import largest, summed
 
 Array = NDArray[np.float64]
 
-_MEMORY_FRAMES = 60.0
-_REFUTED, _UNLIKELY = 1e-4, 0.1
-_USUAL_FRAMES, _LEAST_USUAL = 300.0, 0.01
-_BLIND_HANDICAP = 50.0  # in the logarithm of the probability: only a full refutation (_LOWEST) outweighs it
-_LEVEL_FRAMES, _LEAST_DISTURBED, _MOST_DISTURBED = 300.0, 0.01, 0.5
-_LARGEST_NIS = 25.0  # one image may not decide alone
-_LOWEST = -60.0
-_UNPROVEN = 7.0  # by so much less likely than the best, in the logarithm, a filter begins anew
-_LEAST_SHIFT_S = 0.001
-
 
 class Evidence:
     """Probabilities of the filters, weights (filters,); best: the most probable filter."""
 
-    def __init__(self, model: Model, settings: Fused, at: Layout, length_m: float) -> None:
+    def __init__(
+        self, model: Model, settings: Fused, at: Layout, length_m: float, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """As the model's camera mode suggests."""
+        self._assumed = assumed.evidence
+        self._first_disturbed = assumed.start.disturbed
         self._at = at
         self._delay_s = model.timing.capture_delay_s
-        self._first = start.variances(model, settings, at, length_m)
-        self._prior = start.beliefs(model)
+        self._first = start.variances(model, settings, at, length_m, assumed)
+        self._prior = start.beliefs(model, assumed)
         self.stamps_admitted = False
         self._while_seeing = self._prior
         self.begin()
@@ -45,7 +40,7 @@ class Evidence:
         """No image has told anything."""
         self._log = np.zeros(FILTERS)
         self._refuted_for = np.zeros(FILTERS)
-        self._disturbed = start.DISTURBED
+        self._disturbed = self._first_disturbed
         self._level = np.zeros(FILTERS)
         self._expect_level()
         self._normalise()
@@ -71,10 +66,10 @@ class Evidence:
 
     def weigh(self, nis: Array, variance: Array) -> None:
         """Take in an image's normalised innovations squared and their variances, m^2."""
-        keep = 1.0 - 1.0 / _MEMORY_FRAMES
-        self._log = keep * self._log - 0.5 * (np.minimum(nis, _LARGEST_NIS) + np.log(variance))
+        keep = 1.0 - 1.0 / self._assumed.memory_frames
+        self._log = keep * self._log - 0.5 * (np.minimum(nis, self._assumed.largest_nis) + np.log(variance))
         self._log -= largest(self._log)
-        np.maximum(self._log, _LOWEST, out=self._log)
+        np.maximum(self._log, self._assumed.lowest, out=self._log)
         self._normalise()
 
     def remember(self) -> None:
@@ -82,10 +77,10 @@ class Evidence:
 
         The probability that it is, slowly averaged, is what is expected of the next image.
         """
-        self._usual += (self._by_law() - self._usual) / _USUAL_FRAMES
+        self._usual += (self._by_law() - self._usual) / self._assumed.usual_frames
         now = float(summed(self.weights[LAWS:]))
-        learnt = self._disturbed + (now - self._disturbed) / _LEVEL_FRAMES
-        self._disturbed = min(max(learnt, _LEAST_DISTURBED), _MOST_DISTURBED)
+        learnt = self._disturbed + (now - self._disturbed) / self._assumed.level_frames
+        self._disturbed = min(max(learnt, self._assumed.least_disturbed), self._assumed.most_disturbed)
         self._expect_level()
 
     def _expect_level(self) -> None:
@@ -98,7 +93,7 @@ class Evidence:
 
     def restore(self, log_weights: Array) -> None:
         """The filters are as they were when these were their probabilities."""
-        self._log = np.maximum(log_weights - self._prior - self._level, _LOWEST)
+        self._log = np.maximum(log_weights - self._prior - self._level, self._assumed.lowest)
         self._log -= largest(self._log)
         self._refuted_for[:] = 0.0
         self._normalise()
@@ -111,7 +106,7 @@ class Evidence:
         spread = float(self._first[best, self._at.shift])
         for target in range(int(Law.STAMPS), FILTERS, LAWS):
             self._start(bank, target, best, 0.0, spread)
-            self._prior[target] = self._prior[target - 1] + 0.7
+            self._prior[target] = self._prior[target - 1] + self._assumed.stamps_odds
         self._normalise()
 
     def begin_clock(self, bank: FilterBank, dating: Dating) -> None:
@@ -119,34 +114,36 @@ class Evidence:
         others = np.where(np.arange(FILTERS) % LAWS == Law.CLOCK, 0.0, self.weights)
         best, at = int(np.argmax(others)), self._at
         instant = float(dating.nominal[best % LAWS] + bank.x[best, at.shift])
-        variance = max(float(bank.p[best, at.shift, at.shift] + bank.jitter[best]), _LEAST_SHIFT_S**2)
+        variance = max(
+            float(bank.p[best, at.shift, at.shift] + bank.jitter[best]), self._assumed.least_shift_s**2
+        )
         for target in range(int(Law.CLOCK), FILTERS, LAWS):
             self._start(bank, target, best, instant - float(dating.nominal[Law.CLOCK]), variance)
-            self._log[target] = self._log[best] - _UNPROVEN
+            self._log[target] = self._log[best] - self._assumed.unproven
             self._refuted_for[target] = 0.0
         self._normalise()
 
     def respawn(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
         """A filter refuted for a while starts again from the best one; instant_s: of the last frame, with std_s."""
         best = self.best
-        low = self.weights < _REFUTED
+        low = self.weights < self._assumed.refuted
         if not self.stamps_admitted:
             low[Law.STAMPS :: LAWS] = False
         counts = self._refuted_for
         counts += 1.0
         counts *= low
-        if largest(counts) <= _MEMORY_FRAMES:
+        if largest(counts) <= self._assumed.memory_frames:
             return
-        for target in np.flatnonzero(counts > _MEMORY_FRAMES).tolist():
+        for target in np.flatnonzero(counts > self._assumed.memory_frames).tolist():
             counts[target] = 0.0
             law = Law(target % LAWS)
             of_law = self.likeliest(law)
-            if self.weights[of_law] > 0.05:
+            if self.weights[of_law] > self._assumed.possible:
                 copy_filter(bank, target, of_law)
             else:
                 shift = instant_s - float(dating.nominal[law])
-                self._start(bank, target, best, shift, max(std_s, _LEAST_SHIFT_S) ** 2)
-            self._log[target] = -_UNPROVEN
+                self._start(bank, target, best, shift, max(std_s, self._assumed.least_shift_s) ** 2)
+            self._log[target] = -self._assumed.unproven
 
     def go_blind(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
         """The accelerometer is lost: images alone can hardly tell a drifting delay from a changed frequency.
@@ -154,15 +151,15 @@ class Evidence:
         So the laws keep the probabilities that they had, and none that was unlikely keeps a shift of its own.
         """
         best = self.best
-        unlikely = np.tile(self._usual < _UNLIKELY, LEVELS)
+        unlikely = np.tile(self._usual < self._assumed.unlikely, LEVELS)
         if not self.stamps_admitted:
             unlikely[Law.STAMPS :: LAWS] = False
         for target in np.flatnonzero(unlikely).tolist():
             shift = instant_s - float(dating.nominal[target % LAWS])
-            self._start(bank, target, best, shift, max(std_s, _LEAST_SHIFT_S) ** 2)
+            self._start(bank, target, best, shift, max(std_s, self._assumed.least_shift_s) ** 2)
         self._while_seeing = self._prior
-        laws = np.log(np.maximum(self._usual, _LEAST_USUAL))
-        laws[self._usual < _UNLIKELY] -= _BLIND_HANDICAP
+        laws = np.log(np.maximum(self._usual, self._assumed.least_usual))
+        laws[self._usual < self._assumed.unlikely] -= self._assumed.blind_handicap
         self._prior = np.tile(laws, LEVELS)
 
     def see_again(self) -> None:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.model import Model
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.dates.arrival_floor import ArrivalFloor
 from stillarm.controller.estimation.fused.dates.arrivals import ArrivalSpread
 from stillarm.controller.estimation.fused.dates.clock_rate import ClockRate
@@ -29,14 +30,6 @@ from stillarm.controller.estimation.fused.learning.learnt_walks import LearntWal
 
 Array = NDArray[np.float64]
 
-_OF_STARTED = 0.01  # of the wander between arrival and n_i is n_i's own, at the least
-_STRANGE = 36.0  # of an n_i: normalised innovation squared
-_STRANGE_FRAMES = 10  # for so long it is left out
-_CONFIRMED = 0.25  # of the variance of the clock's rate: what images have left of it
-_NO_ARRIVAL = 1e3  # s^2: the law is about arrivals itself
-_SKEW_NOISE = 1e-14  # 1/s
-_UNTOLD = 0.5  # of the shift's first variance: what images have left of it
-
 
 class FrameDates:
     """Dates each frame: `accept`, then `take_arrival` and `take_started`, which may wait for later cycles.
@@ -54,26 +47,31 @@ class FrameDates:
         bank: FilterBank,
         evidence: Evidence,
         lead: LearntWalk,
+        assumed: Assumptions = ASSUMPTIONS,
     ) -> None:
         """bank, evidence: told what dates say; lead: how far n_i's lead has been seen to walk."""
+        self._assumed, self._start = assumed.dates, assumed.start
         self._at = at
         self._bank, self._evidence = bank, evidence
         self._lead = lead
         self._frame_s, self._cycle_s = start.frame_s(model), model.timing.cycle_s
         self._model_delay_s = model.timing.capture_delay_s
-        spread_s = start.spread_s(model)
-        self.dating = Dating(self._frame_s, self._model_delay_s, spread_s)
-        self.shift_noise, self._shift_return = start.shift_noise(model), start.shift_return()
+        spread_s = start.spread_s(model, assumed)
+        self.dating = Dating(self._frame_s, self._model_delay_s, spread_s, assumed)
+        self.shift_noise, self._shift_return = start.shift_noise(model, assumed), start.shift_return(assumed)
         self._wanders = [
-            LearntWander(at, law, self.shift_noise, self._shift_return) for law in (Law.DRIFT, Law.STEADY)
+            LearntWander(at, law, self.shift_noise, self._shift_return, assumed)
+            for law in (Law.DRIFT, Law.STEADY)
         ]
-        self._joint_date = JointDate()
-        self._floors = [ArrivalFloor(spread_s) for _ in range(2)]
+        self._joint_date = JointDate(assumed)
+        self._floors = [ArrivalFloor(spread_s, assumed) for _ in range(2)]
         self._waited = [True] * FILTERS  # whether the filter's shift has followed arrivals until now
-        self._clock_rate = ClockRate(spread_s, self._cycle_s)
-        self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s) for _ in range(2)]
-        self._started = [ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s) for _ in range(2)]
-        self._between = ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s)
+        self._clock_rate = ClockRate(spread_s, self._cycle_s, assumed)
+        self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s, assumed) for _ in range(2)]
+        self._started = [
+            ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s, assumed) for _ in range(2)
+        ]
+        self._between = ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s, assumed)
         self._strange = 0
         self.lead_walk = 0.0
         self.changes = 0
@@ -111,7 +109,7 @@ class FrameDates:
             return True
         dating, t, bank = self.dating, self._at.shift, self._bank
         elapsed = dating.elapsed[LAW_OF]
-        advance_dating(bank, elapsed, self._shift_return, self.shift_noise, _SKEW_NOISE)
+        advance_dating(bank, elapsed, self._shift_return, self.shift_noise, self._assumed.skew_walk)
         for law, doubt in ((Law.CLOCK, dating.doubt_s), (Law.STAMPS, dating.stamp_doubt_s)):
             if doubt:
                 bank.p[law::LAWS, t, t] += doubt**2
@@ -133,7 +131,7 @@ class FrameDates:
         nominal, elapsed = self.dating.nominal, self.dating.elapsed
         anew = self._watch_clock(received_s)
         late = received_s - self._model_delay_s - nominal
-        noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
+        noise, walk = np.full(LAWS, self._assumed.no_arrival_s2), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
             spread, floor = self._spread[law], self._floors[law]
             if not floor.see(float(late[law])):
@@ -155,7 +153,7 @@ class FrameDates:
             return
         started, self._begun = self._begun, None
         elapsed, between = self.dating.elapsed, self._between
-        noise, walk = np.full(LAWS, _NO_ARRIVAL), np.zeros(LAWS)
+        noise, walk = np.full(LAWS, self._assumed.no_arrival_s2), np.zeros(LAWS)
         for law in (Law.CLOCK, Law.STAMPS):
             spread = self._started[law]
             spread.add(float(started[law]))
@@ -167,14 +165,14 @@ class FrameDates:
         noise[Law.STEADY] = noise[Law.DRIFT] = between.white
         own = 0.5 * (between.walk + self._started[Law.CLOCK].walk - self._spread[Law.CLOCK].walk)
         walk[Law.STEADY] = between.walk * elapsed[Law.STEADY]
-        self.lead_walk = max(own, _OF_STARTED * between.walk)
+        self.lead_walk = max(own, self._assumed.of_started * between.walk)
         walk[Law.DRIFT] = self._lead.share * self.lead_walk * elapsed[Law.DRIFT]
         self._strange = self._strange + 1 if self._is_strange(started, noise) else 0
         if self._strange == 0:
             take_started(self._bank, started[LAW_OF], noise[LAW_OF], walk[LAW_OF])
-        elif self._strange > _STRANGE_FRAMES:
+        elif self._strange > self._assumed.strange_frames:
             self._strange = 0
-            forget_started(self._bank, (start.AHEAD_FRAMES * self._frame_s) ** 2)
+            forget_started(self._bank, (self._start.ahead_frames * self._frame_s) ** 2)
             self._lead.forget()
             for spread in (*self._started, between):
                 spread.restart()
@@ -199,7 +197,7 @@ class FrameDates:
             return False
         skew = float(bank.p[self._evidence.likeliest(Law.CLOCK), at.skew, at.skew])
         believed = self._evidence.law(Law.CLOCK) > 0.5
-        if believed and skew < _CONFIRMED * start.SKEW**2:
+        if believed and skew < self._assumed.confirmed * self._start.skew**2:
             return False
         dating.change_period(1.0 + rate.rate)
         self.period_found = True
@@ -231,7 +229,7 @@ class FrameDates:
         bank, t = self._bank, self._at.shift
         waits = False
         for target in range(int(law), FILTERS, LAWS):
-            if float(bank.p[target, t, t]) > _UNTOLD * bank.first_variance(target, t):
+            if float(bank.p[target, t, t]) > self._assumed.waits_until * bank.first_variance(target, t):
                 place(bank, target, floor.mean_s)
                 waits = True
             elif floor.fell or self._waited[target]:
@@ -245,12 +243,15 @@ class FrameDates:
         x, p, law = self._bank.x[best], self._bank.p[best], best % LAWS
         variance = p[at.shift, at.shift] + p[at.ahead, at.ahead] - 2.0 * p[at.shift, at.ahead] + noise[law]
         off = started[law] - x[at.shift] + x[at.ahead]
-        return bool(off * off > _STRANGE * variance)
+        return bool(off * off > self._assumed.strange_nis * variance)
 
     def _joint_correction_s(self, sample: VisualSample, received_s: float) -> float:
         """What n_i and the frame's number add to the arrival, s."""
         spread = self._spread[Law.CLOCK]
-        gain = min(max(sqrt(0.5 * spread.walk * self._frame_s / spread.white), 0.005), 0.3)
+        gain = min(
+            max(sqrt(0.5 * spread.walk * self._frame_s / spread.white), self._assumed.number_gain_least),
+            self._assumed.number_gain_most,
+        )
         started_s = sample.started_cycle * self._cycle_s - received_s
         return self._joint_date.correction_s(
             started_s, float(self.dating.nominal[Law.CLOCK]) - received_s, gain

@@ -7,18 +7,15 @@ Control Symposium, 1974). The differences' means are tracked: an offset is nobod
 
 from math import sqrt
 
-_MEMORY = 200.0  # frames
-_BEGIN = 30  # frames
-_OUTSIDE = 4.0  # standard deviations
-_LEAST_S = 0.0005
-_GAIN = 0.01  # of n_i's offset
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class JointDate:
     """Adds to the arrival what n_i and the frame's number say of this frame."""
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """Nothing seen."""
+        self._assumed = assumed.dates
         self.restart()
 
     def restart(self) -> None:
@@ -42,23 +39,24 @@ class JointDate:
             self._frames, self._means, self._last = 1, now, now
             return 0.0
         self._frames += 1
-        share = 1.0 / min(float(self._frames), _MEMORY)
+        share = 1.0 / min(float(self._frames), self._assumed.joint_frames)
         step = (now[0] - self._last[0], now[1] - self._last[1])
         self._last = now
         for i, one in enumerate((step[0], step[1], step[0] - step[1])):
             self._squares[i] += (0.5 * one * one - self._squares[i]) * share
         off = (now[0] - self._means[0], now[1] - self._means[1])
-        gains = (max(share, _GAIN), max(share, number_gain))
+        gains = (max(share, self._assumed.joint_offset_gain), max(share, number_gain))
         self._means = (self._means[0] + gains[0] * off[0], self._means[1] + gains[1] * off[1])
-        return self._weighed(off) if self._frames > _BEGIN else 0.0
+        return self._weighed(off) if self._frames > self._assumed.joint_begin_frames else 0.0
 
     def _weighed(self, off: tuple[float, float]) -> float:
         started, numbered, between = self._squares
         if any(
-            abs(one) > _OUTSIDE * sqrt(2.0 * square) for one, square in zip(off, self._squares, strict=False)
+            abs(one) > self._assumed.joint_outside_stds * sqrt(2.0 * square)
+            for one, square in zip(off, self._squares, strict=False)
         ):
             return 0.0  # one of them follows something else: the three say nothing of each other
-        least = _LEAST_S * _LEAST_S
+        least = self._assumed.joint_least_s * self._assumed.joint_least_s
         own = 1.0 / max(0.5 * (started + numbered - between), least)
         total, result = own, 0.0
         for one, variance in (

@@ -9,6 +9,7 @@ new_beginning.
 import numpy as np
 
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.filters.laws import FILTERS, Array, ComplexArray
 
 
@@ -18,9 +19,12 @@ class FilterBank:
     moved: how often each filter's frequencies and decay were changed or loosened otherwise than by a measurement.
     """
 
-    def __init__(self, layout: Layout, variance: Array, jitter_s: Array) -> None:
+    def __init__(
+        self, layout: Layout, variance: Array, jitter_s: Array, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """variance: (filters, n) at the start; jitter_s: white spread of each law's instants, s, (filters,)."""
         self.at = layout
+        self.assumed = assumed
         self.diagonal = np.arange(layout.size)
         self.forced = [0, 1, layout.force]  # the first mode's phasor, and the force that it vibrates about
         self.move = np.eye(layout.size)[None, : 2 * layout.modes].repeat(FILTERS, axis=0)

@@ -5,9 +5,6 @@ import numpy as np
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.laws import Array
 
-_UNKNOWN_LATE_S = 0.1
-_REDATED = 0.3  # of what dates were found to be off by: its doubt
-
 
 def advance_dating(
     bank: FilterBank, elapsed_s: Array, shift_return: Array, shift_noise: Array, skew_noise: float
@@ -56,15 +53,15 @@ def take_started(bank: FilterBank, difference_s: Array, noise: Array, walk: Arra
 
 
 def redate(bank: FilterBank, later_s: float) -> None:
-    """All frames were exposed later_s later than all filters believe, give or take _REDATED of that: so was what
-    they show of the vibration. Images tell nothing of it, phase and date go together."""
+    """All frames were exposed later_s later than all filters believe, give or take a share of that: so was what they
+    show of the vibration. Images tell nothing of it, phase and date go together."""
     at = bank.at
     z = bank.phasors()
     turned = z * np.exp(-1j * bank.w_modes * later_s)
     bank.x[:, at.cosine], bank.x[:, at.sine] = turned.real, -turned.imag
     bank.x[:, at.shift] += later_s
     bank.x[:, at.late] -= later_s
-    doubt_dates(bank, (_REDATED * later_s) ** 2)
+    doubt_dates(bank, (bank.assumed.dates.redated * later_s) ** 2)
 
 
 def doubt_dates(bank: FilterBank, variance: float) -> None:
@@ -81,7 +78,7 @@ def begin_late(bank: FilterBank, one: int, late_s: float) -> None:
     """Filter `one`: the mean delay is unknown; arrivals are late_s later than their nominal instants say."""
     t, late = bank.at.shift, bank.at.late
     bank.p[one, late, :] = bank.p[one, :, late] = 0.0
-    bank.p[one, late, late] = _UNKNOWN_LATE_S**2
+    bank.p[one, late, late] = bank.assumed.dates.late_s**2
     bank.x[one, late] = late_s - bank.x[one, t]
 
 

@@ -10,13 +10,6 @@ from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.laws import Array, ComplexArray
 from stillarm.controller.estimation.fused.small_arrays import summed
 
-_VAGUE = 0.002  # of the squared rate
-_UNTOLD = 0.25  # of a shift's first variance: what images have left of it
-_INSIGNIFICANT = (
-    0.1  # of the squared rate: of less than three deviations, an image's rate is noise, and tells no instant
-)
-_FLOOR = 0.002  # of the deflection: no image scale or model is better
-
 
 class Vibration(NamedTuple):
     """What each filter expects of the arm at its instant, as an image would show it: lag since edge_s, s, (filters, 1);
@@ -93,15 +86,18 @@ def look_at_image(
     slope[:, at.force] = scale
     phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
     rate_variance = w2 * phasor + joint_rate_variance
-    untold = p[:, at.shift, at.shift] > _UNTOLD * bank.first[:, at.shift]
-    unseen = untold & (rate_variance > _INSIGNIFICANT * _known_rate2(bank, rate))
+    untold = p[:, at.shift, at.shift] > bank.assumed.update.shift_untold * bank.first[:, at.shift]
+    unseen = untold & (rate_variance > bank.assumed.update.insignificant * _known_rate2(bank, rate))
     if unseen.any():
         slope[unseen, at.shift] = 0.0
     residual = value_m - scale * tip - bank.x[:, at.offset]
     # second order: products of two uncertain quantities, and a large shift bends the sinusoid
     unknown = bank.jitter + p[:, at.shift, at.shift]
     rate2 = rate * rate
-    products = p[:, at.scale, at.scale] * (phasor + rate2 * unknown) + (_FLOOR * deflection) ** 2
+    products = (
+        p[:, at.scale, at.scale] * (phasor + rate2 * unknown)
+        + (bank.assumed.update.model_floor * deflection) ** 2
+    )
     bend = 0.5 * (w2 * deflection * unknown) ** 2
     extra = noise + rate2 * (bank.jitter + unseen * p[:, at.shift, at.shift])
     extra += rate_variance * unknown + bend + products
@@ -147,7 +143,9 @@ def _vague(bank: FilterBank, seen: Seen) -> NDArray[np.bool_]:
     seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
     stays.
     """
-    result: NDArray[np.bool_] = seen.phasor > (_VAGUE / bank.at.w_first**2) * _known_rate2(bank, seen.rate)
+    result: NDArray[np.bool_] = seen.phasor > (bank.assumed.update.vague / bank.at.w_first**2) * _known_rate2(
+        bank, seen.rate
+    )
     return result
 
 

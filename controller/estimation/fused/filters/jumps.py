@@ -73,11 +73,11 @@ def add_step(bank: FilterBank, increment: list[complex]) -> None:
 
 def loosen(bank: FilterBank, filters: slice = ALL) -> None:
     """Frequencies, decay and image scale may have changed, as with a payload or another scene."""
-    at = bank.at
+    at, loose = bank.at, bank.assumed.outlier
     for states, spread in (
-        (range(2 * at.modes, 3 * at.modes), 0.04 * at.w),
-        (range(3 * at.modes, 4 * at.modes), 0.01 * at.w),
-        ((at.scale,), np.array([0.1])),
+        (range(2 * at.modes, 3 * at.modes), loose.loose_frequency * at.w),
+        (range(3 * at.modes, 4 * at.modes), loose.loose_decay * at.w),
+        ((at.scale,), np.array([loose.loose_scale])),
     ):
         for i, one in zip(states, spread.tolist(), strict=True):
             bank.p[filters, i, i] = np.maximum(bank.p[filters, i, i], one * one)

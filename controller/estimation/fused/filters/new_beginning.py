@@ -5,9 +5,6 @@ import numpy as np
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.laws import DISTURBED, LAWS, Array, Law
 
-_DOUBT_OF_LOST = 0.5  # of the amplitude: of filters found lost
-_LEAST_OF_LOST = 0.01  # of the variance at the start, likewise
-
 
 def begin_near(bank: FilterBank, x: Array) -> None:
     """As at the start, but for the vibration and the image's zero, which are those of the state x (n,)."""
@@ -15,9 +12,11 @@ def begin_near(bank: FilterBank, x: Array) -> None:
     phasor, offset = x[at.phasor], float(x[at.offset])
     bank.begin()
     bank.x[:, at.phasor], bank.x[:, at.offset] = phasor, offset
-    doubt = _DOUBT_OF_LOST**2 * float(phasor @ phasor)
+    doubt = bank.assumed.consistency.doubt_of_lost**2 * float(phasor @ phasor)
     i = bank.diagonal[at.phasor]
-    bank.p[:, i, i] = np.minimum(bank.p[:, i, i], doubt + _LEAST_OF_LOST * bank.p[:, i, i])
+    bank.p[:, i, i] = np.minimum(
+        bank.p[:, i, i], doubt + bank.assumed.consistency.least_of_lost * bank.p[:, i, i]
+    )
 
 
 def start_vibration(bank: FilterBank, states: list[int], mean: Array, covariance: Array, parts: int) -> None:

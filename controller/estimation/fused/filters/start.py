@@ -8,21 +8,10 @@ from numpy.typing import NDArray
 from stillarm.common.files.configuration import Fused
 from stillarm.common.files.model import Model
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.filters.laws import FILTERS, LAWS, LEVELS, Law
 
 Array = NDArray[np.float64]
-
-_FIRST_AMPLITUDE = 0.02  # of the arm's length
-_IMAGE_ZERO = 0.05  # of the arm's length, about the first image
-_SCALE = 0.07
-_BIAS_M_S2 = 1.0
-SKEW = 60e-6  # two crystals, each some tens of ppm off; 200 ppm lies within three and a half deviations
-_STEADY_S, _DRIFT_S, _CLOCK_S, _STAMP_S = 0.0003, 0.0005, 0.00002, 0.00004
-AHEAD_FRAMES = 1.0  # n_i before mid-exposure: half a frame, a whole one, or two
-_LEAST_DELAY_SPREAD_S = 0.002
-DISTURBED = 0.2  # probability of that level before anything is seen
-_DISTURBED_WALK, _DISTURBED_SHARE = 150.0, 22.0  # of the disturbed level, by what the quiet one allows
-_DRIFT_RETURN = 0.35  # 1/s: the delay wanders over its spread in some seconds
 
 
 def frame_s(model: Model) -> float:
@@ -30,83 +19,89 @@ def frame_s(model: Model) -> float:
     return 1.0 / model.camera.frame_rate_hz
 
 
-def spread_s(model: Model) -> float:
+def spread_s(model: Model, assumed: Assumptions = ASSUMPTIONS) -> float:
     """Spread of the capture delay from frame to frame and over time, s."""
-    return max(model.timing.capture_delay_std_s, _LEAST_DELAY_SPREAD_S)
+    return max(model.timing.capture_delay_std_s, assumed.start.least_spread_s)
 
 
-def first_shift_s(model: Model) -> float:
+def first_shift_s(model: Model, assumed: Assumptions = ASSUMPTIONS) -> float:
     """How far the first frame's instant may lie from arrival minus the model's delay: a stale frame is in it."""
-    return hypot(spread_s(model), 0.5 * frame_s(model), 0.03)
+    return hypot(spread_s(model, assumed), assumed.start.stale_frames * frame_s(model), assumed.start.stale_s)
 
 
-def variances(model: Model, settings: Fused, at: Layout, length_m: float) -> Array:
+def variances(
+    model: Model, settings: Fused, at: Layout, length_m: float, assumed: Assumptions = ASSUMPTIONS
+) -> Array:
     """Variances of the state at the start, (filters, n)."""
     v = np.zeros((LAWS, at.size))
-    v[:, at.phasor] = (_FIRST_AMPLITUDE * length_m) ** 2
+    v[:, at.phasor] = (assumed.start.amplitude * length_m) ** 2
     v[:, at.frequency] = (settings.frequency_spread * at.w) ** 2
-    v[:, at.decay] = (0.5 * at.sigma + 0.002 * at.w) ** 2
-    v[:, at.offset] = (_IMAGE_ZERO * length_m) ** 2
-    v[:, at.scale] = _SCALE**2
-    v[:, at.bias] = (_BIAS_M_S2 / at.w_first**2) ** 2
-    v[:, at.shift] = first_shift_s(model) ** 2
+    v[:, at.decay] = (assumed.start.decay_share * at.sigma + assumed.start.decay_w * at.w) ** 2
+    v[:, at.offset] = (assumed.start.image_zero * length_m) ** 2
+    v[:, at.scale] = assumed.start.scale**2
+    v[:, at.bias] = (assumed.start.bias_m_s2 / at.w_first**2) ** 2
+    v[:, at.shift] = first_shift_s(model, assumed) ** 2
     for law in (Law.CLOCK, Law.STAMPS):
-        v[law, at.skew] = SKEW**2
-        v[law, at.late] = first_shift_s(model) ** 2
-    v[:, at.ahead] = (AHEAD_FRAMES * frame_s(model)) ** 2
-    v[Law.DRIFT, at.late] = (0.5 * spread_s(model)) ** 2
+        v[law, at.skew] = assumed.start.skew**2
+        v[law, at.late] = first_shift_s(model, assumed) ** 2
+    v[:, at.ahead] = (assumed.start.ahead_frames * frame_s(model)) ** 2
+    v[Law.DRIFT, at.late] = (assumed.start.late_share * spread_s(model, assumed)) ** 2
     return np.tile(v, (LEVELS, 1))
 
 
-def jitters_s(model: Model) -> Array:
+def jitters_s(model: Model, assumed: Assumptions = ASSUMPTIONS) -> Array:
     """White spread of each filter's instants, s, (filters,)."""
     result = np.zeros(LAWS)
-    result[Law.CLOCK], result[Law.STAMPS] = _CLOCK_S, _STAMP_S
-    result[Law.STEADY], result[Law.DRIFT], result[Law.JITTER] = _STEADY_S, _DRIFT_S, spread_s(model)
+    result[Law.CLOCK], result[Law.STAMPS] = assumed.start.clock_s, assumed.start.stamp_s
+    result[Law.STEADY], result[Law.DRIFT], result[Law.JITTER] = (
+        assumed.start.steady_s,
+        assumed.start.drift_s,
+        spread_s(model, assumed),
+    )
     return np.tile(result, LEVELS)
 
 
-def shift_noise(model: Model) -> Array:
+def shift_noise(model: Model, assumed: Assumptions = ASSUMPTIONS) -> Array:
     """Growth of the variance of each filter's shift, s^2 per s, (filters,)."""
     result = np.zeros(LAWS)
-    result[Law.CLOCK] = result[Law.STAMPS] = 1e-6**2
-    result[Law.STEADY], result[Law.JITTER] = 3e-5**2, 2e-4**2
-    result[Law.DRIFT] = 2.0 * _DRIFT_RETURN * spread_s(model) ** 2
+    result[Law.CLOCK] = result[Law.STAMPS] = assumed.start.clock_walk_s**2
+    result[Law.STEADY], result[Law.JITTER] = assumed.start.steady_walk_s**2, assumed.start.jitter_walk_s**2
+    result[Law.DRIFT] = 2.0 * assumed.start.drift_return * spread_s(model, assumed) ** 2
     return np.tile(result, LEVELS)
 
 
-def shift_return() -> Array:
+def shift_return(assumed: Assumptions = ASSUMPTIONS) -> Array:
     """Rate at which each filter's shift comes back to its mean, 1/s, (filters,)."""
     result = np.zeros(LAWS)
-    result[Law.DRIFT] = _DRIFT_RETURN
+    result[Law.DRIFT] = assumed.start.drift_return
     return np.tile(result, LEVELS)
 
 
-def state_noise(settings: Fused, at: Layout) -> Array:
+def state_noise(settings: Fused, at: Layout, assumed: Assumptions = ASSUMPTIONS) -> Array:
     """Growth of the variances of all but the phasors, per s, (filters, n)."""
     result = np.zeros((FILTERS, at.size))
     quiet, disturbed = slice(0, LAWS), slice(LAWS, None)
-    for level, looser in ((quiet, 1.0), (disturbed, 2.0)):
-        result[level, at.offset] = (1e-5 * looser) ** 2
-        result[level, at.scale] = (1e-4 * looser) ** 2
-        result[level, at.bias] = (0.015 * looser / at.w_first**2) ** 2
+    for level, looser in ((quiet, 1.0), (disturbed, assumed.start.looser)):
+        result[level, at.offset] = (assumed.start.offset_walk * looser) ** 2
+        result[level, at.scale] = (assumed.start.scale_walk * looser) ** 2
+        result[level, at.bias] = (assumed.start.bias_walk_m_s2 * looser / at.w_first**2) ** 2
     result[quiet, at.frequency] = (settings.frequency_walk * at.w) ** 2
-    result[disturbed, at.frequency] = (_DISTURBED_WALK * settings.frequency_walk * at.w) ** 2
-    result[quiet, at.decay] = (0.000015 * at.w) ** 2
-    result[disturbed, at.decay] = (0.006 * at.w) ** 2
+    result[disturbed, at.frequency] = (assumed.start.disturbed_walk * settings.frequency_walk * at.w) ** 2
+    result[quiet, at.decay] = (assumed.start.decay_walk * at.w) ** 2
+    result[disturbed, at.decay] = (assumed.start.disturbed_decay_walk * at.w) ** 2
     return result
 
 
-def phasor_share(settings: Fused) -> Array:
+def phasor_share(settings: Fused, assumed: Assumptions = ASSUMPTIONS) -> Array:
     """Growth of the phasors' deviation as a share of the amplitude, squared, per s, (filters,)."""
     result = np.full(FILTERS, settings.disturbance_share**2)
-    result[LAWS:] *= _DISTURBED_SHARE**2
+    result[LAWS:] *= assumed.start.disturbed_share**2
     return result
 
 
-def beliefs(model: Model) -> Array:
+def beliefs(model: Model, assumed: Assumptions = ASSUMPTIONS) -> Array:
     """Logarithm of the probability of each filter's law before anything is seen, (filters,)."""
-    clock = 0.75 if model.camera.mode == "freerun" else 0.1
+    clock = assumed.start.freerun_clock if model.camera.mode == "freerun" else assumed.start.triggered_clock
     rest = (1.0 - clock) / 3.0
     laws = np.log(np.array((clock, 1e-300, rest, rest, rest)))
     result: Array = np.tile(laws, LEVELS)

@@ -14,8 +14,6 @@ from stillarm.controller.estimation.fused.filters.jumps import inflate, loosen_b
 from stillarm.controller.estimation.fused.filters.laws import QUIET
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 
-_HUBER = 7.0
-
 
 class _Aimed(NamedTuple):
     """A block looked at, to be taken in next: block_update.take_block."""
@@ -68,7 +66,9 @@ class BlockFusion:
             return
         state.unused_blocks = 0
         self._watch_scale(block, value - expected, expected, total * health.doubt)
-        huber = max(1.0, (value - expected) ** 2 / (total + drifted) / _HUBER)
+        huber = max(
+            1.0, (value - expected) ** 2 / (total + drifted) / self._state.assumed.update.block_huber_nis
+        )
         variance = block.variance * max(huber, health.doubt)
         self._aimed = _Aimed(aim_at_block(bank, block), variance, state.force.shown(block))
 
@@ -95,7 +95,9 @@ class BlockFusion:
         dt = block.end_s - bank.edge_s
         noise = state.state_noise * dt
         noise[:, state.at.scale] += state.scale_watch.grown(dt)
-        noise[:, state.at.phasor] = (state.phasor_noise() * dt)[:, None] + block.motion_variance
+        noise[:, state.at.phasor] = (state.phasor_noise() * dt)[:, None] + block.motion_variance(
+            state.assumed.blocks.motion_doubt
+        )
         move_on(bank, block, noise)
         return True
 

@@ -8,8 +8,6 @@ from stillarm.controller.estimation.fused.filters.jumps import end_force, give_f
 from stillarm.controller.estimation.fused.filters.laws import QUIET
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 
-_ZERO_KNOWN = 1.0  # of an image's variance
-
 
 def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
     """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
@@ -19,7 +17,7 @@ def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
         return False
     if not held.active:
         zero_variance = float(state.bank.p[state.evidence.best, c, c])
-        if state.shaken or zero_variance > _ZERO_KNOWN * state.image_m2:
+        if state.shaken or zero_variance > state.assumed.held_force.zero_known * state.image_m2:
             return False
         give_force(state.bank, state.slow_pull.followed_m())
     held.begin(time_s, size_m)
@@ -35,9 +33,10 @@ def watch_slow_pull(state: FusionState, seen: Seen, time_s: float) -> None:
     pulled = state.slow_pull.see(float(seen.residual[best]) / std, zero_m, variance)
     if pulled and not state.shaken:
         state.slow_pull.restart()
-        if begin_force(state, time_s, 2.0 * std):
+        size_m = state.assumed.held_force.first_stds * std
+        if begin_force(state, time_s, size_m):
             none = (0.0,) * state.at.modes
-            inflate(state.bank, Jump(time_s, none, none, 2.0 * std), QUIET)
+            inflate(state.bank, Jump(time_s, none, none, size_m), QUIET)
 
 
 def follow_force(state: FusionState) -> None:

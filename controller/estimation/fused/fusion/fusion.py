@@ -8,6 +8,7 @@ from stillarm.controller.estimation.fused.accelerometer.impact_detector import I
 from stillarm.controller.estimation.fused.accelerometer.sensor_health import AccelerometerHealth
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import Assumptions
 from stillarm.controller.estimation.fused.filters.jumps import end_force, forget_zero
 from stillarm.controller.estimation.fused.filters.laws import LAWS, QUIET, Law
 from stillarm.controller.estimation.fused.fusion.block_fusion import BlockFusion
@@ -21,8 +22,6 @@ from stillarm.controller.estimation.fused.fusion.state import fusion_state
 from stillarm.controller.estimation.fused.fusion.unexplained_image import UnexplainedImage
 from stillarm.controller.estimation.fused.learning.stated_scale import stated_scale
 
-_TELLING = 3.0  # deviations of an image that the vibration moves in a frame: a wrong count shows
-
 
 class FrameFusion:
     """Takes in images and, in their order, the accelerometer's blocks before them.
@@ -33,10 +32,16 @@ class FrameFusion:
     """
 
     def __init__(
-        self, model: Model, settings: Fused, at: Layout, length_m: float, health: AccelerometerHealth
+        self,
+        model: Model,
+        settings: Fused,
+        at: Layout,
+        length_m: float,
+        health: AccelerometerHealth,
+        assumed: Assumptions,
     ) -> None:
         """Nothing seen yet. health: told what the images make of each block of the accelerometer."""
-        self.state = state = fusion_state(model, settings, at, length_m, health)
+        self.state = state = fusion_state(model, settings, at, length_m, health, assumed)
         self.bank, self.evidence, self.dates = state.bank, state.evidence, state.dates
         self.force, self.held_force, self.consistency = state.force, state.held_force, state.consistency
         self.blocks = BlockFusion(state)
@@ -45,7 +50,7 @@ class FrameFusion:
         self._image = ImageFusion(state, self._unexplained, delay)
         self.recovery = Recovery(state, self._unexplained)
         first_scale = float(self.bank.first[0, at.scale])
-        self._mixture = Mixture(state, first_scale, stated_scale(model, first_scale))
+        self._mixture = Mixture(state, first_scale, stated_scale(model, first_scale, assumed.scale))
         self.predict_image, self.phasor_noise = self._image.predict, self._mixture.phasor_noise
         self._settled: Taken | None = None  # yet to be learnt from
 
@@ -74,7 +79,10 @@ class FrameFusion:
         self.blocks.finish()
         state = self.state
         step_m = state.amplitude_m * state.at.w_first * state.frame_s
-        images_tell = self._unexplained.clock_known and step_m * step_m > _TELLING**2 * state.image_m2
+        images_tell = (
+            self._unexplained.clock_known
+            and step_m * step_m > state.assumed.update.telling_stds**2 * state.image_m2
+        )
         return self.dates.accept(sample, received_s, images_tell=images_tell)
 
     def see_new_zero(self) -> None:

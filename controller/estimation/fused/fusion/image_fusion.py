@@ -29,11 +29,7 @@ from stillarm.controller.estimation.fused.small_arrays import largest
 
 Array = NDArray[np.float64]
 
-_BLIND_BLOCKS = 12  # without the accelerometer
-_BENDS = 0.15  # rad: by so uncertain a phase images alone would seem to tell any law's instants
-_BEFORE_CAUSE = 3.0  # standard deviations: no frame is read before it is exposed
 _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
-_LEARNING = np.where((LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER), 0.01, 0.0)  # of the jitter, a frame
 
 
 class ImageFusion:
@@ -42,7 +38,11 @@ class ImageFusion:
     def __init__(self, state: FusionState, unexplained: UnexplainedImage, delay: ImageDelay) -> None:
         """No image is waiting. unexplained: told of images that break; delay: of each image's delay."""
         self._state, self._unexplained, self._delay = state, unexplained, delay
-        self._least_jitter = np.where(LAW_OF == Law.JITTER, 0.1, 0.5) * state.bank.jitter
+        self._assumed = assumed = state.assumed.update
+        least = np.where(LAW_OF == Law.JITTER, assumed.least_jitter_own, assumed.least_jitter)
+        self._least_jitter = least * state.bank.jitter
+        learns = (LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER)
+        self._jitter_gain = np.where(learns, assumed.jitter_gain, 0.0)
         self.joint_input: JointInput | None = None
         self._aimed: Aimed | None = None
         self._predicted: PredictedImage | None = None
@@ -91,7 +91,7 @@ class ImageFusion:
                 return False
             times = state.dates.instants_s + bank.x[:, at.shift]
             seen = compared_at(state, image, times)
-            nis = np.minimum(seen.nis, 4.0)
+            nis = np.minimum(seen.nis, state.assumed.outlier.afterwards_nis)
         elif not state.blind:
             watch_slow_pull(state, seen, float(times[best]))
         unexplained.end_run()
@@ -106,13 +106,15 @@ class ImageFusion:
         state = self._state
         bank, t = state.bank, state.at.shift
         if largest(times) > received_s:
-            reach = _BEFORE_CAUSE * np.sqrt(bank.p[:, t, t] + bank.jitter)
+            reach = self._assumed.before_cause_stds * np.sqrt(bank.p[:, t, t] + bank.jitter)
             nis = np.where(times - reach > received_s, np.inf, nis)
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = None
         if state.blind and joint_still(state, image, times):
-            phase_only = _CLOCKED | (bank.p[:, t, t] > (_BENDS / state.at.w_first) ** 2)
-        own, spread = take_image(bank, seen, np.maximum(1.0, seen.nis / 12.0), phase_only)
+            phase_only = _CLOCKED | (bank.p[:, t, t] > (self._assumed.bends_rad / state.at.w_first) ** 2)
+        own, spread = take_image(
+            bank, seen, np.maximum(1.0, seen.nis / self._assumed.image_huber_nis), phase_only
+        )
         self._taken = Taken(own, spread, seen, nis, received_s)
 
     def settle(self) -> Taken | None:
@@ -134,12 +136,12 @@ class ImageFusion:
         jitter = bank.jitter
         share = seen.rate * jitter
         moment = own * own + jitter - share * share / seen.variance
-        bank.jitter = np.maximum(jitter + _LEARNING * (moment - jitter), self._least_jitter)
+        bank.jitter = np.maximum(jitter + self._jitter_gain * (moment - jitter), self._least_jitter)
 
     def _go_blind(self, received_s: float) -> None:
         """Notice that the accelerometer has gone, or is back."""
         state = self._state
-        blind = state.unused_blocks > _BLIND_BLOCKS
+        blind = state.unused_blocks > self._assumed.blind_blocks
         if blind and not state.blind:
             instant = received_s - state.delay_s
             state.evidence.go_blind(state.bank, state.dates.dating, instant, state.delay_std_s)

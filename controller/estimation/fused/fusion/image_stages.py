@@ -17,8 +17,6 @@ from stillarm.controller.estimation.fused.fusion.state import FusionState
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-_STILL = 0.02  # of the vibration's rate: so slow a joint dates no image
-
 
 class Look(NamedTuple):
     """What an image is compared with."""
@@ -91,7 +89,10 @@ def joint_still(state: FusionState, image: Look, times: Array) -> bool:
     """Whether the joint moves too slowly to date the image, by the most likely filter."""
     best = state.evidence.best
     _, rate, _ = image.joint_input.seen_from(state.bank.edge_s, times[best : best + 1])
-    return abs(float(rate[0])) * state.at.lever < _STILL * state.at.w_first * state.amplitude_m
+    return (
+        abs(float(rate[0])) * state.at.lever
+        < state.assumed.update.still * state.at.w_first * state.amplitude_m
+    )
 
 
 def compared(state: FusionState, image: Look, vibration: Vibration, joint: Joint) -> Seen:

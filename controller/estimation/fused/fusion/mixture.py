@@ -8,8 +8,6 @@ from stillarm.controller.estimation.fused.filters.laws import FILTERS
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 from stillarm.controller.estimation.fused.learning.stated_scale import Stated, with_stated_scale
 
-_CLEAR = 0.995
-
 
 class Merged(NamedTuple):
     """The filters' common state: phasors, slow rates, 1/s, accelerometer bias, m, static deflection by a force, m, and
@@ -41,14 +39,16 @@ class Mixture:
         state = self._state
         bank, at, w = state.bank, state.at, state.evidence.weights
         best = state.evidence.best
-        if w[best] > _CLEAR:
+        if w[best] > state.assumed.update.clear:
             x, p = bank.x[best], bank.p[best]
         else:
             x = w @ bank.x
             d = bank.x - x
             p = (w @ bank.p.reshape(FILTERS, -1)).reshape(at.size, at.size) + (d * w[:, None]).T @ d
         if state.as_calibrated:
-            x, p = with_stated_scale(x, p, at.scale, self._first_scale, self._stated_scale)
+            x, p = with_stated_scale(
+                x, p, at.scale, self._first_scale, self._stated_scale, state.assumed.scale
+            )
         m = at.modes
         phasors: list[complex] = (x[at.cosine] - 1j * x[at.sine]).tolist()
         lag = now_s - bank.edge_s

@@ -11,10 +11,6 @@ from stillarm.controller.estimation.fused.fusion.unexplained_image import Unexpl
 from stillarm.controller.estimation.fused.recovery.fresh_fit import Fresh
 from stillarm.controller.estimation.fused.recovery.fresh_start import Situation
 
-_ZERO_LEARNT = 0.1  # of an image's variance: the zero's, for what is known to be remembered
-_NO_RANDOM_FORCE = 1.2  # misfit: such a force would leave more
-_DATES_DOUBT = 0.5  # frames: of the dates, where the filters were led astray by what is not known
-_PATIENCE_S = 4.0
 _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
 
 
@@ -65,7 +61,7 @@ class Recovery:
         if (
             lost
             and state.fresh.remembered.known is not None
-            and not consistency.lost_for(received_s, _PATIENCE_S)
+            and not consistency.lost_for(received_s, self._state.assumed.consistency.known_patience_s)
         ):
             return False  # what was known may still explain the images
         if not lost or state.shaken or state.held_force.active:  # what shakes the arm is no wrong date
@@ -98,7 +94,7 @@ class Recovery:
         """Whether the image's zero is known far better than one image tells it."""
         state = self._state
         best, c = state.evidence.best, state.at.offset
-        return float(state.bank.p[best, c, c]) < _ZERO_LEARNT * state.image_m2
+        return float(state.bank.p[best, c, c]) < self._state.assumed.fresh_start.zero_learnt * state.image_m2
 
     def _begin_with(self, fresh: Fresh, now_s: float) -> None:
         state = self._state
@@ -113,10 +109,10 @@ class Recovery:
         if forced:  # what a force did looked like a phase, another scale, or a random force
             state.date_watch.restart()
             state.scale_watch.begin()
-            if fresh.misfit[best] < _NO_RANDOM_FORCE:
+            if fresh.misfit[best] < self._state.assumed.fresh_start.no_random_force:
                 state.force.restart()
         if not state.blind:  # the dates may have been wrong: images cannot tell, the accelerometer will
-            doubt_dates(bank, (_DATES_DOUBT * state.frame_s) ** 2)
+            doubt_dates(bank, (self._state.assumed.fresh_start.dates_doubt_frames * state.frame_s) ** 2)
         self._dates_doubted_until_s = now_s + state.at.period_s
         state.slow_pull.restart()
         self._unexplained.end_run()

@@ -9,6 +9,7 @@ from stillarm.common.files.configuration import Fused
 from stillarm.common.files.model import Model
 from stillarm.controller.estimation.fused.accelerometer.sensor_health import AccelerometerHealth
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import Assumptions
 from stillarm.controller.estimation.fused.dates.evidence import Evidence
 from stillarm.controller.estimation.fused.dates.frame_dates import FrameDates
 from stillarm.controller.estimation.fused.filters import start
@@ -24,8 +25,6 @@ from stillarm.controller.estimation.fused.recovery.fresh_start import FreshStart
 
 Array = NDArray[np.float64]
 
-_UNSEEN = 0.001  # of an image's variance, a second: by so much the phasors wander however small the vibration
-
 
 @dataclass(slots=True)
 class FusionState:
@@ -38,6 +37,7 @@ class FusionState:
     unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told nothing for a while.
     """
 
+    assumed: Assumptions
     at: Layout
     frame_s: float
     image_m2: float
@@ -72,38 +72,46 @@ class FusionState:
 
     def phasor_noise(self) -> Array:
         """Growth of the variance of each phasor component by each filter, m^2/s, (filters,)."""
-        noise: Array = self.phasor_share * self.amplitude_m**2 + _UNSEEN * self.image_m2
+        noise: Array = self.phasor_share * self.amplitude_m**2 + self.assumed.update.unseen * self.image_m2
         return noise
 
 
 def fusion_state(
-    model: Model, settings: Fused, at: Layout, length_m: float, health: AccelerometerHealth
+    model: Model,
+    settings: Fused,
+    at: Layout,
+    length_m: float,
+    health: AccelerometerHealth,
+    assumed: Assumptions,
 ) -> FusionState:
     """Nothing seen yet. health: told what the images make of each block of the accelerometer."""
     frame_s = start.frame_s(model)
-    bank = FilterBank(at, start.variances(model, settings, at, length_m), start.jitters_s(model))
-    evidence = Evidence(model, settings, at, length_m)
-    state_noise = start.state_noise(settings, at)
-    walks = LearntWalks(at, state_noise, LAWS)
+    bank = FilterBank(
+        at, start.variances(model, settings, at, length_m, assumed), start.jitters_s(model, assumed), assumed
+    )
+    evidence = Evidence(model, settings, at, length_m, assumed)
+    state_noise = start.state_noise(settings, at, assumed)
+    walks = LearntWalks(at, state_noise, LAWS, assumed)
     image_m2 = (at.per_px * model.camera.noise_std_px) ** 2
     return FusionState(
+        assumed=assumed,
         at=at,
         frame_s=frame_s,
         image_m2=image_m2,
         health=health,
         bank=bank,
         evidence=evidence,
-        dates=FrameDates(model, at, bank, evidence, walks.lead),
+        dates=FrameDates(model, at, bank, evidence, walks.lead, assumed),
         walks=walks,
-        force=LearntForce(at.w.tolist(), image_m2, health.variance),
-        held_force=HeldForce(at.modes, image_m2, at.period_s),
-        slow_pull=SlowPull(0.5 * at.period_s / frame_s),
-        scale_watch=ScaleWatch(),
-        date_watch=DateWatch(),
-        consistency=Consistency(),
-        fresh=FreshStart(at, image_m2, state_noise, start.spread_s(model)),
+        force=LearntForce(at.w.tolist(), image_m2, health.variance, assumed),
+        held_force=HeldForce(at.modes, image_m2, at.period_s, assumed),
+        slow_pull=SlowPull(0.5 * at.period_s / frame_s, assumed),
+        scale_watch=ScaleWatch(assumed),
+        date_watch=DateWatch(assumed),
+        consistency=Consistency(assumed),
+        fresh=FreshStart(at, image_m2, state_noise, start.spread_s(model, assumed), assumed),
         state_noise=state_noise,
-        phasor_share=start.phasor_share(settings),
+        phasor_share=start.phasor_share(settings, assumed),
         delay_s=model.timing.capture_delay_s,
-        delay_std_s=start.first_shift_s(model),
+        delay_std_s=start.first_shift_s(model, assumed),
     )

@@ -19,13 +19,6 @@ from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 Array = NDArray[np.float64]
 
-_OUTLIER = 16.0  # normalised innovation squared
-_SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of an impact, by the accelerometer, standard deviations squared
-_VOTES = 3
-_BEFORE_AN_IMPACT = 8  # frames: so many may have been taken in before an impact was noticed
-_BREAK_MEMORY_FRAMES = 60.0
-_IMPACTS = 1.5  # breaks within that memory that may be impacts
-
 
 class UnexplainedImage:
     """impact: whether the image looked at last was taken for the first one after an impact."""
@@ -33,21 +26,24 @@ class UnexplainedImage:
     def __init__(self, state: FusionState, delay: ImageDelay) -> None:
         """None seen. delay: how late images come in the mean."""
         self._state, self._delay = state, delay
+        self._assumed = state.assumed.outlier
         self._votes = self._voted = 0
         self._late = self._breaks = 0.0
-        self._before: deque[tuple[float, Array, Array]] = deque(maxlen=_BEFORE_AN_IMPACT)
+        self._before: deque[tuple[float, Array, Array]] = deque(maxlen=self._assumed.before_frames)
         self.impact = False
 
     def begin_image(self) -> None:
         """Another image is looked at."""
-        self._breaks *= 1.0 - 1.0 / _BREAK_MEMORY_FRAMES
+        self._breaks *= 1.0 - 1.0 / self._assumed.break_memory_frames
         self.impact = False
 
     def breaks(self, nis: Array) -> bool:
         """Whether an image is outside the gate of all filters that count."""
         state = self._state
         return bool(
-            nis[state.evidence.best] > _OUTLIER and float(nis[state.evidence.weights > 0.05].min()) > 9.0
+            nis[state.evidence.best] > self._assumed.outlier_nis
+            and float(nis[state.evidence.weights > self._assumed.counts].min())
+            > self._assumed.outlier_nis_all
         )
 
     def end_run(self) -> None:
@@ -69,7 +65,10 @@ class UnexplainedImage:
         state.outliers += 1
         if not self._worth_explaining(image, times, received_s, report):
             return False
-        if self._votes >= _VOTES and self._late / (self._voted * self._votes) > 0.6 * state.frame_s:
+        if (
+            self._votes >= self._assumed.votes
+            and self._late / (self._voted * self._votes) > self._assumed.vote_frames * state.frame_s
+        ):
             state.dates.recount(self._voted)
             return True
         self._take_for_impact(times, received_s, seen, report)
@@ -80,25 +79,25 @@ class UnexplainedImage:
         state = self._state
         if state.held_force.active:
             return state.outliers >= 2
-        if report.suspicion < _SUSPICIOUS:
+        if report.suspicion < self._assumed.suspicious:
             extra = self._other_count(image, times, received_s)
             if extra != self._voted:
                 self._votes, self._late = 0, 0.0
             self._votes += int(extra != 0)
             self._voted = extra
             self._late += received_s - float(times[Law.CLOCK]) - self._delay.mean_s
-            return self._votes >= _VOTES or state.outliers > _VOTES
-        return report.suspicion >= _EVIDENT or state.outliers >= 2
+            return self._votes >= self._assumed.votes or state.outliers > self._assumed.votes
+        return report.suspicion >= self._assumed.evident or state.outliers >= 2
 
     def _take_for_impact(self, times: Array, received_s: float, seen: Seen, report: ImpactReport) -> None:
         state = self._state
         bank, best = state.bank, state.evidence.best
         self.impact = True
         self._breaks += 1.0
-        size = 1.5 * abs(float(seen.residual[best]))
-        unseen = report.sees and report.suspicion < _SUSPICIOUS
+        size = self._assumed.size * abs(float(seen.residual[best]))
+        unseen = report.sees and report.suspicion < self._assumed.suspicious
         # An arm that has changed breaks again and again, and makes the accelerometer contradict, too.
-        if (report.in_use and self._breaks > _IMPACTS) or unseen:
+        if (report.in_use and self._breaks > self._assumed.impacts) or unseen:
             # No impact explains it: a force has begun, or the arm or the scene has changed. The quiet filters take it
             # for the former, the disturbed ones for the latter, and the images decide.
             loosen(bank, DISTURBED)
@@ -108,12 +107,12 @@ class UnexplainedImage:
             then_s, x, p = self._before[0]
             grown = state.state_noise * (received_s - then_s)
             grown[:, state.at.shift] += state.dates.shift_noise * (received_s - then_s)
-            forget_phase(bank, max(size, 1.5 * state.amplitude_m), x, p, grown)
+            forget_phase(bank, max(size, self._assumed.size * state.amplitude_m), x, p, grown)
             self._before.clear()
             return
-        sizes = (size,) + (0.3 * size,) * (state.at.modes - 1)
+        sizes = (size,) + (self._assumed.higher_mode * size,) * (state.at.modes - 1)
         force_m = size if begin_force(state, float(times[best]), size) else 0.0
-        inflate(bank, Jump.guessed(float(times[best]), sizes, force_m), QUIET)
+        inflate(bank, Jump.guessed(float(times[best]), sizes, force_m, state.assumed.blocks), QUIET)
 
     @property
     def clock_known(self) -> bool:
@@ -121,7 +120,10 @@ class UnexplainedImage:
         state = self._state
         clock = state.evidence.likeliest(Law.CLOCK)
         variance = float(state.bank.p[clock, state.at.shift, state.at.shift])
-        return sqrt(variance) <= state.frame_s / 5.0 and state.evidence.law(Law.CLOCK) >= 0.05
+        return (
+            sqrt(variance) <= state.frame_s / self._assumed.clock_known
+            and state.evidence.law(Law.CLOCK) >= self._assumed.clock_possible
+        )
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
         """By how many frames the counter is off if image and arrival agree on it; 0 where they do not.
@@ -140,4 +142,4 @@ class UnexplainedImage:
             late = received_s - float(moved[clock]) - self._delay.mean_s
             costs.append((nis + late * late / self._delay.variance, extra))
         cost, extra = min(costs)
-        return extra if cost < _OUTLIER else 0
+        return extra if cost < self._assumed.outlier_nis else 0

@@ -13,27 +13,7 @@ from collections import deque
 from math import exp, sqrt
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
-
-_SPAN_S = (
-    0.1  # over which the force's rate is taken: about a capture delay, which is how far it is extrapolated
-)
-_ONSET_S = 0.05  # the first innovation outside its gate grew over about so long: a few frames
-_REST_SHARE = 1.0  # of an image's variance, per second: the walk of a force that rests
-_GATE = 3.0  # standard deviations: a force within this is taken for none
-_NONE_FOR_S = 1.0  # for so long
-_AT_REST = 4.0  # times the walk of a force that rests
-_ODDS_OF_NONE = 20.0
-_REVERSALS = 3  # of a force, each within about half a period
-_SHORT_S, _SHORT_AGAIN_S = (
-    1.5,
-    8.0,
-)  # a force that is over at once; another one so soon is none
-_NOT_AGAIN_S = 2.0  # after what has turned out to be none
-_SIGNIFICANT = 5.5  # standard deviations of the mean innovation: by chance once in a day
-_LARGEST = 4.0  # standard deviations: one wrong image is no pull
-_FEWEST_FRAMES = 6.0
-_FOLLOWED = 3.0  # of the zero's variance, then: what it has moved beyond that follows something
-_ZERO_PERIODS = 4.0  # half periods: about so long a pull has gone on before its innovations are significant
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class SlowPull:
@@ -42,12 +22,13 @@ class SlowPull:
     Their mean fades over half a period of the vibration, so that what vibrates averages out.
     """
 
-    def __init__(self, half_period_frames: float) -> None:
+    def __init__(self, half_period_frames: float, assumed: Assumptions = ASSUMPTIONS) -> None:
         """No innovation seen."""
-        self._share = 1.0 / max(half_period_frames, _FEWEST_FRAMES)
-        self._significant = _SIGNIFICANT * sqrt(self._share / (2.0 - self._share))
+        self._assumed = assumed.held_force
+        self._share = 1.0 / max(half_period_frames, self._assumed.fewest_frames)
+        self._significant = self._assumed.pull_stds * sqrt(self._share / (2.0 - self._share))
         self._zeros: deque[tuple[float, float]] = deque(
-            maxlen=max(2, round(_ZERO_PERIODS * half_period_frames))
+            maxlen=max(2, round(self._assumed.zero_periods * half_period_frames))
         )
         self.restart()
 
@@ -61,13 +42,13 @@ class SlowPull:
         if not self._zeros:
             return 0.0
         moved, variance = self._zeros[-1][0] - self._zeros[0][0], self._zeros[0][1]
-        return moved if moved * moved > _FOLLOWED * variance else 0.0
+        return moved if moved * moved > self._assumed.followed * variance else 0.0
 
     def see(self, innovation: float, zero_m: float, variance: float) -> bool:
         """Take in an image's innovation in standard deviations, and the image's zero, m, with its variance, m^2;
         whether there is a pull."""
         self._zeros.append((zero_m, variance))
-        bounded = min(max(innovation, -_LARGEST), _LARGEST)
+        bounded = min(max(innovation, -self._assumed.largest_stds), self._assumed.largest_stds)
         self._mean += self._share * (bounded - self._mean)
         return abs(self._mean) > self._significant
 
@@ -78,14 +59,17 @@ class HeldForce:
     active: whether the state is in use. walk: growth of the variance of f, m^2/s.
     """
 
-    def __init__(self, modes: int, noise_m2: float, period_s: float) -> None:
+    def __init__(
+        self, modes: int, noise_m2: float, period_s: float, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """modes: of the arm; noise_m2: variance of an image, m^2; period_s: of the first mode."""
-        self._reversals: deque[float] = deque(maxlen=_REVERSALS)
-        self._reversing_s = 0.5 * (_REVERSALS + 1.0) * period_s
+        self._assumed = assumed.held_force
+        self._reversals: deque[float] = deque(maxlen=self._assumed.reversals)
+        self._reversing_s = 0.5 * (self._assumed.reversals + 1.0) * period_s
         self._sign = 0.0
         self._not_before_s = self._begun_s = self._short_s = float("-inf")
         self._none = (0.0,) * modes
-        self._rest = _REST_SHARE * noise_m2
+        self._rest = self._assumed.rest_share * noise_m2
         self._past: deque[tuple[float, float]] = deque()
         self.active = False
         self.walk = 0.0
@@ -95,7 +79,7 @@ class HeldForce:
     @property
     def moves(self) -> bool:
         """Whether there is a force that changes."""
-        return self.active and self.walk > _AT_REST * self._rest
+        return self.active and self.walk > self._assumed.at_rest * self._rest
 
     def may_begin(self, time_s: float) -> bool:
         """Whether one may begin, after what has turned out to be none."""
@@ -106,7 +90,7 @@ class HeldForce:
         if not self.active:
             self._begun_s = time_s
         self.active = True
-        self.walk = max(self.walk, size_m * size_m / _ONSET_S)
+        self.walk = max(self.walk, size_m * size_m / self._assumed.onset_s)
         self._expected = max(self._expected, size_m * size_m)
         self._past.clear()
         self._none_since_s = time_s
@@ -138,32 +122,35 @@ class HeldForce:
         """After an image: the force's static deflection and its variance, m^2. Returns whether there is none left."""
         past = self._past
         past.append((time_s, value_m))
-        while time_s - past[0][0] > _SPAN_S and len(past) > 2:
+        while time_s - past[0][0] > self._assumed.span_s and len(past) > 2:
             past.popleft()
         span = time_s - past[0][0]
-        if span > 0.5 * _SPAN_S:
+        if span > 0.5 * self._assumed.span_s:
             step = value_m - past[0][1]
             self.walk = max(step * step / span, self._rest)
-        if value_m * value_m > _GATE * _GATE * variance:
+        if value_m * value_m > self._assumed.gate_stds * self._assumed.gate_stds * variance:
             self._none_since_s = time_s
             if value_m * self._sign < 0.0:
                 self._reversals.append(time_s)
             self._sign = value_m
-        return time_s - self._none_since_s > _NONE_FOR_S or self._unlikely(value_m, variance)
+        return time_s - self._none_since_s > self._assumed.none_for_s or self._unlikely(value_m, variance)
 
     def _unlikely(self, value_m: float, variance: float) -> bool:
         """Odds of no force against one of the size expected, by how near to zero it is known to be (Savage and Dickey:
         J. M. Dickey, Annals of Mathematical Statistics 42, 1971)."""
         if self.moves or variance <= 0.0:
             return False
-        return sqrt(self._expected / variance) * exp(-0.5 * value_m * value_m / variance) > _ODDS_OF_NONE
+        return (
+            sqrt(self._expected / variance) * exp(-0.5 * value_m * value_m / variance)
+            > self._assumed.odds_of_none
+        )
 
     def oscillates(self, time_s: float) -> bool:
         """Whether the force has reversed with every half period: no force lasts that does so, the arm has changed."""
         reversals = self._reversals
-        if len(reversals) < _REVERSALS or reversals[-1] - reversals[0] > self._reversing_s:
+        if len(reversals) < self._assumed.reversals or reversals[-1] - reversals[0] > self._reversing_s:
             return False
-        self._not_before_s = time_s + _NOT_AGAIN_S
+        self._not_before_s = time_s + self._assumed.not_again_s
         return True
 
     def end(self, time_s: float, *, explained: bool = False) -> None:
@@ -171,9 +158,9 @@ class HeldForce:
 
         explained: a free vibration explains the images since: what there was, a push for instance, is over.
         """
-        if self.active and not explained and time_s - self._begun_s < _SHORT_S:
-            if time_s - self._short_s < _SHORT_AGAIN_S:
-                self._not_before_s = time_s + _NOT_AGAIN_S
+        if self.active and not explained and time_s - self._begun_s < self._assumed.short_s:
+            if time_s - self._short_s < self._assumed.short_again_s:
+                self._not_before_s = time_s + self._assumed.not_again_s
             self._short_s = time_s
         self._reversals.clear()
         self._sign = 0.0

@@ -18,25 +18,24 @@ what lasts for a second or so, and what the filters cannot follow by another fre
 from math import exp, log, sqrt
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Block, Jump, along_rate
-
-_RATE, _USUAL, _LARGEST_NIS = 0.06, 1.1, 16.0
-_FLOOR, _OF_NO_MATTER = 1e-4, 0.03  # of an image's variance, a second
-_MOST = 1e6
-_FIRST_IMAGES = 65
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class LearntForce:
     """intensity: growth of the variance of the first mode's rate over w, m^2/s; zero where it does not matter."""
 
-    def __init__(self, w: list[float], image_m2: float, sample_m2: float) -> None:
+    def __init__(
+        self, w: list[float], image_m2: float, sample_m2: float, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """w: angular frequencies of the modes, rad/s, (m,). image_m2: variance of an image's noise, m^2; sample_m2: of
         an accelerometer's sample as deflection, without any force."""
+        self._assumed = assumed.random_force
         self._w = w
         self._sample_m2 = sample_m2
         self._shares = [w[0] / one for one in w]  # the force gives all modes' rates the same
         self._unmoved = (0.0,) * len(w)
         self._image_m2 = image_m2
-        self._least, self._most = log(_FLOOR), log(_MOST)
+        self._least, self._most = log(self._assumed.floor), log(self._assumed.most)
         self._images = 0
         self.restart()
 
@@ -48,12 +47,14 @@ class LearntForce:
     def see(self, nis: float) -> None:
         """An image's innovation squared over its variance, by the filter believed."""
         self._images += 1
-        if self._images < _FIRST_IMAGES:
+        if self._images < self._assumed.first_images:
             return
-        learnt = self._log + _RATE * (min(nis, _LARGEST_NIS) - _USUAL)
+        learnt = self._log + self._assumed.rate * (
+            min(nis, self._assumed.largest_nis) - self._assumed.usual_nis
+        )
         self._log = min(max(learnt, self._least), self._most)
         q = exp(self._log)
-        self.intensity = q * self._image_m2 if q > _OF_NO_MATTER else 0.0
+        self.intensity = q * self._image_m2 if q > self._assumed.matters else 0.0
 
     def during(self, start_s: float, end_s: float) -> Jump | None:
         """What the force does to the phasors in that time, a short one, as a blow in its middle; None: nothing."""

@@ -11,25 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.laws import LAWS, Law
-
-_STRETCH_S = 1.5
-_WANDER_STRETCH_S, _WANDER_RATE = 0.25, 0.05  # a delay is seen to wander within a few frames
-_MOST_WANDER = 30.0  # of the variance: a delay that changes within some frames is no wander, but white
-_LEAST_SHARE, _MOST_SHARE = 0.04, 900.0  # of the variance: a fifth of the deviation, and thirty times it
-_RATE = 0.6  # of the share's logarithm, for each stretch
-_LARGEST_NIS = 9.0
-_LEAST_EXPECTED = 0.2  # of the walk's variance: less comes of a filter that was not measured
 
 
 class LearntWalk:
     """share: of the variance that a walk was assumed to grow by, how much it does."""
 
-    def __init__(self, rate: float = _RATE, most: float = _MOST_SHARE) -> None:
+    def __init__(
+        self, rate: float | None = None, most: float | None = None, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """As assumed. rate: of the share's logarithm, for each stretch; most: the share's bound."""
+        self._assumed = assumed.walks
         self.share = 1.0
-        self._rate, self._most = rate, most
+        self._rate = self._assumed.rate if rate is None else rate
+        self._most = self._assumed.most_share if most is None else most
         self._value = self._variance = 0.0
         self._begun = False
 
@@ -47,12 +44,12 @@ class LearntWalk:
         step = value - self._value
         begun, self._begun = self._begun, True
         self._value, self._variance = value, variance
-        if not begun or expected <= _LEAST_EXPECTED * walked:
+        if not begun or expected <= self._assumed.least_expected * walked:
             return
-        nis = min(step * step / expected, _LARGEST_NIS)
+        nis = min(step * step / expected, self._assumed.largest_nis)
         told = min(walked / expected, 1.0)  # the rest of the step is what was learnt of where it began
         grown = self.share * exp(self._rate * told * (nis - 1.0))
-        self.share = min(max(grown, _LEAST_SHARE), self._most)
+        self.share = min(max(grown, self._assumed.least_share), self._most)
 
 
 class LearntWander:
@@ -62,18 +59,28 @@ class LearntWander:
     """
 
     def __init__(
-        self, at: Layout, law: Law, shift_noise: NDArray[np.float64], shift_return: NDArray[np.float64]
+        self,
+        at: Layout,
+        law: Law,
+        shift_noise: NDArray[np.float64],
+        shift_return: NDArray[np.float64],
+        assumed: Assumptions = ASSUMPTIONS,
     ) -> None:
         """As assumed; law: DRIFT, which wanders within some frames, or STEADY, which hardly does.
 
         shift_noise: growth of the shift's variance, s^2/s; shift_return: rate at which it comes back, 1/s; both
         (filters,) and kept in step for that law.
         """
+        walks = assumed.walks
         self._shift, self._law, self._noise, self._return = at.shift, law, shift_noise, shift_return
-        self._assumed = float(shift_noise[law]), float(shift_return[law])
+        self._nominal = float(shift_noise[law]), float(shift_return[law])
         drifts = law is Law.DRIFT
-        self._stretch_s = _WANDER_STRETCH_S if drifts else _STRETCH_S
-        self._walk = LearntWalk(_WANDER_RATE, _MOST_WANDER) if drifts else LearntWalk()
+        self._stretch_s = walks.wander_stretch_s if drifts else walks.stretch_s
+        self._walk = (
+            LearntWalk(walks.wander_rate, walks.most_wander, assumed)
+            if drifts
+            else LearntWalk(assumed=assumed)
+        )
         self._since_s = float("-inf")
         self._moved = -1
 
@@ -94,7 +101,7 @@ class LearntWander:
         if bank.moved[own] != self._moved or elapsed_s > 2.0 * self._stretch_s:
             self._moved = bank.moved[own]
             self._walk.forget()
-        shift, (noise, back) = self._shift, self._assumed
+        shift, (noise, back) = self._shift, self._nominal
         self._walk.see(float(bank.x[own, shift]), float(bank.p[own, shift, shift]), noise * elapsed_s)
         self._noise[own::LAWS] = self.share * noise
         self._return[own::LAWS] = self.share * back
@@ -106,20 +113,23 @@ class LearntWalks:
     lead: of n_i, where no clock dates the frames.
     """
 
-    def __init__(self, at: Layout, state_noise: NDArray[np.float64], filters: int) -> None:
+    def __init__(
+        self, at: Layout, state_noise: NDArray[np.float64], filters: int, assumed: Assumptions = ASSUMPTIONS
+    ) -> None:
         """state_noise: growth of the variances, per s, (filters, n); kept in step for the first `filters`."""
+        self._assumed = assumed.walks
         self._at, self._noise, self._filters = at, state_noise, filters
         self._places = range(at.frequency.start, at.decay.stop)
-        self._assumed: list[float] = state_noise[0, at.frequency.start : at.decay.stop].tolist()
-        self._walks = [LearntWalk() for _ in self._assumed]
-        self.lead = LearntWalk()
+        self._nominal: list[float] = state_noise[0, at.frequency.start : at.decay.stop].tolist()
+        self._walks = [LearntWalk(assumed=assumed) for _ in self._nominal]
+        self.lead = LearntWalk(assumed=assumed)
         self._since_s = float("-inf")
         self._whose = -1, -1  # filter, and how often it had been moved
 
     def see(self, bank: FilterBank, law: int, lead_walk: float) -> None:
         """After an image; law: that is believed; lead_walk: growth of the variance assumed of n_i's lead, s^2/s."""
         elapsed_s = bank.edge_s - self._since_s
-        if elapsed_s < _STRETCH_S:
+        if elapsed_s < self._assumed.stretch_s:
             return
         self._since_s = bank.edge_s
         whose = law, bank.moved[law]
@@ -127,7 +137,7 @@ class LearntWalks:
             self.forget()
             self._whose = whose
         values, variances = bank.x[law].tolist(), bank.p[law].diagonal().tolist()
-        for place, walk, assumed in zip(self._places, self._walks, self._assumed, strict=True):
+        for place, walk, assumed in zip(self._places, self._walks, self._nominal, strict=True):
             walk.see(values[place], variances[place], assumed * elapsed_s)
             self._noise[: self._filters, place] = walk.share * assumed
         if lead_walk > 0.0:
@@ -139,7 +149,7 @@ class LearntWalks:
     def allow_as_assumed(self) -> None:
         """Walks of frequency and decay as assumed, or more where more was learnt, until the next is learnt."""
         self._noise[: self._filters, self._places.start : self._places.stop] = [
-            max(walk.share, 1.0) * one for walk, one in zip(self._walks, self._assumed, strict=True)
+            max(walk.share, 1.0) * one for walk, one in zip(self._walks, self._nominal, strict=True)
         ]
         self.forget()
 

@@ -9,19 +9,15 @@ has gone. An accelerometer whose gain drifts looks the same, and is taken for a 
 
 from math import inf
 
-_MEMORY_S = 10.0
-_ALARM = 22.0  # of the score's square, which has mean 1: by chance once in fifty hours
-_SOON_S = 4.0  # as far again
-_FADE_S = 20.0  # what has drifted may go on
-_MOST = 0.3  # a vibration so small that only this much shows is not what tells a drift
-_BOUND = 9.0  # of one innovation squared: a blow or a spike may not decide alone
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class ScaleWatch:
     """walk: growth of the variance of the scale's relative error, beyond what is assumed of it, 1/s."""
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """In agreement."""
+        self._assumed = assumed.scale
         self.begin()
 
     def begin(self) -> None:
@@ -37,32 +33,32 @@ class ScaleWatch:
     def grown(self, elapsed_s: float) -> float:
         """By how much that variance grows within elapsed_s; the walk fades meanwhile, whatever is seen."""
         variance = self.walk * elapsed_s
-        self.walk -= variance / _FADE_S
+        self.walk -= variance / self._assumed.fade_s
         self._since_alarm_s += elapsed_s
         return variance
 
     @property
     def drifts(self) -> bool:
         """Whether the scale has been found to be off lately."""
-        return self._since_alarm_s < _FADE_S
+        return self._since_alarm_s < self._assumed.fade_s
 
     def see(self, difference_m: float, expected_m: float, variance: float, elapsed_s: float) -> bool:
         """A block's departure from what was expected, that, the departure's variance, m^2, and the block's length.
 
         Returns whether the scale has just been found to be off.
         """
-        if difference_m * difference_m > _BOUND * variance:
+        if difference_m * difference_m > self._assumed.bound * variance:
             return False
-        keep, weight = 1.0 - elapsed_s / _MEMORY_S, expected_m / variance
+        keep, weight = 1.0 - elapsed_s / self._assumed.memory_s, expected_m / variance
         self._score = keep * self._score + weight * difference_m
         self._information = keep * self._information + weight * expected_m
         self._variance = keep * keep * self._variance + weight * expected_m
-        if self._score * self._score <= _ALARM * self._variance:
+        if self._score * self._score <= self._assumed.alarm * self._variance:
             return False
         error = self._score / self._information
         self.restart()
-        if abs(error) > _MOST:
+        if abs(error) > self._assumed.most:
             return False
-        self.walk = max(self.walk, error * error / _SOON_S)
+        self.walk = max(self.walk, error * error / self._assumed.soon_s)
         self._since_alarm_s = 0.0
         return True

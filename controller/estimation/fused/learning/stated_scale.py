@@ -21,14 +21,10 @@ from msgspec import UnsetType
 from numpy.typing import NDArray
 
 from stillarm.common.files.model import Model
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS
+from stillarm.controller.estimation.fused.assumptions.filter_assumptions import ScaleAssumptions
 
 Array = NDArray[np.float64]
-
-_BY_HAND = 0.01  # of a model that does not say how well its scales are known: `calibrate` asks for 2 %
-_EVEN, _MEASURED = 1.0, 9.0  # odds beforehand: by hand, commissioned
-_LEAST = 0.002  # of a commissioned scale: the scene is not known better than that
-_TOLD = 0.5  # of the variance beforehand: above it, the sensors have said too little to judge by
-_SETTLED = 0.04  # of the stated variance: below it, they know it too well for the model to add anything
 
 
 class Stated(NamedTuple):
@@ -39,7 +35,7 @@ class Stated(NamedTuple):
     odds: float
 
 
-def stated_scale(model: Model, first: float) -> Stated:
+def stated_scale(model: Model, first: float, assumed: ScaleAssumptions = ASSUMPTIONS.scale) -> Stated:
     """By the deviations that the model file states; their variance well below `first`, the filters' beforehand, or
     there were nothing to weigh.
     """
@@ -49,9 +45,11 @@ def stated_scale(model: Model, first: float) -> Stated:
         "accelerometer.scale": model.accelerometer.scale,
     }
     if not stated.keys() <= std.keys():
-        return Stated(_BY_HAND**2, _EVEN)
+        return Stated(assumed.by_hand**2, assumed.even_odds)
     of_each = [std[name] / value for name, value in stated.items()]
-    return Stated(float(min(max(_LEAST, hypot(*of_each)) ** 2, _TOLD * first)), _MEASURED)
+    return Stated(
+        float(min(max(assumed.least, hypot(*of_each)) ** 2, assumed.told * first)), assumed.commissioned_odds
+    )
 
 
 def odds_as_stated(mean: float, variance: float, first: float, stated: Stated) -> float:
@@ -62,13 +60,20 @@ def odds_as_stated(mean: float, variance: float, first: float, stated: Stated) -
     return stated.odds * sqrt(wide / narrow) * exp(0.5 * square * (1.0 / wide - 1.0 / narrow))
 
 
-def with_stated_scale(x: Array, p: Array, scale: int, first: float, stated: Stated) -> tuple[Array, Array]:
+def with_stated_scale(
+    x: Array,
+    p: Array,
+    scale: int,
+    first: float,
+    stated: Stated,
+    assumed: ScaleAssumptions = ASSUMPTIONS.scale,
+) -> tuple[Array, Array]:
     """State (n,) and covariance (n, n) once the model's word on the scale counts; x[scale]: its relative error.
 
     first: the filters' variance of it beforehand.
     """
     mean, variance = float(x[scale]), float(p[scale, scale])
-    if not _SETTLED * stated.variance < variance < _TOLD * first:
+    if not assumed.settled * stated.variance < variance < assumed.told * first:
         return x, p
     odds = odds_as_stated(mean, variance, first, stated)
     probability = odds / (1.0 + odds)

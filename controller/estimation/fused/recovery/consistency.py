@@ -6,17 +6,7 @@ about its root, whatever the cause. A camera's quartz is off by tens of ppm, and
 where the dates say otherwise, they are wrong.
 """
 
-_MEMORY_FRAMES = 30.0
-_LARGEST = 30.0  # one image may not decide alone
-_DOUBTFUL, _SETTLED = (
-    2.4,
-    1.6,
-)  # mean of so many: by chance above the first once in some days; between them as it was
-_MOST_SKEW = 400e-6  # of a clock that counts frames by a period found right, or that stamps them
-_SKEW_STDS = 4.0
-_LOST = 4.0  # mean of so many: stated deviations that are half of the errors are raised, not begun anew for
-_LOST_AFTER_S = 1.0  # for so long in doubt: the filters are lost, and begin anew
-_PATIENCE_S = 3.0  # after a beginning
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class Consistency:
@@ -25,14 +15,15 @@ class Consistency:
     doubtful: whether its deviations are too small. factor: by how much, at least 1.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """Nothing seen."""
+        self._assumed = assumed.consistency
         self.begin(float("-inf"))
 
     @property
     def calm(self) -> bool:
         """Whether innovations have been as large as stated for a while."""
-        return not self.doubtful and self._mean < _SETTLED
+        return not self.doubtful and self._mean < self._assumed.settled
 
     def lost_for(self, time_s: float, patience_s: float) -> bool:
         """Whether the filters have been lost for so long."""
@@ -51,16 +42,16 @@ class Consistency:
 
         Returns whether the filters are lost, and had better begin anew.
         """
-        self._mean += (min(nis, _LARGEST) - self._mean) / _MEMORY_FRAMES
-        impossible = delay_s < 0.0 or abs(skew) > _MOST_SKEW + _SKEW_STDS * skew_std
-        above = self._mean > (_SETTLED if self.doubtful else _DOUBTFUL)
+        self._mean += (min(nis, self._assumed.largest_nis) - self._mean) / self._assumed.memory_frames
+        impossible = delay_s < 0.0 or abs(skew) > self._assumed.most_skew + self._assumed.skew_stds * skew_std
+        above = self._mean > (self._assumed.settled if self.doubtful else self._assumed.doubtful)
         self.doubtful = above or impossible
         self.factor = max(1.0, self._mean) ** 0.5 if self.doubtful else 1.0
         if not self.doubtful:
             self._doubted_since_s = float("inf")
             return False
-        if self._mean < _LOST and not impossible:
+        if self._mean < self._assumed.lost and not impossible:
             self._doubted_since_s = float("inf")
         self._doubted_since_s = min(self._doubted_since_s, time_s)
-        patient = time_s - self._begun_s < _PATIENCE_S
-        return time_s - self._doubted_since_s > _LOST_AFTER_S and not patient
+        patient = time_s - self._begun_s < self._assumed.patience_s
+        return time_s - self._doubted_since_s > self._assumed.lost_after_s and not patient

@@ -11,18 +11,7 @@ Forgetting is exponential, over one and a half periods (weighted least squares).
 
 from math import atan2, hypot, inf, sqrt
 
-_MEMORY_BLOCKS = 36.0
-_FEWEST_BLOCKS = 12.0  # half a period, within which amplitude and offset cannot pass for a phase
-_LEAST_RATIO, _LARGEST_RATIO = 0.7, 1.4  # r of a sensor that shows the vibration
-_SIGNIFICANT = 6.0  # standard deviations of the phase
-_LEAST_RAD = 0.08  # less is left to the filters, which follow it by themselves
-_SUSPECT_BLOCKS = 4
-_SINGULAR = 1e-3  # less than a quarter of a period seen
-_OFFSET_STDS = 4.0
-_LARGEST_RAD = 2.9  # nearer to half a period, the sensor's sign is wrong
-_LASTING_BLOCKS = (
-    18  # three quarters of a period: what departs from the images behind an impact has no lasting phase
-)
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
 
 class DateWatch:
@@ -32,8 +21,9 @@ class DateWatch:
     has lasted for long enough to be acted on.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """Nothing compared yet."""
+        self._assumed = assumed.date_watch
         self.restart()
 
     def restart(self) -> None:
@@ -51,13 +41,13 @@ class DateWatch:
         """
         e, q, v, weight = expected_m, quadrature_m, value_m, 1.0 / variance
         terms = (1.0, e, q, v, e * e, e * q, q * q, e * v, q * v)
-        keep = 1.0 - 1.0 / _MEMORY_BLOCKS
+        keep = 1.0 - 1.0 / self._assumed.memory_blocks
         self._sums = [keep * old + weight * new for old, new in zip(self._sums, terms, strict=True)]
         self._count = keep * self._count + 1.0
-        phase = self._phase() if self._count > _FEWEST_BLOCKS else 0.0
+        phase = self._phase() if self._count > self._assumed.fewest_blocks else 0.0
         self._evident = self._evident + 1 if phase else 0
-        self.suspected_rad = phase if self._evident >= _SUSPECT_BLOCKS else 0.0
-        self.lag_rad = phase if self._evident >= _LASTING_BLOCKS else 0.0
+        self.suspected_rad = phase if self._evident >= self._assumed.suspect_blocks else 0.0
+        self.lag_rad = phase if self._evident >= self._assumed.lasting_blocks else 0.0
 
     def _phase(self) -> float:
         """phi where it is significant, else 0. Normal equations of (8.1), the offset eliminated."""
@@ -65,19 +55,23 @@ class DateWatch:
         ee, eq, qq = ee - e * e / w, eq - e * q / w, qq - q * q / w
         ev, qv = ev - e * v / w, qv - q * v / w
         determinant = ee * qq - eq * eq
-        if determinant <= _SINGULAR * ee * qq:
+        if determinant <= self._assumed.singular * ee * qq:
             return 0.0
         in_phase, across = (qq * ev - eq * qv) / determinant, (ee * qv - eq * ev) / determinant
         self._offset_stds = abs(v - in_phase * e - across * q) / sqrt(w)
         ratio = hypot(in_phase, across)
-        if not _LEAST_RATIO < ratio < _LARGEST_RATIO:
+        if not self._assumed.least_ratio < ratio < self._assumed.largest_ratio:
             return 0.0
         phase, std = atan2(across, in_phase), sqrt(max(ee, qq) / determinant) / ratio
-        if not max(_LEAST_RAD, _SIGNIFICANT * std) < abs(phase) < _LARGEST_RAD:
+        if (
+            not max(self._assumed.least_rad, self._assumed.phase_stds * std)
+            < abs(phase)
+            < self._assumed.largest_rad
+        ):
             return 0.0
         return phase
 
     @property
     def shows_offset(self) -> bool:
         """Whether the accelerometer has an offset whatever phase and size the vibration has in it."""
-        return self._offset_stds > _OFFSET_STDS
+        return self._offset_stds > self._assumed.offset_stds

@@ -20,16 +20,12 @@ from numpy.typing import NDArray
 
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.image_update import turned_to
 from stillarm.controller.estimation.fused.filters.laws import FILTERS, LAW_OF
 
 Array = NDArray[np.float64]
-
-_HELD_IMAGES = 128
-_FEWEST_IMAGES = 8
-_JOINT_HELD_S = 0.95  # JointInput holds a second
-_RIDGE = 1e-6  # of one image's information: a window too short for two phasors has no inverse
 
 
 class Window(NamedTuple):
@@ -67,9 +63,10 @@ class Fresh(NamedTuple):
 class HeldImages:
     """The last images, for fits of their own."""
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """None yet."""
-        self._held: deque[tuple[Array, float, float, float]] = deque(maxlen=_HELD_IMAGES)
+        self._assumed = assumed.fresh_start
+        self._held: deque[tuple[Array, float, float, float]] = deque(maxlen=self._assumed.held_images)
 
     def add(self, nominal_s: Array, value_m: float, noise_m2: float, cost: float) -> None:
         """An image: its nominal instant by each law, s, (laws,), what it shows, m, with its variance, m^2, and what
@@ -83,10 +80,10 @@ class HeldImages:
     def newest(self, span_s: float, law: int, now_s: float) -> Window | None:
         """Those of the last span_s by a law, or the last eight, as far as the joint's motion is still known; None for
         fewer than those."""
-        known = [one for one in self._held if one[0][law] >= now_s - _JOINT_HELD_S]
-        if len(known) < _FEWEST_IMAGES:
+        known = [one for one in self._held if one[0][law] >= now_s - self._assumed.joint_held_s]
+        if len(known) < self._assumed.fewest_images:
             return None
-        first_s = min(known[-1][0][law] - span_s, known[-_FEWEST_IMAGES][0][law])
+        first_s = min(known[-1][0][law] - span_s, known[-self._assumed.fewest_images][0][law])
         chosen = [one for one in known if one[0][law] >= first_s]
         nominal, value, noise, cost = zip(*chosen, strict=True)
         return Window(np.array(nominal), np.array(value), np.array(noise), sum(cost))
@@ -105,7 +102,7 @@ def fresh_fit(
     """Fit (9.1) for all filters at once; force: with a constant one; learn: whether the filters have yet to take these
     images in."""
     times = window.nominal_s[:, LAW_OF].T + bank.x[:, at.shift, None]  # (filters, k)
-    m, k = at.modes, times.shape[1]
+    m, k, ridge = at.modes, times.shape[1], bank.assumed.fresh_start.ridge
     theta, rate, step = joint.seen_from(bank.edge_s, times.ravel())
     turn, fast = turned_to(bank, times), bank.fast_rates()[:, None, :]  # (filters, k or 1, modes)
     moved = step.reshape(FILTERS, k, m) * turn
@@ -119,7 +116,7 @@ def fresh_fit(
     slope[:, :, :parts] *= scale[:, :, None]
     own_date = 0.5 * (at.w_first * amplitude_m) ** 2 * bank.jitter
     weight = 1.0 / (window.noise_m2 + own_date[:, None])
-    found, _ = _solve(slope[:, :, :parts], weight, residual, np.zeros((FILTERS, parts, parts)))
+    found, _ = _solve(slope[:, :, :parts], weight, residual, np.zeros((FILTERS, parts, parts)), ridge)
     own = (found[:, 0 : 2 * m : 2] - 1j * found[:, 1 : 2 * m : 2])[:, None, :] * turn
     lag = (times - bank.edge_s)[:, :, None] * scale[:, :, None]
     rates = rate.reshape(FILTERS, k) * at.lever + ((own + moved) * fast).real.sum(axis=2)
@@ -132,7 +129,7 @@ def fresh_fit(
         prior = np.linalg.inv(spread)
         precision = np.zeros((FILTERS, slope.shape[2], slope.shape[2]))
         precision[:, parts:, parts:] = prior
-        found, covariance = _solve(slope, weight, residual, precision)
+        found, covariance = _solve(slope, weight, residual, precision, ridge)
         moves = found[:, parts:]
         paid = np.einsum("fi,fij,fj->f", moves, prior, moves)
     else:
@@ -168,9 +165,11 @@ def _known(at: Layout) -> list[int]:
     return [at.offset, at.scale, at.shift, *range(2 * m, 4 * m)]
 
 
-def _solve(slope: Array, weight: Array, residual: Array, precision: Array) -> tuple[Array, Array]:
+def _solve(
+    slope: Array, weight: Array, residual: Array, precision: Array, ridge_share: float
+) -> tuple[Array, Array]:
     """Weighted least squares with a prior of that precision about zero: mean (filters, q), covariance."""
     weighted = (slope * weight[:, :, None]).transpose(0, 2, 1)
-    ridge = _RIDGE * weight.mean(axis=1)[:, None, None] * np.eye(slope.shape[2])
+    ridge = ridge_share * weight.mean(axis=1)[:, None, None] * np.eye(slope.shape[2])
     covariance = np.linalg.inv(weighted @ slope + precision + ridge)
     return (covariance @ (weighted @ residual[:, :, None]))[:, :, 0], covariance

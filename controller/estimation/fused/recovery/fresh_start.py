@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.dates.evidence import Evidence
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.laws import LAWS
@@ -22,19 +23,6 @@ from stillarm.controller.estimation.fused.recovery.fresh_fit import Fresh, HeldI
 from stillarm.controller.estimation.fused.recovery.remembered import Remembered
 
 Array = NDArray[np.float64]
-
-_LARGEST_NIS, _RECENT_IMAGES = 30.0, 6.0
-_INCONSISTENT = 5.0  # mean of the last innovations squared: by chance once in a day
-_ASTRAY_PERIODS = 5.0  # what went wrong may show for so long
-_PERIODS = (0.6, 1.2)  # of the images that a fit takes
-_FORCED_PERIODS = (
-    1.0  # at least, to tell a constant force from the vibration about it, and a frequency from another
-)
-_AGAIN_PERIODS = 0.5
-_GOOD_MISFIT = 1.5
-_GOOD_SHARE = 0.05  # of the amplitude, its deviation
-_CHEAPER, _CHEAPER_SHAKEN = 12.0, 25.0  # what less a fit must cost; where a steady random force moves the arm
-_NO_DEARER = -6.0  # what more the simpler explanation may
 
 
 class Situation(NamedTuple):
@@ -57,14 +45,22 @@ class Situation(NamedTuple):
 class FreshStart:
     """Watches for filters led astray; `choose` gives a fit that they are to be started from."""
 
-    def __init__(self, at: Layout, noise_m2: float, state_noise: Array, shift_spread_s: float) -> None:
+    def __init__(
+        self,
+        at: Layout,
+        noise_m2: float,
+        state_noise: Array,
+        shift_spread_s: float,
+        assumed: Assumptions = ASSUMPTIONS,
+    ) -> None:
         """noise_m2: of an image; state_noise: growth of the states' variances,
         (filters, n), 1/s; shift_spread_s: how far a delay wanders, s."""
+        self._assumed = assumed.fresh_start
         self._at, self._noise_m2 = at, noise_m2
         self._state_noise, self._shift_variance = state_noise, shift_spread_s**2
         self._slow_states = [*range(2 * at.modes, 4 * at.modes)]
-        self._images = HeldImages()
-        self.remembered = Remembered()
+        self._images = HeldImages(assumed)
+        self.remembered = Remembered(assumed)
         self._recent = 1.0
         self._astray_until_s, self._not_before_s = float("-inf"), float("-inf")
         self._changes = 0
@@ -72,7 +68,7 @@ class FreshStart:
     def add(self, nominal_s: Array, value_m: float, noise_m2: float, nis: float, variance: float) -> None:
         """An image: its nominal instant by each law, s, (laws,), what it shows, m, its variance, m^2, and the filters'
         innovation squared over its variance, and that, m^2."""
-        cost = min(nis, _LARGEST_NIS) + float(np.log(max(variance, noise_m2) / noise_m2))
+        cost = min(nis, self._assumed.largest_nis) + float(np.log(max(variance, noise_m2) / noise_m2))
         self._images.add(nominal_s, value_m, noise_m2, cost)
 
     def forget(self) -> None:
@@ -96,8 +92,8 @@ class FreshStart:
         if changes != self._changes:
             self._changes = changes
             self.forget()
-        self._recent += (min(now.nis, _LARGEST_NIS) - self._recent) / _RECENT_IMAGES
-        inconsistent = self._recent > _INCONSISTENT
+        self._recent += (min(now.nis, self._assumed.largest_nis) - self._recent) / self._assumed.recent_images
+        inconsistent = self._recent > self._assumed.inconsistent
         self._watch(now, inconsistent, bank, evidence)
         blocked = now.time_s < self._not_before_s or now.elsewhere or (now.shaken and not now.held)
         if joint is None or blocked or not self.astray(now.time_s):
@@ -110,7 +106,7 @@ class FreshStart:
 
     def _watch(self, now: Situation, inconsistent: bool, bank: FilterBank, evidence: Evidence) -> None:
         if now.held or inconsistent or now.broke:
-            self._astray_until_s = now.time_s + _ASTRAY_PERIODS * self._at.period_s
+            self._astray_until_s = now.time_s + self._assumed.astray_periods * self._at.period_s
             self.remembered.trouble()
         elif now.calm and not self.astray(now.time_s) and evidence.best < LAWS:
             self.remembered.calm(now.time_s, bank.x, bank.p, evidence.log_weights)
@@ -120,9 +116,9 @@ class FreshStart:
         shift_noise: Array,
     ) -> tuple[Fresh | None, float]:  # fmt: skip
         differs = self.remembered.differs(bank.x[evidence.best], self._slow_states)
-        cheaper = _CHEAPER_SHAKEN if now.shaken else _CHEAPER
-        for periods in _PERIODS:
-            whole = periods >= _FORCED_PERIODS
+        cheaper = self._assumed.cheaper_shaken if now.shaken else self._assumed.cheaper
+        for periods in self._assumed.periods:
+            whole = periods >= self._assumed.forced_periods
             if whole and (differs or now.held):
                 known = self._as_remembered(now, periods, bank, evidence, joint, shift_noise)
                 if known is not None:
@@ -149,11 +145,11 @@ class FreshStart:
         grown[:, self._at.shift] += np.minimum(shift_noise * since_s, self._shift_variance)
         restore(bank, known.x, known.p, grown)
         free = self._fit(now, periods, bank, evidence, joint, force=False, learn=True)
-        if free is not None and self._good(free, evidence.best, _NO_DEARER):
+        if free is not None and self._good(free, evidence.best, self._assumed.no_dearer):
             evidence.restore(known.log_weights)
             return free
         bank.x, bank.p = before
-        self._not_before_s = now.time_s + _AGAIN_PERIODS * self._at.period_s
+        self._not_before_s = now.time_s + self._assumed.again_periods * self._at.period_s
         return None
 
     def _fit(
@@ -167,12 +163,12 @@ class FreshStart:
 
     def _good(self, fresh: Fresh, best: int, least_gain: float) -> bool:
         """Whether it explains the images, at so much less than they have cost the filters, and tells the vibration."""
-        if fresh.gain[best] < least_gain or fresh.misfit[best] > _GOOD_MISFIT + 3.0 * sqrt(
-            2.0 / fresh.freedom
-        ):
+        if fresh.gain[best] < least_gain or fresh.misfit[
+            best
+        ] > self._assumed.good_misfit + self._assumed.misfit_stds * sqrt(2.0 / fresh.freedom):
             return False
         phasor = slice(0, 2 * self._at.modes)
         power = float(fresh.mean[best, phasor] @ fresh.mean[best, phasor])
         return float(np.trace(fresh.covariance[best, phasor, phasor])) < max(
-            _GOOD_SHARE**2 * power, self._noise_m2
+            self._assumed.good_share**2 * power, self._noise_m2
         )

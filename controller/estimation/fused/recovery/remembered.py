@@ -10,11 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 
-_EACH_S = 1.0  # a state is kept so often
-_PROVEN_S = 1.5  # later, if all has been well since, it is what is remembered
-_DIFFERS_STDS = 4.0
+Array = NDArray[np.float64]
 
 
 @dataclass
@@ -36,8 +34,9 @@ class Knowledge:
 class Remembered:
     """Keeps two states of the bank, in memory that is taken once."""
 
-    def __init__(self) -> None:
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """Nothing."""
+        self._assumed = assumed.fresh_start
         self._kept: list[Knowledge] = []  # what is known, and what has yet to prove well
         self.forget()
 
@@ -58,10 +57,12 @@ class Remembered:
         """All is well: keep what is known now, and trust what was kept a while ago."""
         if not self._kept:
             self._kept = [Knowledge(time_s, x.copy(), p.copy(), log_weights.copy()) for _ in range(2)]
-        if self._is_pending and time_s - self._kept[1].time_s > _PROVEN_S:
+        if self._is_pending and time_s - self._kept[1].time_s > self._assumed.proven_s:
             self._kept.reverse()
             self._is_known, self._is_pending = True, False
-        if not self._is_pending and (not self._is_known or time_s - self._kept[0].time_s > _EACH_S):
+        if not self._is_pending and (
+            not self._is_known or time_s - self._kept[0].time_s > self._assumed.each_s
+        ):
             self._kept[1].take(time_s, x, p, log_weights)
             self._is_pending = True
 
@@ -72,4 +73,6 @@ class Remembered:
             return False
         best = int(known.log_weights.argmax())
         variance = known.p[best][states, states]
-        return bool(np.any((x[states] - known.x[best][states]) ** 2 > _DIFFERS_STDS**2 * variance))
+        return bool(
+            np.any((x[states] - known.x[best][states]) ** 2 > self._assumed.differs_stds**2 * variance)
+        )
