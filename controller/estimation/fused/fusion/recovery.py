@@ -77,13 +77,13 @@ class Recovery:
     def _start_fresh(self, received_s: float, joint: JointInput | None) -> bool:
         """Start the vibration anew where the filters were led astray, if the last images tell from what."""
         state = self._state
-        held, dates = state.held_force, state.dates
+        held = state.held_force
         now = Situation(
             received_s, state.nis, self._unexplained.impact or state.outliers > 0, held.active, held.moves,
             state.shaken, state.consistency.calm and self._zero_known,
-            state.date_watch.suspected_rad != 0.0 or state.scale_watch.drifts, state.amplitude_m,
+            state.date_watch.suspected_rad != 0.0 or state.scale_watch.drifts, state.amplitude_m, joint,
         )  # fmt: skip
-        fresh = state.fresh.choose(now, dates.changes, state.bank, state.evidence, joint, dates.shift_noise)
+        fresh = state.fresh.choose(now)
         self._received_s = received_s
         if fresh is not None:
             self._begin_with(fresh, received_s)

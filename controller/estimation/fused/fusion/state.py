@@ -92,6 +92,8 @@ def fusion_state(
     evidence = Evidence(model, settings, at, length_m, assumed)
     state_noise = start.state_noise(settings, at, assumed)
     walks = LearntWalks(at, state_noise, LAWS, assumed)
+    dates = FrameDates(model, at, bank, evidence, walks.lead, assumed)
+    shift_spread_s = start.spread_s(model, assumed)
     image_m2 = (at.per_px * model.camera.noise_std_px) ** 2
     return FusionState(
         assumed=assumed,
@@ -101,7 +103,7 @@ def fusion_state(
         health=health,
         bank=bank,
         evidence=evidence,
-        dates=FrameDates(model, at, bank, evidence, walks.lead, assumed),
+        dates=dates,
         walks=walks,
         force=LearntForce(at.w.tolist(), image_m2, health.variance, assumed),
         held_force=HeldForce(at.modes, image_m2, at.period_s, assumed),
@@ -109,7 +111,7 @@ def fusion_state(
         scale_watch=ScaleWatch(assumed),
         date_watch=DateWatch(assumed),
         consistency=Consistency(assumed),
-        fresh=FreshStart(at, image_m2, state_noise, start.spread_s(model, assumed), assumed),
+        fresh=FreshStart(at, image_m2, state_noise, shift_spread_s, bank, dates, evidence, assumed),
         state_noise=state_noise,
         phasor_share=start.phasor_share(settings, assumed),
         delay_s=model.timing.capture_delay_s,

@@ -16,6 +16,7 @@ from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
 from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.dates.evidence import Evidence
+from stillarm.controller.estimation.fused.dates.frame_dates import FrameDates
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.laws import LAWS
 from stillarm.controller.estimation.fused.filters.new_beginning import restore
@@ -26,10 +27,10 @@ Array = NDArray[np.float64]
 
 
 class Situation(NamedTuple):
-    """After an image. surprise: its normalised innovation squared by the most likely filter; broke: whether it, or the
+    """After an image. nis: its normalised innovation squared by the most likely filter; broke: whether it, or the
     one before, left its gate; held, moves: whether a force is held, and changes; shaken: whether a steady random force
     is known; calm: whether all is well, and the image's zero known; elsewhere: whether something else is found to be
-    wrong, the dates or the scale."""
+    wrong, the dates or the scale. joint: what it did, None before the first image."""
 
     time_s: float
     nis: float
@@ -40,24 +41,22 @@ class Situation(NamedTuple):
     calm: bool
     elsewhere: bool
     amplitude_m: float
+    joint: JointInput | None
 
 
 class FreshStart:
     """Watches for filters led astray; `choose` gives a fit that they are to be started from."""
 
     def __init__(
-        self,
-        at: Layout,
-        noise_m2: float,
-        state_noise: Array,
-        shift_spread_s: float,
-        assumed: Assumptions = ASSUMPTIONS,
-    ) -> None:
-        """noise_m2: of an image; state_noise: growth of the states' variances,
-        (filters, n), 1/s; shift_spread_s: how far a delay wanders, s."""
+        self, at: Layout, image_m2: float, state_noise: Array, shift_spread_s: float, bank: FilterBank,
+        dates: FrameDates, evidence: Evidence, assumed: Assumptions = ASSUMPTIONS,
+    ) -> None:  # fmt: skip
+        """image_m2: variance of an image's noise, m^2; state_noise: growth of the states' variances, (filters, n), 1/s;
+        shift_spread_s: how far a delay wanders, s. bank, dates, evidence: the filters that are watched."""
         self._assumed = assumed.fresh_start
-        self._at, self._noise_m2 = at, noise_m2
+        self._at, self._image_m2 = at, image_m2
         self._state_noise, self._shift_variance = state_noise, shift_spread_s**2
+        self._bank, self._dates, self._evidence = bank, dates, evidence
         self._slow_states = [*range(2 * at.modes, 4 * at.modes)]
         self._images = HeldImages(assumed)
         self.remembered = Remembered(assumed)
@@ -80,31 +79,26 @@ class FreshStart:
         """Whether the filters may have been led astray lately."""
         return time_s < self._astray_until_s
 
-    def choose(
-        self, now: Situation, changes: int, bank: FilterBank, evidence: Evidence, joint: JointInput | None,
-        shift_noise: Array,
-    ) -> Fresh | None:  # fmt: skip
-        """A fit to start from, or None. Where it is a fit with what was known before, the bank has that already.
-
-        changes: how often the dates' count or clock has changed. shift_noise: growth of the variance of the dates'
-        shift, (filters,), s^2/s.
-        """
-        if changes != self._changes:
-            self._changes = changes
+    def choose(self, now: Situation) -> Fresh | None:
+        """A fit to start from, or None. Where it is a fit with what was known before, the bank has that already."""
+        assumed = self._assumed
+        if self._dates.changes != self._changes:
+            self._changes = self._dates.changes
             self.forget()
-        self._recent += (min(now.nis, self._assumed.largest_nis) - self._recent) / self._assumed.recent_images
-        inconsistent = self._recent > self._assumed.inconsistent
-        self._watch(now, inconsistent, bank, evidence)
+        self._recent += (min(now.nis, assumed.largest_nis) - self._recent) / assumed.recent_images
+        inconsistent = self._recent > assumed.inconsistent
+        self._watch(now, inconsistent)
         blocked = now.time_s < self._not_before_s or now.elsewhere or (now.shaken and not now.held)
-        if joint is None or blocked or not self.astray(now.time_s):
+        if now.joint is None or blocked or not self.astray(now.time_s):
             return None
-        found, periods = self._first_good(now, inconsistent, bank, evidence, joint, shift_noise)
+        found, periods = self._first_good(now, now.joint, inconsistent)
         if found is not None:
             self._recent = 1.0
             self._not_before_s = now.time_s + periods * self._at.period_s
         return found
 
-    def _watch(self, now: Situation, inconsistent: bool, bank: FilterBank, evidence: Evidence) -> None:
+    def _watch(self, now: Situation, inconsistent: bool) -> None:
+        bank, evidence = self._bank, self._evidence
         if now.held or inconsistent or now.broke:
             self._astray_until_s = now.time_s + self._assumed.astray_periods * self._at.period_s
             self.remembered.trouble()
@@ -112,63 +106,61 @@ class FreshStart:
             self.remembered.calm(now.time_s, bank.x, bank.p, evidence.log_weights)
 
     def _first_good(
-        self, now: Situation, inconsistent: bool, bank: FilterBank, evidence: Evidence, joint: JointInput,
-        shift_noise: Array,
-    ) -> tuple[Fresh | None, float]:  # fmt: skip
-        differs = self.remembered.differs(bank.x[evidence.best], self._slow_states)
-        cheaper = self._assumed.cheaper_shaken if now.shaken else self._assumed.cheaper
-        for periods in self._assumed.periods:
-            whole = periods >= self._assumed.forced_periods
+        self, now: Situation, joint: JointInput, inconsistent: bool
+    ) -> tuple[Fresh | None, float]:
+        """The first fit that explains the images, and over how many periods of them."""
+        assumed = self._assumed
+        differs = self.remembered.differs(self._bank.x[self._evidence.best], self._slow_states)
+        cheaper = assumed.cheaper_shaken if now.shaken else assumed.cheaper
+        for periods in assumed.periods:
+            whole = periods >= assumed.forced_periods
             if whole and (differs or now.held):
-                known = self._as_remembered(now, periods, bank, evidence, joint, shift_noise)
+                known = self._as_remembered(now, joint, periods)
                 if known is not None:
                     return known, periods
             for force, asked in ((False, now.held or inconsistent), (True, whole and now.held)):
                 if not asked or (force and not (inconsistent or now.moves)):
                     continue
-                fresh = self._fit(now, periods, bank, evidence, joint, force=force, learn=False)
-                if fresh is not None and self._good(fresh, evidence.best, cheaper):
+                fresh = self._fit(now, joint, periods, force=force)
+                if fresh is not None and self._good(fresh, cheaper):
                     return fresh, periods
         return None, 0.0
 
-    def _as_remembered(
-        self, now: Situation, periods: float, bank: FilterBank, evidence: Evidence, joint: JointInput,
-        shift_noise: Array,
-    ) -> Fresh | None:  # fmt: skip
+    def _as_remembered(self, now: Situation, joint: JointInput, periods: float) -> Fresh | None:
         """If what was known when all was well explains the last images, nothing of it has changed."""
-        known = self.remembered.known
+        bank, known = self._bank, self.remembered.known
         if known is None:
             return None
         before = bank.x.copy(), bank.p.copy()
         since_s = now.time_s - known.time_s
         grown = self._state_noise * since_s
-        grown[:, self._at.shift] += np.minimum(shift_noise * since_s, self._shift_variance)
+        grown[:, self._at.shift] += np.minimum(self._dates.shift_noise * since_s, self._shift_variance)
         restore(bank, known.x, known.p, grown)
-        free = self._fit(now, periods, bank, evidence, joint, force=False, learn=True)
-        if free is not None and self._good(free, evidence.best, self._assumed.no_dearer):
-            evidence.restore(known.log_weights)
+        free = self._fit(now, joint, periods, force=False, learn=True)
+        if free is not None and self._good(free, self._assumed.no_dearer):
+            self._evidence.restore(known.log_weights)
             return free
         bank.x, bank.p = before
         self._not_before_s = now.time_s + self._assumed.again_periods * self._at.period_s
         return None
 
     def _fit(
-        self, now: Situation, periods: float, bank: FilterBank, evidence: Evidence, joint: JointInput, *, force: bool,
-        learn: bool,
-    ) -> Fresh | None:  # fmt: skip
-        window = self._images.newest(periods * self._at.period_s, evidence.best % LAWS, now.time_s)
+        self, now: Situation, joint: JointInput, periods: float, *, force: bool, learn: bool = False
+    ) -> Fresh | None:
+        """Fit the images of the last periods, as the filters date them; None for too few images."""
+        span_s = periods * self._at.period_s
+        window = self._images.newest(span_s, self._evidence.best % LAWS, now.time_s)
         if window is None:
             return None
-        return fresh_fit(window, bank, self._at, joint, now.amplitude_m, force=force, learn=learn)
+        return fresh_fit(window, self._bank, self._at, joint, now.amplitude_m, force=force, learn=learn)
 
-    def _good(self, fresh: Fresh, best: int, least_gain: float) -> bool:
+    def _good(self, fresh: Fresh, least_gain: float) -> bool:
         """Whether it explains the images, at so much less than they have cost the filters, and tells the vibration."""
-        if fresh.gain[best] < least_gain or fresh.misfit[
-            best
-        ] > self._assumed.good_misfit + self._assumed.misfit_stds * sqrt(2.0 / fresh.freedom):
+        best, assumed = self._evidence.best, self._assumed
+        most = assumed.good_misfit + assumed.misfit_stds * sqrt(2.0 / fresh.freedom)
+        if fresh.gain[best] < least_gain or fresh.misfit[best] > most:
             return False
         phasor = slice(0, 2 * self._at.modes)
         power = float(fresh.mean[best, phasor] @ fresh.mean[best, phasor])
-        return float(np.trace(fresh.covariance[best, phasor, phasor])) < max(
-            self._assumed.good_share**2 * power, self._noise_m2
-        )
+        known = max(assumed.good_share**2 * power, self._image_m2)
+        return float(np.trace(fresh.covariance[best, phasor, phasor])) < known
