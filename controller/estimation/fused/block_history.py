@@ -1,4 +1,7 @@
-"""The accelerometer's blocks since the bank's instant, and the present that is worked out through them."""
+"""The accelerometer's blocks since the bank's instant, and the present that is worked out through them.
+
+Implements Eqs. 5, 12, 43 of docs/fused.md.
+"""
 
 from cmath import exp
 from collections import deque
@@ -14,7 +17,7 @@ from stillarm.controller.estimation.fused.present import Present
 
 
 class BlockHistory:
-    """Blocks wait here until the bank takes them in, before the next image.
+    """Blocks wait here until the bank processes them, before the next image.
 
     sums: of the block under way, which began in start_cycle, at start_s, when the joint's phasor increments were
     start_sum. begun: whether there was a first cycle.
@@ -95,7 +98,7 @@ class BlockHistory:
             self._mark(impact)
 
     def compare_if_waiting(self, block: Block) -> None:
-        """`compare`, unless the bank has taken the block in."""
+        """`compare`, unless the bank has processed the block."""
         if block in self._blocks:
             self.compare(block)
 
@@ -120,16 +123,16 @@ class BlockHistory:
         return True
 
     def block_at(self, time_s: float) -> Block | None:
-        """The block in which an instant lies, of those waiting or taken in since the snapshot; None for neither."""
+        """The block in which an instant lies, of those waiting or processed since the snapshot; None for neither."""
         known = (*self._taken, *self._blocks)
         return next((one for one in reversed(known) if one.start_s <= time_s), None)
 
     def waits(self, block: Block | None) -> bool:
-        """Whether the bank has yet to take the block in."""
+        """Whether the bank has yet to process the block."""
         return block is not None and block in self._blocks
 
     def hand_over_oldest(self) -> None:
-        """Give the bank the oldest block; what it has looked at must have been taken in before."""
+        """Give the bank the oldest block; what it has looked at must have been processed before."""
         block = self._blocks.popleft()
         self._fusion.blocks.take(block)
         self._taken.append(block)

@@ -1,6 +1,9 @@
 """What a frame leaves to do, as a sequence of steps: each has a controller's cycle of its own, so that none is long.
 
-The next frame, if it comes before the last step, first has this one's measurement taken in. What only tells of this
+The order is that of docs/fused.md: the date (Eqs. 18 to 28), the image (Eqs. 30 to 36), the laws (Eqs. 37 to 39), the
+mixture (Eqs. 40, 41), the present (Eq. 42), and what is learnt (Eqs. 44 to 64).
+
+The next frame, if it comes before the last step, first has this one's measurement processed. What only tells of this
 one, from the mixture on, is then left to the next.
 """
 
@@ -114,7 +117,7 @@ class FrameSteps:
             fusion.take()
 
     def _aim(self, sample: VisualSample, received_s: float) -> bool:
-        """Aim at an image, unless a block before its exposure has yet to be taken in."""
+        """Aim at an image, unless a block before its exposure has yet to be processed."""
         instant_s = self._fusion.dates.expected_instant_s()
         if self._history.has_block_before(instant_s):
             return False
@@ -143,5 +146,5 @@ class FrameSteps:
         self.dated.append((frame, self._fusion.delay_s, self._fusion.delay_std_s))
 
     def _block_ahead(self) -> bool:
-        """Whether there is a block that the next image will want taken in."""
+        """Whether there is a block that the next image will want processed."""
         return self._history.has_block_before(self._last_instant_s + self._ahead_s)

@@ -1,4 +1,7 @@
-"""What an impact or a step of a force that the accelerometer has measured does to filters and present."""
+"""What an impact or a step of a force that the accelerometer has measured does to filters and present.
+
+Implements Eqs. 16, 55 of docs/fused.md.
+"""
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Jump, along_rate
 from stillarm.controller.estimation.fused.accelerometer.impact_meter import ForceStep, MeasuredImpact
@@ -17,7 +20,7 @@ class MeasuredChanges:
         self, at: Layout, cycle_s: float, fusion: FrameFusion, history: BlockHistory, frame: FrameSteps,
         joint_input: JointInput,
     ) -> None:  # fmt: skip
-        """frame: has what it was looking at taken in before the bank changes."""
+        """frame: has what it was looking at processed before the bank changes."""
         self._w, self._cycle_s = float(at.w[0]), cycle_s
         self._w_first = at.w_first
         self._fusion, self._history, self._frame = fusion, history, frame

@@ -1,4 +1,7 @@
-"""The fused method: one call a cycle; docs/fused.md derives it."""
+"""The fused method: one call a cycle; docs/fused.md derives it.
+
+Implements Eqs. 1, 42 of docs/fused.md.
+"""
 
 from cmath import exp
 from math import pi

@@ -1,5 +1,7 @@
 """The phasors as they are now: from the bank's instant through the accelerometer's blocks since then.
 
+Implements Eqs. 5, 12, 42 of docs/fused.md.
+
 Plain floats: it runs once a block and once a frame for each block since the frame's exposure.
 """
 
@@ -68,7 +70,7 @@ class Present:
     def take_block(
         self, block: Block, variance: float, shown: tuple[float, float] | None, *, at_end: bool
     ) -> None:
-        """Take in a block; the phasors stand at its start, or (at_end) at its end. shown: LearntForce.shown."""
+        """Process a block; the phasors stand at its start, or (at_end) at its end. shown: LearntForce.shown."""
         base = block.end_s if at_end else block.start_s
         rows: list[float] = []
         value = self.bias

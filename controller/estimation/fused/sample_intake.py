@@ -1,4 +1,7 @@
-"""The accelerometer's raw samples, one a cycle: checked, bounded, and summed up in the block under way."""
+"""The accelerometer's raw samples, one a cycle: checked, bounded, and summed up in the block under way.
+
+Implements Eqs. 9, 10 of docs/fused.md.
+"""
 
 from cmath import exp
 from math import inf, sqrt
@@ -43,7 +46,7 @@ class SampleIntake:
         self._held_back: list[tuple[Block, int]] = []  # with how many samples
 
     def see(self, observation: Observation, turn: list[complex]) -> None:
-        """Take in a cycle's sample, where exp(i w t) is `turn`."""
+        """Process a cycle's sample, where exp(i w t) is `turn`."""
         raw, sensor = observation.acceleration_m_s2, self._sensor
         history, health = self._history, self._health
         if self._filter_turn:

@@ -1,4 +1,7 @@
-"""Sum, maximum and quadratic form of a few numbers: numpy's own, and plain floats, where these cost less."""
+"""Sum, maximum and quadratic form of a few numbers: numpy's own, and plain floats, where these cost less.
+
+Implements Eq. 42 of docs/fused.md.
+"""
 
 from collections.abc import Sequence
 

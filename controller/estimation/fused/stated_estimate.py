@@ -1,4 +1,7 @@
-"""What the method says in a cycle: deflection and delay with their deviations, status, trust, and why."""
+"""What the method says in a cycle: deflection and delay with their deviations, status, trust, and why.
+
+Implements Eqs. 60, 61 of docs/fused.md.
+"""
 
 from math import hypot, isfinite, sqrt
 

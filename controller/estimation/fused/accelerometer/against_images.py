@@ -1,5 +1,7 @@
 """What the images make of the accelerometer: its gain, its offset, and how far it contradicts them.
 
+Implements Eq. 13 of docs/fused.md.
+
 Weighted regression of the blocks' values on what the images say they should be, over the last period or so:
 value = gain expected + offset. Forgetting is exponential, so that all three follow a change within a second.
 """

@@ -1,10 +1,13 @@
 """The accelerometer in short blocks: each becomes one mean value at one mean phase.
 
+Implements Eqs. 11, 49, 55 of docs/fused.md.
+
 Over a block of a twenty-fourth of a period the mean holds all but half a percent of what the samples say.
 """
 
 from cmath import exp
 from dataclasses import dataclass
+from math import nan
 from typing import NamedTuple
 
 from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
@@ -17,7 +20,7 @@ def along_rate(w: float, time_s: float) -> complex:
 
 
 class Jump(NamedTuple):
-    """How far a blow at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
+    """How far an impact at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
 
     along_m: in the direction of a change of rate at time_s; across_m: at right angles to it. force_m: of the first
     mode's static deflection by a force that changed at time_s (held_force.py), of which force_step_m is known.
@@ -57,7 +60,8 @@ class Block:
 
     turn: mean of exp(i w t) of each mode; time_s: mean time; forced: mean of what the joint's motion since start_s
     adds to the value; variance: of the value; step: the joint's phasor increments from start to end, and those of a
-    strike that was measured. jumps: what blows in it have added that is not known.
+    impact that was measured. jumps: what impacts in it have added that is not known. scatter: variance of a sample
+    about the block's mean, m^2, to which a wrong vibration adds nothing; nan for fewer than two samples.
     """
 
     start_s: float
@@ -70,6 +74,7 @@ class Block:
     variance: float = 0.0
     step: tuple[complex, ...] = ()
     jumps: tuple[Jump, ...] = ()
+    scatter: float = nan
 
     def motion_variance(self, doubt: float) -> float:
         """Of each phasor's parts, m^2, where the joint's effect on the arm is known to that share of it."""
@@ -88,13 +93,14 @@ class BlockSums:
     def clear(self) -> None:
         """Begin anew."""
         self._count = 0
-        self._value = self._time = self._forced = self._squares = 0.0
+        self._value = self._time = self._forced = self._squares = self._residual = 0.0
         self._turn = self._none.copy()
 
     def add(self, value: float, turn: list[complex], time_s: float, forced: float, residual: float) -> None:
-        """Take in one good sample, and how far it lay from what was expected."""
+        """Process one good sample, and how far it lay from what was expected."""
         self._count += 1
         self._squares += residual * residual
+        self._residual += residual
         self._value += value
         self._time += time_s
         self._forced += forced
@@ -113,4 +119,5 @@ class BlockSums:
         return Block(
             start_s, end_s, n, self._value / n, tuple(one / n for one in self._turn),
             self._time / n, self._forced / n, variance / n, step,
+            scatter=(self._squares - self._residual**2 / n) / (n - 1) if n > 1 else nan,
         )  # fmt: skip

@@ -1,5 +1,7 @@
 """Where an accelerometer's signal is cut off, found from the samples themselves.
 
+Implements Eq. 9 of docs/fused.md.
+
 A cut leaves an atom in the distribution: the very same extreme value again and again, and next to nothing just below
 it. Noise alone puts fewer samples on its outermost level than on the one before.
 """
@@ -70,7 +72,7 @@ class Clipping:
         return self._upper.level < self._limit or self._lower.level < self._limit
 
     def see(self, value: float) -> None:
-        """Take in a sample that is not simply the last one held over."""
+        """Process a sample that is not simply the last one held over."""
         self._upper.see(value)
         self._lower.see(-value)
 

@@ -1,6 +1,8 @@
-"""A strike at the tip, measured by the accelerometer while it lasts.
+"""An impact at the tip, measured by the accelerometer while it lasts.
 
-The sensor shows q'' = - w^2 q - 2 zeta w q' + f: what a strike's force f adds to the expected samples, summed over its
+Implements Eqs. 15, 16 of docs/fused.md.
+
+The sensor shows q'' = - w^2 q - 2 zeta w q' + f: what an impact's force f adds to the expected samples, summed over its
 few milliseconds, is the velocity it gives the tip, and the centre of that sum is its instant. Its start and end are
 found by two cumulative sums, one for each sign (E. S. Page, Continuous inspection schemes, Biometrika 41, 1954).
 """
@@ -20,7 +22,7 @@ class ForceStep(NamedTuple):
 
 
 class MeasuredImpact(NamedTuple):
-    """What a strike added. cycle: its instant, in cycles; sum_m: of the samples' excess, as deflection; sum_std_m.
+    """What an impact added. cycle: its instant, in cycles; sum_m: of the samples' excess, as deflection; sum_std_m.
 
     cycle_std: of the instant, in cycles.
     """
@@ -34,7 +36,7 @@ class MeasuredImpact(NamedTuple):
 class ImpactMeter:
     """Watches the samples' departures from what is expected, one a cycle.
 
-    open: a strike is under way, or the sensor is not yet quiet after one.
+    open: an impact is under way, or the sensor is not yet quiet after one.
     """
 
     def __init__(self, w: float, cycle_s: float, assumed: Assumptions = ASSUMPTIONS) -> None:
@@ -56,8 +58,8 @@ class ImpactMeter:
         self.since = 0
 
     def see(self, cycle: int, excess_m: float, std_m: float) -> MeasuredImpact | ForceStep | None:
-        """Take in a sample's departure; returns the strike once the sensor is quiet again after it, or the step of a
-        force that goes on for too long to be a strike."""
+        """Process a sample's departure; returns the impact once the sensor is quiet again after it, or the step of a
+        force that goes on for too long to be an impact."""
         share = excess_m / std_m
         self._recent.append((cycle, excess_m))
         if not self.open:

@@ -1,5 +1,7 @@
 """Which samples of the accelerometer are good, how much they count, and whether it is alive.
 
+Implements Eqs. 10, 14 of docs/fused.md.
+
 Radiation makes a sensor noisy, lets it drift, clip, spike, stick, or die. Each is recognised by a test of its own;
 `reason` names the gravest one found.
 """
@@ -117,11 +119,11 @@ class AccelerometerHealth:
 
     @property
     def sees_impacts(self) -> bool:
-        """Whether a blow would show in it: alive, in accord with the images, and its noise small enough."""
+        """Whether an impact would show in it: alive, in accord with the images, and its noise small enough."""
         return not self.mute and self.doubt == 1.0 and self._against.gain_std < self._images.sees_gain_std
 
     def alarm(self, time_s: float, excess: float) -> bool:
-        """The accelerometer reports a blow, by `excess` times what is significant; whether to believe it.
+        """The accelerometer reports an impact, by `excess` times what is significant; whether to believe it.
 
         Not where it contradicts the images as much anyway, nor when it reports more of them than any arm is struck.
         """

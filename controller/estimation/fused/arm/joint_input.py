@@ -1,4 +1,7 @@
-"""What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it."""
+"""What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it.
+
+Implements Eqs. 2, 3, 4, 7 of docs/fused.md.
+"""
 
 from cmath import exp
 from collections import deque
@@ -17,7 +20,7 @@ ComplexArray = NDArray[np.complex128]
 class JointInput:
     """Sum G of the phasor increments -i (dv / w) exp(-i w t), dv = - participation length theta'' dt, per mode.
 
-    Between two instants an undamped, correctly tuned phasor moves by the difference of G; docs/fused.md, section 1.
+    Between two instants an undamped, correctly tuned phasor moves by the difference of G (Eq. 4).
     """
 
     def __init__(
@@ -124,7 +127,7 @@ class JointInput:
         )
 
     def add(self, time_s: float, increment: list[complex]) -> None:
-        """A strike at time_s, within the last second, has moved the phasors by `increment`."""
+        """An impact at time_s, within the last second, has moved the phasors by `increment`."""
         newest = 0 if self._cycle is None else self._cycle
         first = ceil(time_s / self._cycle_s)
         for i, more in enumerate(increment):

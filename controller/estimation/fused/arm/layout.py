@@ -1,4 +1,7 @@
-"""Where each quantity stands in a filter's state, and the constants of the arm and its sensors."""
+"""Where each quantity stands in a filter's state, and the constants of the arm and its sensors.
+
+Implements Eqs. 1, 6 of docs/fused.md.
+"""
 
 from math import pi, sqrt
 

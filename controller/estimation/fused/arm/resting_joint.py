@@ -1,5 +1,7 @@
 """Whether the joint rests: the encoder's noise is no motion of the arm.
 
+Implements Eq. 8 of docs/fused.md.
+
 An image's scale and instant are learnt from what the joint's motion shows in it. The noise of an encoder, times the
 arm's length, may well exceed that of an image. Taken for motion, it would teach that images show none of it: a scale
 that tends to zero (errors in variables; Fuller, Measurement Error Models, 1987, section 1.1). So the position is held
@@ -30,7 +32,7 @@ class RestingJoint:
         self.held_rad = 0.0
 
     def see(self, position_rad: float, noise_variance: float) -> bool:
-        """Take in a cycle's position, with the variance of the encoder's noise, rad^2; whether rest began or ended."""
+        """Process a cycle's position, with the variance of the encoder's noise, rad^2; whether rest began or ended."""
         recent = self.recent
         if len(recent) == self._assumed.rest_cycles:
             self._long_sum -= recent[0]

@@ -64,7 +64,7 @@ class ArrivalAssumptions:
 
 @dataclass(frozen=True, slots=True)
 class DateAssumptions:
-    """Arrivals and n_i taken in by the filters (frame_dates.py, joint_date.py)."""
+    """Arrivals and n_i processed by the filters (frame_dates.py, joint_date.py)."""
 
     of_started: float = assumed(0.01, "of the wander between arrival and n_i", TRIED)
     strange_nis: float = assumed(36.0, "innovation squared of an n_i", "derived: six standard deviations")

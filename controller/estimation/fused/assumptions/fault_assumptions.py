@@ -7,7 +7,7 @@ from stillarm.controller.estimation.fused.assumptions.origin import TRIED, assum
 
 @dataclass(frozen=True, slots=True)
 class OutlierAssumptions:
-    """An image that breaks with everything (unexplained_image.py, jumps.py)."""
+    """An image outside the gate of all filters (unexplained_image.py, jumps.py)."""
 
     outlier_nis: float = assumed(16.0, "innovation squared", "derived: four standard deviations")
     outlier_nis_all: float = assumed(

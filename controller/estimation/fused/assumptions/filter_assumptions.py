@@ -118,6 +118,10 @@ class ScaleAssumptions:
     alarm: float = assumed(22.0, "score squared", "derived: 4.7^2, by chance once in fifty hours")
     soon_s: float = assumed(4.0, "s for as far again", TRIED)
     fade_s: float = assumed(20.0, "s", TRIED)
+    room_stretch_s: float = assumed(0.5, "s between steps of the estimate", TRIED)
+    least_room: float = assumed(
+        1e-4, "of the room to walk", "chosen: what remains where the scale takes none"
+    )
     most: float = assumed(
         0.3, "relative", "chosen: if only so much shows, the vibration is too small to tell"
     )

@@ -19,6 +19,14 @@ class RandomForceAssumptions:
     )
     matters: float = assumed(0.03, "of an image's variance, a second", TRIED)
     most: float = assumed(1e6, "of an image's variance, a second", "bound: within the range of floats")
+    scatter_blocks: float = assumed(60.0, "blocks", "derived: two and a half periods")
+    largest_scatter: float = assumed(4.0, "times the mean", "chosen: an impact is in one block")
+    shown_share: float = assumed(
+        0.25, "of the intensity learnt", "chosen: what the accelerometer shows of a random force, at least"
+    )
+    shown_noise: float = assumed(
+        0.15, "of the sensor's own variance", "chosen: less is chance, or a noise not known better"
+    )
     first_images: int = assumed(65, "images", "derived: a second")
 
 

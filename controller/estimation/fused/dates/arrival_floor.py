@@ -1,5 +1,7 @@
 """The earliest that frames arrive by a clock: arrivals are a floor plus something that is never negative.
 
+Implements Eq. 20 of docs/fused.md.
+
 What processes wait for makes an image late, never early, and a queue that drains at the start makes a run of images
 late by hundreds of milliseconds. The floor of the arrivals therefore tells a clock's place, not their mean (one-way
 delays: Moon, Skelly and Towsley, INFOCOM 1999). The floor is the least arrival of the last frames.
@@ -13,7 +15,7 @@ from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPT
 class ArrivalFloor:
     """Watches arrival minus nominal instant of the frames by a clock.
 
-    fell: whether the arrival taken in last was earlier by far than all before it, which then came late. mean_s: of the
+    fell: whether the arrival processed last was earlier by far than all before it, which then came late. mean_s: of the
     arrivals near the floor, s.
     """
 
@@ -31,7 +33,7 @@ class ArrivalFloor:
         self.mean_s = 0.0
 
     def see(self, late_s: float) -> bool:
-        """Take in arrival minus nominal instant, s; whether it is near enough to the floor to tell of the clock."""
+        """Process arrival minus nominal instant, s; whether it is near enough to the floor to tell of the clock."""
         lowest = self._lowest
         self._count += 1
         while lowest and lowest[0][0] <= self._count - self._assumed.floor_frames:

@@ -1,5 +1,7 @@
 """A clock refuted by arrivals: they recede, or advance, steadily against it, further than a delay can wander.
 
+Implements Eq. 26 of docs/fused.md.
+
 A delay that wanders comes back and goes in fits; a clock whose period is not the one supposed takes the arrivals away
 at an even rate, for ever. Told apart by the quarters of a span: each must show at least half of its even share.
 """

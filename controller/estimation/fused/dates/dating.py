@@ -1,4 +1,7 @@
-"""Nominal instants of the frames: from the counter, from stamps, from arrivals (docs/fused.md, section 2)."""
+"""Nominal instants of the frames: from the counter, from stamps, from arrivals.
+
+Implements Eqs. 18, 19 of docs/fused.md.
+"""
 
 from math import isfinite, nan
 

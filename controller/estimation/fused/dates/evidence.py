@@ -1,4 +1,7 @@
-"""Which filter the images bear out: probabilities with a fading memory, and refuted filters started again."""
+"""Which filter the images bear out: probabilities with a fading memory, and refuted filters started again.
+
+Implements Eqs. 37, 38, 39 of docs/fused.md.
+"""
 
 from math import log
 
@@ -65,7 +68,7 @@ class Evidence:
         return result
 
     def weigh(self, nis: Array, variance: Array) -> None:
-        """Take in an image's normalised innovations squared and their variances, m^2."""
+        """Process an image's normalised innovations squared and their variances, m^2."""
         keep = 1.0 - 1.0 / self._assumed.memory_frames
         self._log = keep * self._log - 0.5 * (np.minimum(nis, self._assumed.largest_nis) + np.log(variance))
         self._log -= largest(self._log)

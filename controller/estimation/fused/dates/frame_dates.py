@@ -1,4 +1,7 @@
-"""When frames were exposed: by their count, stamps, arrivals and n_i, each law with what it tells the filters."""
+"""When frames were exposed: by their count, stamps, arrivals and n_i, each law with what it tells the filters.
+
+Implements Eqs. 21, 22, 23, 25 of docs/fused.md.
+"""
 
 from math import sqrt
 
@@ -123,7 +126,7 @@ class FrameDates:
         return True
 
     def take_arrival(self) -> bool:
-        """What the arrival of the frame accepted last tells, if that has not been taken in; whether it has refuted the
+        """What the arrival of the frame accepted last tells, if that has not been processed; whether it has refuted the
         clock that was believed, and all that was learnt by it was begun anew."""
         if self._arrived is None:
             return False
@@ -148,7 +151,7 @@ class FrameDates:
         return anew
 
     def take_started(self) -> None:
-        """What n_i tells after the arrival, if that has not been taken in: followed once its wander is known."""
+        """What n_i tells after the arrival, if that has not been processed: followed once its wander is known."""
         if self._begun is None:
             return
         started, self._begun = self._begun, None

@@ -1,7 +1,9 @@
 """Extended Kalman filters side by side, one for each law by which a frame may be dated: their states.
 
-All live at one instant `edge_s`, the end of the last accelerometer block they have taken in, which lies about a
-capture delay back: an image is taken in at its own instant, and what the accelerometer has said since is added
+Implements Eqs. 6, 29 of docs/fused.md.
+
+All live at one instant `edge_s`, the end of the last accelerometer block they have processed, which lies about a
+capture delay back: an image is processed at its own instant, and what the accelerometer has said since is added
 afterwards (present/). What changes the states is beside this: block_update, image_update, date_update, jumps,
 new_beginning.
 """
@@ -70,6 +72,11 @@ class FilterBank:
     def first_variance(self, one: int, index: int) -> float:
         """Variance of a state of filter `one` at the start."""
         return float(self.first[one, index])
+
+    def zero_variance(self, one: int, held_m: float) -> float:
+        """Variance, m^2, of what an image shows by filter `one` of a tip at rest that the joint holds at held_m."""
+        p, c, e = self.p[one], self.at.offset, self.at.scale
+        return float(p[c, c] + held_m * (2.0 * p[c, e] + held_m * p[e, e]))
 
     def fast_rates(self) -> ComplexArray:
         """Complex rate of each mode by each filter, slow + i w, 1/s, (filters, m)."""

@@ -1,4 +1,7 @@
-"""An accelerometer block taken in by all filters, and the step from its start to its end."""
+"""An accelerometer block processed by all filters, and the step from its start to its end.
+
+Implements Eqs. 5, 11, 12, 29 of docs/fused.md.
+"""
 
 from cmath import exp
 from typing import NamedTuple
@@ -35,7 +38,7 @@ def aim_at_block(bank: FilterBank, block: Block) -> AimedAtBlock:
 def take_block(
     bank: FilterBank, aimed: AimedAtBlock, variance: float, shown: tuple[float, float] | None
 ) -> None:
-    """Take in the block that was aimed at last, nothing having changed since; variance, m^2.
+    """Process the block that was aimed at last, nothing having changed since; variance, m^2.
 
     shown: covariance of the block's value with what moves the first mode's phasor meanwhile, m^2.
     """

@@ -1,4 +1,7 @@
-"""What the filters learn of when frames were exposed, without looking at an image: arrivals, n_i, corrections."""
+"""What the filters learn of when frames were exposed, without looking at an image: arrivals, n_i, corrections.
+
+Implements Eqs. 21, 22, 23, 62 of docs/fused.md.
+"""
 
 import numpy as np
 

@@ -1,4 +1,7 @@
-"""An image predicted, compared and taken in by all filters, each at its own instant."""
+"""An image predicted, compared and processed by all filters, each at its own instant.
+
+Implements Eqs. 12, 30, 31, 32, 33, 34 of docs/fused.md.
+"""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -26,7 +29,7 @@ class Vibration(NamedTuple):
 
 @dataclass(slots=True)
 class Seen:
-    """One image as each filter sees it before taking it in; arrays of shape (filters,)."""
+    """One image as each filter sees it before processing it; arrays of shape (filters,)."""
 
     residual: Array
     variance: Array
@@ -109,7 +112,7 @@ def look_at_image(
 def take_image(
     bank: FilterBank, seen: Seen, extra: Array, phase_only: NDArray[np.bool_] | None
 ) -> tuple[Array, Array]:
-    """Take in what `look` saw, with variance enlarged by the factors `extra` (filters,).
+    """Process what `look` saw, with variance enlarged by the factors `extra` (filters,).
 
     phase_only: filters whose dating images can tell nothing of, (filters,), if there are any.
 
@@ -139,7 +142,7 @@ def take_image(
 def _vague(bank: FilterBank, seen: Seen) -> NDArray[np.bool_]:
     """Which filters know the vibration's rate too badly to tell an instant by it, (filters,).
 
-    Phase and instant look alike in an image. Linearised about a wrong rate, as behind a blow, each image would
+    Phase and instant look alike in an image. Linearised about a wrong rate, as behind an impact, each image would
     seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
     stays.
     """

@@ -1,4 +1,7 @@
-"""Sudden changes that all filters are told of: impacts, forces, another payload or scene, another image zero."""
+"""Sudden changes that all filters are told of: impacts, forces, another payload or scene, another image zero.
+
+Implements Eqs. 49, 53, 55, 58 of docs/fused.md.
+"""
 
 from cmath import exp
 
@@ -36,6 +39,16 @@ def _change_force(bank: FilterBank, jump: Jump, filters: slice) -> None:
     bank.p[filters, i[:, None], i] += moved[:, None] * moved
 
 
+def let_scale_walk(bank: FilterBank, variance: float, held_m: float) -> None:
+    """The scale may have changed, variance: of what vibrates about held_m, where the joint holds the tip, while
+    images show that place where they did."""
+    c, e = bank.at.offset, bank.at.scale
+    bank.p[:, e, e] += variance
+    bank.p[:, c, c] += variance * held_m * held_m
+    bank.p[:, c, e] -= variance * held_m
+    bank.p[:, e, c] -= variance * held_m
+
+
 def give_force(bank: FilterBank, offset_m: float) -> None:
     """The image's zero has followed a force by about offset_m: that much is the force's, give or take as much.
 
@@ -52,7 +65,7 @@ def give_force(bank: FilterBank, offset_m: float) -> None:
 
 
 def end_force(bank: FilterBank) -> None:
-    """No force is left: f = 0, taken in as a measurement, for it is correlated with all else."""
+    """No force is left: f = 0, processed as a measurement, for it is correlated with all else."""
     i = bank.at.force
     ph = bank.p[:, :, i].copy()
     variance = ph[:, i]
@@ -65,7 +78,7 @@ def end_force(bank: FilterBank) -> None:
 
 
 def add_step(bank: FilterBank, increment: list[complex]) -> None:
-    """A blow that is known has moved the phasors by `increment`, (m,)."""
+    """An impact that is known has moved the phasors by `increment`, (m,)."""
     z = np.array(increment)
     bank.x[:, bank.at.cosine] += z.real
     bank.x[:, bank.at.sine] -= z.imag

@@ -1,4 +1,7 @@
-"""Five laws by which a frame may be dated, each at two levels of disturbance: ten filters, and their places."""
+"""Five laws by which a frame may be dated, each at two levels of disturbance: ten filters, and their places.
+
+Implements Eq. 18 of docs/fused.md.
+"""
 
 from enum import IntEnum
 

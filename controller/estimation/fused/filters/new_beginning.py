@@ -1,4 +1,7 @@
-"""Filters that begin anew: from another filter, from a fit to images, or from what was known before."""
+"""Filters that begin anew: from another filter, from a fit to images, or from what was known before.
+
+Implements Eqs. 39, 46 of docs/fused.md.
+"""
 
 import numpy as np
 
@@ -56,12 +59,12 @@ def restore(bank: FilterBank, x: Array, p: Array, grown: Array) -> None:
 
 
 def forget_phase(bank: FilterBank, spread_m: float, x: Array, p: Array, grown: Array) -> None:
-    """A blow that the images alone have shown: the vibration is unknown, all else what it was before it to the laws
+    """An impact that the images alone have shown: the vibration is unknown, all else what it was before it to the laws
     that let the delay walk.
 
-    Images taken in before the blow was noticed have moved it, and without an accelerometer nothing would bring it
-    back. Delay and frequency stay correlated: a frequency that is off lets the delay walk off through all blows.
-    x, p: before the blow; grown: by how much the variances have grown since, (filters, n).
+    Images taken in before the impact was noticed have moved it, and without an accelerometer nothing would bring it
+    back. Delay and frequency stay correlated: a frequency that is off lets the delay walk off through all impacts.
+    x, p: before the impact; grown: by how much the variances have grown since, (filters, n).
     """
     at = bank.at
     walks, rest = slice(int(Law.DRIFT), None, LAWS), slice(2 * at.modes, at.size)

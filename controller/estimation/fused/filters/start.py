@@ -1,4 +1,7 @@
-"""What the filters believe before the first measurement, and how fast what they know ages."""
+"""What the filters believe before the first measurement, and how fast what they know ages.
+
+Implements Eqs. 29, 47 of docs/fused.md.
+"""
 
 from math import hypot
 

@@ -1,4 +1,7 @@
-"""The accelerometer's blocks taken in by the filters, in parts that cost about the same."""
+"""The accelerometer's blocks processed by the filters, in parts that cost about the same.
+
+Implements Eqs. 12, 14, 53 of docs/fused.md.
+"""
 
 from typing import NamedTuple
 
@@ -10,13 +13,13 @@ from stillarm.controller.estimation.fused.filters.block_update import (
     move_on,
     take_block,
 )
-from stillarm.controller.estimation.fused.filters.jumps import inflate, loosen_bias
+from stillarm.controller.estimation.fused.filters.jumps import inflate, let_scale_walk, loosen_bias
 from stillarm.controller.estimation.fused.filters.laws import QUIET
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 
 class _Aimed(NamedTuple):
-    """A block looked at, to be taken in next: block_update.take_block."""
+    """A block looked at, to be processed next: block_update.take_block."""
 
     aimed: AimedAtBlock
     variance: float
@@ -33,7 +36,7 @@ class BlockFusion:
         self._aimed: _Aimed | None = None
 
     def take(self, block: Block) -> None:
-        """Look at the oldest block of the accelerometer not yet taken in."""
+        """Look at the oldest block of the accelerometer not yet processed."""
         self.finish()
         state = self._state
         bank = state.bank
@@ -56,6 +59,7 @@ class BlockFusion:
         """Compare the block with what images say of its time; what contradicts them counts less, or not at all."""
         state = self._state
         bank, health = state.bank, state.health
+        state.force.see_scatter(block)
         value, expected, quadrature, variance = look_at_block(bank, block, state.evidence.best)
         total = variance + block.variance
         drifted = health.compare(value, expected, total)
@@ -82,7 +86,7 @@ class BlockFusion:
             state.fresh.remembered.forget()
 
     def leave(self) -> bool:
-        """Take in the block looked at last, then, in a second call, move on to its end; False where all is done."""
+        """Process the block looked at last, then, in a second call, move on to its end; False where all is done."""
         if self._left is None:
             return False
         state = self._state
@@ -94,11 +98,14 @@ class BlockFusion:
         self._left = None
         dt = block.end_s - bank.edge_s
         noise = state.state_noise * dt
-        noise[:, state.at.scale] += state.scale_watch.grown(dt)
         noise[:, state.at.phasor] = (state.phasor_noise() * dt)[:, None] + block.motion_variance(
             state.assumed.blocks.motion_doubt
         )
         move_on(bank, block, noise)
+        # About the place where the joint holds the tip: there a pull would pass for a scale that walks.
+        room = state.scale_watch.grown(dt)
+        if room > 0.0:
+            let_scale_walk(bank, room, state.held_m)
         return True
 
     def finish(self) -> None:

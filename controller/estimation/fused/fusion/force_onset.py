@@ -1,4 +1,7 @@
-"""When a force that lasts may have begun: images tell it, at once or by innovations that keep their sign."""
+"""When a force that lasts may have begun: images tell it, at once or by innovations that keep their sign.
+
+Implements Eqs. 56, 58 of docs/fused.md.
+"""
 
 from math import sqrt
 
@@ -12,11 +15,11 @@ from stillarm.controller.estimation.fused.fusion.state import FusionState
 def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
     """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
     the time, nor before the image's zero is known, from which a force deflects the tip."""
-    held, c = state.held_force, state.at.offset
+    held = state.held_force
     if not held.may_begin(time_s):
         return False
     if not held.active:
-        zero_variance = float(state.bank.p[state.evidence.best, c, c])
+        zero_variance = state.bank.zero_variance(state.evidence.best, state.held_m)
         if state.shaken or zero_variance > state.assumed.held_force.zero_known * state.image_m2:
             return False
         give_force(state.bank, state.slow_pull.followed_m())
@@ -28,9 +31,14 @@ def watch_slow_pull(state: FusionState, seen: Seen, time_s: float) -> None:
     """An image within its gate, exposed at time_s: whether innovations have kept their sign for half a period."""
     best = state.evidence.best
     std = sqrt(float(seen.variance[best]))
-    c = state.at.offset
-    zero_m, variance = float(state.bank.x[best, c]), float(state.bank.p[best, c, c])
-    pulled = state.slow_pull.see(float(seen.residual[best]) / std, zero_m, variance)
+    bank, held_m = state.bank, state.held_m
+    zero, scale = float(bank.x[best, state.at.offset]), float(bank.x[best, state.at.scale])
+    whose, zero_then, scale_then = state.zero_then
+    if best == whose:  # as images show it where the joint is now: its own motion is no pull
+        state.zero_m += zero - zero_then + (scale - scale_then) * held_m
+    state.zero_then = best, zero, scale
+    variance = bank.zero_variance(best, held_m)
+    pulled = state.slow_pull.see(float(seen.residual[best]) / std, state.zero_m, variance)
     if pulled and not state.shaken:
         state.slow_pull.restart()
         size_m = state.assumed.held_force.first_stds * std

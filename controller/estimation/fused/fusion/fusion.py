@@ -1,4 +1,7 @@
-"""Images in their order with the accelerometer's blocks before them, and what follows for the delay."""
+"""Images in their order with the accelerometer's blocks before them, and what follows for the delay.
+
+Passes a frame on from Eq. 18 to Eq. 41 of docs/fused.md.
+"""
 
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.configuration import Fused
@@ -24,10 +27,10 @@ from stillarm.controller.estimation.fused.learning.stated_scale import stated_sc
 
 
 class FrameFusion:
-    """Takes in images and, in their order, the accelerometer's blocks before them.
+    """Processes images and, in their order, the accelerometer's blocks before them.
 
     A frame passes `accept`, `take_arrival`, `take_started`, and if it is measured `aim`, `predict_image`, `look` and
-    `take`; then `settle` and `learn`. blocks: takes in the accelerometer's. state: what all parts share. recovery:
+    `take`; then `settle` and `learn`. blocks: processes the accelerometer's. state: what all parts share. recovery:
     what is begun anew.
     """
 
@@ -99,7 +102,7 @@ class FrameFusion:
         self.state.fresh.forget()
 
     def take_arrival(self) -> None:
-        """What the arrival of the frame accepted last tells, if that has not been taken in."""
+        """What the arrival of the frame accepted last tells, if that has not been processed."""
         if self.dates.take_arrival():
             self.recovery.forget_wrong_dates()
 
@@ -108,7 +111,7 @@ class FrameFusion:
         self.dates.take_started()
 
     def aim(self, sample: VisualSample, received_s: float, joint_input: JointInput) -> None:
-        """A measured frame, accepted before, with all blocks before its exposure taken in: ImageFusion.aim."""
+        """A measured frame, accepted before, with all blocks before its exposure processed: ImageFusion.aim."""
         self._finish_dates()
         self.blocks.finish()
         self._image.aim(sample, received_s, joint_input)
@@ -123,11 +126,11 @@ class FrameFusion:
         return self._unexplained.impact
 
     def take(self) -> None:
-        """Take in the image looked at, if there is one."""
+        """Process the image looked at, if there is one."""
         self._image.take()
 
     def settle(self) -> bool:
-        """What the image taken in last tells of the laws and of its delay, before anything else; whether it has.
+        """What the image processed last tells of the laws and of its delay, before anything else; whether it has.
 
         `learn` comes next then.
         """
@@ -158,7 +161,10 @@ class FrameFusion:
             law = evidence.best % LAWS
             self.dates.learn_wander(law)
             state.walks.see(bank, law, self.dates.lead_walk if law == Law.DRIFT else 0.0)
-        return self.recovery.recover(received_s, self._image.joint_input)
+        best, e = evidence.best, state.at.scale
+        whose = best, bank.moved[best]
+        state.scale_watch.see_scale(float(bank.x[best, e]), float(bank.p[best, e, e]), whose)
+        return self.recovery.recover(received_s)
 
     def merged(self, now_s: float) -> Merged:
         """Phasors at the bank's instant, with the covariance that they have at now_s for want of newer images."""

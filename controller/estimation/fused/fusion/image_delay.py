@@ -1,4 +1,7 @@
-"""The delay of an image as it is told, and how late images come in the mean."""
+"""The delay of an image as it is told, and how late images come in the mean.
+
+Implements Eq. 36 of docs/fused.md.
+"""
 
 from math import sqrt
 

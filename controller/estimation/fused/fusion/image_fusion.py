@@ -1,4 +1,7 @@
-"""One image taken in by the filters: aimed at, predicted, looked at, taken, settled, each when there is time for it."""
+"""One image processed by the filters: aimed at, predicted, looked at, taken, settled, each when there is time for it.
+
+Implements Eqs. 32, 33, 34, 35, 36 of docs/fused.md.
+"""
 
 from math import isfinite
 
@@ -33,24 +36,23 @@ _CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
 
 
 class ImageFusion:
-    """joint_input: the joint's motion at the image aimed at last."""
+    """Holds the image on its way, in what its last stage has made of it."""
 
     def __init__(self, state: FusionState, unexplained: UnexplainedImage, delay: ImageDelay) -> None:
-        """No image is waiting. unexplained: told of images that break; delay: of each image's delay."""
+        """No image is waiting. unexplained: told of images outside their gate; delay: of each image's delay."""
         self._state, self._unexplained, self._delay = state, unexplained, delay
         self._assumed = assumed = state.assumed.update
         least = np.where(LAW_OF == Law.JITTER, assumed.least_jitter_own, assumed.least_jitter)
         self._least_jitter = least * state.bank.jitter
         learns = (LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER)
         self._jitter_gain = np.where(learns, assumed.jitter_gain, 0.0)
-        self.joint_input: JointInput | None = None
         self._aimed: Aimed | None = None
         self._predicted: PredictedImage | None = None
         self._looked: Looked | None = None
         self._taken: Taken | None = None
 
     def aim(self, sample: VisualSample, received_s: float, joint_input: JointInput) -> None:
-        """A measured frame, dated before, with all blocks before its exposure taken in: by each filter its instant,
+        """A measured frame, dated before, with all blocks before its exposure processed: by each filter its instant,
         and what the joint did then. `predict` comes next, then `look`, before anything else."""
         state = self._state
         at, bank = state.at, state.bank
@@ -63,7 +65,7 @@ class ImageFusion:
         self._go_blind(received_s)
         times = state.dates.instants_s + bank.x[:, at.shift]
         image = Look(value, noise, joint_input)
-        self.joint_input = joint_input
+        state.joint_input = joint_input
         self._aimed = Aimed(image, times, received_s, joint_at(state, image, times))
 
     def predict(self) -> None:
@@ -85,7 +87,7 @@ class ImageFusion:
         state.nis = float(nis[best])
         own = image.noise + joint.tip_variance
         state.fresh.add(state.dates.dating.nominal, image.value_m, own, state.nis, float(seen.variance[best]))
-        if unexplained.breaks(nis):
+        if unexplained.outside_gate(nis):
             if not unexplained.explain(image, times, received_s, seen, report):
                 self._delay.tell(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
                 return False
@@ -99,7 +101,7 @@ class ImageFusion:
         return True
 
     def take(self) -> None:
-        """Take in the image looked at, if there is one."""
+        """Process the image looked at, if there is one."""
         if self._looked is None:
             return
         (image, times, received_s, seen, nis), self._looked = self._looked, None
@@ -118,7 +120,7 @@ class ImageFusion:
         self._taken = Taken(own, spread, seen, nis, received_s)
 
     def settle(self) -> Taken | None:
-        """What the image taken in last tells of the laws and of its delay, before anything else; that image."""
+        """What the image processed last tells of the laws and of its delay, before anything else; that image."""
         if self._taken is None:
             return None
         taken, self._taken = self._taken, None

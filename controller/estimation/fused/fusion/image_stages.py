@@ -1,4 +1,7 @@
-"""An image on its way into the filters: what each stage hands to the next, and how an image is compared."""
+"""An image on its way into the filters: what each stage hands to the next, and how an image is compared.
+
+Implements Eqs. 4, 30 of docs/fused.md.
+"""
 
 from typing import NamedTuple
 
@@ -55,7 +58,7 @@ class PredictedImage(NamedTuple):
 
 
 class Looked(NamedTuple):
-    """An image looked at, to be taken in next. times: its instant by each filter, s; nis: (filters,)."""
+    """An image looked at, to be processed next. times: its instant by each filter, s; nis: (filters,)."""
 
     image: Look
     times: Array
@@ -65,7 +68,7 @@ class Looked(NamedTuple):
 
 
 class Taken(NamedTuple):
-    """An image taken in, to be settled next. own, s, and spread, s^2: of its own instant, as image_update.take_image
+    """An image processed, to be settled next. own, s, and spread, s^2: of its own instant, as image_update.take_image
     gives them; nis: as the evidence is to weigh it; each (filters,)."""
 
     own: Array

@@ -1,4 +1,7 @@
-"""The filters' mixture at the bank's instant: what the present is worked out from."""
+"""The filters' mixture at the bank's instant: what the present is worked out from.
+
+Implements Eqs. 40, 41, 43 of docs/fused.md.
+"""
 
 from typing import NamedTuple
 

@@ -1,9 +1,12 @@
-"""What is begun anew after an image where the filters are lost, their dates wrong, or the vibration misled."""
+"""What is begun anew after an image where the filters are lost, their dates wrong, or the vibration misled.
+
+Implements Eqs. 60, 61, 62, 64 of docs/fused.md.
+"""
 
 from math import sqrt
 
-from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.filters.date_update import doubt_dates, redate
+from stillarm.controller.estimation.fused.filters.jumps import end_force
 from stillarm.controller.estimation.fused.filters.laws import LAW_OF, Law
 from stillarm.controller.estimation.fused.filters.new_beginning import begin_near, start_vibration
 from stillarm.controller.estimation.fused.fusion.state import FusionState
@@ -27,9 +30,9 @@ class Recovery:
     def dates_doubted(self) -> bool:
         return self._received_s < self._dates_doubted_until_s
 
-    def recover(self, received_s: float, joint: JointInput | None) -> bool:
-        """After an image read at received_s, with the joint's motion; whether the filters have begun anew."""
-        return self._check(received_s) or self._start_fresh(received_s, joint)
+    def recover(self, received_s: float) -> bool:
+        """After an image read at received_s; whether the filters have begun anew."""
+        return self._check(received_s) or self._start_fresh(received_s)
 
     def forget_wrong_dates(self) -> None:
         """What a wrong clock has taught of the accelerometer is wrong, too."""
@@ -41,7 +44,9 @@ class Recovery:
         state.images = 0
         self._unexplained.end_run()
         state.as_calibrated = True
-        state.held_force.end(state.bank.edge_s)
+        if state.held_force.active:
+            end_force(state.bank)
+            state.held_force.end(state.bank.edge_s)
         state.slow_pull.restart()
 
     def _check(self, received_s: float) -> bool:
@@ -74,14 +79,15 @@ class Recovery:
         consistency.begin(received_s)
         return True
 
-    def _start_fresh(self, received_s: float, joint: JointInput | None) -> bool:
+    def _start_fresh(self, received_s: float) -> bool:
         """Start the vibration anew where the filters were led astray, if the last images tell from what."""
         state = self._state
         held = state.held_force
         now = Situation(
             received_s, state.nis, self._unexplained.impact or state.outliers > 0, held.active, held.moves,
             state.shaken, state.consistency.calm and self._zero_known,
-            state.date_watch.suspected_rad != 0.0 or state.scale_watch.drifts, state.amplitude_m, joint,
+            state.date_watch.suspected_rad != 0.0 or state.scale_watch.drifts, state.amplitude_m,
+            state.joint_input,
         )  # fmt: skip
         fresh = state.fresh.choose(now)
         self._received_s = received_s
@@ -93,8 +99,8 @@ class Recovery:
     def _zero_known(self) -> bool:
         """Whether the image's zero is known far better than one image tells it."""
         state = self._state
-        best, c = state.evidence.best, state.at.offset
-        return float(state.bank.p[best, c, c]) < self._state.assumed.fresh_start.zero_learnt * state.image_m2
+        variance = state.bank.zero_variance(state.evidence.best, state.held_m)
+        return variance < state.assumed.fresh_start.zero_learnt * state.image_m2
 
     def _begin_with(self, fresh: Fresh, now_s: float) -> None:
         state = self._state

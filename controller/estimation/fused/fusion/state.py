@@ -1,4 +1,7 @@
-"""What the parts of the fusion share: the filters, what is learnt beside them, and the facts of the last image."""
+"""What the parts of the fusion share: the filters, what is learnt beside them, and the facts of the last image.
+
+Implements Eq. 43 of docs/fused.md.
+"""
 
 from dataclasses import dataclass
 
@@ -8,6 +11,7 @@ from numpy.typing import NDArray
 from stillarm.common.files.configuration import Fused
 from stillarm.common.files.model import Model
 from stillarm.controller.estimation.fused.accelerometer.sensor_health import AccelerometerHealth
+from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
 from stillarm.controller.estimation.fused.assumptions.assumptions import Assumptions
 from stillarm.controller.estimation.fused.dates.evidence import Evidence
@@ -31,10 +35,12 @@ class FusionState:
     """image_m2: variance of an image's noise, m^2. state_noise: growth of the states' variances, (filters, n), 1/s;
     phasor_share: of the phasors' deviation as a share of the amplitude, squared, (filters,), 1/s.
 
-    amplitude_m: of the vibration, by the filters' mixture. images: taken in since the image's zero was forgotten.
-    outliers: images running that broke with everything. nis: normalised innovation squared of the image looked at last.
+    amplitude_m: of the vibration, by the filters' mixture. images: processed since the image's zero was forgotten.
+    outliers: images running outside the gate of all filters. nis: normalised innovation squared of the last image.
     delay_s, delay_std_s: of that image. as_calibrated: whether neither arm nor scene has changed since the start.
     unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told nothing for a while.
+    joint_input: what the joint did, None before the first image. zero_m: how far the image's zero has moved where the
+    joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
     """
 
     assumed: Assumptions
@@ -64,11 +70,20 @@ class FusionState:
     as_calibrated: bool = True
     unused_blocks: int = 0
     blind: bool = False
+    joint_input: JointInput | None = None
+    zero_m: float = 0.0
+    zero_then: tuple[int, float, float] = (-1, 0.0, 0.0)
+
+    @property
+    def held_m(self) -> float:
+        """How far the joint alone holds the tip from where it began, m."""
+        joint = self.joint_input
+        return 0.0 if joint is None else self.at.lever * joint.position_at(self.bank.edge_s)
 
     @property
     def shaken(self) -> bool:
         """Whether a steady random force moves the arm: then nothing tells another force, or a free vibration."""
-        return self.force.intensity > 0.0
+        return self.force.random
 
     def phasor_noise(self) -> Array:
         """Growth of the variance of each phasor component by each filter, m^2/s, (filters,)."""
@@ -105,7 +120,7 @@ def fusion_state(
         evidence=evidence,
         dates=dates,
         walks=walks,
-        force=LearntForce(at.w.tolist(), image_m2, health.variance, assumed),
+        force=LearntForce(at.w.tolist(), image_m2, health.variance, model.timing.cycle_s, assumed),
         held_force=HeldForce(at.modes, image_m2, at.period_s, assumed),
         slow_pull=SlowPull(0.5 * at.period_s / frame_s, assumed),
         scale_watch=ScaleWatch(assumed),

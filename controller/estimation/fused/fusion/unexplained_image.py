@@ -1,4 +1,7 @@
-"""An image that breaks with everything: wrong by itself, a miscounted frame, an impact, a force, or a changed arm."""
+"""An image outside the gate of all filters: wrong by itself, a miscounted frame, an impact, a force, or a changed arm.
+
+Implements Eqs. 32, 46 of docs/fused.md.
+"""
 
 from collections import deque
 from math import sqrt
@@ -37,7 +40,7 @@ class UnexplainedImage:
         self._breaks *= 1.0 - 1.0 / self._assumed.break_memory_frames
         self.impact = False
 
-    def breaks(self, nis: Array) -> bool:
+    def outside_gate(self, nis: Array) -> bool:
         """Whether an image is outside the gate of all filters that count."""
         state = self._state
         return bool(
@@ -47,7 +50,7 @@ class UnexplainedImage:
         )
 
     def end_run(self) -> None:
-        """The run of images that break, if there was one, is over."""
+        """The run of images outside their gate, if there was one, is over."""
         self._state.outliers = self._votes = 0
 
     def remember(self, received_s: float) -> None:

@@ -1,5 +1,7 @@
 """A force at the tip that lasts: a hand that pulls, a payload that is picked up, contact with a wall.
 
+Implements Eqs. 54, 55, 56, 57, 59 of docs/fused.md.
+
 Such a force deflects the tip statically by f = F / (m w^2), and the mode vibrates about f: q = Re(Z exp(j w t)) + f.
 The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Neither deflection
 nor rate jumps with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step: f
@@ -45,7 +47,7 @@ class SlowPull:
         return moved if moved * moved > self._assumed.followed * variance else 0.0
 
     def see(self, innovation: float, zero_m: float, variance: float) -> bool:
-        """Take in an image's innovation in standard deviations, and the image's zero, m, with its variance, m^2;
+        """Process an image's innovation in standard deviations, and the image's zero, m, with its variance, m^2;
         whether there is a pull."""
         self._zeros.append((zero_m, variance))
         bounded = min(max(innovation, -self._assumed.largest_stds), self._assumed.largest_stds)

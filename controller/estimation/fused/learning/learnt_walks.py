@@ -1,5 +1,7 @@
 """How far quantities walk that are given room to walk, learnt from how far their estimates have gone.
 
+Implements Eqs. 44, 45, 47 of docs/fused.md.
+
 Over any stretch of time the estimate's own step has the variance P(start) - P(end) + q T if the walk's q is right,
 since that step is orthogonal to what is still unknown at its end (after R. K. Mehra, On the identification of
 variances and adaptive Kalman filtering, IEEE Trans. Automatic Control 15, 1970). Smaller steps: q is too large.
@@ -20,13 +22,18 @@ class LearntWalk:
     """share: of the variance that a walk was assumed to grow by, how much it does."""
 
     def __init__(
-        self, rate: float | None = None, most: float | None = None, assumed: Assumptions = ASSUMPTIONS
+        self,
+        rate: float | None = None,
+        most: float | None = None,
+        least: float | None = None,
+        assumed: Assumptions = ASSUMPTIONS,
     ) -> None:
-        """As assumed. rate: of the share's logarithm, for each stretch; most: the share's bound."""
+        """As assumed. rate: of the share's logarithm, for each stretch; least, most: the share's bounds."""
         self._assumed = assumed.walks
         self.share = 1.0
         self._rate = self._assumed.rate if rate is None else rate
         self._most = self._assumed.most_share if most is None else most
+        self._least = self._assumed.least_share if least is None else least
         self._value = self._variance = 0.0
         self._begun = False
 
@@ -49,7 +56,7 @@ class LearntWalk:
         nis = min(step * step / expected, self._assumed.largest_nis)
         told = min(walked / expected, 1.0)  # the rest of the step is what was learnt of where it began
         grown = self.share * exp(self._rate * told * (nis - 1.0))
-        self.share = min(max(grown, self._assumed.least_share), self._most)
+        self.share = min(max(grown, self._least), self._most)
 
 
 class LearntWander:
@@ -77,7 +84,7 @@ class LearntWander:
         drifts = law is Law.DRIFT
         self._stretch_s = walks.wander_stretch_s if drifts else walks.stretch_s
         self._walk = (
-            LearntWalk(walks.wander_rate, walks.most_wander, assumed)
+            LearntWalk(walks.wander_rate, walks.most_wander, assumed=assumed)
             if drifts
             else LearntWalk(assumed=assumed)
         )

@@ -1,15 +1,20 @@
 """Whether images and accelerometer still agree on the scale of the image, which drifts as the scene's depth does.
 
+Implements Eqs. 45, 52, 53 of docs/fused.md.
+
 A block of the accelerometer departs from what the filter expects by r, with the variance s of its innovation; where the
 scale is off by d, by d times the expected value e besides. Over some seconds d is (sum r e / s) / (sum e^2 / s), and
 sum r e / s over its own standard deviation is the score test of d = 0 (C. R. Rao, Proc. Cambridge Phil. Soc. 44,
 1948): innovations of a filter that is right do not add up. Where they do, the scale is given room to walk as far as it
-has gone. An accelerometer whose gain drifts looks the same, and is taken for a scene that does.
+has gone. An accelerometer whose gain drifts looks the same, and is taken for a scene that does. A force in time with
+the vibration, which the two do not show alike, raises the alarm, too: the room is taken back as fast as the scale's
+estimate turns out not to use it (learnt_walks.py).
 """
 
 from math import inf
 
 from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
+from stillarm.controller.estimation.fused.learning.learnt_walks import LearntWalk
 
 
 class ScaleWatch:
@@ -17,14 +22,21 @@ class ScaleWatch:
 
     def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
         """In agreement."""
-        self._assumed = assumed.scale
+        self._assumed, self._all_assumed = assumed.scale, assumed
         self.begin()
 
     def begin(self) -> None:
         """In agreement: what was found was another trouble's doing."""
         self.walk = 0.0
         self._since_alarm_s = inf
+        self._give_room()
         self.restart()
+
+    def _give_room(self) -> None:
+        """The scale's steps have yet to be seen."""
+        self._learnt = LearntWalk(most=1.0, least=self._assumed.least_room, assumed=self._all_assumed)
+        self._stretch_s = self._room = 0.0
+        self._whose = -1, -1
 
     def restart(self) -> None:
         """What was seen says nothing of what comes."""
@@ -35,7 +47,22 @@ class ScaleWatch:
         variance = self.walk * elapsed_s
         self.walk -= variance / self._assumed.fade_s
         self._since_alarm_s += elapsed_s
+        self._stretch_s += elapsed_s
+        self._room += variance / self._learnt.share
         return variance
+
+    def see_scale(self, error: float, variance: float, whose: tuple[int, int]) -> None:
+        """After an image: whether the scale uses the room it was given. error, variance: the scale's relative error by
+        a filter; whose: that filter, and how often it was moved otherwise than by what it saw."""
+        if self.walk == 0.0 or self._stretch_s < self._assumed.room_stretch_s:
+            return
+        if whose != self._whose:
+            self._learnt.forget()
+            self._whose = whose
+        share = self._learnt.share
+        self._learnt.see(error, variance, self._room)
+        self.walk *= self._learnt.share / share
+        self._stretch_s = self._room = 0.0
 
     @property
     def drifts(self) -> bool:
@@ -60,5 +87,6 @@ class ScaleWatch:
         if abs(error) > self._assumed.most:
             return False
         self.walk = max(self.walk, error * error / self._assumed.soon_s)
+        self._give_room()
         self._since_alarm_s = 0.0
         return True

@@ -1,5 +1,7 @@
 """The image scale that the model states, weighed against what the sensors say of it.
 
+Implements Eq. 41 of docs/fused.md.
+
 The filters take it for uncertain by as much as another scene may make it. But a calibrated model mostly has it to a
 percent, and a commissioned one says itself how well, which the accelerometer needs seconds to tell. So beforehand the
 scale's relative error e is taken for N(0, s^2) (as stated) or N(0, v) (as the filters take it), at odds of o: even, and

@@ -1,10 +1,12 @@
 """Whether the accelerometer shows the vibration that images show, but at another phase: then the frames' dates are off.
 
+Implements Eq. 61 of docs/fused.md.
+
 A sensor that dies, clips, or changes its gain shows another amplitude; none shifts the phase. Dates that are off by d
 shift what the images say of each instant by the phase w d, and leave the amplitude. So each block's value is regressed
 on what the images say it should be, e, and on the same a quarter of a period on, e':
 
-    value = r cos(phi) e + r sin(phi) e' + offset,      d = phi / w                                                (8.1)
+    value = r cos(phi) e + r sin(phi) e' + offset,      d = phi / w                                                (61)
 
 Forgetting is exponential, over one and a half periods (weighted least squares).
 """
@@ -50,7 +52,7 @@ class DateWatch:
         self.lag_rad = phase if self._evident >= self._assumed.lasting_blocks else 0.0
 
     def _phase(self) -> float:
-        """phi where it is significant, else 0. Normal equations of (8.1), the offset eliminated."""
+        """phi where it is significant, else 0. Normal equations of Eq. 61, the offset eliminated."""
         w, e, q, v, ee, eq, qq, ev, qv = self._sums
         ee, eq, qq = ee - e * e / w, eq - e * q / w, qq - q * q / w
         ev, qv = ev - e * v / w, qv - q * v / w

@@ -1,14 +1,16 @@
 """The vibration as the last images alone have it: what a filter that was led astray is started from again.
 
-Over a window of about a period, by each filter's own dates, the images are (docs/fused.md, section 9)
+Implements Eqs. 63, 64 of docs/fused.md.
 
-    y_k = (1 + e)(L theta_k + Re(G_k exp(j w t_k)) + Re(Z exp((slow + j w)(t_k - t) + j w t)) + f) + c + noise    (9.1)
+Over a window of about a period, by each filter's own dates, the images are
+
+    y_k = (1 + e)(L theta_k + Re(G_k exp(j w t_k)) + Re(Z exp((slow + j w)(t_k - t) + j w t)) + f) + c + noise    (63)
 
 with Z the phasors at the bank's instant t, of which nothing is supposed to be known, and f a constant force, or none.
 What else is in it (c, e, the dates' shift, frequencies, decay) is known with the filter's mean and covariance. Where
 that is from before these images, it is the prior of least squares, linearised once about the vibration that fits best
 (Gauss and Newton); what images do not tell, as the date of a vibration whose phase is unknown, so stays as it was.
-Where it has taken these images in already, it stays as it is, and its doubt is in the fit's (consider parameters;
+Where it has processed these images already, it stays as it is, and its doubt is in the fit's (consider parameters;
 Schmidt 1966).
 """
 
@@ -99,7 +101,7 @@ def fresh_fit(
     force: bool,
     learn: bool,
 ) -> Fresh:
-    """Fit (9.1) for all filters at once; force: with a constant one; learn: whether the filters have yet to take these
+    """Fit Eq. 63 for all filters at once; force: with a constant one; learn: whether the filters have yet to take these
     images in."""
     times = window.nominal_s[:, LAW_OF].T + bank.x[:, at.shift, None]  # (filters, k)
     m, k, ridge = at.modes, times.shape[1], bank.assumed.fresh_start.ridge

@@ -1,4 +1,6 @@
-"""When the filters have been led astray, and what they are started from again (docs/fused.md, section 9).
+"""When the filters have been led astray, and what they are started from again.
+
+Implements Eq. 64 of docs/fused.md.
 
 A pull, a push, or images in disorder move the filters by what is not in their model. Two other explanations are held
 ready for the images of the last period: a free vibration, or one about a constant force, with all else as the filters

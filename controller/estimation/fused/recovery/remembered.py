@@ -1,8 +1,10 @@
 """What the filters knew when all was well: the alternative to what a disturbance has taught them.
 
+Implements Eq. 63 of docs/fused.md.
+
 A pull, a push, or images that came in disorder may teach the filters another frequency, scale, or date. If the last
 images are explained by a vibration with all of that as it was before, nothing of it has changed (an alternative that
-was not led astray; docs/fused.md, section 9).
+was not led astray).
 """
 
 from dataclasses import dataclass

@@ -4,18 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.controller.estimation.fused.filters.bank import FilterBank
-from tests.fixtures.ringing_bank import act, ringing
-
-
-def check_covariances(filters: FilterBank) -> None:
-    """Symmetric, and no direction has a negative variance; measured in the states' own first deviations."""
-    scale = np.sqrt(filters.first + 1e-12)
-    for one, unit in zip(filters.p, scale, strict=True):
-        relative = one / unit[:, None] / unit
-        assert np.allclose(relative, relative.T, rtol=1e-6, atol=1e-9)
-        assert np.linalg.eigvalsh(0.5 * (relative + relative.T)).min() > -1e-8
-
+from tests.fixtures.ringing_bank import act, check_covariances, ringing
 
 actions = st.lists(
     st.tuples(

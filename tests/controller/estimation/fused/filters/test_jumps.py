@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
-from stillarm.controller.estimation.fused.filters.jumps import end_force, give_force, inflate
+from stillarm.controller.estimation.fused.filters.jumps import end_force, give_force, inflate, let_scale_walk
 from stillarm.controller.estimation.fused.filters.laws import DISTURBED, LAWS, QUIET
-from tests.fixtures.ringing_bank import ringing
+from tests.fixtures.ringing_bank import bank, check_covariances, ringing
 
 
 def test_only_the_quiet_filters_are_told_of_a_force_that_images_show() -> None:
@@ -43,3 +43,19 @@ def test_the_end_of_a_force_is_taken_in_as_a_measurement_of_zero() -> None:
     wanted = p - np.outer(p[:, f], p[:, f]) / p[f, f]
     assert np.allclose(filters.p[0][np.ix_(rest, rest)], wanted[np.ix_(rest, rest)], atol=1e-15)
     assert abs(filters.x[0, 0] - x[0]) > 1e-4
+
+
+def test_a_scale_that_walks_leaves_the_place_where_the_joint_holds_the_tip() -> None:
+    """Images show the place as before; what vibrates about it, and another place, by a scale that may have changed."""
+    filters, at = bank()
+    held_m, walked = 0.4, 0.02**2
+    here, home, scale = (
+        filters.zero_variance(1, held_m),
+        filters.zero_variance(1, 0.0),
+        filters.p[1, at.scale, at.scale],
+    )
+    let_scale_walk(filters, walked, held_m)
+    assert filters.zero_variance(1, held_m) == pytest.approx(here, rel=1e-9)
+    assert filters.zero_variance(1, 0.0) == pytest.approx(home + walked * held_m**2, rel=1e-9)
+    assert filters.p[1, at.scale, at.scale] == pytest.approx(scale + walked)
+    check_covariances(filters)

@@ -8,7 +8,7 @@ import pytest
 from stillarm.benchmarks.estimators.closed_loop import Course, run_closed
 from stillarm.benchmarks.estimators.damping_table import steady_force_m_s2
 from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, REGIMES, Arm
-from stillarm.controller.estimation.fused.accelerometer.blocks import Block
+from stillarm.controller.estimation.fused.accelerometer.blocks import Block, BlockSums
 from stillarm.controller.estimation.fused.learning.learnt_force import LearntForce
 from stillarm.controller.estimation.fused.present import Present
 
@@ -23,7 +23,7 @@ def learnt(intensity: float, seed: int, seconds: float) -> list[float]:
     intensity: growth of the variance of rate over w, m^2/s.
     """
     random = np.random.default_rng(seed)
-    force = LearntForce([W], IMAGE_M**2, 0.0)
+    force = LearntForce([W], IMAGE_M**2, 0.0, 0.001)
     z, x, p = np.zeros(2), np.zeros(2), np.eye(2) * 1e-6
     result = []
     for frame in range(1, round(seconds / FRAME_S)):
@@ -66,7 +66,7 @@ def test_no_force_is_learnt_where_there_is_none(seed: int) -> None:
 
 
 def test_what_does_not_last_is_no_force() -> None:
-    force = LearntForce([W], IMAGE_M**2, 0.0)
+    force = LearntForce([W], IMAGE_M**2, 0.0, 0.001)
     for _ in range(20):
         for _ in range(200):
             force.see(0.95)
@@ -76,7 +76,7 @@ def test_what_does_not_last_is_no_force() -> None:
 
 
 def test_a_force_moves_all_modes_rates_alike() -> None:
-    force = LearntForce([W, 6.0 * W], IMAGE_M**2, 0.0)
+    force = LearntForce([W, 6.0 * W], IMAGE_M**2, 0.0, 0.001)
     for _ in range(300):
         force.see(16.0)
     jump = force.during(1.0, 1.016)
@@ -88,7 +88,7 @@ def test_a_force_moves_all_modes_rates_alike() -> None:
 
 def test_what_the_accelerometer_shows_of_the_force_is_used_in_full() -> None:
     """Against a Kalman filter that has the force's push as a state of its own."""
-    force, held_s, sensor, start_s = LearntForce([W], IMAGE_M**2, 14.0 * 3e-8), 0.014, 3e-8, 2.3
+    force, held_s, sensor, start_s = LearntForce([W], IMAGE_M**2, 14.0 * 3e-8, 0.001), 0.014, 3e-8, 2.3
     force.intensity = q = 4e-7
     z, p, value = 0.002 - 0.001j, np.array([[4e-8, 1e-8], [1e-8, 2e-8]]), 0.0017
     middle_s = start_s + 0.5 * held_s
@@ -116,7 +116,7 @@ def test_what_the_accelerometer_shows_of_the_force_is_used_in_full() -> None:
 
 def test_a_quiet_sensor_shows_no_force() -> None:
     """No more than its variance holds beyond its own noise; of several modes nobody knows whose it is."""
-    force = LearntForce([W], IMAGE_M**2, 1e-6)
+    force = LearntForce([W], IMAGE_M**2, 1e-6, 0.001)
     force.intensity = 1e-6
     quiet = Block(0.0, 0.016, 16, 0.0, (1.0 + 0j,), 0.008, 0.0, 1e-6 / 16.0)
     assert force.shown(quiet) is None
@@ -125,9 +125,43 @@ def test_a_quiet_sensor_shows_no_force() -> None:
     assert shown is not None
     assert np.hypot(*shown) == pytest.approx(W * 0.016 * 0.1 * 1e-6 / 16.0)
     assert force.shown(Block(0.0, 0.016)) is None
-    both = LearntForce([W, 6.0 * W], IMAGE_M**2, 0.0)
+    both = LearntForce([W, 6.0 * W], IMAGE_M**2, 0.0, 0.001)
     both.intensity = 1e-6
     assert both.shown(quiet) is None
+
+
+def scattering(intensity: float, sensor_m2: float, seed: int) -> LearntForce:
+    """What has learnt the intensity 1e-6 m^2/s, and seen four seconds of blocks that such a force adds to."""
+    force, random, sums = (
+        LearntForce([W], IMAGE_M**2, sensor_m2, 0.001),
+        np.random.default_rng(seed),
+        BlockSums(1),
+    )
+    force.intensity = 1e-6
+    std_m = sqrt(sensor_m2 + intensity / (W * W * 0.001))
+    for block in range(250):
+        sums.clear()
+        for _ in range(16):  # a vibration that is not as expected, far above the noise, adds next to nothing
+            misled = 10.0 * sqrt(sensor_m2) * sin(0.26 * block)
+            sums.add(0.0, [0j], 0.0, 0.0, misled + std_m * float(random.standard_normal()))
+        force.see_scatter(sums.close(0.016 * block, 0.016 * (block + 1), sensor_m2, (0j,)))
+    return force
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_accelerometer_tells_a_random_force_from_what_images_alone_show(seed: int) -> None:
+    assert scattering(1e-6, 1e-6, seed).random
+    assert not scattering(0.0, 1e-6, seed).random
+
+
+def test_one_strike_is_no_random_force() -> None:
+    force = scattering(0.0, 1e-6, 1)
+    force.see_scatter(Block(0.0, 0.016, 16, scatter=1.0))
+    assert not force.random
+
+
+def test_a_force_too_weak_for_the_accelerometer_is_not_said_to_be_random() -> None:
+    assert not scattering(1e-6, 1e-3, 2).random
 
 
 @pytest.mark.slow

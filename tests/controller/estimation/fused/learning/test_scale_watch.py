@@ -99,6 +99,35 @@ def test_a_vibration_too_small_to_tell_is_no_drift() -> None:
     assert watch.walk == 0.0
 
 
+def room_after(steps: float, seconds: float) -> float:
+    """What is left of the room where the estimate, known to a tenth of it, steps by so many of its deviations."""
+    watch, random, error = ScaleWatch(), np.random.default_rng(3), 0.0
+    assert seen_after(watch, 0.1, 60.0, 0) < 60.0
+    room, variance = watch.walk, 0.01 * watch.walk
+    for frame in range(round(65.0 * seconds)):
+        error += steps * sqrt(watch.grown(1.0 / 65.0)) * float(random.standard_normal())
+        seen = error + sqrt(variance) * float(random.standard_normal())
+        watch.see_scale(seen, variance, (1, 0))
+        assert frame or watch.walk == pytest.approx(room, rel=1e-3)
+    return watch.walk / room
+
+
+def test_the_room_that_the_scale_does_not_use_is_taken_back() -> None:
+    """Without its steps being looked at, 0.6 of the variance is left after ten seconds."""
+    assert room_after(0.0, 10.0) < 0.02
+    assert room_after(1.0, 10.0) > 0.1
+
+
+def test_a_filter_that_was_moved_tells_nothing_of_the_room() -> None:
+    watch = ScaleWatch()
+    assert seen_after(watch, 0.1, 60.0, 0) < 60.0
+    room, grown = watch.walk, 0.0
+    for moved in range(20):
+        grown += watch.grown(0.6)
+        watch.see_scale(0.0, 1e-6, (1, moved))
+    assert watch.walk == pytest.approx(room * (1.0 - 0.6 / 20.0) ** 20)
+
+
 @pytest.mark.slow
 def test_a_steady_random_force_is_no_drift() -> None:
     """It moves what images and accelerometer show; taken for a drift it left 0.121 of the amplitude."""
