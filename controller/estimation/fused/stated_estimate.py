@@ -33,7 +33,7 @@ class StatedEstimate:
         deflection, rate, std = self._present.deflection(turn)
         fusion = self._fusion
         state, consistency = fusion.state, fusion.consistency
-        std *= consistency.factor
+        std = hypot(std, rate * state.sampled_s) * consistency.factor
         if not isfinite(deflection + rate + std):
             return None
         amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))

@@ -48,7 +48,7 @@ class FrameFusion:
         self.bank, self.evidence, self.dates = state.bank, state.evidence, state.dates
         self.force, self.held_force, self.consistency = state.force, state.held_force, state.consistency
         self.blocks = BlockFusion(state)
-        delay = ImageDelay(state, model.timing.cycle_s)
+        delay = ImageDelay(state)
         self._unexplained = UnexplainedImage(state, delay)
         self._image = ImageFusion(state, self._unexplained, delay)
         self.recovery = Recovery(state, self._unexplained)

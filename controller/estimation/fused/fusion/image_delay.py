@@ -16,10 +16,10 @@ Array = NDArray[np.float64]
 class ImageDelay:
     """mean_s, variance: of capture delays that were known to a part of a frame, s and s^2."""
 
-    def __init__(self, state: FusionState, cycle_s: float) -> None:
+    def __init__(self, state: FusionState) -> None:
         """As the model has it."""
         self._state, self._assumed = state, state.assumed.update
-        self._sampled_variance = (self._assumed.sampled_cycles * cycle_s) ** 2
+        self._sampled_variance = state.sampled_s**2
         self.mean_s, self.variance = state.delay_s, state.delay_std_s**2
 
     def tell(self, delays: Array, spread: Array) -> None:

@@ -37,10 +37,11 @@ class FusionState:
 
     amplitude_m: of the vibration, by the filters' mixture. images: processed since the image's zero was forgotten.
     outliers: images running outside the gate of all filters. nis: normalised innovation squared of the last image.
-    delay_s, delay_std_s: of that image. as_calibrated: whether neither arm nor scene has changed since the start.
-    unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told nothing for a while.
-    joint_input: what the joint did, None before the first image. zero_m: how far the image's zero has moved where the
-    joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
+    delay_s, delay_std_s: of that image. sampled_s: standard deviation of when within its cycle a sample was taken, by
+    which both the delay and the deflection's instant are unknown. as_calibrated: whether neither arm nor scene has
+    changed since the start. unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told
+    nothing for a while. joint_input: what the joint did, None before the first image. zero_m: how far the image's zero
+    has moved where the joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
     """
 
     assumed: Assumptions
@@ -61,6 +62,7 @@ class FusionState:
     fresh: FreshStart
     state_noise: Array
     phasor_share: Array
+    sampled_s: float
     delay_s: float
     delay_std_s: float
     amplitude_m: float = 0.0
@@ -129,6 +131,7 @@ def fusion_state(
         fresh=FreshStart(at, image_m2, state_noise, shift_spread_s, bank, dates, evidence, assumed),
         state_noise=state_noise,
         phasor_share=start.phasor_share(settings, assumed),
+        sampled_s=assumed.update.sampled_cycles * model.timing.cycle_s,
         delay_s=model.timing.capture_delay_s,
         delay_std_s=start.first_shift_s(model, assumed),
     )

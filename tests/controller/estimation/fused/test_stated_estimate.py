@@ -84,5 +84,13 @@ def test_dates_that_are_suspected_are_in_both_deviations() -> None:
     assert estimate.trusted is Trust.DOUBTFUL
 
 
+def test_when_a_sensor_was_sampled_is_unknown_to_the_deflection_too() -> None:
+    """0.4 ms of a rate: that of the vibration now, besides what its phasor is uncertain by."""
+    estimate = said(lambda method: None)
+    assert estimate is not None
+    wanted = (1e-8 + (4e-4 * estimate.deflection_rate_m_s) ** 2) ** 0.5
+    assert estimate.deflection_std_m == pytest.approx(wanted, rel=1e-6)
+
+
 def test_numbers_that_are_none_are_not_said() -> None:
     assert said(lambda method: method._history.present.z.__setitem__(0, complex(nan, 0.0))) is None

@@ -21,9 +21,10 @@ def told(
         delay_s=0.07,
         delay_std_s=0.03,
         frame_s=FRAME_S,
+        sampled_s=0.4 * CYCLE_S,
         evidence=SimpleNamespace(weights=np.array(weights)),
     )
-    delay = ImageDelay(state, CYCLE_S)
+    delay = ImageDelay(state)
     for _ in range(times):
         delay.tell(np.array(delays), np.array(variances))
     return state, delay
