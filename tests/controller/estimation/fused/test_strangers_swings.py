@@ -24,15 +24,12 @@ MEAN, LARGEST, HONEST, SETTLED_S, DELAY_RMS_S = 0.005, 0.05, 3.0, 1.5, 1e-3
 _TOLD_ALL = 0.0015
 _STRIDE = 20  # grid points of the motion: 2 ms
 
-KEPT = (1000, 1015, 1016, 1019, 1020, 1021)
+KEPT = (1000, 1002, 1011, 1015, 1016, 1019, 1020, 1021)
 MISSED = {
     1001: "mean 1.4 %, largest 60 %",
-    1005: "largest 6.9 %, normalised error squared of the deflection 6.0",
-    1011: "mean 0.54 %, largest 8.5 %",
-    1002: "largest 47 %",
-    1007: "largest 6.0 %",
-    1014: "mean 1.8 %, largest 110 %: release",
-    1018: "normalised error squared of the deflection 4.7",
+    1007: "largest 5.9 %",
+    1014: "mean 0.75 %, largest 6.8 %, delay 1.1 ms, normalised errors squared 10.4 and 4.9, settled after 5.5 s",
+    1018: "largest 6.0 %",
 }
 """What each misses, and by how much; a case that keeps all moves up."""
 
@@ -47,7 +44,10 @@ def test_a_strangers_swings_are_followed(seed: int, tmp_path: Path) -> None:
 @pytest.mark.blind(each_run=3, seed=1000)
 @pytest.mark.parametrize(
     "seed",
-    [pytest.param(seed, marks=pytest.mark.xfail(reason=why, strict=True)) for seed, why in MISSED.items()],
+    [
+        pytest.param(seed, marks=pytest.mark.xfail(reason=why, strict=True, raises=AssertionError))
+        for seed, why in MISSED.items()
+    ],
 )
 def test_those_that_are_missed(seed: int, tmp_path: Path) -> None:
     assert _missed(seed, tmp_path) == {}
@@ -90,7 +90,8 @@ def test_a_sensor_sampled_half_a_cycle_ago_is_in_the_deviation(tmp_path: Path) -
 def _missed(seed: int, folder: Path) -> dict[str, float | None]:
     """The figures that are beyond what is asked, of a seed whose figures are to be had."""
     recording = make(draw_plain(seed))
-    assert informed_error(recording) <= _TOLD_ALL
+    if informed_error(recording) > _TOLD_ALL:  # no assertion: an expected failure would hide it
+        raise ValueError(f"seed {seed}: an estimator told everything would miss it, too")
     got = _scores(recording, folder)
     asked = {
         "lost_share": 0.0,

@@ -80,7 +80,7 @@ def test_a_camera_faster_than_its_nominal_rate_is_dated_by_its_own_clock(delay: 
     method = FusedMethod(model, Settings().fused, "model")
     said = judge(method, model, trial)
     assert method.frames.evidence.law(Law.CLOCK) > 0.9
-    assert not method.health.mute
+    assert not method.frames.state.health.mute
     late = said.delay_time > 9.0
     assert np.sqrt(np.mean(said.delay_error[late] ** 2)) < 0.0011
     assert 0.05 < np.mean((said.delay_error[late] / said.delay_std[late]) ** 2) < 4.0
