@@ -9,7 +9,9 @@ KINDS = ("paper", "derived", "bound", "measured", "chosen")
 """What an origin begins with. paper: taken from there. derived: by arithmetic, or from a rate of false alarms that is
 stated. bound: what devices or physics allow. measured: on the recordings or benchmarks named. chosen: a choice."""
 
-TRIED = "chosen by trial on the worlds of docs/benchmark-estimators.md; no seed was recorded"
+TRIED = (
+    "chosen by trial, as far as is known on the worlds of docs/benchmark-estimators.md; no seed was recorded"
+)
 
 
 def assumed(value: T, unit: str, origin: str) -> T:

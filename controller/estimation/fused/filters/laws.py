@@ -27,3 +27,4 @@ LEVELS = 2  # of unforeseen disturbance: quiet, disturbed
 FILTERS = LAWS * LEVELS  # filter f follows law f % LAWS at level f // LAWS
 LAW_OF = np.arange(FILTERS) % LAWS
 ALL, QUIET, DISTURBED = slice(None), slice(0, LAWS), slice(LAWS, None)
+CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)  # filters whose frames a clock dates

@@ -12,7 +12,7 @@ from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.filters.image_update import Seen, take_image, vibration_at
-from stillarm.controller.estimation.fused.filters.laws import LAW_OF, Law
+from stillarm.controller.estimation.fused.filters.laws import CLOCKED, LAW_OF, Law
 from stillarm.controller.estimation.fused.fusion.force_onset import watch_slow_pull
 from stillarm.controller.estimation.fused.fusion.image_delay import ImageDelay
 from stillarm.controller.estimation.fused.fusion.image_stages import (
@@ -31,8 +31,6 @@ from stillarm.controller.estimation.fused.fusion.unexplained_image import Unexpl
 from stillarm.controller.estimation.fused.small_arrays import largest
 
 Array = NDArray[np.float64]
-
-_CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
 
 
 class ImageFusion:
@@ -113,7 +111,7 @@ class ImageFusion:
         # Without accelerometer and joint motion phase and clock look alike; linearised, they would seem to differ.
         phase_only = None
         if state.blind and joint_still(state, image, times):
-            phase_only = _CLOCKED | (bank.p[:, t, t] > (self._assumed.bends_rad / state.at.w_first) ** 2)
+            phase_only = CLOCKED | (bank.p[:, t, t] > (self._assumed.bends_rad / state.at.w_first) ** 2)
         own, spread = take_image(
             bank, seen, np.maximum(1.0, seen.nis / self._assumed.image_huber_nis), phase_only
         )

@@ -7,14 +7,12 @@ from math import sqrt
 
 from stillarm.controller.estimation.fused.filters.date_update import doubt_dates, redate
 from stillarm.controller.estimation.fused.filters.jumps import end_force
-from stillarm.controller.estimation.fused.filters.laws import LAW_OF, Law
+from stillarm.controller.estimation.fused.filters.laws import CLOCKED
 from stillarm.controller.estimation.fused.filters.new_beginning import begin_near, start_vibration
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 from stillarm.controller.estimation.fused.fusion.unexplained_image import UnexplainedImage
 from stillarm.controller.estimation.fused.recovery.fresh_fit import Fresh
 from stillarm.controller.estimation.fused.recovery.fresh_start import Situation
-
-_CLOCKED = (LAW_OF == Law.CLOCK) | (LAW_OF == Law.STAMPS)
 
 
 class Recovery:
@@ -52,7 +50,7 @@ class Recovery:
     def _check(self, received_s: float) -> bool:
         state = self._state
         bank, at, best, consistency = state.bank, state.at, state.evidence.best, state.consistency
-        clocked = _CLOCKED[best] and not state.dates.period_found
+        clocked = CLOCKED[best] and not state.dates.period_found
         skew = float(bank.x[best, at.skew]) if clocked else 0.0
         skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
         lost = consistency.see(received_s, state.nis, skew, skew_std, state.delay_s)
