@@ -34,6 +34,7 @@ def by_physics(columns: list[ColumnLook], relations: Relations) -> list[ColumnLo
         _name_unknown_pair(held, column, relations)
     for column in list(held.values()):
         _angle_by_step(held, column)
+        _measured_by_step(held, column)
     for _ in range(2):
         for derivative in relations.derivatives.values():
             _derive(held, derivative)
@@ -109,6 +110,20 @@ def _angle_by_step(held: dict[str, ColumnLook], column: ColumnLook) -> None:
         held[column.name] = replace(column, quantity=ANGLE, unit="rad", why=(*column.why, why))
 
 
+def _has_encoder_step(column: ColumnLook) -> bool:
+    return column.shape.step is not None and encoder_counts(column.shape.step, TURNS["rad"]) is not None
+
+
+def _measured_by_step(held: dict[str, ColumnLook], column: ColumnLook) -> None:
+    """A matrix that is named a model, but has a column with an encoder's step, was measured: no model has such steps."""
+    if column.kind != "modelled" or not _has_encoder_step(column):
+        return
+    for other in list(held.values()):
+        if other.kind == "modelled" and matrix_of(other.name) == matrix_of(column.name):
+            why = f"measured, whatever its name says: {column.name} has an encoder's step"
+            held[other.name] = replace(other, kind="measured", why=(*other.why, why))
+
+
 def _command_and_answer(held: dict[str, ColumnLook], lead: Lead) -> None:
     """Two columns of one matrix of which one answers the other, late and much alike: command and measurement.
 
@@ -117,6 +132,11 @@ def _command_and_answer(held: dict[str, ColumnLook], lead: Lead) -> None:
     first, second = held[lead.column], held[lead.follower]
     if lead.match < _ANSWERS:
         return
+    if first.quantity == UNKNOWN and first.shape.step is None and _has_encoder_step(second):
+        why = f"command, whatever its name says: {second.name}, which has an encoder's step, follows it"
+        first = replace(
+            first, kind="command", why=first.why if first.kind == "command" else (*first.why, why)
+        )
     if (
         first.quantity == UNKNOWN
         and first.kind == "command"

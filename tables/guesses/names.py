@@ -242,10 +242,9 @@ def _unit_suffix(words: list[str]) -> tuple[list[str], str]:
 
 
 def _of_words(words: list[str]) -> Sense:
+    joined = next((_QUANTITY[f"{a}_{b}"] for a, b in pairwise(words) if f"{a}_{b}" in _QUANTITY), None)
     quantities = [_QUANTITY[word] for word in words if word in _QUANTITY]
-    for first, second in pairwise(words):
-        quantities += [_QUANTITY[f"{first}_{second}"]] if f"{first}_{second}" in _QUANTITY else []
-    quantity = next((q for q in _RANK if q in quantities), UNKNOWN)
+    quantity = joined or next((q for q in _RANK if q in quantities), UNKNOWN)
     if quantity == ANGLE and any(word in ("dot", "d") for word in words):
         quantity = VELOCITY
     if quantity in (ANGLE, VELOCITY) and any(word in ("ddot", "dd") for word in words):
