@@ -10,6 +10,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from msgspec import structs
 from numpy.typing import NDArray
 
 from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
@@ -77,8 +78,12 @@ def stated_frames(path: Path) -> int:
         capture.release()
 
 
-def tracked(path: Path, config: Tracker, region: Region | None) -> Iterator[VisualSample]:
-    """A visual sample for each frame; its frame counts from 0. Raises UserError for what is no video."""
+def tracked(path: Path, config: Tracker, region: Region | None, shrink: int = 1) -> Iterator[VisualSample]:
+    """A visual sample for each frame; its frame counts from 0. Raises UserError for what is no video.
+
+    shrink: factor by which images are reduced first, by the mean of each block. Fast and smeared motion of a large
+    image is found in the small one. Displacements are in px of the file's own image all the same.
+    """
     camera, supervisor = FileCamera(path, str(path)), Supervisor(config)
     camera.start()
     try:
@@ -88,7 +93,8 @@ def tracked(path: Path, config: Tracker, region: Region | None) -> Iterator[Visu
             except EndOfStream:
                 return
             if frame is not None:
-                yield supervisor.step(_cropped(frame, region, path), -1)
+                sample = supervisor.step(_reduced(_cropped(frame, region, path), shrink), -1)
+                yield _enlarged(sample, shrink) if shrink > 1 else sample
     finally:
         camera.close()
 
@@ -104,6 +110,27 @@ def _cropped(frame: Frame, region: Region | None, path: Path) -> Frame:
         )
     part = frame.image[region.y : region.y + region.height, region.x : region.x + region.width]
     return Frame(np.ascontiguousarray(part), frame.counter, frame.stamp_s, frame.exposure_s)
+
+
+def _reduced(frame: Frame, shrink: int) -> Frame:
+    if shrink == 1 or frame.image is None:
+        return frame
+    height, width = (side // shrink for side in frame.image.shape)
+    whole = frame.image[: height * shrink, : width * shrink]
+    small = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
+    return Frame(np.asarray(small, np.uint8), frame.counter, frame.stamp_s, frame.exposure_s)
+
+
+def _enlarged(sample: VisualSample, shrink: int) -> VisualSample:
+    """A sample of a reduced image in px of the whole one."""
+    return structs.replace(
+        sample,
+        displacement_x_px=shrink * sample.displacement_x_px,
+        displacement_y_px=shrink * sample.displacement_y_px,
+        variance_x_px2=shrink**2 * sample.variance_x_px2,
+        variance_y_px2=shrink**2 * sample.variance_y_px2,
+        covariance_xy_px2=shrink**2 * sample.covariance_xy_px2,
+    )
 
 
 def csv_row(sample: VisualSample, rate_hz: float) -> str:

@@ -40,8 +40,7 @@ class FileCamera:
         self.close()
         if not self._path.exists():
             raise UserError(
-                f"{self._named}: no such file or folder; "
-                "give a video, a folder of images or a .cih"
+                f"{self._named}: no such file or folder; give a video, a folder of images or a .cih"
             )
         if self._path.is_dir():
             self._images = _folder_frames(self._path)

@@ -115,7 +115,7 @@ def _has_encoder_step(column: ColumnLook) -> bool:
 
 
 def _measured_by_step(held: dict[str, ColumnLook], column: ColumnLook) -> None:
-    """A matrix that is named a model, but has a column with an encoder's step, was measured: no model has such steps."""
+    """A matrix that is named a model, but has a column with an encoder's step, was measured."""
     if column.kind != "modelled" or not _has_encoder_step(column):
         return
     for other in list(held.values()):

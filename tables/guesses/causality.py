@@ -11,10 +11,14 @@ import numpy as np
 
 from stillarm.tables.guesses.spectra import Complex, Floats
 
-_SEGMENT = 4096  # rows; a record shorter than two of them is one segment
+_SEGMENT = 4096  # rows, at most a quarter of the record
+_AVERAGED = 4096  # rows; a shorter record is one segment as it is: it may be one period of a periodic test
 _RIDGE = 1e-3  # of the largest power: frequencies that the input does not excite say nothing
-_LATE = 1.5  # samples: mean lag of a response that rings
-_REVERSE = 1.0  # samples: mean lag of an inverse
+_LATE = 0.4  # share of the response's energy after zero, less that before: a response that rings
+_EVEN = 0.25  # of the inverse's: it sits around zero
+_AROUND = 2  # samples that count neither as before nor as after
+_COHERENT = 0.5  # of an averaged record: below, the two have little to do with each other
+_BROAD = 60.0  # frequencies that share the input's power: fewer say nothing about a response
 _LEAST_ROWS = 256
 
 
@@ -32,19 +36,26 @@ def causality(first: str, x: Floats, second: str, y: Floats) -> Causality | None
     """Which drives which; None where it does not show."""
     if len(x) < _LEAST_ROWS:
         return None
-    forward, backward = _mean_lags(x, y)
-    if forward > _LATE and abs(backward) < _REVERSE and forward > 3.0 * abs(backward):
-        return Causality(first, second, forward, backward)
-    if backward > _LATE and abs(forward) < _REVERSE and backward > 3.0 * abs(forward):
-        return Causality(second, first, backward, forward)
+    forward, backward = _responses(x, y)
+    if forward.late > _LATE and abs(backward.late) < _EVEN and forward.lag > 1.0:
+        return Causality(first, second, forward.lag, backward.lag)
+    if backward.late > _LATE and abs(forward.late) < _EVEN and backward.lag > 1.0:
+        return Causality(second, first, backward.lag, forward.lag)
     return None
 
 
-def _mean_lags(x: Floats, y: Floats) -> tuple[float, float]:
-    segment = _SEGMENT if len(x) >= 2 * _SEGMENT else len(x)
-    window = (
-        np.hanning(segment) if segment < len(x) else np.ones(segment)
-    )  # a short record may be one period: as it is
+@dataclass(frozen=True)
+class _Response:
+    """late: share of energy after zero, less that before; lag: mean lag of the energy, samples."""
+
+    late: float = 0.0
+    lag: float = 0.0
+
+
+def _responses(x: Floats, y: Floats) -> tuple[_Response, _Response]:
+    averaged = len(x) >= _AVERAGED
+    segment = min(_SEGMENT, len(x) // 4) if averaged else len(x)
+    window = np.hanning(segment) if averaged else np.ones(segment)
     power_x, power_y = np.zeros(segment // 2 + 1), np.zeros(segment // 2 + 1)
     cross = np.zeros(segment // 2 + 1, dtype=np.complex128)
     for start in range(0, len(x) - segment + 1, max(1, segment // 2)):
@@ -54,13 +65,24 @@ def _mean_lags(x: Floats, y: Floats) -> tuple[float, float]:
         power_x += np.abs(a) ** 2
         power_y += np.abs(b) ** 2
         cross += np.conj(a) * b
-    if not power_x.max() or not power_y.max():
-        return 0.0, 0.0
-    return _mean_lag(cross, power_x, segment), _mean_lag(np.conj(cross), power_y, segment)
+    both = float((power_x * power_y).sum())
+    if both <= 0.0 or float((np.abs(cross) ** 2).sum()) < _COHERENT * both:
+        return _Response(), _Response()
+    return _response(cross, power_x, segment), _response(np.conj(cross), power_y, segment)
 
 
-def _mean_lag(cross: Complex, power: Floats, segment: int) -> float:
-    response = np.fft.irfft(cross / (power + _RIDGE * power.max()), segment)
+def _lines(power: Floats) -> float:
+    """How many frequencies share the power: (sum p)^2 / sum p^2."""
+    return float(power.sum() ** 2 / np.sum(power**2))
+
+
+def _response(cross: Complex, power: Floats, segment: int) -> _Response:
+    if _lines(power) < _BROAD:
+        return _Response()
+    impulse = np.fft.irfft(cross / (power + _RIDGE * power.max()), segment)
     reach = min(200, segment // 4)
-    near = np.concatenate([response[-reach:], response[: reach + 1]]) ** 2
-    return float(near @ np.arange(-reach, reach + 1) / max(float(near.sum()), 1e-300))
+    energy = np.concatenate([impulse[-reach:], impulse[: reach + 1]]) ** 2
+    lags = np.arange(-reach, reach + 1)
+    whole = max(float(energy.sum()), 1e-300)
+    late = float(energy[lags > _AROUND].sum() - energy[lags < -_AROUND].sum()) / whole
+    return _Response(late, float(energy @ lags) / whole)

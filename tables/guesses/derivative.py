@@ -6,7 +6,7 @@ noise, which the derivative would magnify, counts little:
     r = Re sum conj(Y / (i w)) X / sqrt(sum |Y / (i w)|^2 sum |X|^2)        over w above the first few bins
 
 r = 1 for a derivative without noise, 0 for a copy (its phase is off by 90 degrees at every frequency). At one frequency
-alone a delayed copy looks like a derivative, so the factor k must be the same in two bands apart.
+alone a delayed copy looks like a derivative, so the energy must spread, and k be the same in its lower and upper half.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ FIRST_BIN = {1: 2, 2: 12}  # below: drift, and what the window adds
 SURE = 0.97
 SURE_TWICE = 0.93  # of a second derivative: two integrations leave more drift
 _SAME_FACTOR = 1.35  # of k in the bands below and above the middle of the energy
-_APART = 1.15  # centres of the two bands
+_APART = 1.15  # ratio of the frequencies below which three quarters and one quarter of |X||Y| lie
 
 
 @dataclass(frozen=True)
@@ -66,15 +66,13 @@ def _compared(spectra: Spectra, state: str, rate: str, order: int) -> tuple[floa
     match = float(both.sum()) / norm
     if abs(match) < SURE_TWICE:
         return 0.0, 0.0
-    middle = int(np.searchsorted(np.cumsum(size_x), 0.5 * size_x.sum()))
-    low, high = slice(0, max(1, middle)), slice(max(1, middle), None)
-    factors, centres = [], []
-    for band in (low, high):
-        weight = size_x[band]
-        factors.append(float(size_y[band].sum() / both[band].sum()) if both[band].sum() else np.inf)
-        centres.append(float((w[band] * weight).sum() / weight.sum()) if weight.sum() else 0.0)
-    ratio = abs(factors[1] / factors[0]) if factors[0] and np.isfinite(factors).all() else np.inf
-    if centres[1] < _APART * centres[0] or not 1.0 / _SAME_FACTOR < ratio < _SAME_FACTOR:
+    shared = np.sqrt(size_x) * np.abs(velocity[first:])
+    energy = np.cumsum(shared) / shared.sum()
+    quarters = [w[int(np.searchsorted(energy, share))] for share in (0.25, 0.75)]
+    middle = max(1, int(np.searchsorted(energy, 0.5)))
+    parts = [float(both[band].sum() / size_x[band].sum()) for band in (slice(0, middle), slice(middle, None))]
+    ratio = abs(parts[1] / parts[0]) if parts[0] and np.isfinite(parts).all() else np.inf
+    if quarters[1] < _APART * quarters[0] or not 1.0 / _SAME_FACTOR < ratio < _SAME_FACTOR:
         return 0.0, 0.0
     factor = float(both.sum() / size_x.sum())
     return factor, abs(match)

@@ -48,14 +48,11 @@ def read_table_file(path: str | Path) -> TableFile:
         return _reader(kind)(path)
     except (UserError, KeyboardInterrupt):
         raise
-    except OSError as error:
-        raise UserError(
-            f"{path}: cannot be read as {_NAMES[kind]} ({' '.join(reason_of(error).split())[:120]}); the file is damaged, or cut"
-        ) from None
     except MemoryError:
         raise UserError(f"{path}: more than this machine's memory; cut the file into parts") from None
     except Exception as error:  # a damaged file may raise anything in a foreign reader
-        said = " ".join(str(error).split())[:120] or type(error).__name__
+        text = reason_of(error) if isinstance(error, OSError) else str(error)
+        said = " ".join(text.split())[:120] or type(error).__name__
         raise UserError(
             f"{path}: cannot be read as {_NAMES[kind]} ({said}); the file is damaged, or cut"
         ) from None

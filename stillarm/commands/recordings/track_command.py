@@ -35,6 +35,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--window-px", type=int, metavar="PX", help="size of a feature's window (21)")
     parser.add_argument("--features", type=int, metavar="N", help="most features to track (100)")
     parser.add_argument("--min-inliers", type=int, metavar="N", help="fewest features that must agree (12)")
+    parser.add_argument(
+        "--shrink",
+        type=int,
+        choices=range(1, 9),
+        default=1,
+        metavar="N",
+        help="reduce images by this factor first, for fast motion in large images (1)",
+    )
     parser.add_argument("--blur-sigma-px", type=float, metavar="PX", help="smoothing before tracking (0)")
 
 
@@ -52,14 +60,14 @@ def run(arguments: argparse.Namespace) -> int:
     rate_hz = given if given is not None else stated_rate_hz(path)
     if rate_hz is None:
         raise UserError(f"{path}: states no frame rate; give --rate-hz")
-    result = _track(path, config, region, rate_hz, arguments.out)
+    result = _track(path, config, region, rate_hz, arguments)
     stated = "" if given is not None else ", as the file states"
     print(f"{arguments.out}: {_line(result, rate_hz)}{stated}")
     return 0
 
 
 def _track(
-    path: Path, config: "Tracker", region: "Region | None", rate_hz: float, out: Path
+    path: Path, config: "Tracker", region: "Region | None", rate_hz: float, arguments: argparse.Namespace
 ) -> "VideoSummary":
     from stillarm.progress import progress_bar
     from stillarm.supervisor.video_track import COLUMNS, csv_row, stated_frames, summary, tracked
@@ -67,7 +75,7 @@ def _track(
     frames = stated_frames(path)
     samples = []
     started = time.monotonic()
-    images = tracked(path, config, region)
+    images = tracked(path, config, region, arguments.shrink)
     for sample in images:
         samples.append(sample)
         if time.monotonic() - started > PATIENCE_S:
@@ -79,8 +87,9 @@ def _track(
     if not result.measured:
         raise UserError(
             f"{path}: the tracker found nothing to follow in {result.frames} frames; choose a --region with texture, "
-            "a smaller --window-px or fewer --min-inliers"
+            "a smaller --window-px, a --shrink or fewer --min-inliers"
         )
+    out: Path = arguments.out
     try:
         with out.open("w", encoding="utf-8") as file:
             file.write(COLUMNS + "\n")

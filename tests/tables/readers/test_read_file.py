@@ -97,7 +97,7 @@ def _take_away(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
     real = importlib.import_module
 
     def without(name: str, *rest: object) -> object:
-        if name.split(".")[0] == package:
+        if name.split(".", maxsplit=1)[0] == package:
             raise ImportError(name)
         return real(name)
 
