@@ -3,9 +3,17 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from stillarm.tables.description import UNSTATED, ChannelEntry, Description, TableEntry, TimeUnit, text_of
+from stillarm.tables.description import (
+    SECONDS,
+    UNSTATED,
+    ChannelEntry,
+    Description,
+    TableEntry,
+    TimeUnit,
+    text_of,
+)
 from stillarm.tables.guesses.column_look import ColumnLook, TableLook
-from stillarm.tables.roles import BY_NAME, IGNORE, UNKNOWN
+from stillarm.tables.roles import BY_NAME, IGNORE, INPUT, OUTPUT, UNKNOWN
 from stillarm.tables.table import TableFile
 from stillarm.tables.units import size_of
 
@@ -16,6 +24,8 @@ _HEAD = (
     'unit = "unknown": nobody knows the scale; the channel keeps its own numbers, and the scale is fitted.',
     'role = "unknown": kept under its own name. role = "ignore": left out. docs/import.md lists the roles.',
 )
+
+_SAME_CLOCK_S = 1e5  # from the clock's zero: a time this near is on the same clock
 
 
 @dataclass(frozen=True)
@@ -54,10 +64,13 @@ def _table_entry(
     rate: float | Literal["unknown"] | None = None
     if clock is None:
         rate = look.sampling.rate_hz if look.sampling and look.sampling.rate_hz else "unknown"
+    pair_is_free = not {INPUT, OUTPUT} & taken
     for column in look.columns:
         if clock and column.name == clock.column:
             continue
         role = IGNORE if aside else column.role if column.role not in taken else UNKNOWN
+        if role in (INPUT, OUTPUT) and not pair_is_free:
+            role = UNKNOWN
         taken |= {role} - {UNKNOWN, IGNORE}
         channels.append(_channel(column, role, look))
         kind = f"{column.quantity}{', ' + column.kind if column.kind else ''}"
@@ -77,5 +90,6 @@ def _channel(column: ColumnLook, role: str, look: TableLook) -> ChannelEntry:
         return ChannelEntry(column.name, role, column.unit if role in (UNKNOWN, IGNORE) else "")
     size = size_of(column.unit) if column.unit else None
     unit = column.unit if size is not None and size[0] == dimension else UNSTATED
-    zero = float(look.clock.zero) if role == "started_s" and look.clock else 0.0
-    return ChannelEntry(column.name, role, unit, offset=-zero)
+    zero_s = float(look.clock.zero) * SECONDS[look.clock.unit] if look.clock else 0.0
+    same_clock = role == "started_s" and abs(column.shape.low - zero_s) < _SAME_CLOCK_S
+    return ChannelEntry(column.name, role, unit, offset=-zero_s if same_clock else 0.0)

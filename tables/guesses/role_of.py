@@ -14,7 +14,7 @@ from stillarm.tables.guesses.names import (
     VELOCITY,
     VOLTAGE,
 )
-from stillarm.tables.roles import BY_NAME, UNKNOWN
+from stillarm.tables.roles import BY_NAME, INPUT, OUTPUT, UNKNOWN
 from stillarm.tables.roles import STRAIN as STRAIN_ROLE
 from stillarm.tables.units import size_of
 
@@ -35,8 +35,12 @@ _BY_QUANTITY = {
 }
 
 
+_LARGEST = 1e15  # beyond any measurement, in any unit: stillarm.tables.importing refuses it in a role
+
+
 def assign_roles(columns: list[ColumnLook]) -> list[ColumnLook]:
     """Give each role to one column that moves: the first of its like; of accelerations the liveliest."""
+    columns = _lone_roles_off([_too_large_off(column) for column in columns])
     found = list(columns)
     taken = {column.role for column in columns if column.role != UNKNOWN}
     order = sorted(range(len(columns)), key=lambda i: _rank(columns[i]))
@@ -57,12 +61,27 @@ def assign_roles(columns: list[ColumnLook]) -> list[ColumnLook]:
     return found
 
 
+def _too_large_off(column: ColumnLook) -> ColumnLook:
+    if column.role == UNKNOWN or not max(abs(column.shape.low), abs(column.shape.high)) > _LARGEST:
+        return column
+    return replace(column, role=UNKNOWN, why=(*column.why, "too large for a measurement: no role"))
+
+
+def _lone_roles_off(columns: list[ColumnLook]) -> list[ColumnLook]:
+    """An input without an output, or the other way round, is no pair."""
+    if {INPUT, OUTPUT} <= {column.role for column in columns}:
+        return columns
+    return [replace(c, role=UNKNOWN) if c.role in (INPUT, OUTPUT) else c for c in columns]
+
+
 def _rank(column: ColumnLook) -> tuple[bool, float]:
     """What is named comes before what was found to repeat it; of accelerations the liveliest axis."""
     return "by name" not in column.why, -column.shape.std if column.quantity == ACCELERATION else 0.0
 
 
 def _role(column: ColumnLook) -> str:
+    if max(abs(column.shape.low), abs(column.shape.high)) > _LARGEST:
+        return UNKNOWN
     if column.kind == "modelled" or (column.part in ("tip", "link") and column.quantity in (ANGLE, VELOCITY)):
         return UNKNOWN
     if column.quantity == ANGLE and column.part == "motor":

@@ -29,6 +29,7 @@ def test_every_dialect_gives_the_same_numbers(
         np.testing.assert_array_equal(as_floats(values), expected)
 
 
+@pytest.mark.slow
 @given(
     rows=st.lists(
         st.lists(st.floats(-1e6, 1e6, allow_nan=False, width=32), min_size=3, max_size=3),
