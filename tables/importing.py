@@ -70,6 +70,8 @@ def import_tables(
         notes.append(
             "rate unknown: time is counted in samples, so 1 s stands for one sample and 1 Hz for one cycle a sample"
         )
+    for block in blocks:
+        header_notes |= _pair_notes(block, description, notes)
     header_notes |= {f"import_{number:02d}": note for number, note in enumerate(notes)}
     earliest = min(float(np.nanmin(block.times_s)) for block in blocks)
     origin_ns = max(0, -int(earliest // 1.0)) * 1_000_000_000
@@ -85,6 +87,30 @@ def import_tables(
     finally:
         writer.close()
     return ImportedTables(rows, _unscaled(description), tuple(notes))
+
+
+def _pair_notes(block: _Rows, description: Description, notes: list[str]) -> dict[str, str]:
+    """What a recording with /pair says of its rate and columns, as `--map` writes it; a pair is evenly sampled."""
+    if block.topic != "/pair":
+        return {}
+    steps = np.diff(block.times_s)
+    usual = float(np.median(steps)) if len(steps) else 1.0
+    if usual <= 0.0:
+        raise UserError(
+            "a pair of input and output needs a time that grows; correct time_column, or give rate_hz"
+        )
+    uneven = int(np.sum(np.abs(steps - usual) > 0.01 * usual))
+    if uneven:
+        notes.append(
+            f"the pair's steps differ in {uneven} of {len(steps)} rows; it is taken as evenly sampled"
+        )
+    columns = {channel.role: channel.column for entry in description.tables for channel in entry.channels}
+    # 12 digits: what rounding of the times leaves
+    return {
+        "input_column": columns[INPUT],
+        "output_column": columns[OUTPUT],
+        "rate_hz": repr(float(f"{1.0 / usual:.12g}")),
+    }
 
 
 def kept_name(entry: TableEntry, channel: ChannelEntry, many: bool) -> str:

@@ -94,7 +94,7 @@ def _pair(columns: list[ColumnLook], held: Spectra) -> list[ColumnLook]:
         moving[0].name, held.samples[moving[0].name], moving[1].name, held.samples[moving[1].name]
     )
     if found is None:
-        return columns
+        return _pair_by_name(columns, [c.name for c in moving])
     why = {
         found.input: f"{found.output} answers it, on the average {found.lag:.1f} samples later",
         found.output: f"answers {found.input}; the other way round nothing rings",
@@ -103,6 +103,23 @@ def _pair(columns: list[ColumnLook], held: Spectra) -> list[ColumnLook]:
     return [
         replace(c, quantity=role[c.name], role=role[c.name], why=(*c.why, why[c.name]))
         if c.name in role
+        else c
+        for c in columns
+    ]
+
+
+_INPUT_NAMES, _OUTPUT_NAMES = ("u", "in", "input", "x"), ("y", "out", "output")
+
+
+def _pair_by_name(columns: list[ColumnLook], names: list[str]) -> list[ColumnLook]:
+    """u and y, as the literature calls input and output."""
+    roles = {n: INPUT for n in names if n.lower() in _INPUT_NAMES}
+    roles |= {n: OUTPUT for n in names if n.lower() in _OUTPUT_NAMES}
+    if sorted(roles.values()) != [INPUT, OUTPUT]:
+        return columns
+    return [
+        replace(c, quantity=roles[c.name], role=roles[c.name], why=(*c.why, "by name"))
+        if c.name in roles
         else c
         for c in columns
     ]

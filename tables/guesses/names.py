@@ -225,19 +225,19 @@ def _words(text: str) -> list[str]:
 
 
 def _unit_suffix(words: list[str]) -> tuple[list[str], str]:
-    """Words without the unit that they end in: joint velocity rad s -> rad/s."""
+    """Words without the unit that they end in: joint velocity rad s -> rad/s. theta_m is a motor's angle, no length."""
     for count in (2, 1):
-        if len(words) > count:
-            tail = words[-count:]
-            text = (
-                "/".join(tail)
-                if count == 2 and tail[0] in ("rad", "deg", "m", "mm", "rev")
-                else "_".join(tail)
-            )
-            if size_of(text) is not None and not (
-                count == 1 and tail[0] in ("m", "n", "min", "g", "v", "a") and len(words) < 2
-            ):
-                return words[:-count], text
+        if len(words) <= count:
+            continue
+        tail = words[-count:]
+        text = (
+            "/".join(tail) if count == 2 and tail[0] in ("rad", "deg", "m", "mm", "rev") else "_".join(tail)
+        )
+        size = size_of(text)
+        before = _of_words(words[:-count]).quantity
+        fits = before not in _DIMENSIONS or (size is not None and size[0] in _DIMENSIONS[before])
+        if size is not None and (fits or len(text) > 1):
+            return words[:-count], text
     return words, ""
 
 

@@ -95,7 +95,9 @@ def test_a_pair_goes_where_diagnose_takes_it(tmp_path: Path) -> None:
         'source = ""\n[[tables]]\nrate_hz = 100.0\n' + channel("theta", "input") + channel("gauge", "output")
     )
     _, out = imported(tmp_path, text)
-    pair = open_recording(out).columns("/pair")
+    recording = open_recording(out)
+    pair, notes = recording.columns("/pair"), recording.header.notes
+    assert (notes["rate_hz"], notes["input_column"], notes["output_column"]) == ("100.0", "theta", "gauge")
     np.testing.assert_array_equal(pair["output"], COLUMNS["gauge"])
     assert pair["time_s"][1] == 0.01
 

@@ -121,6 +121,11 @@ def test_an_unrelated_pair_has_no_input(rows: int, seed: int) -> None:
     assert {column.role for column in (*noise.values(), *moves.values())} == {"unknown"}
 
 
+def test_u_and_y_are_input_and_output_where_physics_does_not_tell() -> None:
+    found = seen({"y": smooth(1)[0], "u": smooth(2)[0]})
+    assert (found["u"].role, found["y"].role) == ("input", "output")
+
+
 def test_time_rate_gaps_and_repeats() -> None:
     time = 1.7e12 + 5.0 * np.arange(400)
     time[200:] += 100.0

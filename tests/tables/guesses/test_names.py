@@ -22,6 +22,7 @@ from stillarm.tables.guesses.names import sense_of
         ("tip_deflection_mm", "deflection", "", "mm"),
         ("time_ms", "time", "", "ms"),
         ("mid_exposure_s", "time", "", "s"),
+        ("theta_m", "angle", "", ""),
         ("V1", "unknown", "", ""),
         ("column 3", "unknown", "", ""),
         ("y", "unknown", "", ""),
@@ -30,6 +31,10 @@ from stillarm.tables.guesses.names import sense_of
 def test_a_name_says(name: str, quantity: str, kind: str, unit: str) -> None:
     sense = sense_of(name)
     assert (sense.quantity, sense.kind, sense.unit.lower()) == (quantity, kind, unit.lower())
+
+
+def test_a_letter_that_is_no_unit_names_the_part() -> None:
+    assert sense_of("theta_m").part == "motor"
 
 
 def test_a_unit_that_contradicts_a_word_wins() -> None:
