@@ -143,15 +143,16 @@ def _blocks(file: TableFile, entry: TableEntry, notes: list[str]) -> Iterator[_R
         notes.append(f"{where}: {int(np.sum(~there))} rows without a time left out")
     by_topic: dict[str, tuple[dict[str, Floats], dict[str, Floats]]] = {}
     many = len(file.tables) > 1
+    home = _home(entry)
     for channel in entry.channels:
         if channel.role == IGNORE:
             continue
         role = BY_NAME[channel.role]
         values = _column(table, channel, where)[there]
         scale = scale_of(channel, where)
-        topic = "/fast" if role.name == UNKNOWN else role.topic
+        topic = home if role.name == UNKNOWN else role.topic
         known, kept = by_topic.setdefault(topic, ({}, {}))
-        if role.name == UNKNOWN or (scale is None and role.topic == "/fast" and role.dimension):
+        if role.name == UNKNOWN or (scale is None and role.dimension):
             kept[kept_name(entry, channel, many)] = values
         elif role.name in known:
             raise UserError(
@@ -162,6 +163,14 @@ def _blocks(file: TableFile, entry: TableEntry, notes: list[str]) -> Iterator[_R
             _refuse_large(known[role.name], channel, where)
     for topic, (known, kept) in by_topic.items():
         yield _Rows(topic, time_s[there], known, kept)
+
+
+def _home(entry: TableEntry) -> str:
+    """Where channels without a role are kept: beside those that have one."""
+    topics = {
+        BY_NAME[channel.role].topic for channel in entry.channels if channel.role not in (UNKNOWN, IGNORE)
+    }
+    return next((topic for topic in ("/fast", "/frames", "/pair") if topic in topics), "/fast")
 
 
 def _column(table: Table, channel: ChannelEntry, where: str) -> Floats:

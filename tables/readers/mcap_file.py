@@ -59,6 +59,8 @@ def _files(path: Path) -> list[Path]:
     found = sorted(path.glob("*.mcap"))
     if not found and list(path.glob("*.db3")):
         raise UserError(f"{path}: a ROS 2 bag in SQLite; convert it with `ros2 bag convert` to storage mcap")
+    if not found and (path / "fast.csv").exists():
+        raise UserError(f"{path}: a CSV bundle; import it without --look and --as, or name its fast.csv")
     if not found:
         raise UserError(f"{path}: a folder without .mcap; name a file, or a ROS 2 bag stored as MCAP")
     return found

@@ -116,6 +116,21 @@ def test_images_become_frames(tmp_path: Path) -> None:
     assert frames["frame"].tolist() == list(range(50)) and set(frames["status"]) == {0}
 
 
+def test_what_has_no_role_stays_beside_the_images(tmp_path: Path) -> None:
+    report, out = imported(tmp_path, TIMED + channel("px", "displacement_px") + channel("gauge", "unknown"))
+    assert report.rows == {"/frames": 50, "/frames/columns": 50}
+    assert open_recording(out).columns("/frames/columns")["columns"][7] == {"gauge": 7.0}
+
+
+def test_images_of_unknown_scale_are_not_taken_for_px(tmp_path: Path) -> None:
+    text = TIMED + channel("px", "displacement_px", unit="unknown") + channel("gauge", "frame")
+    _, out = imported(tmp_path, text)
+    recording = open_recording(out)
+    assert np.isnan(recording.columns("/frames")["displacement_px"]).all()
+    (found,) = unscaled_channels(recording)
+    np.testing.assert_array_equal(found.values, COLUMNS["px"])
+
+
 def test_tables_of_other_times_are_sorted_into_each_other(tmp_path: Path) -> None:
     file = TableFile(
         "rig.mcap",

@@ -122,3 +122,6 @@ def test_an_empty_file_and_an_absent_one_are_named(tmp_path: Path) -> None:
         read_table_file(tmp_path / "absent.csv")
     with pytest.raises(UserError, match=r"folder without \.mcap"):
         read_table_file(tmp_path)
+    (tmp_path / "fast.csv").write_text("time_s\n0\n")
+    with pytest.raises(UserError, match="a CSV bundle; import it without --look"):
+        read_table_file(tmp_path)
