@@ -24,7 +24,8 @@ COMMANDS = {
     "calibrate": "identify the model's parameters from a recording, with uncertainties",
     "diagnose": "find where the simulation differs from measured data, name the cause, extend the model",
     "causes": "print the causes that can be declared, hidden and named",
-    "import": "read measured data (a CSV bundle, or one file with --map) into a recording",
+    "import": "read measured data (a CSV bundle, or a table of any format) into a recording",
+    "track": "turn a video into the visual channel of a CSV bundle",
     "export": "write a recording as CSV or Parquet",
     "recover": "repair a cut recording",
     "benchmark": "regenerate the documentation's tables",
@@ -32,7 +33,17 @@ COMMANDS = {
 
 _FOLDERS = {
     "rig": ("demo", "controller", "supervisor", "rig", "check", "operate", "commission"),
-    "recordings": ("simulate", "import", "export", "recover", "replay", "calibrate", "diagnose", "causes"),
+    "recordings": (
+        "simulate",
+        "import",
+        "track",
+        "export",
+        "recover",
+        "replay",
+        "calibrate",
+        "diagnose",
+        "causes",
+    ),
     "measuring": ("latency", "benchmark"),
 }
 """Where each command's file lies in stillarm/commands."""

@@ -15,6 +15,7 @@ FOLDERS = (
     "controller",
     "supervisor",
     "drivers",
+    "tables",
     "simulation",
     "diagnosis",
     "benchmarks",

@@ -18,6 +18,8 @@ UNITS = {
     "us": "us",
     "s": "s",
     "m": "m",
+    "a": "A",
+    "v": "V",
 }
 """By a name's suffix, the longer ones first."""
 

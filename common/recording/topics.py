@@ -34,6 +34,12 @@ class FastSample(msgspec.Struct, frozen=True, gc=False):
     joint_age_s: Annotated[float, about("age of the drive's report")] = nan
     deflection_m: Annotated[float, about("where measured directly, e.g. by a strain gauge")] = nan
     joint_torque_n_m: Annotated[float, about("as measured")] = nan
+    joint_torque_command_n_m: Annotated[float, about("what the drive was told")] = nan
+    motor_current_a: Annotated[float, about("as measured")] = nan
+    motor_current_command_a: Annotated[float, about("what the amplifier was told")] = nan
+    motor_voltage_v: Annotated[float, about("at the motor, or what the amplifier was told")] = nan
+    motor_position_rad: Annotated[float, about("before the gear")] = nan
+    strain: Annotated[float, about("a strain gauge, in any unit: its scale is not known")] = nan
     damping_allowed: Annotated[bool, about("the operator's permission")] = False
     operator: Annotated[int, about("bits of stillarm.controller.safety.table.Operator")] = 0
 

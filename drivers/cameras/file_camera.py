@@ -23,9 +23,13 @@ _RAW = {".cih", ".mraw"}
 class FileCamera:
     """A camera that plays files; implements stillarm.drivers.cameras.camera.Camera."""
 
-    def __init__(self, path: str | Path) -> None:
-        """path: a video file, a folder of images, or a .cih or .mraw file. Opens nothing yet."""
+    def __init__(self, path: str | Path, named: str = "") -> None:
+        """path: a video file, a folder of images, or a .cih or .mraw file. Opens nothing yet.
+
+        named: how errors name it; empty: as the key of the configuration that holds it.
+        """
         self._path = Path(path)
+        self._named = named or f"camera.device = {str(self._path)!r}"
         self._images: Iterator[GreyImage] | None = None
         self._first: GreyImage | None = None
         self._count = 0
@@ -36,8 +40,7 @@ class FileCamera:
         self.close()
         if not self._path.exists():
             raise UserError(
-                f"camera.device = {str(self._path)!r}: no such file or folder; "
-                "give a video, a folder of images or a .cih"
+                f"{self._named}: no such file or folder; give a video, a folder of images or a .cih"
             )
         if self._path.is_dir():
             self._images = _folder_frames(self._path)
@@ -49,7 +52,7 @@ class FileCamera:
         self._first = next(self._images, None)
         if self._first is None:
             raise UserError(
-                f"camera.device = {str(self._path)!r}: contains no readable frame; give a video "
+                f"{self._named}: contains no readable frame; give a video "
                 "whose codec OpenCV knows (convert it: ffmpeg -i IN -c:v mjpeg OUT.avi), a folder of images, "
                 "or a .cih with its .mraw"
             )

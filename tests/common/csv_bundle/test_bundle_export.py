@@ -161,18 +161,26 @@ def test_other_topics_are_exported_too(tmp_path: Path) -> None:
     assert read(tmp_path / "out" / "estimate.csv")["delay_s"] == [""]
 
 
-def test_parquet_needs_its_package(tmp_path: Path) -> None:
+def test_parquet_needs_its_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     recording = imported(tmp_path, "time_s,deflection_m\n0,\n1,2.5\n")
-    try:
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        with pytest.raises(UserError, match="pip install pyarrow") as refused:
-            export_parquet(recording, tmp_path / "out")
-        assert "\n" not in str(refused.value)
-    else:
+    real = importlib.import_module
+
+    def without(name: str, *rest: object) -> object:
+        if name.startswith("pyarrow"):
+            raise ImportError(name)
+        return real(name)
+
+    monkeypatch.setattr(importlib, "import_module", without)
+    with pytest.raises(UserError, match="pip install pyarrow") as refused:
         export_parquet(recording, tmp_path / "out")
-        table = parquet.read_table(tmp_path / "out" / "fast.parquet")
-        assert table.to_pydict() == {"time_s": [0.0, 1.0], "deflection_m": [None, 2.5]}
+    assert "\n" not in str(refused.value)
+
+
+def test_parquet_holds_the_columns_of_the_csv(tmp_path: Path) -> None:
+    recording = imported(tmp_path, "time_s,deflection_m\n0,\n1,2.5\n")
+    export_parquet(recording, tmp_path / "out")
+    table = importlib.import_module("pyarrow.parquet").read_table(tmp_path / "out" / "fast.parquet")
+    assert table.to_pydict() == {"time_s": [0.0, 1.0], "deflection_m": [None, 2.5], "operator": [0, 0]}
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
