@@ -31,7 +31,7 @@ _DELAYS_S = (0.02, 0.05, 0.08, 0.11, 0.14, 0.17)
 _PEAKS = 4
 _SHORTEST_S = 3.0
 _SCALES = ("modes.0.participation", "accelerometer.scale", "camera.scale_px_per_m")
-_FOLLOWED = 0.7  # of a channel's variation left: blows that nobody has told of may be there, too
+_FOLLOWED = 0.7  # of a channel's variation left: impacts that nobody has told of may be there, too
 
 
 @dataclass(frozen=True)

@@ -115,8 +115,7 @@ class Cause:
     free: quantities of the vector that a refit frees. trials: where to look. parameters_of: the contract's parameters
     with standard deviations, from a fit. settle: quantities without a smooth derivative, with the first step of a
     search along them. surprise: nats by which a fit's values are unlikely for this cause, before any data. possible:
-    whether a fit's values are such a cause's at all. holds: the quantity by which the arm is held still, so that its
-    fit is begun on what moves.
+    whether a fit's values are such a cause's at all.
     """
 
     id: str
@@ -127,7 +126,6 @@ class Cause:
     settle: Mapping[str, float] = field(default_factory=dict)
     prior_penalty: Callable[[Fit], float] = lambda fit: 0.0
     possible: Callable[[Fit], bool] = lambda fit: True
-    holds: str | None = None
 
 
 def has(*names: str) -> Callable[[World], bool]:

@@ -41,7 +41,7 @@ def plateau_of(acceleration: Array, predicted: Array, noise: float) -> float | N
     or follows the motion there: a gain that is off, or a stiffness, has no such flat top. One peak alone has to be
     quite flat, or to show a converter's last value.
 
-    A few peaks after one blow tell, wherever they lie: the level is that of all data. All: (n,), m/s^2; noise: m/s^2.
+    A few peaks after one impact tell, wherever they lie: the level is that of all data. All: (n,), m/s^2; noise: m/s^2.
     """
     known = np.isfinite(acceleration)
     shown, due = np.where(known, np.abs(acceleration), 0.0), np.where(known, np.abs(predicted), 0.0)

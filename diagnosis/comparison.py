@@ -10,7 +10,6 @@ from stillarm.diagnosis.evidence import score
 from stillarm.diagnosis.fit import Fit, Split, make_data, slopes_of
 from stillarm.diagnosis.forms import Form, from_an_onset
 from stillarm.diagnosis.refits import (
-    SCREENED_NATS,
     Begun,
     begun_fits,
     best_of_each,
@@ -20,7 +19,7 @@ from stillarm.diagnosis.refits import (
     with_onset,
 )
 from stillarm.diagnosis.rivals import PRICE_NATS, candidate_of
-from stillarm.diagnosis.screen import Screening
+from stillarm.diagnosis.screen import Scored
 from stillarm.diagnosis.side_by_side import side_by_side
 
 _Item = TypeVar("_Item")
@@ -33,10 +32,10 @@ LEFT_OUT = "some forms of causes"
 
 def compared(
     last: Fit, tried: Sequence[Form], split: Split, found: Found
-) -> tuple[Screening, list[Candidate]]:
+) -> tuple[list[Scored], list[Candidate]]:
     """Each form refitted on top of a fit, and what it is worth; the best first."""
     candidates: list[Candidate] = []
-    screening = Screening([], SCREENED_NATS)
+    screening: list[Scored] = []
     try:
         before, data = score(last, split), make_data(last.world, split)
         begun, screening = begun_fits(data, last, tried)

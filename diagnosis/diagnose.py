@@ -260,8 +260,8 @@ def _baseline(world: World, split: Split) -> Fit:
 
 
 def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
-    """The baseline's fit of a sensor with that limit, m/s^2: with the blows that what lies below it shows, or with
-    those that show once its limit is simulated from there: a vibration is below it long after the blow."""
+    """The baseline's fit of a sensor with that limit, m/s^2: with the impacts that what lies below it shows, or with
+    those that show once its limit is simulated from there: a vibration is below it long after the impact."""
     below_it = fit_with_impacts(world.with_measured(below(world.measured, ceiling), ()), split)
     there = world.changed(impacts=below_it.world.impacts)
     start = there.space.with_values(carried_over(below_it, there), {RANGE: ceiling})
@@ -275,7 +275,7 @@ def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
 def _at_the_seen_frequency(world: World, split: Split) -> Fit:
     """The baseline's fit; where its frequency is far from the one that the vibration has from window to window, it is
     stuck between the model's and the true one, and is begun again from there; so it is from its own, if that is not
-    what its blows were sought with and much is left."""
+    what its impacts were sought with and much is left."""
     usual = fit_with_impacts(world, split)
     fitted = usual.value("modes.0.frequency_hz")
     hz = seen_frequency(world, usual.predicted.motion, fitted)
@@ -289,7 +289,7 @@ def _at_the_seen_frequency(world: World, split: Split) -> Fit:
 
 
 def _left_by_a_wrong_start(usual: Fit) -> bool:
-    """Whether a fit has gone far from the frequency that its blows were sought with, and leaves far more than the
+    """Whether a fit has gone far from the frequency that its impacts were sought with, and leaves far more than the
     accelerometer's noise: at a wrong frequency they are found late, and where there are none."""
     world = usual.world
     sensor = usual.channel("acceleration")
@@ -300,8 +300,9 @@ def _left_by_a_wrong_start(usual: Fit) -> bool:
 
 
 def _along_a_course(world: World, split: Split) -> Fit | None:
-    """Where the arm's frequency plainly changes, any one frequency hides the blows in a part of the recording and makes
-    up others: the baseline's fit with the blows that are seen with its course. None where one frequency does."""
+    """Where the arm's frequency plainly changes, any one frequency hides the impacts in a part of the recording and
+    makes up others: the baseline's fit with the impacts that are seen with its course. None where one frequency
+    does."""
     begun = world.space.vector()
     courses = frequency_courses(world, world.predict(begun).motion)
     if not courses:
@@ -310,13 +311,13 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
     starts = course.starts(world)
     sought = with_impacts_sought(world, split, world.space.with_values(begun, starts[0]))
     if _steady_with_impacts_of(_likeliest(sought, split, starts[1:]), split, starts[0]) is None:
-        return None  # before its blows are put in place, which takes long
+        return None  # before its impacts are put in place, which takes long
     struck = with_impacts_in_place(sought, split)
     return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), split, starts[0])
 
 
 def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) -> Fit:
-    """The fit, or one of those with its blows from these starts."""
+    """The fit, or one of those with its impacts from these starts."""
     there = struck.world
     data, names = make_data(there, split), there.baseline_names()
     others = [fit(data, there.space.with_values(struck.vector, one), names) for one in starts]
@@ -324,7 +325,7 @@ def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) ->
 
 
 def _steady_with_impacts_of(seen: Fit, split: Split, course: Iterable[str]) -> Fit | None:
-    """The fit of one frequency with the blows that are seen with a course of these quantities; None where it does as
+    """The fit of one frequency with the impacts that are seen with a course of these quantities; None where it does as
     well."""
     there = seen.world
     usual = {name: there.space[name].start for name in course}
@@ -349,7 +350,7 @@ def _without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
         gains = other.held_out_score - baseline.held_out_score
         gained = other.train_log_likelihood - baseline.train_log_likelihood + float(gains.sum())
         if gained > _RECLOCKED_NATS:
-            steps.append(forward_step(gap, measured, gains, gained))
+            steps.append(forward_step(gap, measured, gains))
             baseline = other
     return baseline, as_one(steps)
 
@@ -374,7 +375,6 @@ def _without_old_images(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound
     law = LawFound(
         "stale_frame_buffer",
         {"onset_s": (onset, 0.5 * period), "frames": (float(held.frames), 0.0)},
-        gained,
         gains,
         note=_REPEATED if repeated else _QUEUED,
     )

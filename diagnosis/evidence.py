@@ -76,6 +76,10 @@ def noise_spectrum(fit: Fit, name: str, split: Split, white: float) -> tuple[Arr
     What is there in the quietest quarter of the blocks too is taken for the sensor's own noise, up to twice the white
     one's amplitude: sensors' filters colour it by as much. (The quantile is put right for the number of values.)"""
     spectra = _spectra(fit, name, split)
+    return spectra.count.sum(axis=0), _noise_level(spectra, white)
+
+
+def _noise_level(spectra: Spectra, white: float) -> Array:
     count = spectra.count.sum(axis=0)
     seen = count > 0.0
     there = np.where(spectra.count > 0.0, 1.0, np.nan)[:, seen]
@@ -86,13 +90,13 @@ def noise_spectrum(fit: Fit, name: str, split: Split, white: float) -> tuple[Arr
     level = np.full(len(count), least)
     quiet = np.nanquantile(mean, _QUIET, axis=0) / (gammaincinv(usual, _QUIET) / usual)
     level[seen] = np.clip(quiet, least, _MOST_COLOUR * least)
-    return count, level
+    return level
 
 
 def score_of_noise(fit: Fit, name: str, split: Split, white: float) -> float:
     """What the log score of a channel would be, nats over all blocks, if nothing but its own noise were left."""
     spectra = _spectra(fit, name, split)
-    _, level = noise_spectrum(fit, name, split, white)
+    level = _noise_level(spectra, white)
     nats = _log_density(spectra.count, spectra.count * level, level, _SHAPES[-1])
     return float(np.where(spectra.count > 0.0, nats, 0.0).sum())
 

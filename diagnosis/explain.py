@@ -22,7 +22,6 @@ from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.laws import LawFound, backward_steps, laws
 from stillarm.diagnosis.refits import QUICK, free_names
 from stillarm.diagnosis.rivals import MATTERS_OF_NOISE, PRICE_NATS, convinces, of_law, white_noise
-from stillarm.diagnosis.screen import Screening
 from stillarm.diagnosis.world import World
 
 MOST_CAUSES = 3
@@ -108,7 +107,7 @@ def _explained(
     for law in (*known, *backward_steps(data)):
         one = of_law(baseline, law)
         found.findings.append(one)
-        found.stages.append(Stage(Screening([], 0.0), [one], one))
+        found.stages.append(Stage([], [one], one))
     for stage in begun:
         assert stage.taken is not None
         found.stages.append(stage)

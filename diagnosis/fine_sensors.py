@@ -8,10 +8,10 @@ A tracker's error with the place in the pixel ("pixel locking") shows where the 
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
+from stillarm.diagnosis.added import answer_of_mode
 from stillarm.diagnosis.noise import LEAST
-from stillarm.diagnosis.robust import OF_FIFTH, OF_SECOND, std_about_zero
+from stillarm.diagnosis.robust import bridged, in_differences, white_noise
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ def is_fine_encoder(position: Array) -> bool:
         return False
     steps = np.abs(np.diff(known))
     step = float(np.min(steps, initial=np.inf, where=steps > _SAME))
-    noise = std_about_zero(np.diff(known, 2)) / OF_SECOND
+    noise = white_noise(known, 2)
     return bool(max(step, noise) < _FINE * LEAST["joint_position"])
 
 
@@ -44,29 +44,23 @@ def is_fine_image(displacement_px: Array) -> bool:
     whole = pieces[np.isfinite(pieces).all(axis=1)]
     if not len(whole):
         return False
-    noise = np.sqrt(np.mean(whole**2, axis=1)) / OF_FIFTH
+    noise = np.sqrt(np.mean(whole**2, axis=1)) / in_differences(5)
     return float(np.quantile(noise, _QUIET)) < LEAST["displacement"]
 
 
 def within_reach(measured: Array, simulated: Array) -> Array:
     """By how much the joint was elsewhere than simulated, rad, no more than a simulation is taken to be off; straight
     across what was not measured. Both: (n,) rad."""
-    off = measured - simulated
-    known = np.flatnonzero(np.isfinite(off))
-    filled = np.interp(np.arange(len(off)), known, off[known])
-    return np.clip(filled, -LEAST["joint_position"], LEAST["joint_position"])
+    return np.clip(bridged(measured - simulated), -LEAST["joint_position"], LEAST["joint_position"])
 
 
 def tip_moved(off: Array, modes: Array, length_m: float, step_s: float) -> Array:
     """What that does to the tip, m: the rigid arm turns with it, and each mode answers q'' + 2 z w q' + w^2 q = -p l a,
     a being off's second derivative (bilinear). off: (n,) rad; modes: (m, 3) frequency_hz, damping_ratio, participation.
     """
-    k = 2.0 / step_s
     moved = length_m * off
     for hz, damping, participation in modes:
-        w = 2.0 * np.pi * hz
-        a0 = k * k + 2.0 * damping * w * k + w * w
-        a1, a2 = 2.0 * (w * w - k * k), k * k - 2.0 * damping * w * k + w * w
-        push = -participation * length_m * k * k / a0
-        moved = moved + lfilter([push, -2.0 * push, push], [1.0, a1 / a0, a2 / a0], off - off[0])
+        # q under a force's second derivative is q'' under the force
+        _, q = answer_of_mode(-participation * length_m * (off - off[0]), hz, damping, step_s)
+        moved = moved + q
     return np.asarray(moved)

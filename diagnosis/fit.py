@@ -16,7 +16,6 @@ from stillarm.diagnosis.noise import (
     doubt_colour,
     level,
     log_likelihood,
-    slow_colour,
     wander_colour,
 )
 from stillarm.diagnosis.side_by_side import side_by_side
@@ -68,8 +67,8 @@ class FittedChannel:
 class Fit:
     """A fitted world. free: names that were fitted; std: their standard deviations; sigma: noise level of each channel.
 
-    held_nats: log-likelihood of each held-out block; train_nats: of all the rest; train_blocks: of each block's part of
-    the rest; residuals: per channel, whitened over sigma not applied; NaN where unmeasured.
+    held_out_score: log-likelihood of each held-out block; train_log_likelihood: of all the rest; train_blocks: of each
+    block's part of the rest; residuals: per channel, whitened, not divided by sigma; NaN where unmeasured.
     """
 
     world: World
@@ -82,7 +81,6 @@ class Fit:
     predicted: Predicted
     train_log_likelihood: float
     held_out_score: Array
-    covariance: Array = field(default_factory=lambda: np.empty((0, 0)))
     train_blocks: Array = field(default_factory=lambda: np.empty(0))
 
     def value(self, name: str) -> float:
@@ -164,6 +162,11 @@ def thinned_mask(name: str, mask: Mask) -> Mask:
     return whole
 
 
+def whitened(name: str, values: Array, colour: Colours) -> Array:
+    """A channel's values, such as a change of its prediction, as a fit weighs them: whitened by its colour, thinned."""
+    return thinned(name, colour[name].whiten(values) if name in colour else values)
+
+
 def residuals_of(world: World, predicted: Predicted, vector: Array, colour: Colours) -> dict[str, Array]:
     """Measured less predicted, whitened where a channel has colour."""
     found = {}
@@ -200,15 +203,6 @@ def _nats(data: Data, residuals: dict[str, Array], sigma: dict[str, float]) -> t
     return train, held
 
 
-def train_nats_of_channels(data: Data, one: Fit) -> dict[str, float]:
-    """Log-likelihood of what trains, by channel."""
-    found = {}
-    for name, residual in one.residuals.items():
-        trained, level_now = residual[data.train[name]], one.sigma[name]
-        found[name] = float(log_likelihood(trained / level_now, level_now).sum())
-    return found
-
-
 def jacobian(
     world: World,
     vector: Array,
@@ -233,35 +227,24 @@ def jacobian(
         for name, values in world.channels.items()
     }
 
+    def by_difference(moved: Array, step: float) -> dict[str, Array]:
+        """Of the channels that change."""
+        predicted = world.predict(moved, base).channels
+        changed = [channel for channel in found if predicted[channel] is not base.channels[channel]]
+        with np.errstate(over="ignore", invalid="ignore"):  # of a trial in which the arm runs away
+            return {channel: (predicted[channel] - base.channels[channel]) / step for channel in changed}
+
     def column(index: int) -> None:
-        moved, step = steps[index]
         ready = known.get(names[index]) if known is not None else None
         if ready is not None:
             for channel, columns in found.items():
                 columns[:, index] = ready[channel]
             return
-        term = world.amounts_of(names[index])
-        if term is not None:  # linear in its amount
-            group = next(one for one in world.added if one.name == term[0])
-            for channel, columns in found.items():
-                if channel not in group.columns:
-                    columns[:, index] = 0.0
-                    continue
-                slope = group.columns[channel][:, term[1]]
-                columns[:, index] = thinned(
-                    channel, colour[channel].whiten(slope) if channel in colour else slope
-                )
-            return
-        predicted = world.predict(moved, base).channels
+        slopes = world.slopes_of_amount(names[index])
+        if slopes is None:
+            slopes = by_difference(*steps[index])
         for channel, columns in found.items():
-            if predicted[channel] is base.channels[channel]:
-                columns[:, index] = 0.0
-                continue
-            with np.errstate(over="ignore", invalid="ignore"):  # of a trial in which the arm runs away
-                slope = (predicted[channel] - base.channels[channel]) / step
-            columns[:, index] = thinned(
-                channel, colour[channel].whiten(slope) if channel in colour else slope
-            )
+            columns[:, index] = whitened(channel, slopes[channel], colour) if channel in slopes else 0.0
 
     side_by_side(column, range(len(names)))
     return found
@@ -293,20 +276,6 @@ def colours(data: Data, vector: Array) -> Colours:
         found["displacement"] = InstantUncertainty(
             predicted.rate_px_s, world.measured.frames.received_s, noise_px, noted_s, 0.0, 1.0
         )
-    return found
-
-
-def strayed(data: Data, best: Fit) -> Colours:
-    """A fit's colours, with those of whatever strays slowly in the channels that are taken for white."""
-    found = dict(best.colour)
-    for name in data.world.channels:
-        if name in found:
-            continue
-        residual = best.residuals[name][data.train[name]]
-        law = wander_colour if name == "displacement" else slow_colour
-        one = law(residual, WANDER_S / data.world.step_s(name))
-        if one.stay > 0.0:
-            found[name] = one
     return found
 
 
@@ -403,7 +372,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     covariance = _covariance(normal)
     std = {name: sqrt(max(covariance[i, i], 0.0)) for i, name in enumerate(free)}
     return Fit(
-        world, vector, free, std, sigma, colour, residuals, predicted, float(train.sum()), held, covariance, train,
+        world, vector, free, std, sigma, colour, residuals, predicted, float(train.sum()), held, train,
     )  # fmt: skip
 
 

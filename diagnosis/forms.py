@@ -94,7 +94,6 @@ def _further(
     parameters: Callable[[Fit], Values],
     needs: Callable[[World], bool] = driven,
     relative: str = "",
-    fixed: Mapping[str, float] | None = None,
     more_free: tuple[str, ...] = (),
 ) -> Form:
     """A form with sizes to begin from for each of its quantities, tried one by one. relative: "command", where the
@@ -106,12 +105,7 @@ def _further(
             unit = context.top_command_rad_s * 2.0 * np.pi * context.value("drive.bandwidth_hz")
         count = max(len(sizes) for sizes in quantities.values())
         return [
-            Trial(
-                dict(fixed or {}),
-                ({q: sizes[i] * unit for q, sizes in quantities.items()},),
-                exact=False,
-                one_sided=True,
-            )
+            Trial({}, ({q: sizes[i] * unit for q, sizes in quantities.items()},), one_sided=True)
             for i in range(count)
         ]
 
@@ -178,27 +172,52 @@ def _of_course(
     identifier: str,
     name: str,
     parameter: str,
-    added: Callable[[Fit], tuple[Added, ...]],
     channel: str,
     group: str,
+    scale: Callable[[Fit], Array | float],
+    std: float,
+    walk: bool = False,
 ) -> Form:
-    """A cause that takes a course of its own over time; its rate is the course's mean one."""
+    """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
 
     def parameters(fit: Fit) -> Values:
-        one = next(each for each in fit.world.added if each.name == group)
+        one = _group_of(fit, group)
         amounts = np.array([fit.value(each) for each in one.amounts])
         course = one.columns[channel] @ amounts
         time = _time_of(fit, channel)
         return {parameter: (float(np.polyfit(time, course, 1)[0]), 0.0)}
 
-    def free(world: World) -> tuple[str, ...]:
-        return next((each.amounts for each in world.added if each.name == group), ())
+    return _linear(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
 
-    def trials(context: Context) -> list[Trial]:
-        return [Trial({}, ({},))]
 
-    cause = Cause(id=identifier, needs=has(channel), trials=trials, free=free, parameters_of=parameters)
+def _linear(
+    identifier: str,
+    name: str,
+    channel: str,
+    group: str,
+    parameters: Callable[[Fit], Values],
+    added: Callable[[Fit], tuple[Added, ...]],
+) -> Form:
+    """A form of a group of added terms in one channel."""
+
+    def amounts(world: World) -> tuple[str, ...]:
+        one = world.added_group(group)
+        return () if one is None else one.amounts
+
+    cause = Cause(
+        id=identifier,
+        needs=has(channel),
+        trials=lambda context: [Trial({}, ({},))],
+        free=amounts,
+        parameters_of=parameters,
+    )
     return Form(cause, name, added)
+
+
+def _group_of(fit: Fit, name: str) -> Added:
+    one = fit.world.added_group(name)
+    assert one is not None
+    return one
 
 
 def _shown(fit: Fit, channel: str) -> Array:
@@ -217,6 +236,10 @@ def _image_std(fit: Fit) -> float:
     return float(np.nanstd(seen)) if seen is not None else 1.0
 
 
+def _delay_std(fit: Fit) -> float:
+    return fit.world.model.timing.capture_delay_std_s or 0.005
+
+
 def _lens(fit: Fit) -> tuple[Added, ...]:
     seen = _shown(fit, "displacement")
     size = float(np.max(np.abs(seen))) or 1.0
@@ -225,14 +248,10 @@ def _lens(fit: Fit) -> tuple[Added, ...]:
 
 
 def _lens_values(fit: Fit) -> Values:
-    one = next(each for each in fit.world.added if each.name == "lens")
+    one = _group_of(fit, "lens")
     size = float(np.max(np.abs(_shown(fit, "displacement")))) or 1.0
     cubic, std = plain(fit, x=one.amounts[1])["x"]
     return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
-
-
-def _hum_trials(context: Context) -> list[Trial]:
-    return CAUSES["mains_hum"].trials(context)
 
 
 _FURTHER: tuple[Form, ...] = (
@@ -316,53 +335,18 @@ _FURTHER: tuple[Form, ...] = (
         "accelerometer_bias_drift",
         "along a course",
         "rate_m_s3",
-        _course("acceleration", "bias", lambda fit: 1.0, 3.0, False),
         "acceleration",
         "bias",
+        lambda fit: 1.0,
+        3.0,
     ),
     _of_course(
-        "accelerometer_sensitivity_drift",
-        "along a course",
-        "rate_per_s",
-        _course("acceleration", "gain", _swing, 1.0, False),
-        "acceleration",
-        "gain",
+        "accelerometer_sensitivity_drift", "along a course", "rate_per_s", "acceleration", "gain", _swing, 1.0
     ),
+    _of_course("tracking_drift", "along a course", "rate_px_per_s", "displacement", "drift", _image_std, 1.0),
     _of_course(
-        "tracking_drift",
-        "along a course",
-        "rate_px_per_s",
-        _course("displacement", "drift", _image_std, 1.0, False),
-        "displacement",
-        "drift",
+        "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", _image_std, 0.1, walk=True
     ),
-    _of_course(
-        "tracking_drift",
-        "that wanders",
-        "rate_px_per_s",
-        _course("displacement", "walk", _image_std, 0.1, True),
-        "displacement",
-        "walk",
-    ),
-    _of_course(
-        "delay_drift",
-        "along a course",
-        "rate_s_per_s",
-        _course(
-            "arrival", "lateness", lambda fit: fit.world.model.timing.capture_delay_std_s or 0.005, 3.0, False
-        ),
-        "arrival",
-        "lateness",
-    ),
-    Form(
-        Cause(
-            id="lens_distortion",
-            needs=has("displacement"),
-            trials=lambda context: [Trial({}, ({},))],
-            free=lambda world: next((each.amounts for each in world.added if each.name == "lens"), ()),
-            parameters_of=_lens_values,
-        ),
-        "about a centre",
-        _lens,
-    ),
+    _of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", _delay_std, 3.0),
+    _linear("lens_distortion", "about a centre", "displacement", "lens", _lens_values, _lens),
 )

@@ -18,7 +18,6 @@ from stillarm.diagnosis.fit import Fit
 Array = NDArray[np.float64]
 
 _PIECES = 7  # of a free course over position, velocity or time
-_PRIOR = 3.0  # deviations of what the group is scaled by: as good as free
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 In each window of a few periods the vibration is what the joint's motion makes of a mode of some frequency, and a free
 vibration; both are linear but for the frequency, and are projected out (variable projection: Golub and Pereyra, 1973),
-so that each window has a likelihood of the frequency alone, whatever blows the other windows hold. Three courses are
+so that each window has a likelihood of the frequency alone, whatever impacts the other windows hold. Three courses are
 held against one frequency: a single change, a drift, and w^2 (1 + 3/4 c A^2) with the amplitude A of the vibration (the
 first order of a cubic stiffness). They are where refits start, no more: those decide.
 """

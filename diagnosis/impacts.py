@@ -1,6 +1,6 @@
-"""Blows that no sensor measured: where the free vibration's phasor jumps.
+"""Impacts that no sensor measured: where the free vibration's phasor jumps.
 
-Over one period before and one after each instant, the residual's phasor at the first mode's frequency; a blow is a
+Over one period before and one after each instant, the residual's phasor at the first mode's frequency; an impact is a
 jump between the two that stands out of the usual ones. It opens a new segment with its own state.
 """
 
@@ -26,10 +26,6 @@ _AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
 _MOST = 40
 _SIGNIFICANT = 6.0
 _CLOSE_S = 2.0
-_REDATED_NATS = 20.0
-_HOPELESS_NATS = 300.0  # that a fit of all else hardly gains
-_WRONG, _FAR = 4.0, 8.0  # times a channel's variance, outliers bounded to so many deviations
-_ONE_IMPACT, _PLACES = 2.0, 9  # periods between two that may be one; where that may have been
 
 
 def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> list[tuple[Array, Array]]:
@@ -115,8 +111,8 @@ def _borne_out(
 
 
 def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:
-    """What a jump has to exceed: several times the median of all, or of those near by if that is less, for a blow that
-    is not yet found raises them all."""
+    """What a jump has to exceed: several times the median of all, or of those near by if that is less, for an impact
+    that is not yet found raises them all."""
     overall = _OUTSTANDING * float(np.median(jump[full])) if full.any() else 0.0
     reach, near = 5 * period, 3 * period // 2
     known = np.pad(np.where(full, jump, np.inf), reach, constant_values=np.inf)
@@ -129,7 +125,7 @@ def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:
 
 
 def _refined(last: Fit, number: int) -> float:
-    """By how much later the blow number `number` was: a pure jump of the rate leaves the deflection alone."""
+    """By how much later the impact number `number` was: a pure jump of the rate leaves the deflection alone."""
     q, v = last.value(f"jump.{number}.0.q"), last.value(f"jump.{number}.0.v")
     w = 2.0 * pi * last.value("modes.0.frequency_hz")
     if v == 0.0:
@@ -139,52 +135,39 @@ def _refined(last: Fit, number: int) -> float:
 
 
 def fit_with_impacts(world: World, split: Split, start: Array | None = None) -> Fit:
-    """The baseline's fit, with as many segments as there were blows. start: vector of the world, if not its own."""
+    """The baseline's fit, with as many segments as there were impacts. start: vector of the world, if not its own."""
     return with_impacts_in_place(with_impacts_sought(world, split, start), split)
 
 
 def with_impacts_sought(world: World, split: Split, start: Array | None = None) -> Fit:
-    """The first half of it: a segment wherever a blow seems to have been."""
+    """The first half of it: a segment wherever an impact seems to have been."""
     data = make_data(world, split)
     last = fit(data, world.space.vector() if start is None else start, (), iterations=0)
-    return _sought(last, split, (), fitted=False)
+    return _sought(last, split)
 
 
 def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
-    """The second: each blow where it was, and none that was not."""
-    last = _in_place(sought, split, ())
+    """The second: each impact where it was, and none that was not."""
+    last = pruned(sought, split)
     # the noise laws as they are now, rather than as they seemed at the start
     return refit_with(last, split, last.world.impacts)
 
 
-def with_hidden_impacts(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
-    """The fit with blows that show only now that it holds a cause more (of quantities `extra`), if they are any that
-    the held-out part bears out."""
-    more = _in_place(_sought(last, split, extra), split, extra)
-    gained = float((more.held_out_score - last.held_out_score).sum())
-    return more if more.world.impacts != last.world.impacts and gained > 0.0 else last
-
-
-def _sought(last: Fit, split: Split, extra: tuple[str, ...], fitted: bool = True) -> Fit:
-    """Blows sought in what is left, again and again. fitted: whether the fit is one, or only a start."""
+def _sought(last: Fit, split: Split) -> Fit:
+    """Impacts sought in what is left, again and again. last: a start, not a fit."""
     impacts: set[int] = set(last.world.impacts)
     for turn in range(5):
-        share = _SHARE if turn or fitted else _FIRST_SHARE
+        share = _SHARE if turn else _FIRST_SHARE
         cycle_s = last.world.measured.cycle_s
         period = 1.0 / last.value("modes.0.frequency_hz")
         new = {round(t / cycle_s) for t in find_jumps(last, share)}
         new = {k for k in new if all(abs(k - old) * cycle_s > 0.6 * period for old in impacts)}
-        if (turn or fitted) and not new:
+        if turn and not new:
             break
         impacts |= new
-        last = refit_with(last, split, tuple(sorted(impacts)), extra, _WHILE_SOUGHT)
-        last, impacts = _sharpened(last, split, extra)
+        last = refit_with(last, split, tuple(sorted(impacts)), iterations=_WHILE_SOUGHT)
+        last, impacts = _sharpened(last, split)
     return last
-
-
-def _in_place(last: Fit, split: Split, extra: tuple[str, ...]) -> Fit:
-    """Blows that are one merged, those half a period off moved, and those that were none dropped."""
-    return pruned(last, split, extra)
 
 
 def refit_with(
@@ -193,10 +176,7 @@ def refit_with(
     """Fit again with these segments, from what is known."""
     world = last.world.changed(impacts=impacts)
     start = carried_over(last, world)
-    there = [
-        name for name in extra if name in world.space.place
-    ]  # segments of a further mode go with their blow
-    free = tuple(dict.fromkeys((*world.baseline_names(), *there)))
+    free = tuple(dict.fromkeys((*world.baseline_names(), *extra)))
     data = make_data(world, split)
     return fit(data, start, free, colour=last.colour | colours(data, start), iterations=iterations)
 
@@ -225,8 +205,8 @@ def carried_over(last: Fit, world: World) -> Array:
     return start
 
 
-def _sharpened(last: Fit, split: Split, extra: tuple[str, ...]) -> tuple[Fit, set[int]]:
-    """Blows moved to where they leave the deflection without a jump."""
+def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
+    """Impacts moved to where they leave the deflection without a jump."""
     world = last.world
     cycle_s = world.measured.cycle_s
     for _ in range(2):
@@ -237,14 +217,14 @@ def _sharpened(last: Fit, split: Split, extra: tuple[str, ...]) -> tuple[Fit, se
         moved = sorted(set(moved))
         if tuple(moved) == world.impacts:
             break
-        last = refit_with(last, split, tuple(moved), extra, _WHILE_SOUGHT)
+        last = refit_with(last, split, tuple(moved), iterations=_WHILE_SOUGHT)
         world = last.world
     return last, set(world.impacts)
 
 
-def pruned(last: Fit, split: Split, extra: tuple[str, ...] = ()) -> Fit:
-    """Without the blows that have turned out to be none; of those close to each other, which may well share one blow
-    and each seem needless beside the other, the least goes first."""
+def pruned(last: Fit, split: Split) -> Fit:
+    """Without the impacts that have turned out to be none; of those close to each other, which may well share one
+    impact and each seem needless beside the other, the least goes first."""
     while True:
         cycles = last.world.impacts
         sizes = [_size_in_stds(last, j) for j in range(1, len(cycles) + 1)]
@@ -259,11 +239,11 @@ def pruned(last: Fit, split: Split, extra: tuple[str, ...] = ()) -> Fit:
         )
         if len(kept) == len(cycles):
             return last
-        last = refit_with(last, split, kept, extra)
+        last = refit_with(last, split, kept)
 
 
 def _size_in_stds(last: Fit, number: int) -> float:
-    """Size of blow `number` in standard deviations, the larger of deflection's and rate's."""
+    """Size of impact `number` in standard deviations, the larger of deflection's and rate's."""
     size = 0.0
     for part in ("q", "v"):
         name = f"jump.{number}.0.{part}"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from stillarm.common.files.model import Drive
-from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.robust import bridged, std_about_zero
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def imposed_command(position: Array, velocity: Array, drive: Drive, cycle_s: flo
         return None
     values = measured[known]
     noise = std_about_zero(np.diff(values)) / 2.0**0.5
-    filled = np.interp(np.arange(len(measured)), known, values)
+    filled = bridged(measured)
     level = savgol_filter(filled, window, 3)
     if float(np.ptp(level)) <= MIN_TRAVEL * noise:
         return None

@@ -21,7 +21,7 @@ from stillarm.diagnosis.robust import std_about_median
 Array = NDArray[np.float64]
 
 OF_STAMPS = "captured_s alone steps: the camera's own clock"
-_LONE_SPIKE = 15.0  # robust deviations; a blow that strikes so hard is heard to ring
+_LONE_SPIKE = 15.0  # robust deviations; an impact that strikes so hard is heard to ring
 _USUAL_LOSS = 1e-3
 _LEAST_NATS = 8.0
 # within so many deviations of the delay that the model states late frames are normal, but for so many in a row
@@ -32,15 +32,13 @@ _ONE_STEP_S = 1.0
 
 @dataclass(frozen=True, eq=False)
 class LawFound:
-    """A law that differs from the usual one. train_nats: gain of log-likelihood with all that is known; held_nats: of
-    each block, by the law of the others. alone: one event so plain that no second one is needed to believe it."""
+    """A law that differs from the usual one. held_out_score: nats that it gains in each block, by the law of the
+    others, (blocks,)."""
 
     cause: str
     values: dict[str, tuple[float, float]]
-    train_log_likelihood: float
     held_out_score: Array
     note: str = ""
-    alone: bool = False
 
 
 def laws(data: Data, last: Fit) -> list[LawFound]:
@@ -97,9 +95,7 @@ def _impulse_noise(data: Data, last: Fit) -> LawFound | None:
             "rate_hz": (rate, rate / count**0.5),
             "amplitude_m_s2": (size, float(np.hypot(spread, sigma)) / count**0.5),
         },
-        float(gains.sum()),
         gains,
-        alone=plain,
     )
 
 
@@ -126,7 +122,6 @@ def _frame_drops(data: Data, last: Fit) -> LawFound | None:
     return LawFound(
         "frame_drops",
         {"fraction": (fraction, float(np.sqrt(fraction * (1.0 - fraction) / (lost + seen))))},
-        float(gains.sum()),
         gains,
     )
 
@@ -173,7 +168,6 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
             ),
             "delay_s": (float(np.mean(depth)), float(np.std(depth) / np.sqrt(len(runs))) + 1e-4),
         },
-        total,
         gains,
     )  # fmt: skip
 
@@ -250,7 +244,6 @@ def _stamp_step(data: Data, last: Fit) -> LawFound | None:
             "onset_s": (onset, 1.0 / data.world.model.camera.frame_rate_hz),
             "step_s": (float(solution[2]), noise),
         },
-        float(gain_all.sum()),
         blocks,
         note=OF_STAMPS,
     )
@@ -265,7 +258,7 @@ def backward_steps(data: Data) -> list[LawFound]:
     return as_one(found)
 
 
-def forward_step(gap: ClockGap, measured: Measured, gains: Array, nats: float) -> LawFound:
+def forward_step(gap: ClockGap, measured: Measured, gains: Array) -> LawFound:
     """time_s jumped on although no row is missing: gains of each block by taking the jump back."""
     return LawFound(
         "clock_step",
@@ -273,7 +266,6 @@ def forward_step(gap: ClockGap, measured: Measured, gains: Array, nats: float) -
             "onset_s": (gap.cycle * measured.cycle_s, measured.cycle_s),
             "step_s": (gap.extra_s, measured.cycle_s),
         },
-        nats,
         gains,
         note="time_s itself steps, in both files",
     )
@@ -289,10 +281,7 @@ def as_one(steps: list[LawFound]) -> list[LawFound]:
             continue
         length, doubt = last.values["step_s"]
         values = last.values | {"step_s": (length + step.values["step_s"][0], doubt)}
-        merged[-1] = replace(
-            last, values=values, train_log_likelihood=last.train_log_likelihood + step.train_log_likelihood,
-            held_out_score=last.held_out_score + step.held_out_score,
-        )  # fmt: skip
+        merged[-1] = replace(last, values=values, held_out_score=last.held_out_score + step.held_out_score)
     return merged
 
 
@@ -305,7 +294,6 @@ def _of_gap(data: Data, gap: ClockGap) -> LawFound:
             "onset_s": (gap.cycle * measured.cycle_s, measured.cycle_s),
             "step_s": (gap.extra_s, measured.cycle_s),
         },
-        1000.0,
         blocks,
         note="time_s itself steps, in both files",
     )

@@ -14,7 +14,7 @@ from stillarm.common.user_error import UserError
 from stillarm.diagnosis.fast_rows import row_step_s, rows_in_order
 from stillarm.diagnosis.fine_sensors import is_fine_encoder, is_fine_image
 from stillarm.diagnosis.imposed_joint import imposed_command
-from stillarm.diagnosis.robust import std_about_median
+from stillarm.diagnosis.robust import bridged, std_about_median
 from stillarm.diagnosis.struck_flanks import fast_noise
 
 Array = NDArray[np.float64]
@@ -314,14 +314,6 @@ def _frames(recording: Recording, origin_s: float, backward: tuple[ClockGap, ...
     return Frames(found["frame"].astype(np.int64), received, started, displacement, found["captured_s"])
 
 
-def _bridged(values: Array) -> Array:
-    """Missing values between their neighbours'; empty where none is known."""
-    known = np.flatnonzero(np.isfinite(values))
-    if not len(known):
-        return np.empty(0)
-    return np.interp(np.arange(len(values)), known, values[known])
-
-
 def _pair(recording: Recording) -> Measured:
     found = recording.columns("/pair")
     rate = float(recording.header.notes["rate_hz"])
@@ -329,7 +321,7 @@ def _pair(recording: Recording) -> Measured:
     none = np.full(n, nan)
     empty = np.empty(0)
     frames = Frames(np.empty(0, np.int64), empty, empty, empty, empty)
-    force = _bridged(found["input"])
+    force = bridged(found["input"])
     if not len(force) or float(np.ptp(force)) == 0.0:
         raise UserError(
             f"{recording.path}: the input never changes, so that the output tells nothing of what it does; "

@@ -9,9 +9,10 @@ Butterworth filter run forward and back has the response of the optimal smoother
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, filtfilt, lfilter, welch
+from scipy.signal import butter, filtfilt, welch
 
-from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.added import answer_of_mode
+from stillarm.diagnosis.robust import bridged, white_noise
 
 Array = NDArray[np.float64]
 
@@ -20,7 +21,6 @@ _OUTSTANDING = (
     4.0  # times the noise: a Welch spectrum of 20 segments strays from its mean by less than a half
 )
 _LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0
-_FOURTH = 70.0**0.5  # deviation of the fourth differences of white noise, over its own
 _FEWEST = 500
 
 
@@ -31,9 +31,9 @@ def departure_hz(measured: Array, simulated: Array, step_s: float) -> float:
     known = np.isfinite(off)
     if known.sum() < _FEWEST:
         return 0.0
-    filled = filled_in(off)
+    filled = bridged(off)
     # of what was measured alone: across gaps the straight lines have none
-    noise = std_about_zero(np.diff(off[known], 4)) / _FOURTH
+    noise = white_noise(off[known])
     length = min(int(_SEGMENT_S / step_s), len(filled) // 4)
     hz, power = welch(filled, 1.0 / step_s, nperseg=length, detrend="constant")
     floor = max(noise**2, 1e-16) * 2.0 * step_s * len(off) / known.sum()
@@ -45,16 +45,10 @@ def departure_hz(measured: Array, simulated: Array, step_s: float) -> float:
     return min(max(top, _LOWEST_HZ), _HIGHEST_HZ, 0.2 / step_s)
 
 
-def filled_in(off: Array) -> Array:
-    """Straight across what was not measured."""
-    known = np.flatnonzero(np.isfinite(off))
-    return np.interp(np.arange(len(off)), known, off[known])
-
-
 def smoothed(off: Array, hz: float, step_s: float) -> tuple[Array, Array]:
     """The departure below a frequency, rad, and its second derivative, rad/s^2. off: (n,) rad, NaN where unmeasured."""
     b, a = butter(3, 2.0 * hz * step_s)
-    slow = filtfilt(b, a, filled_in(off), padlen=min(3 * max(len(a), len(b)) * 20, len(off) - 2))
+    slow = filtfilt(b, a, bridged(off), padlen=min(3 * max(len(a), len(b)) * 20, len(off) - 2))
     second = np.zeros(len(slow))
     second[1:-1] = (slow[2:] - 2.0 * slow[1:-1] + slow[:-2]) / step_s**2
     return np.asarray(slow), second
@@ -65,10 +59,4 @@ def answer_to_joint(
 ) -> tuple[Array, Array]:
     """How a mode answers a further acceleration of the joint, (n,) rad/s^2: its deflection, m, and that one's second
     derivative. push: participation times length, m. q'' + 2 z w q' + w^2 q = -push a (bilinear)."""
-    k, w = 2.0 / step_s, 2.0 * np.pi * frequency_hz
-    a0 = k * k + 2.0 * damping_ratio * w * k + w * w
-    a = [1.0, 2.0 * (w * w - k * k) / a0, (k * k - 2.0 * damping_ratio * w * k + w * w) / a0]
-    force = -push * acceleration
-    q = lfilter(np.array([1.0, 2.0, 1.0]) / a0, a, force)
-    v = lfilter(np.array([1.0, 0.0, -1.0]) * k / a0, a, force)
-    return q, force - 2.0 * damping_ratio * w * v - w * w * q
+    return answer_of_mode(-push * acceleration, frequency_hz, damping_ratio, step_s)

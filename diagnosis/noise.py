@@ -109,33 +109,6 @@ def _steady(stay: float, wander: float, white: float) -> Colour:
     return Colour(stay, stay * (1.0 - gain))
 
 
-_MEANS = 20
-_LEAST_WANDER = 0.02  # of the variance
-
-
-def slow_colour(residual: Array, longest: float) -> Colour:
-    """Colour of a quickly sampled residual that strays slowly: from the means of twenty samples each.
-
-    What a cause's simple form leaves of its true one strays so; taken for white noise it would count as evidence a
-    hundred times over. longest: correlation time at most, samples.
-    """
-    r = residual[np.isfinite(residual)]
-    count = len(r) // _MEANS
-    if count < 60:
-        return Colour()
-    r = r[: count * _MEANS] - float(np.mean(r))
-    limit = 5.0 * level(r, 0.0)
-    r = np.clip(r, -limit, limit)
-    total = float(np.mean(r * r))
-    means = r.reshape(count, _MEANS).mean(axis=1)
-    g = [float(means[: count - lag] @ means[lag:]) / count for lag in (0, 1, 2, 4, 8)]
-    if g[1] <= _LEAST_WANDER * total or g[4] <= 0.0:
-        return Colour()
-    stay = min((g[4] / g[1]) ** (1.0 / (7.0 * _MEANS)), 1.0 - 1.0 / longest)
-    wander = min(g[1] / stay**_MEANS, total)
-    return _steady(stay, wander, max(total - wander, 0.02 * total))
-
-
 @njit(cache=True, nogil=True)
 def _doubt_gains(
     rate: Array,

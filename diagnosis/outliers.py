@@ -137,8 +137,8 @@ def _up_to(top: Array, u: Array) -> Array:
 
 
 def _just_begun(data: Data) -> NDArray[np.bool_]:
-    """Samples just after the start or a blow: what the sensor's filter still holds of the time before is not known, and
-    a blow's instant is, to the cycle only."""
+    """Samples just after the start or an impact: what the sensor's filter still holds of the time before is not known,
+    and an impact's instant is, to the cycle only."""
     world = data.world
     found = np.zeros(world.measured.cycles, bool)
     for cycle in (0, *world.impacts):

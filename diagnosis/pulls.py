@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.fit import Fit
-from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.robust import white_noise
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def pull_spans_s(fit: Fit) -> tuple[tuple[float, float], ...]:
     rate = 1.0 / fit.world.step_s("displacement")
     width = max(3, round(_WINDOW_S * rate))
     loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
-    usual = max(float(np.median(loudness)), std_about_zero(np.diff(off, 4)) / 70.0**0.5)
+    usual = max(float(np.median(loudness)), white_noise(off))
     loud = loudness > _LOUD * usual
     spans = []
     cycle_s = fit.world.measured.cycle_s

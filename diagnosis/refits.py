@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.fit import Data, Fit, Split, fit, make_data
 from stillarm.diagnosis.forms import Form
 from stillarm.diagnosis.impacts import carried_over
-from stillarm.diagnosis.screen import Screening, screen
+from stillarm.diagnosis.screen import Scored, screen
 from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -41,15 +41,13 @@ class Begun:
     asked: bool = False
 
 
-def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun], Screening]:
+def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:
     """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
     by_cause = {id(one.cause): one for one in tried}
-    screening = screen(
-        data, last, [one.cause for one in tried if one.added is None], threshold_nats=SCREENED_NATS
-    )
+    screening = screen(data, last, [one.cause for one in tried if one.added is None])
     begun: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
-    for one in screening.scored:
+    for one in screening:
         if not one.trial.asked and (one.nats < SCREENED_NATS or count[id(one.cause)] >= _STARTS):
             continue
         count[id(one.cause)] += 1

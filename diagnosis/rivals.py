@@ -6,16 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis import robust
 from stillarm.diagnosis.candidate import Candidate
 from stillarm.diagnosis.evidence import Score, score
 from stillarm.diagnosis.fit import Fit, Split, least_level
 from stillarm.diagnosis.laws import LawFound
 from stillarm.diagnosis.refits import Begun
-from stillarm.diagnosis.robust import std_about_zero
 
 Array = NDArray[np.float64]
-
-_FOURTH = sqrt(70.0)  # deviation of fourth differences of white noise, over its own
 
 PRICE_NATS = 3.0
 """What each number that a form fits costs: half the logarithm of the thousand or so independent things that a block's
@@ -41,11 +39,9 @@ def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split
     )
     if one.form.added is not None:  # of many amounts: what it was fitted to says little of what it foretells
         merit = min(merit, 3.0 * float(held.sum()))
-    white = fitted.held_out_score - last.held_out_score
     return Candidate(
-        one.form.id, fitted, fitted.train_log_likelihood - last.train_log_likelihood, float(held.sum()),
-        float(held.std(ddof=1) * sqrt(len(held))), white, values, None, own,
-        train_blocks=fitted.train_blocks - last.train_blocks, form=one.form.name,
+        one.form.id, fitted, float(held.sum()), float(held.std(ddof=1) * sqrt(len(held))), values, None, own,
+        form=one.form.name,
         begins=one.form.begins, merit=merit, nats=nats,
         begins_s=fitted.value(one.form.begins) if one.form.begins else None,
         parameters_of=one.form.cause.parameters_of,
@@ -57,8 +53,8 @@ def of_law(last: Fit, law: LawFound) -> Candidate:
     gains = law.held_out_score
     spread = float(np.std(gains, ddof=1) * sqrt(len(gains)))
     return Candidate(
-        law.cause, last, law.train_log_likelihood, float(gains.sum()), spread, gains, law.values, law,
-        tuple(law.values), law.note, merit=float(gains.sum()) - PRICE_NATS * len(law.values), nats=gains,
+        law.cause, last, float(gains.sum()), spread, law.values, law, tuple(law.values), law.note,
+        merit=float(gains.sum()) - PRICE_NATS * len(law.values), nats=gains,
     )  # fmt: skip
 
 
@@ -89,9 +85,7 @@ def white_noise(last: Fit, name: str) -> float:
     least = least_level(last.world, name) or 1e-12
     if name == "arrival":
         return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
-    fourth = np.diff(residual, 4)
-    known = fourth[np.isfinite(fourth)]
-    return max(std_about_zero(known) / _FOURTH, least) if len(known) else least
+    return max(robust.white_noise(residual), least)
 
 
 def _within_bounds(one: Candidate) -> bool:

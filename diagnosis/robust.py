@@ -1,6 +1,8 @@
 """Standard deviations and steps that a few outliers do not move: from medians, and from the median absolute deviation
 (Hampel, Journal of the American Statistical Association 69, 1974), which for normal values is the standard deviation
-over 1.4826."""
+over 1.4826; and missing values bridged."""
+
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +10,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _MAD_TO_STD = 1.4826
-OF_SECOND, OF_FIFTH = 6.0**0.5, 252.0**0.5  # white noise in second and fifth differences, over its own
 
 
 def std_about_zero(values: Array) -> float:
@@ -27,3 +28,24 @@ def step_at(values: Array, index: int, side: int) -> float:
     return float(
         np.nanmedian(values[index : index + side]) - np.nanmedian(values[max(0, index - side) : index])
     )
+
+
+def in_differences(order: int) -> float:
+    """Standard deviation of white noise in differences of an order, over its own: sqrt(binomial(2 order, order))."""
+    return float(comb(2 * order, order) ** 0.5)
+
+
+def white_noise(values: Array, order: int = 4) -> float:
+    """Standard deviation of what changes from sample to sample, by differences of an order, which hold next to nothing
+    of a motion that is slow beside the samples; 0 where there are none. values: (n,), NaN where unknown."""
+    differences = np.diff(values, order)
+    differences = differences[np.isfinite(differences)]
+    return std_about_zero(differences) / in_differences(order) if len(differences) else 0.0
+
+
+def bridged(values: Array) -> Array:
+    """Values with the missing ones, NaN, on straight lines between their neighbours, (n,); empty where all are."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return np.empty(0)
+    return np.interp(np.arange(len(values)), known, values[known])

@@ -1,8 +1,7 @@
 """Which causes could explain what is left: score tests with the baseline's parameters projected out.
 
 Each trial of each cause gives one or a few directions in which the data would depart. What the residual holds along
-them, after the fitted parameters have had their share, predicts the log-likelihood to be gained. The same directions
-applied to simulated white residuals give the law of the largest of all gains when nothing is wrong.
+them, after the fitted parameters have had their share, predicts the log-likelihood to be gained.
 """
 
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.cause import Cause, Context, Trial
-from stillarm.diagnosis.fit import THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask
+from stillarm.diagnosis.fit import THIN, Data, Fit, jacobian, least_level, thinned, thinned_mask, whitened
 from stillarm.diagnosis.impacts import carried_over
 from stillarm.diagnosis.noise import HUBER
 from stillarm.diagnosis.quantities import ARRIVAL
@@ -20,36 +19,20 @@ from stillarm.diagnosis.world import Predicted, World
 
 Array = NDArray[np.float64]
 
-_DRAWS = 48
-_SEED = 20240229
 _PEAKS = 6
 _LEAST_PERIODS = 3.0
 _MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
-_EULER = 0.5772156649
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A cause by its best trial. nats: predicted gain. amounts: of each column. start: vector in its world."""
+    """A trial of a cause. nats: predicted gain. start: vector in its world."""
 
     cause: Cause
     trial: Trial
     nats: float
-    amounts: Array
     world: World
     start: Array
-
-
-@dataclass(frozen=True)
-class Screening:
-    """Scored trials, best first, and the gain that one recording in a hundred without an effect would exceed."""
-
-    scored: list[Scored]
-    threshold_nats: float
-
-    def promised(self, cause: str) -> float:
-        """Nats that the best trial of a cause scored; zero where it had none."""
-        return max((one.nats for one in self.scored if one.cause.id == cause), default=0.0)
 
 
 class _Whitened:
@@ -92,8 +75,7 @@ class _Whitened:
                 out[self.spans[name]] = 0.0
                 continue
             change = predicted.channels[name] - base.channels[name]
-            values = colour[name].whiten(change) if name in colour else change
-            out[self.spans[name]] = thinned(name, values)[self._masks[name]] * weight
+            out[self.spans[name]] = whitened(name, change, colour)[self._masks[name]] * weight
 
     def without_baseline(self, changes: Array) -> None:
         """Take the baseline's directions out of changes, (samples, k), in place."""
@@ -157,18 +139,10 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def screen(
-    data: Data,
-    last: Fit,
-    causes: list[Cause],
-    threshold_nats: float | None = None,
-) -> Screening:
-    """Score every trial of every cause against the fit so far. threshold_nats: known from an earlier round."""
+def screen(data: Data, last: Fit, causes: list[Cause]) -> list[Scored]:
+    """Score every trial of every cause against the fit so far; of each cause the best three and those that the data
+    ask for, the best first."""
     white = _Whitened(data, last)
-    noise = None
-    if threshold_nats is None:
-        noise = np.random.default_rng(_SEED).standard_normal((len(white.residual), _DRAWS), dtype=np.float32)
-    largest = np.zeros(_DRAWS)
     context = Context(last, residual_peaks(last))
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
     todo: list[tuple[Cause, Trial]] = []
@@ -182,26 +156,19 @@ def screen(
                 start = carried_over(last, world)
                 worlds[trial.options] = (world, start, world.predict(start))
 
-    def score(one: tuple[Cause, Trial]) -> tuple[Scored | None, Array]:
+    def score(one: tuple[Cause, Trial]) -> Scored | None:
         cause, trial = one
-        return _score(white, cause, trial, worlds[trial.options], noise)
+        return _score(white, cause, trial, worlds[trial.options])
 
     best: dict[str, list[Scored]] = {}
-    for (cause, _), (one, chance) in zip(todo, side_by_side(score, todo), strict=True):
-        np.maximum(largest, chance, out=largest)
+    for (cause, _), one in zip(todo, side_by_side(score, todo), strict=True):
         if one is not None:
             best.setdefault(cause.id, []).append(one)
     scored: list[Scored] = []
     for of_cause in best.values():
         of_cause.sort(key=lambda item: -item.nats)
         scored += [*of_cause[:3], *(one for one in of_cause[3:] if one.trial.asked)]
-    scored.sort(key=lambda item: -item.nats)
-    if threshold_nats is not None:
-        return Screening(scored, threshold_nats)
-    # Gumbel's law of a maximum, from the draws' mean and spread
-    beta = float(np.std(largest)) * np.sqrt(6.0) / np.pi
-    mode = float(np.mean(largest)) - _EULER * beta
-    return Screening(scored, mode - beta * float(np.log(-np.log(0.99))))
+    return sorted(scored, key=lambda item: -item.nats)
 
 
 def variant(world: World, options: dict[str, object]) -> World:
@@ -211,15 +178,8 @@ def variant(world: World, options: dict[str, object]) -> World:
     return world.changed(extra_modes=world.extra_modes + extra, behind_encoder=behind)
 
 
-def _score(
-    white: _Whitened,
-    cause: Cause,
-    trial: Trial,
-    at: tuple[World, Array, Predicted],
-    noise: NDArray[np.float32] | None,
-) -> tuple[Scored | None, Array]:
+def _score(white: _Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, Predicted]) -> Scored | None:
     world, start, base = at
-    nothing = np.zeros(_DRAWS)
     shaped = world.space.with_values(start, trial.shape)
     near = world.predict(world.space.clipped(shaped), base) if len(trial.columns) > _MANY else base
     d = np.empty((len(white.residual), len(trial.columns)), order="F")
@@ -227,25 +187,22 @@ def _score(
         moved = world.space.with_values(shaped, column)
         white.weighted(world.predict(world.space.clipped(moved), near), base, d[:, index])
     if not np.isfinite(d).all():
-        return None, nothing
+        return None
     white.without_baseline(d)
     norms = np.linalg.norm(d, axis=0)
     seen = norms > 1e-6
     if not seen.any():
-        return (_unseen(cause, trial, world, shaped) if trial.asked else None), nothing
+        return _unseen(cause, trial, world, shaped) if trial.asked else None
     d = d if seen.all() else d[:, seen]
     d /= norms[seen]
     # an orthonormal basis of them is d @ basis
     values, vectors = np.linalg.eigh(d.T @ d)
     basis = vectors[:, values > 1e-8] / np.sqrt(values[values > 1e-8])
     share = basis.T @ (d.T @ white.residual)
-    chance = nothing
-    if noise is not None:
-        chance = 0.5 * np.sum((basis.T @ (d.T.astype(np.float32) @ noise)) ** 2, axis=0)
     amounts = np.zeros(len(norms))
     amounts[seen] = basis @ share / norms[seen]
     if trial.one_sided and amounts[0] <= 0.0 and not trial.asked:
-        return None, chance
+        return None
     nats = white.gain(d @ (basis @ share))
     for column, amount in zip(trial.columns, amounts, strict=True):
         bounded = min(max(amount, 0.3), 2.5) if trial.one_sided else amount
@@ -254,7 +211,7 @@ def _score(
             shaped[place] = start[place] + bounded * (value - start[place])
     if trial.exact or (trial.one_sided and cause.settle):  # a threshold: its value is the trial's own
         shaped = world.space.with_values(shaped, trial.columns[0])
-    return Scored(cause, trial, nats, amounts, world, world.space.clipped(shaped)), chance
+    return Scored(cause, trial, nats, world, world.space.clipped(shaped))
 
 
 def _unseen(cause: Cause, trial: Trial, world: World, shaped: Array) -> Scored:
@@ -262,4 +219,4 @@ def _unseen(cause: Cause, trial: Trial, world: World, shaped: Array) -> Scored:
     start = shaped
     for column in trial.columns:
         start = world.space.with_values(start, column)
-    return Scored(cause, trial, 0.0, np.zeros(len(trial.columns)), world, world.space.clipped(start))
+    return Scored(cause, trial, 0.0, world, world.space.clipped(start))

@@ -72,7 +72,5 @@ def without_set_stamps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]
     gains = gain_of_each_block(other, baseline)
     gained = float(gains.sum())
     onset = float(frames.received_s[step.first]), world.step_s("displacement")
-    law = LawFound(
-        "clock_step", {"onset_s": onset, "step_s": (step.step_s, step.std_s)}, gained, gains, OF_STAMPS
-    )
+    law = LawFound("clock_step", {"onset_s": onset, "step_s": (step.step_s, step.std_s)}, gains, OF_STAMPS)
     return (other, [law]) if gained > CHANGED_NATS else (baseline, [])

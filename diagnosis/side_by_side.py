@@ -1,12 +1,11 @@
 """Work on two cores: the compiled loops, and numpy in large arrays, let go of the interpreter's lock."""
 
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from threading import current_thread
-from typing import ParamSpec, TypeVar
+from typing import TypeVar
 
-_Given = ParamSpec("_Given")
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 
@@ -22,11 +21,3 @@ def side_by_side(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> li
     given = list(items)
     contexts = [copy_context() for _ in given]  # the time limit of whoever asked
     return list(_POOL.map(lambda context, item: context.run(work, item), contexts, given))
-
-
-def meanwhile(
-    work: Callable[_Given, _Result], *given: _Given.args, **named: _Given.kwargs
-) -> Future[_Result]:
-    """Begin some work beside what comes next. Not from within work that is done so itself."""
-    context = copy_context()
-    return _POOL.submit(lambda: context.run(work, *given, **named))

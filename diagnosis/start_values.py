@@ -23,7 +23,7 @@ from scipy.optimize import least_squares
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.measured import Measured
 from stillarm.diagnosis.ring_down import Stretch, peaks, ringing
-from stillarm.diagnosis.robust import std_about_zero
+from stillarm.diagnosis.robust import white_noise
 from stillarm.diagnosis.world import World
 
 Array = NDArray[np.float64]
@@ -177,9 +177,7 @@ def _stretches(world: World, spans: list[Span]) -> list[Stretch]:
 
 def _noise(values: Array) -> float:
     """Level of what changes from sample to sample: third differences hold next to nothing else."""
-    third = np.diff(values, 3)
-    level = std_about_zero(third) / sqrt(20.0)
-    return max(level, 1e-6 * (float(np.std(values)) or 1.0), 1e-12)
+    return max(white_noise(values, 3), 1e-6 * (float(np.std(values)) or 1.0), 1e-12)
 
 
 def _with_scales(measured: Measured, model: Model, windows: list[Span]) -> Model:

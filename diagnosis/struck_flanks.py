@@ -7,7 +7,7 @@ play foretells, and little more: a residual there is no longer than noise often 
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.robust import OF_FIFTH, std_about_zero
+from stillarm.diagnosis.robust import white_noise
 
 Array = NDArray[np.float64]
 
@@ -18,9 +18,7 @@ _SHAKES_S = 0.01
 def fast_noise(acceleration: Array) -> float:
     """Deviation of an accelerometer's white noise, m/s^2, by fifth differences, in which no motion of the arm shows.
     acceleration: (n,), NaN where unmeasured."""
-    fifth = np.diff(acceleration, 5)
-    fifth = fifth[np.isfinite(fifth)]
-    return std_about_zero(fifth) / OF_FIFTH if len(fifth) else 0.0
+    return white_noise(acceleration, 5)
 
 
 def without_strikes(residual: Array, omega: Array, length_m: float, noise: float, step_s: float) -> Array:

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 class Measure(NamedTuple):
-    """What is scored: its words, the least change that counts, the unit in which it is shown: % of the blow, or s."""
+    """What is scored: its words, the least change that counts, the unit in which it is shown: % of the impact, or s."""
 
     words: str
     least: float = 1e-3
@@ -42,8 +42,8 @@ class Measure(NamedTuple):
 MEASURES = {
     "prediction_error_moving_rms": Measure("prediction error while the joint moves, rms"),
     "prediction_error_free_rms": Measure("prediction error while the arm rings freely, rms"),
-    "settling_time_s": Measure("settling time, damped, until 5 % of a blow is left", 0.02, "s"),
-    "residual_vibration_rms": Measure("vibration left from two seconds after a blow on, damped, rms"),
+    "settling_time_s": Measure("settling time, damped, until 5 % of an impact is left", 0.02, "s"),
+    "residual_vibration_rms": Measure("vibration left from two seconds after an impact on, damped, rms"),
 }
 """What is scored."""
 
@@ -54,7 +54,7 @@ _FIRST_S, _SEEN_S, _LEFT_AFTER_S = (
     0.5,
     0.5,
     2.0,
-)  # a blow is foretold by nobody; it is seen well within half a second
+)  # an impact is foretold by nobody; it is seen well within half a second
 _STRUCK_M = 0.02
 SCENARIO = Scenario(
     duration_s=_END_S,
@@ -113,9 +113,9 @@ def begin_use(
     once, in other processes.
 
     prediction_error_moving_rms, prediction_error_free_rms: rms of estimated less true deflection, from half a second
-    after a blow on, while the joint moves and while the arm rings freely; residual_vibration_rms: rms of the true
-    deflection from two seconds after the blow that is damped; all over the blow's amplitude of 20 mm.
-    settling_time_s: from that blow until the vibration stays below 5 % of it; of one that does not, the time watched.
+    after an impact on, while the joint moves and while the arm rings freely; residual_vibration_rms: rms of the true
+    deflection from two seconds after the impact that is damped; all over the impact's amplitude of 20 mm.
+    settling_time_s: from that impact until the vibration stays below 5 % of it; of one that does not, the time watched.
     Raises UserError where there is nothing to run: no length, or effects that the simulated rig cannot have.
     """
     if extended.arm.length_m is None:

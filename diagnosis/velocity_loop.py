@@ -1,13 +1,16 @@
 """A drive's velocity loop with friction, limits and further lags: the command that a plain drive would have to obey.
 
 The stepper solves a drive that follows its command with one lag. What else a velocity loop does changes the velocity
-that it reaches; the command that brings a plain drive there says the same, so that the stepper stays as it is:
+that it reaches; the command that brings a plain drive there says the same, so that the stepper stays as it is. Over a
+cycle dt, with c_k the command, late and lagged once more, and e = exp(-decay dt):
 
-    omega' = decay (c - omega) - friction sign(omega),   c: the command, late and lagged once more
-    c_equivalent,k = (omega_{k+1} - omega_k e) / (1 - e),   e = exp(-decay dt)
+    a_k = c_k - friction s_k,   s_k = sign(omega_k), at rest sign(c_k)
+    omega_{k+1} = a_k + (omega_k - a_k) e,   then within the limits of acceleration and velocity
+    c_equivalent,k = (omega_{k+1} - omega_k e) / (1 - e)
 
-Friction that acts on the velocity brings a joint to rest sooner than friction that takes from the command; it holds the
-joint until the command exceeds the static friction. All act from an instant on.
+which is omega' = decay (c - friction sign(omega) - omega). A joint whose omega would change its sign stops, and at rest
+it stays until |c_k| exceeds the static friction. So friction on the motion brings it to rest sooner than friction that
+takes from the command. All act from an instant on.
 """
 
 import numpy as np

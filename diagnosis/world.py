@@ -100,7 +100,7 @@ class Predicted:
 class World:
     """A recording's inputs and the model's structure; `predict` is a pure function of the vector.
 
-    modes: bending modes, the model's and `extra_modes` more. impacts: cycles at which a blow opens a new segment.
+    modes: bending modes, the model's and `extra_modes` more. impacts: cycles at which an impact opens a new segment.
     """
 
     def __init__(
@@ -232,10 +232,15 @@ class World:
             shown[max(cycle - reach, 0) : cycle + reach] = np.nan
         self.channels["acceleration"] = shown
 
-    def amounts_of(self, name: str) -> tuple[str, int] | None:
-        """The group and the column of an added term's quantity; None for any other quantity."""
+    def added_group(self, name: str) -> Added | None:
+        """The added terms of that name; None where there are none."""
+        return next((one for one in self.added if one.name == name), None)
+
+    def slopes_of_amount(self, name: str) -> dict[str, Array] | None:
+        """Derivative of each channel by an added term's amount, (samples,); None for any other quantity."""
         group, _, number = name.rpartition(".")
-        return (group, int(number)) if any(one.name == group for one in self.added) else None
+        found = self.added_group(group)
+        return None if found is None else {one: by[:, int(number)] for one, by in found.columns.items()}
 
     def baseline_names(self) -> list[str]:
         """What the baseline refits (the contract's list), as far as this recording's channels can show it."""

@@ -20,5 +20,4 @@ CAUSE = Cause(
     trials=_trials,
     free=free_of("arm.coulomb_m_s2"),
     parameters_of=lambda fit: plain(fit, force_per_mass_m_s2="arm.coulomb_m_s2"),
-    holds="arm.coulomb_m_s2",
 )

@@ -29,7 +29,7 @@ from stillarm.diagnosis.report.views import (
     telling_stretch,
 )
 from stillarm.diagnosis.residuals import UNITS, residual_of, spectrum_of, times_of, variables
-from stillarm.diagnosis.robust import std_about_median
+from stillarm.diagnosis.robust import bridged, std_about_median
 from stillarm.diagnosis.set_stamps import stamps_apart
 
 Array = NDArray[np.float64]
@@ -268,9 +268,9 @@ def speed_against_command(case: Case, name: str) -> Draw:
 
 def _smooth(values: Array, width: int) -> Array:
     window = np.ones(width) / width
-    known = np.isfinite(values)
-    filled = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
-    smooth: Array = np.convolve(np.pad(filled, width // 2, mode="edge"), window, "valid")[: len(values)]
+    smooth: Array = np.convolve(np.pad(bridged(values), width // 2, mode="edge"), window, "valid")[
+        : len(values)
+    ]
     return smooth
 
 

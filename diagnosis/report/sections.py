@@ -181,7 +181,7 @@ def considered(result: Diagnosis) -> str:
             )
         seen = {one.cause for one in stage.candidates}
         rest: dict[str, float] = {}
-        for scored in stage.screening.scored:
+        for scored in stage.screening:
             if scored.cause.id not in seen:
                 rest[scored.cause.id] = max(rest.get(scored.cause.id, 0.0), scored.nats)
         weak = ", ".join(f"{escape(name)} ({nats:.1f})" for name, nats in rest.items())
@@ -291,7 +291,7 @@ def use(result: Diagnosis) -> str:
         "<section><h2>What it is worth in use</h2>"
         f"{table(['', 'model as given', 'extended model', 'change'], rows, numeric=1)}"
         "<p class=note>The controller in virtual time on a rig that is the extended model, with each model; "
-        f"parts of the blow's amplitude. {escape(use_sentence(found))}</p>{note}</section>"
+        f"parts of the impact's amplitude. {escape(use_sentence(found))}</p>{note}</section>"
     )
 
 

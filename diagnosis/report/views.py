@@ -143,7 +143,7 @@ def telling_stretch(before: Fit, after: Fit, name: str, split: Split, length_s: 
 
 
 def ringing_freely(fit: Fit, time_s: Array) -> NDArray[np.bool_]:
-    """Whether neither the joint moved nor a blow fell within a period of the arm."""
+    """Whether neither the joint moved nor an impact fell within a period of the arm."""
     world = fit.world
     period = 1.0 / arm_frequency(fit)
     busy = np.abs(np.nan_to_num(world.measured.command)) > 1e-4

@@ -54,7 +54,7 @@ def test_from_moves_alone(tmp_path: Path) -> None:
 
 
 def test_from_moves_with_impacts_among_them(tmp_path: Path) -> None:
-    """Nobody has told of the blows: they are found on the way."""
+    """Nobody has told of the impacts: they are found on the way."""
     strikes = [Strike(6.5, 0.01), Strike(10.0, -0.008)]
     found = calibrated(tmp_path, Scenario(duration_s=15.0, moves=MOVES, strikes=strikes))
     near(found.model, True)

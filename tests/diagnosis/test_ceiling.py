@@ -12,7 +12,7 @@ TIME = np.arange(6000) * 0.001
 
 
 def ring(peak: float = 31.0) -> Array:
-    """A ring-down after a blow at 2 s, in the middle of little motion."""
+    """A ring-down after an impact at 2 s, in the middle of little motion."""
     after = np.maximum(TIME - 2.0, 0.0)
     return np.asarray(peak * np.exp(-0.3 * after) * np.sin(2.0 * np.pi * 4.0 * after))
 

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from stillarm.diagnosis.candidate import Candidate, Found, Stage
 from stillarm.diagnosis.decide import Judged, Rest, class_of, judge, noise_of, rest_of
 from stillarm.diagnosis.fit import Fit
-from stillarm.diagnosis.screen import Screening
 from stillarm.diagnosis.split import interleaved
 from tests.fixtures.synthetic import fitted, measured
 
@@ -27,13 +26,13 @@ def arm() -> Fit:
 def _candidate(cause: str, merit: float) -> Candidate:
     nothing = np.zeros(30)
     fit = cast(Fit, SimpleNamespace())
-    return Candidate(cause, fit, merit, merit / 3.0, 1.0, nothing, {}, merit=merit, nats=nothing)
+    return Candidate(cause, fit, merit / 3.0, 1.0, {}, merit=merit, nats=nothing)
 
 
 def _found(*merits: tuple[str, float]) -> Found:
     candidates = [_candidate(cause, merit) for cause, merit in merits]
     found = Found(cast(Fit, None), cast(Fit, None), [candidates[0]])
-    found.stages.append(Stage(Screening([], 0.0), candidates, candidates[0]))
+    found.stages.append(Stage([], candidates, candidates[0]))
     return found
 
 

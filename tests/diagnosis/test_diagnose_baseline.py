@@ -1,4 +1,4 @@
-"""The baseline's fit finds an arm whose frequency is far from the model's, and blows that go beyond the sensor's
+"""The baseline's fit finds an arm whose frequency is far from the model's, and impacts that go beyond the sensor's
 range, and says nothing else of them."""
 
 from dataclasses import replace

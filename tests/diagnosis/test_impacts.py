@@ -1,4 +1,4 @@
-"""Blows that no sensor measured are found where they fell, and only where they fell."""
+"""Impacts that no sensor measured are found where they fell, and only where they fell."""
 
 from math import pi
 
@@ -12,7 +12,7 @@ from tests.fixtures.synthetic import MODEL, measured
 
 
 def impact(number: int, amplitude_m: float) -> dict[str, float]:
-    """A blow from which the arm rings on by so much."""
+    """An impact from which the arm rings on by so much."""
     return {f"jump.{number}.0.v": 2.0 * pi * 2.6 * amplitude_m}
 
 

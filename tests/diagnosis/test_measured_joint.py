@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import butter, sosfilt
 
-from stillarm.diagnosis.measured_joint import answer_to_joint, departure_hz, filled_in, smoothed
+from stillarm.diagnosis.measured_joint import answer_to_joint, departure_hz, smoothed
 
 STEP_S, NOISE = 0.001, 1e-4
 TIME = np.arange(20000) * STEP_S
@@ -57,11 +57,6 @@ def test_too_little_that_is_measured_tells_nothing() -> None:
     seen = np.full(len(TIME), np.nan)
     seen[:400] = 1.0
     assert departure_hz(seen, STILL, STEP_S) == 0.0
-
-
-def test_gaps_are_crossed_straight() -> None:
-    off = np.array([np.nan, 1.0, np.nan, np.nan, 4.0, np.nan])
-    assert filled_in(off) == pytest.approx([1.0, 1.0, 2.0, 3.0, 4.0, 4.0])
 
 
 @pytest.mark.parametrize("hz", [0.5, 4.0, 8.0, 16.0])

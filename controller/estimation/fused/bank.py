@@ -436,7 +436,7 @@ class FilterBank:
     def _vague(self, seen: Seen) -> NDArray[np.bool_]:
         """Which filters know the vibration's rate too badly to tell an instant by it, (filters,).
 
-        Phase and instant look alike in an image. Linearised about a wrong rate, as behind a blow, each image would
+        Phase and instant look alike in an image. Linearised about a wrong rate, as behind an impact, each image would
         seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
         stays.
         """
@@ -510,18 +510,18 @@ class FilterBank:
         self.p[:, c, c] = self._first[:, c]
 
     def add(self, increment: list[complex]) -> None:
-        """A blow that is known has moved the phasors by `increment`, (m,)."""
+        """An impact that is known has moved the phasors by `increment`, (m,)."""
         z = np.array(increment)
         self.x[:, self._at.cosine] += z.real
         self.x[:, self._at.sine] -= z.imag
 
     def forget_phase(self, spread_m: float, x: Array, p: Array, grown: Array) -> None:
-        """A blow that the images alone have shown: the vibration is unknown, all else what it was before it to the laws
-        that let the delay walk.
+        """An impact that the images alone have shown: the vibration is unknown, all else what it was before it to the
+        laws that let the delay walk.
 
-        Images taken in before the blow was noticed have moved it, and without an accelerometer nothing would bring it
-        back. Delay and frequency stay correlated: a frequency that is off lets the delay walk off through all blows.
-        x, p: before the blow; grown: by how much the variances have grown since, (filters, n).
+        Images taken in before the impact was noticed have moved it, and without an accelerometer nothing would bring it
+        back. Delay and frequency stay correlated: a frequency that is off lets the delay walk off through all impacts.
+        x, p: before the impact; grown: by how much the variances have grown since, (filters, n).
         """
         at = self._at
         walks, rest = slice(int(Law.DRIFT), None, LAWS), slice(2 * at.modes, at.size)

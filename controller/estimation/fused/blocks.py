@@ -22,7 +22,7 @@ def along_rate(w: float, time_s: float) -> complex:
 
 
 class Jump(NamedTuple):
-    """How far a blow at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
+    """How far an impact at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
 
     along_m: in the direction of a change of rate at time_s; across_m: at right angles to it. force_m: of the first
     mode's static deflection by a force that changed at time_s (held_force.py), of which force_step_m is known.
@@ -53,7 +53,7 @@ class Block:
 
     turn: mean of exp(i w t) of each mode; time_s: mean time; forced: mean of what the joint's motion since start_s
     adds to the value; variance: of the value; step: the joint's phasor increments from start to end, and those of a
-    strike that was measured. jumps: what blows in it have added that is not known.
+    strike that was measured. jumps: what impacts in it have added that is not known.
     """
 
     start_s: float

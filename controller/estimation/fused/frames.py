@@ -45,14 +45,14 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _OUTLIER = 16.0  # normalised innovation squared
-_SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of a blow, by the accelerometer, standard deviations squared
+_SUSPICIOUS, _EVIDENT = 7.0, 20.0  # of an impact, by the accelerometer, standard deviations squared
 _VOTES = 3
 _TELLING = 3.0  # deviations of an image that the vibration moves in a frame: a wrong count shows
 _HUBER = 7.0
 _BLIND_BLOCKS = 12  # without the accelerometer
-_BEFORE_AN_IMPACT = 8  # frames: so many may have been taken in before a blow was noticed
+_BEFORE_AN_IMPACT = 8  # frames: so many may have been taken in before an impact was noticed
 _BREAK_MEMORY_FRAMES = 60.0
-_IMPACTS = 1.5  # breaks within that memory that may be blows
+_IMPACTS = 1.5  # breaks within that memory that may be impacts
 _CLEAR = 0.995
 _BENDS = 0.15  # rad: by so uncertain a phase images alone would seem to tell any law's instants
 _ZERO_LEARNT = 0.1  # likewise, for it to be remembered
@@ -151,7 +151,7 @@ class FrameFusion:
     """Takes in images and, in their order, the accelerometer's blocks before them.
 
     delay_s, delay_std_s: of the image looked at last.
-    blow: whether the image taken in last was the second one running to break with everything, as after a blow.
+    impact: whether the image taken in last was the second one running to break with everything, as after an impact.
     """
 
     def __init__(
@@ -576,7 +576,7 @@ class FrameFusion:
     def _explain(
         self, image: Look, times: Array, received_s: float, seen: Seen, report: ImpactReport
     ) -> bool:
-        """An image that breaks with everything: wrong by itself, a miscounted frame, or a blow. Whether to use it."""
+        """An image that breaks with everything: wrong by itself, a miscounted frame, an impact. Whether to use it."""
         self._outliers += 1
         if self.held_force.active:
             if self._outliers < 2:

@@ -1,8 +1,8 @@
-"""A blow at the tip, found from the accelerometer before the image can show it.
+"""An impact at the tip, found from the accelerometer before the image can show it.
 
-Generalised likelihood ratio (Willsky and Jones, IEEE Trans. Autom. Control 21, 1976): a blow jumps the modal rates, so
-the blocks' residuals after an onset follow sum_i D_i k_i sin(w_i (t - onset)), k_i = (w_i / w_1)^2. For each onset at
-the start of one of the last blocks: D by least squares, and its significance.
+Generalised likelihood ratio (Willsky and Jones, IEEE Trans. Autom. Control 21, 1976): an impact jumps the modal rates,
+so the blocks' residuals after an onset follow sum_i D_i k_i sin(w_i (t - onset)), k_i = (w_i / w_1)^2. For each onset
+at the start of one of the last blocks: D by least squares, and its significance.
 """
 
 from typing import NamedTuple
@@ -18,7 +18,7 @@ _MORE_PER_MODE = 3.0
 
 
 class Impact(NamedTuple):
-    """A blow at the start of the block `blocks_ago` blocks back (1: the newest), and each mode's rms deflection, m.
+    """An impact at the start of the block `blocks_ago` blocks back (1: the newest), and each mode's rms deflection, m.
 
     excess: its significance, standard deviations squared, as a multiple of what is asked for.
     """
@@ -29,7 +29,7 @@ class Impact(NamedTuple):
 
 
 class ImpactReport(NamedTuple):
-    """What the accelerometer tells of a blow when an image is looked at.
+    """What the accelerometer tells of an impact when an image is looked at.
 
     suspicion: of one, standard deviations squared; sees: whether it could see one; in_use: whether its samples count.
     """
@@ -63,9 +63,9 @@ class ImpactDetector:
         self.suspicion = 0.0
 
     def see(self, block: Block, residual_m: float, variance: float, usual_m: float) -> Impact | None:
-        """Take in a block's residual with its variance, m^2; returns a blow when there is one.
+        """Take in a block's residual with its variance, m^2; returns an impact when there is one.
 
-        usual_m: deflection that a blow may well cause in the first mode.
+        usual_m: deflection that an impact may well cause in the first mode.
 
         suspicion is then the largest significance, standard deviations squared.
         """

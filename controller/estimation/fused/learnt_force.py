@@ -1,8 +1,8 @@
 """How strong a steady random force is that nobody measures: wind, a motor's rumble, a hand that steadies the arm.
 
-A white force changes the modes' rates, however small the vibration is: a small blow each instant. Where it is stronger
-than the filter takes it for, the images' innovations are larger than their stated variances. So its intensity q
-follows each normalised innovation squared e (innovations; Mehra, IEEE Trans. Automatic Control 15, 1970):
+A white force changes the modes' rates, however small the vibration is: a small impact each instant. Where it is
+stronger than the filter takes it for, the images' innovations are larger than their stated variances. So its intensity
+q follows each normalised innovation squared e (innovations; Mehra, IEEE Trans. Automatic Control 15, 1970):
 
     log q += 0.06 (min(16, e) - 1.1)
 
@@ -11,8 +11,8 @@ and the Kalman gain takes their covariance in (correlated process and measuremen
 Processes and Filtering Theory, 1970, section 7.3). With u = (sum f dt) / w, of variance q dt, and the mean force of a
 block shown as e = -mean f / w^2, cov(u, e) = -q / w.
 
-Without a force it sinks to a floor so far below what matters that chance does not lift it from there, nor a blow: only
-what lasts for a second or so, and what the filters cannot follow by another frequency or decay.
+Without a force it sinks to a floor so far below what matters that chance does not lift it from there, nor an impact:
+only what lasts for a second or so, and what the filters cannot follow by another frequency or decay.
 """
 
 from math import exp, log, sqrt
@@ -56,7 +56,7 @@ class LearntForce:
         self.intensity = q * self._image_m2 if q > _OF_NO_MATTER else 0.0
 
     def during(self, start_s: float, end_s: float) -> Jump | None:
-        """What the force does to the phasors in that time, a short one, as a blow in its middle; None: nothing."""
+        """What the force does to the phasors in that time, a short one, as an impact in its middle; None: nothing."""
         if self.intensity == 0.0:
             return None
         std = sqrt(self.intensity * (end_s - start_s))

@@ -81,7 +81,7 @@ class FusedMethod:
         self._nominal_gain = [
             self._per_acceleration * (-s + 1j * w) ** 2 for s, w in zip(self._sigma, self._w, strict=True)
         ]
-        # a blow to a high mode shows little deflection and much acceleration
+        # an impact to a high mode shows little deflection and much acceleration
         highest = max(self._w) / self._w[0]
         self._allowance = 0.2 * highest**2 if len(self._w) > 1 else 0.0
         self._filter_cycles = round(sensor.delay_s / self._cycle_s)
@@ -305,7 +305,7 @@ class FusedMethod:
             self._mark(impact)
 
     def _mark(self, impact: Impact) -> None:
-        """Let the blocks' history have the blow where it began, and see the present afresh."""
+        """Let the blocks' history have the impact where it began, and see the present afresh."""
         self._impacts.forget()
         self._alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - impact.blocks_ago)

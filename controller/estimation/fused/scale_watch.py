@@ -14,7 +14,7 @@ _ALARM = 22.0  # of the score's square, which has mean 1: by chance once in fift
 _SOON_S = 4.0  # as far again
 _FADE_S = 20.0  # what has drifted may go on
 _MOST = 0.3  # a vibration so small that only this much shows is not what tells a drift
-_BOUND = 9.0  # of one innovation squared: a blow or a spike may not decide alone
+_BOUND = 9.0  # of one innovation squared: an impact or a spike may not decide alone
 
 
 class ScaleWatch:

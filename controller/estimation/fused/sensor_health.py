@@ -123,11 +123,11 @@ class AccelerometerHealth:
 
     @property
     def sees_impacts(self) -> bool:
-        """Whether a blow would show in it: alive, in accord with the images, and its noise small enough."""
+        """Whether an impact would show in it: alive, in accord with the images, and its noise small enough."""
         return not self.mute and self.doubt == 1.0 and self._against.gain_std < _SEES
 
     def alarm(self, time_s: float, excess: float) -> bool:
-        """The accelerometer reports a blow, by `excess` times what is significant; whether to believe it.
+        """The accelerometer reports an impact, by `excess` times what is significant; whether to believe it.
 
         Not where it contradicts the images as much anyway, nor when it reports more of them than any arm is struck.
         """

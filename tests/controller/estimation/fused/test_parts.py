@@ -61,7 +61,7 @@ def test_an_impact_is_found_with_its_size_and_onset(size: float, onset: int, see
             assert abs(k + 1 - impact.blocks_ago - onset) <= 2
             assert 0.3 * size < impact.sizes_m[0] < 3.0 * size
             return
-    pytest.fail("the blow was not seen")
+    pytest.fail("the impact was not seen")
 
 
 def test_noise_alone_is_no_impact() -> None:
