@@ -1,4 +1,7 @@
 """What a recording shows that the simulation does not, why, and a model that does. docs/diagnosis.md
 
-Not here: the simulation of rendered images and processes. Begin with diagnose.py.
+data -> physics -> inference -> decision -> report: each imports only those before it. calibration and commissioning
+stand on inference. Not here: the simulation of rendered images and processes. Begin with diagnose.py.
 """
+
+__all__ = ["calibration", "commissioning", "data", "decision", "diagnose", "report"]

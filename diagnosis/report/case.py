@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.candidate import Candidate
-from stillarm.diagnosis.diagnose import Diagnosis
-from stillarm.diagnosis.fit import Fit, Split, make_data
-from stillarm.diagnosis.residuals import residual_of
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.candidates import Candidate
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.report.diagnosis import Diagnosis
+from stillarm.diagnosis.report.residuals import residual_of
 
 Array = NDArray[np.float64]
 

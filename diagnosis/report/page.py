@@ -6,15 +6,15 @@ from importlib.resources import files
 from pathlib import Path
 
 from stillarm.common.recording.header import program_version
-from stillarm.diagnosis.diagnose import Diagnosis
 from stillarm.diagnosis.report import sections
+from stillarm.diagnosis.report.diagnosis import Diagnosis
 from stillarm.diagnosis.report.words import verdict_sentence
 
 
 def report_page(result: Diagnosis, await_use: Callable[[], None] = lambda: None) -> str:
     """The page's text; nothing in it is loaded from elsewhere.
 
-    await_use: called last, before what `stillarm.diagnosis.use` adds to the result's table is read.
+    await_use: called last, before what `stillarm.diagnosis.report.use` adds to the result's table is read.
     """
     measured = result.found.final.world.measured
     name = Path(measured.name).name

@@ -5,11 +5,13 @@ from html import escape
 from typing import Any
 
 from stillarm.common.causes import CAUSES
-from stillarm.diagnosis.diagnose import Diagnosis
-from stillarm.diagnosis.report import panels
+from stillarm.diagnosis.report import panels, sensor_panels
 from stillarm.diagnosis.report.case import Case, cases, whole
+from stillarm.diagnosis.report.diagnosis import Diagnosis
 from stillarm.diagnosis.report.drawing import svg
 from stillarm.diagnosis.report.picture import picture, picture_of_all
+from stillarm.diagnosis.report.residuals import ChannelResidual, examine_channel
+from stillarm.diagnosis.report.use import MEASURES, outcome
 from stillarm.diagnosis.report.words import (
     NAMES,
     next_steps,
@@ -19,8 +21,6 @@ from stillarm.diagnosis.report.words import (
     use_sentence,
     why_not,
 )
-from stillarm.diagnosis.residuals import ChannelResidual, examine_channel
-from stillarm.diagnosis.use import MEASURES, outcome
 
 _MOST_CANDIDATES = 8
 _EXACT = 1e-6  # of the signal: what rounding leaves
@@ -92,7 +92,7 @@ def _unexplained(result: Diagnosis, left: dict[str, Any]) -> str:
     name, (low, high) = left["channel"], left["band_hz"]
     figure = picture_of_all(whole(result), (low, high), name if name != "arrival" else None)
     if name == "arrival":
-        figure = svg([panels.arrivals(whole(result), name)], "arrivals", panel_in=(7.5, 2.9))
+        figure = svg([sensor_panels.arrivals(whole(result), name)], "arrivals", panel_in=(7.5, 2.9))
     return (
         "<section><h2>What is left, and has no name</h2>"
         f"<p>In the {escape(panels.WORDS[name])}, between {low:.3g} and {high:.3g} Hz; it depends on: "

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal.windows import hann
 
-from stillarm.diagnosis.fit import Fit, Split
-from stillarm.diagnosis.residuals import residual_of, times_of
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.report.residuals import residual_of, times_of
 
 Array = NDArray[np.float64]
-
 _STEP_S = 0.005
 _PERIODS = 2.0
 _LEAST_AMPLITUDE = 0.1
@@ -166,16 +166,3 @@ def sample_times(fit: Fit, name: str) -> Array:
     if name == "displacement":
         return fit.world.instants(fit.vector)
     return times_of(fit.world, name)
-
-
-__all__ = [
-    "Swing",
-    "arm_frequency",
-    "binned",
-    "lateness",
-    "ringing_freely",
-    "sample_times",
-    "sensitivity",
-    "swing",
-    "telling_stretch",
-]

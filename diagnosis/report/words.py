@@ -4,13 +4,12 @@ from math import floor, isfinite, log10
 from typing import Any
 
 from stillarm.common.causes import CAUSES
-from stillarm.diagnosis.candidate import Candidate, Stage
-from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
-from stillarm.diagnosis.diagnose import Diagnosis
+from stillarm.diagnosis.inference.candidates import CONVINCING_NATS, Candidate, Stage
+from stillarm.diagnosis.inference.causes import CAUSES as SEARCHED
+from stillarm.diagnosis.report.diagnosis import Diagnosis
 from stillarm.diagnosis.report.panels import WORDS
-from stillarm.diagnosis.rivals import CONVINCING_NATS
-from stillarm.diagnosis.tables import NOTHING_LIKE_IT, is_sure_of
-from stillarm.diagnosis.use import MEASURES, outcome
+from stillarm.diagnosis.report.tables import NOTHING_LIKE_IT, is_sure_of
+from stillarm.diagnosis.report.use import MEASURES, outcome
 
 NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
 

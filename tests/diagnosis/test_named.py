@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from stillarm.diagnosis.diagnose import Diagnosis, diagnose
+from stillarm.diagnosis.diagnose import diagnose
+from stillarm.diagnosis.report.diagnosis import Diagnosis
 from tests.fixtures.simulated import SIZES, effect, record
 
 BY_CHANCE = {"impulse_noise", "frame_drops", "delay_bursts"}

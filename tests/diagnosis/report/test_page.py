@@ -10,15 +10,16 @@ from matplotlib.axes import Axes
 
 from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.causes import CAUSES as CATALOGUE
-from stillarm.diagnosis.catalogue import CAUSES
-from stillarm.diagnosis.diagnose import Diagnosis, diagnose_measured
+from stillarm.diagnosis.diagnose import diagnose_measured
+from stillarm.diagnosis.inference.causes import CAUSES
+from stillarm.diagnosis.report.diagnosis import Diagnosis
 from stillarm.diagnosis.report.drawing import svg
 from stillarm.diagnosis.report.page import report_page
 from stillarm.diagnosis.report.picture import _TELLING
 from stillarm.diagnosis.report.sections import gains
 from stillarm.diagnosis.report.sections import use as use_section
+from stillarm.diagnosis.report.use import MEASURES
 from stillarm.diagnosis.report.words import NAMES, next_steps, number, verdict_sentence
-from stillarm.diagnosis.use import MEASURES
 from tests.fixtures.synthetic import MODEL, measured
 
 
