@@ -93,9 +93,9 @@ def judge(found: Found, split: Split) -> Judged:
     left_out: list[str] = []
     beside = alone = None
     try:
-        if material or first is not None:
+        if material or (first is not None and _may_rival(first, found.final, split)):
             beside = best_free(found.final, split)
-        if first is not None and first.law is None:
+        if first is not None and first.law is None and _may_lead(first, found.baseline, split):
             alone = best_free(found.baseline, split)
     except OutOfTime:
         left_out.append("structure without a name")
@@ -131,6 +131,16 @@ def _odds_of_name(
         2.0 * _SHARPNESS * (ahead + _RIVAL),
     )
     return 1.0 / (1.0 + exp(-min(doubts)))
+
+
+def _may_rival(first: Candidate, final: Fit, split: Split) -> bool:
+    """Whether what the findings leave is worth enough for free terms to be told of beside the first."""
+    return sum(explainable(final, split).values()) > _RIVAL * first.merit
+
+
+def _may_lead(first: Candidate, baseline: Fit, split: Split) -> bool:
+    """Whether any free terms could explain more than the first finding: none explains more than a perfect model."""
+    return sum(explainable(baseline, split).values()) > first.merit
 
 
 def _place(one: Candidate) -> str:

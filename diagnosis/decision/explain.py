@@ -13,6 +13,7 @@ import numpy as np
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.decision.decide import rest_of
 from stillarm.diagnosis.inference.candidates import (
     MATTERS_OF_NOISE,
     PRICE_NATS,
@@ -154,7 +155,9 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
         screening, candidates = compared(_joint_alone(last, split), drive, split, found)
         candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
     else:
-        screening, candidates = compared(last, allowed, split, found)
+        screening, candidates = [], []
+        if not found.findings or _anything_matters(last, split):
+            screening, candidates = compared(last, allowed, split, found)
         try:
             known = laws(make_data(last.world, split), last)
             candidates += [of_law(last, law) for law in known if law.cause not in taken]
@@ -168,6 +171,11 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     beside = bool(found.findings)
     convincing = [one for one in ranked if convinces(one, last, beside)]
     return Stage(screening, ranked, convincing[0] if convincing else None)
+
+
+def _anything_matters(last: Fit, split: Split) -> bool:
+    """Whether a fit leaves anything that a further finding could be told for."""
+    return any(not rest_of(last, name, split).immaterial for name in last.residuals)
 
 
 def _joint_alone(last: Fit, split: Split) -> Fit:

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import white_noise
+from stillarm.diagnosis.data.robust import std_about_zero, white_noise
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.accelerometer_faults import below, ceiling_of
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 HURRIED_STEPS = 5
 _PULLS_SOUGHT = 2
 _MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
+_LITTLE = 1.5  # times the noise: a rest below it makes no impacts up
 _LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is simulated as it is
 
 # a pull
@@ -95,7 +96,15 @@ def fitted_baseline(world: World, split: Split) -> Fit:
             there = limited.world
             start = there.space.with_values(limited.vector, {RANGE: there.space[RANGE].start})
             return fit(make_data(there, split), start, there.baseline_names())
-    return _along_a_course(world, split) or _at_the_seen_frequency(world, split)
+    usual = _at_the_seen_frequency(world, split)
+    return usual if _at_its_noise(usual) else _along_a_course(world, split) or usual
+
+
+def _at_its_noise(usual: Fit) -> bool:
+    """Whether one frequency leaves the accelerometer little more than its noise for most of the time: no course of the
+    frequency needs to be sought then, which takes long."""
+    sensor = usual.channel("acceleration")
+    return sensor is not None and std_about_zero(sensor.residual) < _LITTLE * white_noise(sensor.residual)
 
 
 def _with_limit(world: World, split: Split, ceiling: float) -> Fit:

@@ -17,7 +17,7 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate, Found
 from stillarm.diagnosis.inference.cause import Form
 from stillarm.diagnosis.inference.evidence import Score, score
-from stillarm.diagnosis.inference.fit import fit, slopes_of
+from stillarm.diagnosis.inference.fit import SETTLED_NATS, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
 from stillarm.diagnosis.inference.impacts import carried_over
@@ -39,10 +39,16 @@ SCREENED_NATS = 8.0
 
 _STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
 QUICK, _FULL = 4, 12  # steps of a fit
-_MOST_TRIALS, _SETTLED_NATS = 40, 0.02  # of a search along a quantity; what counts as a gain there
+_MOST_TRIALS = 40  # of a search along a quantity
+_QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
+_SETTLED = 1e-3  # of what a form has gained: a step or a trial that gains less changes no comparison
+_SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
 _ONSETS = 6  # tried over the recording
-_ONSET_LEAST_S = 0.001
-_WORTH_A_FIT = 0.03  # of the best form's gain: of what explains less, a later round says more
+_ONSET_COARSE_S, _ONSET_LEAST_S = 0.02, 0.001  # to which an onset is sought: of all forms; of those that lead
+_WORTH_A_FIT = (
+    0.1  # of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest
+)
+_WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
 
 
 @dataclass(frozen=True)
@@ -77,7 +83,9 @@ def compared(
         )
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in later]
         best_forms = _leading([*ended, *later], candidates)
-        at_best = _each(lambda pair: (pair[0], polished(pair[0], pair[1], last, split)), best_forms, found)
+        at_best = _each(
+            lambda pair: (pair[0], polished(pair[0], pair[1], last, split, slopes)), best_forms, found
+        )
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in at_best]
     except OutOfTime:
         found.left_out.append(LEFT_OUT)
@@ -131,9 +139,12 @@ def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun
     screening = screen(data, last, [one.cause for one in tried if one.added is None])
     begun: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
+    best: dict[int, float] = {}
     for one in screening:
-        if not one.trial.asked and (one.nats < SCREENED_NATS or count[id(one.cause)] >= _STARTS):
+        least = max(SCREENED_NATS, _SECOND * best.get(id(one.cause), 0.0))
+        if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
             continue
+        best.setdefault(id(one.cause), one.nats)
         count[id(one.cause)] += 1
         if count[id(one.cause)] > _MOST_STARTS:
             continue
@@ -154,7 +165,15 @@ def free_names(last: Fit, world: World, own: Sequence[str]) -> tuple[str, ...]:
 def refitted(one: Begun, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
     names = free_names(last, one.world, one.form.cause.free(one.world))
     data = make_data(one.world, split)
-    fitted = fit(data, one.start, names, iterations=QUICK, colour=last.colour, known=slopes)
+    fitted = fit(
+        data,
+        one.start,
+        names,
+        iterations=QUICK,
+        colour=last.colour,
+        known=slopes,
+        settled_nats=_QUICK_SETTLED,
+    )
     return fitted if one.form.cause.possible(fitted) else None
 
 
@@ -171,12 +190,15 @@ def best_of_each(quick: list[tuple[Begun, Fit]], last: Fit) -> list[tuple[Begun,
         if key not in best or gain_of(fitted, last) > gain_of(best[key][1], last):
             best[key] = (one, fitted)
     top = max((gain_of(fitted, last) for _, fitted in best.values()), default=0.0)
-    kept = [
-        pair
-        for pair in best.values()
-        if gain_of(pair[1], last) > _WORTH_A_FIT * top or pair[0].form.added or pair[0].asked
-    ]
+    kept = [pair for pair in best.values() if _goes_on(pair[0], gain_of(pair[1], last), top)]
     return sorted(kept, key=lambda pair: -gain_of(pair[1], last))
+
+
+def _goes_on(one: Begun, gain: float, top: float) -> bool:
+    """Whether a form is fitted to the end. top: gain of the best form."""
+    if one.form.added or one.asked:
+        return True
+    return gain > (_WORTH_A_SEARCH if one.form.cause.settle else _WORTH_A_FIT) * top
 
 
 def to_the_end(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
@@ -184,13 +206,30 @@ def to_the_end(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes)
     data = make_data(one.world, split)
     if one.form.cause.settle:
         fitted = _settled(one, fitted, last, data, slopes)
-    ended = fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, known=slopes)
+    settled = _settled_nats(fitted, last)
+    ended = fit(
+        data,
+        fitted.vector,
+        fitted.free,
+        iterations=_FULL,
+        colour=last.colour,
+        known=slopes,
+        settled_nats=settled,
+    )
     return ended if one.form.cause.possible(ended) else None
 
 
-def polished(one: Begun, fitted: Fit, last: Fit, split: Split) -> Fit:
-    """The same with all derivatives worked out where it is."""
-    return fit(make_data(one.world, split), fitted.vector, fitted.free, iterations=_FULL, colour=last.colour)
+def _settled_nats(fitted: Fit, last: Fit) -> float:
+    return max(SETTLED_NATS, _SETTLED * gain_of(fitted, last))
+
+
+def polished(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit:
+    """The same with all derivatives worked out where it is, and an onset sought to the end."""
+    data = make_data(one.world, split)
+    if one.form.begins is not None:
+        fitted = _onset_sought(one.form.begins, fitted, last, data, slopes, (_ONSET_COARSE_S, _ONSET_LEAST_S))
+    settled = _settled_nats(fitted, last)
+    return fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
 
 
 def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fit:
@@ -207,7 +246,7 @@ def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fi
                 trials += 1
                 start = best.world.space.with_values(best.vector, {name: best.value(name) + sign * step})
                 trial = fit(data, start, names, iterations=1, colour=last.colour, known=slopes)
-                if gain_of(trial, best) > _SETTLED_NATS:
+                if gain_of(trial, best) > _settled_nats(best, last):
                     best, moved = replace(trial, free=best.free), True
                     break
             if not moved:
@@ -215,30 +254,47 @@ def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fi
     return best
 
 
-def with_onset(pair: tuple[Begun, Fit], last: Fit, split: Split, slopes: Slopes) -> tuple[Begun, Fit]:
-    """The form fitted with the instant from which it acts: over a grid, then along it by halving steps."""
+def with_onset(pair: tuple[Begun, Fit], last: Fit, split: Split, slopes: Slopes) -> _Pair:
+    """The form fitted with the instant from which it acts: over a grid, then along it by halving steps. None where no
+    onset of the grid gains more than the same form throughout, or than nothing: the true one is at most a twelfth of
+    the recording off the nearest of the grid, and what acts from it on is then mended nearly everywhere."""
     one, whole = pair
     data, begins = make_data(one.world, split), one.form.begins
     assert begins is not None
     duration = one.world.measured.duration_s
 
-    def at(onset: float, near: Fit, steps: int = 1) -> Fit:
-        start = one.world.space.with_values(near.vector, {begins: onset})
-        return fit(data, start, near.free, iterations=steps, colour=last.colour, known=slopes)
+    starts = [
+        one.world.space.with_values(whole.vector, {begins: float(onset)})
+        for onset in np.linspace(0.1, 0.85, _ONSETS) * duration
+    ]
+    tried = [fit(data, start, whole.free, iterations=1, colour=last.colour, known=slopes) for start in starts]
+    best = max(tried, key=lambda fitted: gain_of(fitted, last))
+    if gain_of(best, last) < max(gain_of(whole, last), 0.0):
+        return one, None
+    steps = (0.5 * 0.75 * duration / (_ONSETS - 1), _ONSET_COARSE_S)
+    best = _onset_sought(begins, best, last, data, slopes, steps)
+    return one, fit(data, best.vector, best.free, iterations=QUICK, colour=last.colour, known=slopes)
 
-    best = max(
-        (at(x, whole) for x in np.linspace(0.1, 0.85, _ONSETS) * duration), key=lambda f: gain_of(f, last)
-    )
-    step = 0.5 * 0.75 * duration / (_ONSETS - 1)
-    while step > _ONSET_LEAST_S:
-        tried = max(
-            (at(best.value(begins) + sign * step, best) for sign in (1, -1)), key=lambda f: gain_of(f, last)
-        )
-        if gain_of(tried, last) > gain_of(best, last) + 0.02:
-            best = tried
+
+def _onset_sought(
+    begins: str, best: Fit, last: Fit, data: Data, slopes: Slopes, steps: tuple[float, float]
+) -> Fit:
+    """A fit's onset moved to where it gains most, by halving steps. begins: its quantity; steps: first and least, s."""
+    step, least = steps
+    space = best.world.space
+    while step > least:
+        starts = [
+            space.with_values(best.vector, {begins: best.value(begins) + way * step}) for way in (1, -1)
+        ]
+        tried = [
+            fit(data, start, best.free, iterations=1, colour=last.colour, known=slopes) for start in starts
+        ]
+        better = max(tried, key=lambda one: gain_of(one, last))
+        if gain_of(better, last) > gain_of(best, last) + _settled_nats(best, last):
+            best = better
         else:
             step *= 0.5
-    return one, fit(data, best.vector, best.free, iterations=QUICK, colour=last.colour, known=slopes)
+    return best
 
 
 def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split) -> Candidate:

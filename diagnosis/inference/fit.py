@@ -31,7 +31,8 @@ Array = NDArray[np.float64]
 
 WANDER_S = 15.0
 _WANDERS = 2.0  # times the stated deviation: a delay that strays further is no wander of the usual one
-_SETTLED_NATS = 0.02
+SETTLED_NATS = 0.02
+"""A step of a fit that gains less is its last, unless the caller says otherwise."""
 
 CHANGED_NATS = 20.0
 """By so much another structure, of a baseline that is not in question, has to be likelier."""
@@ -158,8 +159,9 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
     prior: Array | None = None,
     tick: Callable[[], None] = lambda: None,
     known: Mapping[str, Mapping[str, Array]] | None = None,
+    settled_nats: float = SETTLED_NATS,
 ) -> Fit:
-    """Fit the free quantities to the training samples from `start`.
+    """Fit the free quantities to the training samples from `start`, until a step gains less than settled_nats.
 
     known: derivatives of a fit nearby (`slopes_of`), which are not worked out anew (the chord method): a step is then a
     little less good, and costs what the other quantities do.
@@ -235,7 +237,7 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
         vector, predicted, residuals = moved, new_predicted, new_residuals
         sigma, train, held, cost = new_sigma, new_train, new_held, new_cost
         damping = max(damping / 10.0, 1e-9)
-        if gained < _SETTLED_NATS:
+        if gained < settled_nats:
             break
     covariance = _covariance(normal)
     std = {name: sqrt(max(covariance[i, i], 0.0)) for i, name in enumerate(free)}

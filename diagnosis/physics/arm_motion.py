@@ -81,12 +81,16 @@ class ArmMotion:
         length_m: float,
         behind_encoder: bool,
         joint_hz: float,
+        seen: bool,
     ) -> None:
-        """space: of the quantities of arm, drive, sensors and timing, without added terms."""
+        """space: of the quantities of arm, drive, sensors and timing, without added terms. seen: whether any sensor
+        shows the arm; its modes stay at rest otherwise, which halves the time."""
+        self._run = modes if seen else 0
         self.measured, self.model, self.space = measured, model, space
         self.modes, self.length = modes, length_m
         self.behind_encoder, self.joint_hz = behind_encoder, joint_hz
         self._departures: list[tuple[bytes, Array, Array]] = []
+        self._answers: dict[tuple[bytes, float, float], tuple[Array, Array]] = {}
         self._decays: dict[tuple[float, float], Array] = {}
         self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
         self._force = _upsampled(measured.force, 2 * _SUBSTEPS_OF_PAIR) if measured.pair else np.empty(0)
@@ -123,16 +127,18 @@ class ArmMotion:
         turn = _TURN_OF_PAIR if self.measured.pair else _TURN
         gap = float(vector[at["drive.gap_rad"]])
         laws = laws_of(effects, float(vector[at[ARM_BEGIN]]))
-        arm, whole = make_arm(drive, self.measured.cycle_s, rows, laws, gap, turn)
+        arm, whole = make_arm(drive, self.measured.cycle_s, rows[: self._run], laws, gap, turn)
         arm["motor"], arm["rate"] = vector[at["start.theta"]], vector[at["start.omega"]]
         joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
-        q, qdd = np.empty((n, m)), np.empty((n, m))
+        q, qdd = np.zeros((n, m)), np.zeros((n, m))
         if self.measured.pair:
             force = vector[at["pair.gain"]] * (self._force + vector[at["pair.input_offset"]])
             driven_run(arm, force, self.measured.cycle_s, _SUBSTEPS_OF_PAIR, self._jump_cycles, jumps, q, qdd)
         else:
             command = self._obeyed(vector, effects)
-            free_run(arm, command, whole, self._jump_cycles, jumps, joint, motor, q, qdd)
+            moved = (q, qdd) if self._run == m else (np.empty((n, 0)), np.empty((n, 0)))
+            jumps = np.ascontiguousarray(jumps[:, : self._run])
+            free_run(arm, command, whole, self._jump_cycles, jumps, joint, motor, *moved)
         deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
         seen = self._as_measured(joint, motor, rows, q, qdd) if self.joint_hz > 0.0 else joint
         tip_of(seen, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
@@ -192,13 +198,26 @@ class ArmMotion:
             self._departures = [*self._departures[-_DECAYS + 1 :], known]
         _, slow, second = known
         for i, (hz, damping, push) in enumerate(rows):
-            more, more_second = answer_to_joint(second, hz, damping, push, self.measured.cycle_s)
-            q[:, i] += more
-            qdd[:, i] += more_second
+            more, more_second = self._answer_to_departure(key, second, float(hz), float(damping))
+            q[:, i] += push * more
+            qdd[:, i] += push * more_second
         moved = joint.copy()
         moved[:, 0] += slow
         moved[:, 2] += second
         return moved
+
+    def _answer_to_departure(
+        self, departure: bytes, second: Array, hz: float, damping: float
+    ) -> tuple[Array, Array]:
+        """What a mode of unit push makes of a departure of the joint; the last few are remembered."""
+        key = (departure, hz, damping)
+        known = self._answers.get(key)
+        if known is None:
+            known = answer_to_joint(second, hz, damping, 1.0, self.measured.cycle_s)
+            if len(self._answers) >= _DECAYS:
+                self._answers.clear()
+            self._answers[key] = known
+        return known
 
     def _aged_to_reading(self, value: Array) -> Array:
         if not self._aged:

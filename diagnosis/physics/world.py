@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.files.model import Model
-from stillarm.diagnosis.data.channels import FRAME_CHANNELS, present_channels
+from stillarm.diagnosis.data.channels import ARM_CHANNELS, FRAME_CHANNELS, present_channels
 from stillarm.diagnosis.data.frame_clock import FrameClock, frame_clock
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
@@ -81,8 +81,9 @@ class World:
         )  # fmt: skip
         self.space = self._layout.space()
         self._arm = ArmMotion(
-            measured, model, self.space, impacts, self.modes, self.length, self.behind_encoder, joint_hz
-        )
+            measured, model, self.space, impacts, self.modes, self.length, self.behind_encoder, joint_hz,
+            seen=not set(ARM_CHANNELS).isdisjoint(self.channels),
+        )  # fmt: skip
         self._accelerometer = Accelerometer(measured, self.space, self.modes, self.length)
         self._camera = Camera(measured, model, self.space, self.frame_clock)
         for group in added:
