@@ -18,8 +18,8 @@ from stillarm.diagnosis.inference.fitted import refitted_model
 from stillarm.diagnosis.inference.frequency_course import with_resonance_of
 from stillarm.diagnosis.physics.declared_effects import with_found
 from stillarm.diagnosis.report import tables as say
-from stillarm.diagnosis.report.diagnosis import Diagnosis
 from stillarm.diagnosis.report.extended_model import baseline_changes, effect_of
+from stillarm.diagnosis.report.result import Result
 
 _SHORTEST_S, _FEWEST_PAIRS = 3.0, 128  # of a recording; samples of a pair
 
@@ -40,7 +40,7 @@ def diagnose(
     hold_out: Sequence[tuple[float, float]] = (),
     tick: Tick = lambda done, what: None,
     budget: Budget | None = None,
-) -> Diagnosis:
+) -> Result:
     """Diagnose one recording. Raises UserError where it holds too little."""
     budget = budget or unlimited()
     recording = open_recording(path)
@@ -67,7 +67,7 @@ def diagnose_measured(
     hold_out: Sequence[tuple[float, float]] = (),
     tick: Tick = lambda done, what: None,
     budget: Budget | None = None,
-) -> Diagnosis:
+) -> Result:
     """Diagnose data that are already in memory. Raises UserError where they show nothing."""
     budget = budget or unlimited()
     model = declared(model)
@@ -92,4 +92,4 @@ def diagnose_measured(
         "baseline_changes": baseline_changes(model, found.final),
         "extended_model": "extended.toml",
     }
-    return Diagnosis(table, found, judged, split, model, extended)
+    return Result(table, found, judged, split, model, extended)

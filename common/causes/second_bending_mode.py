@@ -15,7 +15,7 @@ CAUSE = Cause(
         Parameter("participation", "1", -10.0, 10.0, (0.1, 0.3), signed=True),
     ),
     provoke=(
-        "a short impact near the tip, or a move with a steep ramp; the accelerometer's spectrum shows "
+        "a short strike near the tip, or a move with a steep ramp; the accelerometer's spectrum shows "
         "the second peak."
     ),
     acts="key",

@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.lost_frames import lost_before, scatter
 from stillarm.diagnosis.data.measured import Frames
-from stillarm.diagnosis.data.robust import std_about_zero, step_at
+from stillarm.diagnosis.data.robust import OUTLYING, SIDE, std_about_zero, step_at
 
 Array = NDArray[np.float64]
 
 _LARGEST_STEP = 200  # frames: a counter that jumps further was reset
-_FEWEST, _OUTSTANDING, _LEAST_JUMP_S, _MOST_JUMPS = 100, 6.0, 1e-3, 5
+_FEWEST, _LEAST_JUMP_S, _MOST_JUMPS = 100, 1e-3, 5
 _QUARTZ, _SURE = 2e-4, 3.0
 _WHOLE, _SET = 0.15, 0.5  # of a frame; of the frames lost
-_ASIDE = 15  # frames
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ def _tick_of_stamps(frames: Frames) -> float:
     apart = frames.started_s[known] - stamps
     steps = np.diff(apart)
     off = np.abs(steps - np.median(steps))
-    jumps = np.flatnonzero(off > _OUTSTANDING * std_about_zero(off) + _LEAST_JUMP_S)
+    jumps = np.flatnonzero(off > OUTLYING * std_about_zero(off) + _LEAST_JUMP_S)
     if len(jumps) > _MOST_JUMPS:
         return 1.0
     x = stamps - stamps.mean()
@@ -111,7 +110,7 @@ def _lost_by_stamps(frames: Frames, step: NDArray[np.int64], period_s: float) ->
     if np.any(lost < 0) or np.any(np.abs(intervals - step - lost) > _WHOLE):
         return None
     late = (frames.received_s - frames.captured_s) / period_s  # set at a loss: a clock was, and no frame lost
-    set_by = [abs(step_at(late, i + 1, _ASIDE)) / lost[i] for i in np.flatnonzero(lost).tolist()]
+    set_by = [abs(step_at(late, i + 1, SIDE)) / lost[i] for i in np.flatnonzero(lost).tolist()]
     return lost if max(set_by, default=0.0) <= _SET else None
 
 

@@ -19,15 +19,12 @@ from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.measured import Frames, Measured
 from stillarm.diagnosis.data.noise import Colour, wander_colours
-from stillarm.diagnosis.data.robust import std_about_median, std_about_zero, step_at
+from stillarm.diagnosis.data.robust import SIDE, WHOLE, std_about_median, std_about_zero, step_at
 
 Array = NDArray[np.float64]
 
 # a step of the arrivals
 _FEWEST = 60
-
-SIDE = 15
-"""Frames on either side of a step."""
 
 _SURE_NATS = 5.0  # beyond what the best of so many places gains by chance
 
@@ -37,12 +34,11 @@ MOST_HELD = 4
 
 _SAME_S = 1e-4  # between stamps of one exposure
 _MOST_FRAMES = 32
-_ASIDE = 15  # frames
 _STAYS = 0.5  # of the frames held: so much later images stay
 
 # requests
 _REGULAR = 0.1  # of the interval: what requests that keep one may scatter by
-_WHOLE, _SELDOM = 0.25, 0.1  # intervals off a whole number of them; the share that may be further off
+_SELDOM = 0.1  # the share of intervals that may be off a whole number of them
 
 # stamps
 _KNOWN = 0.8  # of the frames
@@ -128,7 +124,7 @@ class Held:
 def held_back(frames: Frames, period_s: float) -> Held | None:
     """The first exposure that comes again as a later frame, if the stamps stay behind from there on."""
     stamps = frames.captured_s
-    if frames.asked or np.isfinite(stamps).sum() < 2 * _ASIDE:
+    if frames.asked or np.isfinite(stamps).sum() < 2 * SIDE:
         return None
     late = frames.received_s - stamps
     for i in (np.flatnonzero(np.diff(stamps) < 0.5 * period_s) + 1).tolist():
@@ -137,7 +133,7 @@ def held_back(frames: Frames, period_s: float) -> Held | None:
         if not len(again):
             continue
         many = int(again[0]) + 1
-        if step_at(late, i, _ASIDE) > _STAYS * many * period_s:
+        if step_at(late, i, SIDE) > _STAYS * many * period_s:
             return Held(i, many)
     return None
 
@@ -176,7 +172,7 @@ def missing_requests(frames: Frames) -> NDArray[np.int64] | None:
             continue
         between = between / float(np.median(between))
         whole = np.rint(between).astype(np.int64)
-        off = np.abs(between - whole) > _WHOLE
+        off = np.abs(between - whole) > WHOLE
         if std_about_median(between) < _REGULAR and float(np.mean(off)) < _SELDOM:
             return np.maximum(whole - 1, 0)
     return None

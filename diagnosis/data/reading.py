@@ -20,12 +20,11 @@ from stillarm.common.files.model import Drive, Model
 from stillarm.common.recording.reader import Recording
 from stillarm.common.user_error import UserError
 from stillarm.diagnosis.data.measured import ClockGap, Frames, Measured
-from stillarm.diagnosis.data.robust import bridged, std_about_median, std_about_zero
+from stillarm.diagnosis.data.robust import OUTLYING, bridged, std_about_median, std_about_zero
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-_OUTSTANDING = 6.0  # robust deviations of the rows' steps
 _LEAST_ROWS_A_PERIOD = 4  # of the first mode: fewer do not show how it decays between them
 _STEP_CYCLES = 1.5  # a gap in time_s longer than this may be lost rows, or a clock that stepped
 REGULAR = 0.25  # of the usual step, by which a regular one may differ
@@ -123,7 +122,7 @@ def _unrolled(time: Array, cycle_s: float) -> tuple[Array, tuple[ClockGap, ...],
     out = time.copy()
     backward, gaps = [], []
     scatter = std_about_median(step) if len(step) else 0.0
-    early = (step <= 0.0) | (usual - step > _OUTSTANDING * scatter)  # than stamps that scatter are anyhow
+    early = (step <= 0.0) | (usual - step > OUTLYING * scatter)  # than stamps that scatter are anyhow
     for i in np.flatnonzero(early & (step < 0.25 * min(usual, cycle_s))):
         extra = float(step[i]) - usual
         out[i + 1 :] -= extra

@@ -9,6 +9,16 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+OUTLYING = 6.0
+"""Robust deviations beyond which a value is an outlier: of normal values two in a thousand million are."""
+
+SIDE = 15
+"""Values on either side of a step: their medians tell it to 1.25 sqrt(2 / 15), under half of the values' scatter."""
+
+WHOLE = 0.25
+"""Off a whole number of frames or intervals, within which it is taken for that number: half the way to where the next
+is as near."""
+
 _MAD_TO_STD = 1.4826
 
 

@@ -15,7 +15,7 @@ from scipy.ndimage import maximum_filter1d
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.noise import HUBER, log_likelihood
-from stillarm.diagnosis.data.robust import std_about_median
+from stillarm.diagnosis.data.robust import OUTLYING, std_about_median
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fitted import Data, Fit
 from stillarm.diagnosis.physics.quantities import RANGE
@@ -25,7 +25,6 @@ Array = NDArray[np.float64]
 SURE_NATS = 6.0
 """From here on outliers are taken for pulses, or for strikes."""
 
-_OUTLYING = 6.0  # robust deviations
 _OF_TWO = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares
 _NOISE, _NEVER = 2.0, 1e-12  # deviations; a density below which no sample says more
 _AT_THE_LIMIT, _FEWEST_SAMPLES = 0.9, 100
@@ -71,7 +70,7 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
     sigma = std_about_median(residual[known]) + 1e-12
     doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(predicted))
     u = np.nan_to_num(residual) / doubt
-    far = np.abs(u) > _OUTLYING
+    far = np.abs(u) > OUTLYING
     return Outliers(residual, known, sigma, u, known & far & ~_crowded(far))
 
 

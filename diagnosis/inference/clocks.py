@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.frame_times import (
     MOST_HELD,
-    SIDE,
     ArrivalStep,
     Held,
     arrival_step,
@@ -29,7 +28,7 @@ from stillarm.diagnosis.data.frame_times import (
     without,
 )
 from stillarm.diagnosis.data.measured import ClockGap, Frames, Measured, reclocked
-from stillarm.diagnosis.data.robust import step_at
+from stillarm.diagnosis.data.robust import SIDE, WHOLE, step_at
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, WANDER_S, fit
 from stillarm.diagnosis.inference.fitted import Data, Fit, gain_of_each_block, make_data
@@ -50,7 +49,6 @@ _ASIDE_S = 0.4
 # a longer queue
 _SURE = 2.0  # standard deviations of the step
 _ALIKE, _FEWEST = 0.25, 5  # of the step; frames on either side
-_WHOLE = 0.25  # frames: a step that is known less well may be of any number
 
 
 def without_steps(baseline: Fit, split: Split) -> tuple[Fit, list[LawFound]]:
@@ -152,7 +150,7 @@ def late_queue(baseline: Fit) -> Held | None:
     rate_hz = world.model.camera.frame_rate_hz
     size, noted = step.step_s * rate_hz, world.measured.cycle_s * rate_hz
     doubt, held = hypot(step.std_s * rate_hz, 0.5 * noted), round(size)
-    whole = doubt < _WHOLE and abs(size - held) < _SURE * doubt
+    whole = doubt < WHOLE and abs(size - held) < _SURE * doubt
     return Held(step.index, held) if whole and 1 <= held <= MOST_HELD else None
 
 

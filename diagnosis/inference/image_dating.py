@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.frame_times import MOST_HELD, request_intervals
 from stillarm.diagnosis.data.measured import dated_by_requests
 from stillarm.diagnosis.data.noise import InstantUncertainty, log_likelihood
-from stillarm.diagnosis.data.robust import step_at
+from stillarm.diagnosis.data.robust import OUTLYING, SIDE, WHOLE, step_at
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
@@ -30,13 +30,11 @@ Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 _FEWEST_REQUESTS, _MOST_STEPS = 20, 3
-_OUTSTANDING = 6.0  # times the usual scatter of the requests' intervals
 
 # a recount
-_WHOLE = 0.25  # frames
 _NEAR_S = 2.0  # between where images grow older and where the arrivals seemed to jump
 _MOST = 4
-_LATE, _ASIDE = 1.5, 15  # periods; frames: fewer would have been seen, or may be the delay's own wander
+_LATE = 1.5  # periods: fewer would have been seen, or may be the delay's own wander
 
 
 def dated(baseline: Fit, split: Split) -> Fit:
@@ -62,7 +60,7 @@ def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
     off, usual = intervals.off_s, intervals.usual_s
     best = asked
     for i in np.argsort(-np.abs(off))[:_MOST_STEPS]:
-        if abs(off[i]) < _OUTSTANDING * usual:
+        if abs(off[i]) < OUTLYING * usual:
             break
         step = {"timing.step_onset_s": float(world.just_before(i + 1)), "timing.step_s": off[i]}
         start = world.space.with_values(asked.vector, step)
@@ -169,7 +167,7 @@ def _with_one_loss_less(baseline: Fit) -> list[Counts]:
     older = older_s * world.model.camera.frame_rate_hz
     lost = told[int(np.argmin(np.abs(told + 1 - index)))]
     far_s = abs(float(frames.received_s[lost + 1] - frames.received_s[index]))
-    if round(older) < 1 or abs(older - round(older)) > _WHOLE or far_s > _NEAR_S:
+    if round(older) < 1 or abs(older - round(older)) > WHOLE or far_s > _NEAR_S:
         return []
     steps[lost] -= min(round(older), int(steps[lost]) - 1)
     return [steps]
@@ -181,7 +179,7 @@ def _with_losses_where_late(world: World) -> list[Counts]:
     steps = np.diff(world.frame_clock.counts)
     late = (world.measured.frames.received_s - world.frame_clock.grid_s) * world.model.camera.frame_rate_hz
     gaps = np.flatnonzero(np.diff(late) > _LATE).tolist()
-    stays = [step_at(late, gap + 1, _ASIDE) for gap in gaps]
+    stays = [step_at(late, gap + 1, SIDE) for gap in gaps]
     if max(stays, default=0.0) < _LATE:
         return []
     many, gap = max(zip(stays, gaps, strict=True))

@@ -1,6 +1,16 @@
 """What is told: diagnosis.json, the extended model, what that is worth in use, and one self-contained page.
 
-Not here: anything that changes the verdict. Begin with diagnosis.py and page.py.
+Not here: anything that changes the verdict. Begin with result.py, summary.py and page.py.
 """
 
-__all__ = ["diagnosis", "extended_model", "page", "tables", "use", "words"]
+__all__ = [
+    "drawing",
+    "extended_model",
+    "page",
+    "picture",
+    "result",
+    "summary",
+    "tables",
+    "use",
+    "words",
+]

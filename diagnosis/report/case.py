@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.candidates import Candidate
 from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.report.diagnosis import Diagnosis
 from stillarm.diagnosis.report.residuals import residual_of
+from stillarm.diagnosis.report.result import Result
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class Case:
         return next((name for name in self.channels if name in names), None)
 
 
-def cases(result: Diagnosis) -> Iterator[Case]:
+def cases(result: Result) -> Iterator[Case]:
     """Each finding against what came before it."""
     previous = result.found.baseline
     for one in result.found.findings:
@@ -52,6 +52,6 @@ def cases(result: Diagnosis) -> Iterator[Case]:
             previous = one.fit
 
 
-def whole(result: Diagnosis) -> Case:
+def whole(result: Result) -> Case:
     """The end against the baseline."""
     return Case(None, result.found.baseline, result.found.final, result.split)

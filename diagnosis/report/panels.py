@@ -19,7 +19,7 @@ from stillarm.diagnosis.report.drawing import (
     legend,
     outline,
 )
-from stillarm.diagnosis.report.residuals import UNITS, residual_of, spectrum_of, times_of
+from stillarm.diagnosis.report.residuals import UNITS, WORDS, residual_of, spectrum_of, times_of
 from stillarm.diagnosis.report.views import (
     arm_frequency,
     binned,
@@ -32,15 +32,6 @@ from stillarm.diagnosis.report.views import (
 Array = NDArray[np.float64]
 
 _FREE_SHARE = 0.2
-
-WORDS = {
-    "acceleration": "acceleration",
-    "joint_position": "joint position",
-    "joint_velocity": "joint velocity",
-    "deflection": "deflection",
-    "displacement": "image displacement",
-    "arrival": "arrival of the frames",
-}
 
 
 def axis_of(name: str) -> str:

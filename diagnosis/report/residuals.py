@@ -26,6 +26,14 @@ from stillarm.diagnosis.report.residual_tests import (
 
 Array = NDArray[np.float64]
 
+WORDS = {
+    "acceleration": "acceleration",
+    "joint_position": "joint position",
+    "joint_velocity": "joint velocity",
+    "deflection": "deflection",
+    "displacement": "image displacement",
+    "arrival": "arrival of the frames",
+}
 UNITS = {
     "acceleration": "m/s^2",
     "joint_position": "rad",

@@ -16,8 +16,8 @@ from stillarm.diagnosis.report.drawing import (
     few,
     legend,
 )
-from stillarm.diagnosis.report.panels import WORDS, axis_of
-from stillarm.diagnosis.report.residuals import UNITS, residual_of, times_of
+from stillarm.diagnosis.report.panels import axis_of
+from stillarm.diagnosis.report.residuals import UNITS, WORDS, residual_of, times_of
 from stillarm.diagnosis.report.views import (
     binned,
     lateness,

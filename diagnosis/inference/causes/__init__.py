@@ -15,7 +15,9 @@ __all__ = ["CAUSES"]
 _OF_CHANCE = ("impulse", "burst", "loss")
 _OWN_SEARCH = {module.name for module in iter_modules(__path__)}
 CAUSES: dict[str, Cause] = {
-    name: import_module(f"{__name__}.{name}").CAUSE if name in _OWN_SEARCH else declared_cause(DECLARED[name])
+    name: import_module(f"stillarm.diagnosis.inference.causes.{name}").CAUSE
+    if name in _OWN_SEARCH
+    else declared_cause(DECLARED[name])
     for name in sorted(DECLARED)
     if DECLARED[name].acts not in _OF_CHANCE
 }

@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from stillarm.diagnosis.data.frame_times import SIDE, request_intervals
-from stillarm.diagnosis.data.robust import std_about_median, step_at
+from stillarm.diagnosis.data.frame_times import request_intervals
+from stillarm.diagnosis.data.robust import OUTLYING, SIDE, std_about_median, step_at
 from stillarm.diagnosis.inference.cause import Cause, Context, Trial, free_of, has, plain
 from stillarm.diagnosis.inference.clocks import step_of_arrivals
 from stillarm.diagnosis.inference.fitted import Fit
 
-_OUTSTANDING = 6.0  # robust deviations
 _ASIDE_S = 0.3  # of an onset: a frame that is under way when the clock is set was asked for before
 _MOST_NATS = 100.0
 
@@ -42,7 +41,7 @@ def _seen(context: Context) -> float | None:
     prior_penalty, late = np.nan_to_num(arrivals.residual), arrivals.off
     usual = std_about_median(prior_penalty) + 1e-9
     i = int(np.argmax(np.abs(prior_penalty[SIDE:-SIDE]))) + SIDE if len(prior_penalty) > 3 * SIDE else 0
-    if i == 0 or abs(prior_penalty[i]) < _OUTSTANDING * usual:
+    if i == 0 or abs(prior_penalty[i]) < OUTLYING * usual:
         return None
     step = step_at(late, i, SIDE)
     if step * prior_penalty[i] <= 0.0 or abs(step) < 0.5 * abs(float(prior_penalty[i])):

@@ -10,10 +10,10 @@ from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
     from stillarm.common.files.model import Model
-    from stillarm.diagnosis.report.diagnosis import Diagnosis
+    from stillarm.diagnosis.report.result import Result
 
 
-def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> None:
+def write(result: "Result", folder: Path, await_use: Callable[[], None]) -> None:
     """Write diagnosis.json, extended.toml and report.html. await_use: result of `put_to_use`.
 
     The verdict is written first, since the drawing of the report may be interrupted.
@@ -28,13 +28,13 @@ def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> N
     (folder / "report.html").write_text(page)
 
 
-def _write_table(result: "Diagnosis", folder: Path) -> None:
+def _write_table(result: "Result", folder: Path) -> None:
     text = json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n"
     (folder / "diagnosis.json").write_text(text)
 
 
 def put_to_use(
-    result: "Diagnosis",
+    result: "Result",
     path: Path,
     model: "Model | None",
     pairs: int,

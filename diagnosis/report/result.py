@@ -1,4 +1,4 @@
-"""The result of a diagnosis, as it is reported."""
+"""The result of a diagnosis: what diagnosis.json holds, and the fits that the report draws."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,8 +10,9 @@ from stillarm.diagnosis.inference.candidates import Found
 
 
 @dataclass(frozen=True)
-class Diagnosis:
-    """The result: `table` is what diagnosis.json holds; the rest is for the report."""
+class Result:
+    """`table` is what diagnosis.json holds; the rest is for the report. model: as given; extended: with what was
+    found."""
 
     table: dict[str, Any]
     found: Found
