@@ -96,15 +96,16 @@ def _baseline_within(
 ) -> tuple[Fit, tuple[LawFound, ...]]:
     """The baseline as far as the time goes, and the laws found on the way; adds to left_out what it did not go to."""
     since_s = budget.used_s
-    plain: Fit | None = None
+    reached: list[Fit] = []
     try:
         with budget.limit(_BASELINE_SHARE, since_s):
             world = moved_as_measured(world, split)
-            plain = fit(make_data(world, split), world.space.vector(), world.baseline_names())
-            baseline = without_pulls(fitted_baseline(world, split), split)
+            baseline = fitted_baseline(world, split, reached.append)
+            reached.append(baseline)
+            baseline = without_pulls(baseline, split)
     except OutOfTime:
-        left_out.append("impacts")
-        return plain or _hurried(budget, since_s, world, split, left_out), ()
+        left_out.append("some impacts" if reached else "impacts")
+        return reached[-1] if reached else _hurried(budget, since_s, world, split, left_out), ()
     known: list[LawFound] = []
     try:
         with budget.limit(_CLOCKS_SHARE, since_s):

@@ -12,7 +12,7 @@ make up for it: its frequency goes elsewhere, and its share to nothing or to ano
 back.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,9 +85,9 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
     return baseline
 
 
-def fitted_baseline(world: World, split: Split) -> Fit:
+def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] = lambda one: None) -> Fit:
     """The baseline's fit; where the accelerometer is at a limit that it should not have, started from that of a sensor
-    with such a limit."""
+    with such a limit. reached: told of each better fit on the way, for whoever runs out of time."""
     acceleration = world.channels.get("acceleration")
     if acceleration is not None:
         ceiling = ceiling_of(acceleration, world.model.accelerometer.noise_std_m_s2)
@@ -96,7 +96,8 @@ def fitted_baseline(world: World, split: Split) -> Fit:
             there = limited.world
             start = there.space.with_values(limited.vector, {RANGE: there.space[RANGE].start})
             return fit(make_data(there, split), start, there.baseline_names())
-    usual = _at_the_seen_frequency(world, split)
+    usual = _at_the_seen_frequency(world, split, reached)
+    reached(usual)
     return usual if _at_its_noise(usual) else _along_a_course(world, split) or usual
 
 
@@ -120,11 +121,12 @@ def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
     return max(kept, sought, key=lambda one: one.train_log_likelihood)
 
 
-def _at_the_seen_frequency(world: World, split: Split) -> Fit:
+def _at_the_seen_frequency(world: World, split: Split, reached: Callable[[Fit], None]) -> Fit:
     """The baseline's fit; where its frequency is far from the one that the vibration has from window to window, it is
     stuck between the model's and the true one, and is begun again from there; so it is from its own, if that is not
     what its impacts were sought with and much is left."""
-    usual = fit_with_impacts(world, split)
+    usual = fit_with_impacts(world, split, reached=reached)
+    reached(usual)
     fitted = usual.value("modes.0.frequency_hz")
     hz = seen_frequency(world, usual.predicted.motion, fitted)
     if hz is None and _left_by_a_wrong_start(usual):

@@ -4,6 +4,7 @@ Over one period before and one after each instant, the residual's phasor at the 
 jump between the two that stands out of the usual ones. It opens a new segment with its own state.
 """
 
+from collections.abc import Callable
 from math import pi
 from typing import Any
 
@@ -136,9 +137,15 @@ def _refined(last: Fit, number: int) -> float:
     return -phase / w
 
 
-def fit_with_impacts(world: World, split: Split, start: Array | None = None) -> Fit:
-    """The baseline's fit, with as many segments as there were impacts. start: vector of the world, if not its own."""
-    return with_impacts_in_place(with_impacts_sought(world, split, start), split)
+def fit_with_impacts(
+    world: World, split: Split, start: Array | None = None, reached: Callable[[Fit], None] = lambda one: None
+) -> Fit:
+    """The baseline's fit, with as many segments as there were impacts. start: vector of the world, if not its own.
+    reached: told of the fit with the impacts as they were found, for whoever runs out of time before they are in
+    place."""
+    sought = with_impacts_sought(world, split, start)
+    reached(sought)
+    return with_impacts_in_place(sought, split)
 
 
 def with_impacts_sought(world: World, split: Split, start: Array | None = None) -> Fit:
