@@ -131,7 +131,7 @@ def test_its_trials_move_some_channel_and_its_parameters_are_the_catalogues(caus
 
 def _extended(cause: str) -> dict[str, object]:
     values = {name: (value, 0.0) for name, value in SIZES[cause].items() if isinstance(value, float | int)}
-    one = Candidate(cause, _NOBODY, 0.0, 0.0, 0.0, np.empty(0), values, law=_LAW)  # type: ignore[arg-type]
+    one = Candidate(cause, _NOBODY, 0.0, 0.0, values, law=_LAW)  # type: ignore[arg-type]
     return dict(effect_of(one, _NOBODY))  # type: ignore[arg-type]
 
 
