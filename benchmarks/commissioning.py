@@ -23,8 +23,9 @@ from stillarm.common.user_error import UserError
 from stillarm.diagnosis.commissioning.plan import Limits
 from stillarm.diagnosis.commissioning.procedure import Commissioning, commission
 from stillarm.diagnosis.commissioning.watch import Bounds
-from stillarm.diagnosis.diagnose import model_text
-from stillarm.diagnosis.measured import Measured, read_measured
+from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.data.reading import read_measured
+from stillarm.diagnosis.report.extended_model import model_text
 from stillarm.simulation.demo.ring_down import envelope_m, settling_time_s
 from stillarm.simulation.virtual_time.simulated_recording import (
     default_simulation_configuration,

@@ -18,7 +18,7 @@ def print_parameters(parameters: Mapping[str, tuple[float, float]]) -> None:
 
 def write_model(model: "Model", path: Path) -> None:
     """Write the model file. Raises UserError if it cannot be written."""
-    from stillarm.diagnosis.diagnose import model_text
+    from stillarm.diagnosis.report.extended_model import model_text
 
     try:
         path.write_text(model_text(model))

@@ -32,7 +32,7 @@ CAUSE = Cause(
     equation="w_1^2 (q_1 + coefficient q_1^3)",
     parameters=(size("coefficient_per_m2", "1/m^2", 1e7, 100.0, 600.0, signed=True),),
     provoke=(
-        "ring-downs from a large and from a small blow, damping off; w / w_1 = 1 + 3/8 coefficient A^2."
+        "ring-downs from a large and from a small strike, damping off; w / w_1 = 1 + 3/8 coefficient A^2."
     ),
     acts="force",
     law=law,

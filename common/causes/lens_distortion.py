@@ -15,7 +15,7 @@ CAUSE = Cause(
     sees="far from the image's zero the same motion shows larger (positive coefficient), or smaller",
     equation="d becomes d (1 + coefficient d^2)",
     parameters=(size("coefficient_per_px2", "1/px^2", 1.0, 2e-07, 2e-06, signed=True),),
-    provoke="the same blow at both ends of the joint's travel, or one wide move.",
+    provoke="the same strike at both ends of the joint's travel, or one wide move.",
     acts="image",
     law=law,
 )

@@ -21,7 +21,7 @@ CAUSE = Cause(
     ),
     equation="q_1'' = ... - coefficient q_1' |q_1'|",
     parameters=(size("coefficient_per_m", "1/m", 1e4, 1.0, 10.0),),
-    provoke="ring-downs from a large and from a small blow, damping off.",
+    provoke="ring-downs from a large and from a small strike, damping off.",
     acts="force",
     law=law,
     corner=True,

@@ -6,7 +6,7 @@ CAUSE = Cause(
     "second_bending_mode",
     "arm",
     name="a second bending mode",
-    sees=("after a quick move or a blow the arm also rings at a higher frequency, which dies away sooner"),
+    sees=("after a quick move or an impact the arm also rings at a higher frequency, which dies away sooner"),
     note="The image, exposed for milliseconds, shows less of it than the accelerometer.",
     equation="q_2'' + 2 zeta_2 w_2 q_2' + w_2^2 q_2 = - participation length theta''",
     parameters=(
@@ -15,7 +15,7 @@ CAUSE = Cause(
         Parameter("participation", "1", -10.0, 10.0, (0.1, 0.3), signed=True),
     ),
     provoke=(
-        "a short blow near the tip, or a move with a steep ramp; the accelerometer's spectrum shows "
+        "a short strike near the tip, or a move with a steep ramp; the accelerometer's spectrum shows "
         "the second peak."
     ),
     acts="key",

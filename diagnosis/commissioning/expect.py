@@ -8,8 +8,8 @@ from stillarm.common.files.model import Model
 from stillarm.common.files.scenario import Scenario
 from stillarm.diagnosis.commissioning.plan import slowed
 from stillarm.diagnosis.commissioning.watch import Bounds
-from stillarm.diagnosis.measured import Frames, Measured
-from stillarm.diagnosis.world import World
+from stillarm.diagnosis.data.measured import Frames, Measured
+from stillarm.diagnosis.physics.world import World
 
 _SHARE = 0.75  # of the bounds: the model is rough
 

@@ -25,7 +25,8 @@ from stillarm.common.process.parent_death import ended_with_parent
 from stillarm.common.recording.reader import open_recording
 from stillarm.common.user_error import UserError
 from stillarm.diagnosis.commissioning.watch import Bounds, Watch
-from stillarm.diagnosis.measured import Measured, read_measured
+from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.data.reading import read_measured
 
 _TELEMETRY_S = 0.02
 _SILENT_S = 3.0  # without telemetry while the moves go on: nobody would see what they do

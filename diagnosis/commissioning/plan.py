@@ -93,7 +93,7 @@ def moves(limits: Limits, velocity_rad_s: float, mode: Mode, strike_s: float = 0
     """The main part, half a minute to a minute, none of it faster than `velocity_rad_s`.
 
     mode: the first one, roughly. Quick pairs, slow moves, a pair without a pause that excites most, and rest; then
-    `strike_s` more, for a blow by hand.
+    `strike_s` more, for a strike by hand.
     """
     frequency = mode.frequency_hz
     half = 0.5 / frequency

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from stillarm.common.files.model import Model, length_of
 from stillarm.common.files.scenario import Scenario
 from stillarm.common.user_error import UserError
-from stillarm.diagnosis.calibrate import Calibration, calibrate
+from stillarm.diagnosis.calibration.calibrate import Calibration, calibrate
+from stillarm.diagnosis.calibration.start_values import Start, start_values
 from stillarm.diagnosis.commissioning.expect import fitted_to
 from stillarm.diagnosis.commissioning.plan import Limits, moves, probe, stages, within
 from stillarm.diagnosis.commissioning.verdict import CommissioningVerdict, judge
 from stillarm.diagnosis.commissioning.watch import Bounds, Growth, bounds_of, exceeded, growth
-from stillarm.diagnosis.measured import Frames, Measured
-from stillarm.diagnosis.start_values import Start, start_values
+from stillarm.diagnosis.data.measured import Frames, Measured
 
 _LEAST_SIGNAL = 0.3  # power of the ringing over that of the noise
 

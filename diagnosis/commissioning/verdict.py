@@ -7,9 +7,9 @@ import msgspec
 import numpy as np
 
 from stillarm.common.files.model import Commissioned, Model
-from stillarm.diagnosis.calibrate import Calibration
-from stillarm.diagnosis.measured import Measured
-from stillarm.diagnosis.start_values import STILL_RAD_S
+from stillarm.diagnosis.calibration.calibrate import Calibration
+from stillarm.diagnosis.calibration.start_values import STILL_RAD_S
+from stillarm.diagnosis.data.measured import Measured
 
 _KNOWN_TO = {  # relative deviations at most
     "arm.modes[0].frequency_hz": 0.005,

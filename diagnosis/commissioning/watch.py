@@ -6,7 +6,7 @@ from math import isfinite
 import numpy as np
 
 from stillarm.diagnosis.commissioning.plan import Limits, Stage
-from stillarm.diagnosis.measured import Measured
+from stillarm.diagnosis.data.measured import Measured
 
 _UNSEEN_S = 0.5
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.candidate import Candidate
-from stillarm.diagnosis.diagnose import Diagnosis
-from stillarm.diagnosis.fit import Fit, Split, make_data
-from stillarm.diagnosis.residuals import residual_of
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.candidates import Candidate
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.report.residuals import residual_of
+from stillarm.diagnosis.report.result import Result
 
 Array = NDArray[np.float64]
 
@@ -42,7 +43,7 @@ class Case:
         return next((name for name in self.channels if name in names), None)
 
 
-def cases(result: Diagnosis) -> Iterator[Case]:
+def cases(result: Result) -> Iterator[Case]:
     """Each finding against what came before it."""
     previous = result.found.baseline
     for one in result.found.findings:
@@ -51,6 +52,6 @@ def cases(result: Diagnosis) -> Iterator[Case]:
             previous = one.fit
 
 
-def whole(result: Diagnosis) -> Case:
+def whole(result: Result) -> Case:
     """The end against the baseline."""
     return Case(None, result.found.baseline, result.found.final, result.split)

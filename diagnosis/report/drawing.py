@@ -3,6 +3,7 @@
 import io
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
@@ -17,14 +18,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 INK, MEASURED, BEFORE, AFTER, FLOOR, SHADE = (
-    "#010101",
-    "#020202",
-    "#030303",
-    "#040404",
-    "#050505",
-    "#060606",
+    "#1c1f23",
+    "#8a9099",
+    "#c8601a",
+    "#1f67b0",
+    "#2c8a57",
+    "#e6e6e3",
 )
-"""Stand-ins that `svg` turns into the page's variables."""
+"""The page's colours in daylight; `svg` turns them into its variables, so that no other line may have one of them."""
 
 _VARIABLES = {
     INK: "--ink",
@@ -60,27 +61,43 @@ _MARGINS_IN = (0.75, 0.12, 0.78, 0.3)  # left, right, bottom, top of each panel
 Draw = Callable[[Axes], None]
 
 
-def svg(panels: Sequence[Draw], label: str, *, panel_in: tuple[float, float] = (4.6, 2.9)) -> str:
-    """One row of panels. label: what a reader who cannot see it is told."""
+@dataclass(frozen=True)
+class Picture:
+    """One row of panels. label: what a reader who cannot see it is told; panel_in: width and height of each, inches."""
+
+    panels: Sequence[Draw]
+    label: str
+    panel_in: tuple[float, float] = (4.6, 2.9)
+
+
+def figure(picture: Picture) -> Figure:
+    """The picture as a figure of its own, which belongs to no window."""
     with rc_context(_STYLE):
-        width, height = panel_in[0] * len(panels), panel_in[1]
-        figure = Figure(figsize=(width, height))
-        FigureCanvasSVG(figure)
-        figure.patch.set_alpha(0.0)
-        for place, draw in enumerate(panels):
+        width, height = picture.panel_in[0] * len(picture.panels), picture.panel_in[1]
+        drawn = Figure(figsize=(width, height))
+        for place, draw in enumerate(picture.panels):
             left, right, bottom, top = _MARGINS_IN
-            inner = (panel_in[0] - left - right, height - bottom - top)
-            corner = ((place * panel_in[0] + left) / width, bottom / height)
-            one = figure.add_axes((*corner, inner[0] / width, inner[1] / height))
-            one.patch.set_alpha(0.0)
+            inner = (picture.panel_in[0] - left - right, height - bottom - top)
+            corner = ((place * picture.panel_in[0] + left) / width, bottom / height)
+            one = drawn.add_axes((*corner, inner[0] / width, inner[1] / height))
             draw(one)
             for axis in (one.xaxis, one.yaxis):
                 if axis.get_scale() == "log":  # as plain numbers: powers of ten are slow to typeset
                     axis.set_major_formatter(LogFormatter())
                     axis.set_minor_formatter(LogFormatter(minor_thresholds=(1.2, 0.6)))
-        out = io.StringIO()
-        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    return _embedded(out.getvalue(), label)
+    return drawn
+
+
+def svg(picture: Picture) -> str:
+    """The picture as a part of the page."""
+    drawn = figure(picture)
+    for patch in (drawn.patch, *(one.patch for one in drawn.axes)):
+        patch.set_alpha(0.0)
+    out = io.StringIO()
+    with rc_context(_STYLE):
+        FigureCanvasSVG(drawn)
+        drawn.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    return _embedded(out.getvalue(), picture.label)
 
 
 _numbers = count()

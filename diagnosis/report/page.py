@@ -6,15 +6,15 @@ from importlib.resources import files
 from pathlib import Path
 
 from stillarm.common.recording.header import program_version
-from stillarm.diagnosis.diagnose import Diagnosis
 from stillarm.diagnosis.report import sections
-from stillarm.diagnosis.report.words import verdict_sentence
+from stillarm.diagnosis.report.result import Result
+from stillarm.diagnosis.report.summary import summary
 
 
-def report_page(result: Diagnosis, await_use: Callable[[], None] = lambda: None) -> str:
+def report_page(result: Result, await_use: Callable[[], None] = lambda: None) -> str:
     """The page's text; nothing in it is loaded from elsewhere.
 
-    await_use: called last, before what `stillarm.diagnosis.use` adds to the result's table is read.
+    await_use: called last, before what `stillarm.diagnosis.report.use` adds to the result's table is read.
     """
     measured = result.found.final.world.measured
     name = Path(measured.name).name
@@ -38,12 +38,14 @@ def report_page(result: Diagnosis, await_use: Callable[[], None] = lambda: None)
     await_use()
     body = head + sections.use(result) + tail
     verdict = str(result.table["verdict"])
+    wrong, sure, do = summary(result)
     return (
         "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"
         "<meta name=viewport content='width=device-width, initial-scale=1'>"
         f"<title>{escape(name)}: {escape(verdict)}</title><style>{style}</style></head><body><main>"
-        f"<header><p class=about>Diagnosis of {escape(about)}</p>"
-        f"<h1 class='{escape(verdict)}'>{escape(verdict_sentence(result))}</h1></header>{body}"
+        f"<header><h1 class='{escape(verdict)}'>{escape(wrong)}</h1>"
+        f"<p class=summary>{escape(sure)} {escape(do)}</p>"
+        f"<p class=about>Diagnosis of {escape(about)}</p></header>{body}"
         "<footer>Written by <code>stillarm diagnose</code>. docs/diagnosis.md tells how it decides; "
         "diagnosis.json holds the same numbers; extended.toml the model.</footer></main></body></html>\n"
     )

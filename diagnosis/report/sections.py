@@ -5,11 +5,13 @@ from html import escape
 from typing import Any
 
 from stillarm.common.causes import CAUSES
-from stillarm.diagnosis.diagnose import Diagnosis
 from stillarm.diagnosis.report import panels
 from stillarm.diagnosis.report.case import Case, cases, whole
-from stillarm.diagnosis.report.drawing import svg
+from stillarm.diagnosis.report.drawing import Picture, svg
 from stillarm.diagnosis.report.picture import picture, picture_of_all
+from stillarm.diagnosis.report.residuals import WORDS, ChannelResidual, examine_channel
+from stillarm.diagnosis.report.result import Result
+from stillarm.diagnosis.report.use import MEASURES, outcome
 from stillarm.diagnosis.report.words import (
     NAMES,
     next_steps,
@@ -19,8 +21,6 @@ from stillarm.diagnosis.report.words import (
     use_sentence,
     why_not,
 )
-from stillarm.diagnosis.residuals import ChannelResidual, examine_channel
-from stillarm.diagnosis.use import MEASURES, outcome
 
 _MOST_CANDIDATES = 8
 _EXACT = 1e-6  # of the signal: what rounding leaves
@@ -40,14 +40,14 @@ def _right(column: int, numeric: int) -> str:
     return " class=n" if column >= numeric else ""
 
 
-def findings(result: Diagnosis) -> str:
+def findings(result: Result) -> str:
     """Each finding: what it is, its picture, its numbers."""
     parts = [_finding(case, one) for case, one in zip(cases(result), result.table["findings"], strict=True)]
     left = result.table["unexplained"]
     if left is not None:
         parts.append(_unexplained(result, left))
     elif not parts:
-        parts.append(f"<figure>{picture_of_all(whole(result), None, None)}</figure>")
+        parts.append(f"<figure>{svg(picture_of_all(result))}</figure>")
     return "".join(parts)
 
 
@@ -74,7 +74,7 @@ def _finding(case: Case, one: dict[str, Any]) -> str:
     return (
         f"<section><h2>{escape(NAMES[one['cause']].capitalize())} <code>{escape(one['cause'])}</code></h2>"
         f"<p>{escape(_sentence(cause.sees))} In the simulation: <code>{escape(cause.equation)}</code>.</p>"
-        f"<figure>{picture(case)}</figure>"
+        f"<figure>{svg(picture(case))}</figure>"
         f"{table(['parameter', 'value', 'unit'], rows)}"
         f"<p>Confidence {100.0 * one['confidence']:.0f} %. Held out, it gains {held['log_score_gain']:.0f} nats of "
         f"likelihood (± {case.finding.held_out_std if case.finding else 0.0:.0f} over the held-out blocks); in the "
@@ -88,15 +88,13 @@ def _sentence(text: str) -> str:
     return text[0].upper() + text[1:] + "."
 
 
-def _unexplained(result: Diagnosis, left: dict[str, Any]) -> str:
+def _unexplained(result: Result, left: dict[str, Any]) -> str:
     name, (low, high) = left["channel"], left["band_hz"]
-    figure = picture_of_all(whole(result), (low, high), name if name != "arrival" else None)
-    if name == "arrival":
-        figure = svg([panels.arrivals(whole(result), name)], "arrivals", panel_in=(7.5, 2.9))
     return (
         "<section><h2>What is left, and has no name</h2>"
-        f"<p>In the {escape(panels.WORDS[name])}, between {low:.3g} and {high:.3g} Hz; it depends on: "
-        f"{escape(left['dependence'])}. {_term(left['term'])}</p><figure>{figure}</figure></section>"
+        f"<p>In the {escape(WORDS[name])}, between {low:.3g} and {high:.3g} Hz; it depends on: "
+        f"{escape(left['dependence'])}. {_term(left['term'])}</p>"
+        f"<figure>{svg(picture_of_all(result))}</figure></section>"
     )
 
 
@@ -109,7 +107,7 @@ def _term(term: str) -> str:
     )
 
 
-def gains(result: Diagnosis) -> str:
+def gains(result: Result) -> str:
     """Per channel: held-out error before and after on the noise floor. A loss is shown like a gain."""
     rows = []
     for name, one in result.table["channels"].items():
@@ -119,7 +117,7 @@ def gains(result: Diagnosis) -> str:
         mark = "worse" if change > 0.5 else ("better" if change < -0.5 else "")
         rows.append(
             [
-                escape(panels.WORDS[name]),
+                escape(WORDS[name]),
                 "" if exact else _bar(before, after, floor),
                 str(one["samples"]),
                 f"{before:.4g}",
@@ -155,7 +153,7 @@ def _bar(before: float, after: float, floor: float) -> str:
     )
 
 
-def considered(result: Diagnosis) -> str:
+def considered(result: Result) -> str:
     """The ranking at each step, and why the others were not taken."""
     parts = []
     for number_of, stage in enumerate(result.found.stages, start=1):
@@ -181,7 +179,7 @@ def considered(result: Diagnosis) -> str:
             )
         seen = {one.cause for one in stage.candidates}
         rest: dict[str, float] = {}
-        for scored in stage.screening.scored:
+        for scored in stage.screening:
             if scored.cause.id not in seen:
                 rest[scored.cause.id] = max(rest.get(scored.cause.id, 0.0), scored.nats)
         weak = ", ".join(f"{escape(name)} ({nats:.1f})" for name, nats in rest.items())
@@ -210,7 +208,7 @@ def considered(result: Diagnosis) -> str:
     return f"<section><h2>What else was considered</h2>{''.join(parts)}</section>"
 
 
-def baseline(result: Diagnosis) -> str:
+def baseline(result: Result) -> str:
     """Parameters of the model that were merely off, and events."""
     changes = result.table["baseline_changes"]
     parts = []
@@ -236,24 +234,22 @@ def baseline(result: Diagnosis) -> str:
     return f"<section><h2>Parameters that were merely off, and events</h2>{''.join(parts)}</section>"
 
 
-def residuals(result: Diagnosis) -> str:
+def residuals(result: Result) -> str:
     """Every channel's residual: in time, its spectrum, what it follows, and the tests."""
     case = whole(result)
     parts = []
     for name in case.channels:
         before, after = examine_channel(case.before, name), examine_channel(case.after, name)
-        drawn = [panels.residual_in_time(case, name), panels.residual_spectrum(case, name)]
+        shown = [panels.residual_in_time(case, name), panels.residual_spectrum(case, name)]
         strong = [one for one in (*before.dependences, *after.dependences) if one.significant]
         if strong:
-            drawn.append(panels.residual_against(case, name, strong[0].variable))
+            shown.append(panels.residual_against(case, name, strong[0].variable))
+        drawn = Picture(shown, f"residual of the {name}", (13.0 / len(shown), 2.6))
         same = before.sentences == after.sentences or not result.found.findings
         lists = (
             _sentences("", after) if same else _sentences("Before: ", before) + _sentences("After: ", after)
         )
-        parts.append(
-            f"<h3>{escape(panels.WORDS[name].capitalize())}</h3>"
-            f"<figure>{svg(drawn, f'residual of the {name}', panel_in=(13.0 / len(drawn), 2.6))}</figure>{lists}"
-        )
+        parts.append(f"<h3>{escape(WORDS[name].capitalize())}</h3><figure>{svg(drawn)}</figure>{lists}")
     return (
         "<section><h2>What each channel shows</h2>"
         "<p class=note>Tests hold for coloured residuals: correlations against Bartlett's bands, dependences against "
@@ -266,7 +262,7 @@ def _sentences(word: str, found: ChannelResidual) -> str:
     return f"<p>{'<b>' + word + '</b>' if word else ''}{escape(' '.join(found.sentences))}</p>"
 
 
-def use(result: Diagnosis) -> str:
+def use(result: Result) -> str:
     """What the extended model is worth to the controller."""
     found = result.table.get("use")
     if not found:
@@ -291,11 +287,11 @@ def use(result: Diagnosis) -> str:
         "<section><h2>What it is worth in use</h2>"
         f"{table(['', 'model as given', 'extended model', 'change'], rows, numeric=1)}"
         "<p class=note>The controller in virtual time on a rig that is the extended model, with each model; "
-        f"parts of the blow's amplitude. {escape(use_sentence(found))}</p>{note}</section>"
+        f"parts of the impact's amplitude. {escape(use_sentence(found))}</p>{note}</section>"
     )
 
 
-def what_next(result: Diagnosis) -> str:
+def what_next(result: Result) -> str:
     """What to do."""
     steps = "".join(f"<li>{_marked(one)}</li>" for one in next_steps(result))
     return f"<section><h2>What to do next</h2><ol>{steps}</ol></section>"

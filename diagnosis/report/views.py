@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal.windows import hann
 
-from stillarm.diagnosis.fit import Fit, Split
-from stillarm.diagnosis.residuals import residual_of, times_of
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.report.residuals import residual_of, times_of
 
 Array = NDArray[np.float64]
-
 _STEP_S = 0.005
 _PERIODS = 2.0
 _LEAST_AMPLITUDE = 0.1
@@ -143,7 +143,7 @@ def telling_stretch(before: Fit, after: Fit, name: str, split: Split, length_s: 
 
 
 def ringing_freely(fit: Fit, time_s: Array) -> NDArray[np.bool_]:
-    """Whether neither the joint moved nor a blow fell within a period of the arm."""
+    """Whether neither the joint moved nor an impact fell within a period of the arm."""
     world = fit.world
     period = 1.0 / arm_frequency(fit)
     busy = np.abs(np.nan_to_num(world.measured.command)) > 1e-4
@@ -166,16 +166,3 @@ def sample_times(fit: Fit, name: str) -> Array:
     if name == "displacement":
         return fit.world.instants(fit.vector)
     return times_of(fit.world, name)
-
-
-__all__ = [
-    "Swing",
-    "arm_frequency",
-    "binned",
-    "lateness",
-    "ringing_freely",
-    "sample_times",
-    "sensitivity",
-    "swing",
-    "telling_stretch",
-]

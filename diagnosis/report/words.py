@@ -4,13 +4,12 @@ from math import floor, isfinite, log10
 from typing import Any
 
 from stillarm.common.causes import CAUSES
-from stillarm.diagnosis.candidate import Candidate, Stage
-from stillarm.diagnosis.catalogue import CAUSES as SEARCHED
-from stillarm.diagnosis.diagnose import Diagnosis
-from stillarm.diagnosis.report.panels import WORDS
-from stillarm.diagnosis.rivals import CONVINCING_NATS
-from stillarm.diagnosis.tables import NOTHING_LIKE_IT, is_sure_of
-from stillarm.diagnosis.use import MEASURES, outcome
+from stillarm.diagnosis.inference.candidates import CONVINCING_NATS, Candidate, Stage
+from stillarm.diagnosis.inference.causes import CAUSES as SEARCHED
+from stillarm.diagnosis.report.residuals import WORDS
+from stillarm.diagnosis.report.result import Result
+from stillarm.diagnosis.report.tables import NOTHING_LIKE_IT, is_sure_of
+from stillarm.diagnosis.report.use import MEASURES, outcome
 
 NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
 
@@ -33,7 +32,7 @@ def unit_of(cause: str, parameter: str) -> str:
     return "" if unit in ("", "1") else unit
 
 
-def verdict_sentence(result: Diagnosis) -> str:
+def verdict_sentence(result: Result) -> str:
     """The verdict in one sentence."""
     table = result.table
     parts = [_named(one) for one in table["findings"] if is_sure_of(one, table)]
@@ -107,13 +106,13 @@ def implausible(one: Candidate) -> str:
     return ""
 
 
-def not_tried(result: Diagnosis) -> list[str]:
+def not_tried(result: Result) -> list[str]:
     """Causes that this recording cannot show: what would show them was not recorded, or did not move."""
     world = result.found.baseline.world
     return [name for name, cause in SEARCHED.items() if not cause.needs(world)]
 
 
-def next_steps(result: Diagnosis) -> list[str]:
+def next_steps(result: Result) -> list[str]:
     """What to do next."""
     table = result.table
     steps = []

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
+from stillarm.simulation.arm.linear_run import linear_joint, linear_mode
 from stillarm.simulation.arm.state import Record, Records
 from stillarm.simulation.arm.stepper import acceleration, cycle, link, modes_through
 
@@ -34,9 +35,14 @@ def free_run(
     out_motor (n, 2): of the motor; out_q (n, m) and out_qdd (n, m): q_i and q_i'' at the start of each cycle.
     """
     arm, n, m = arms[0], len(command), arms[0].modes
+    starts = np.empty((n, 2))
+    if linear_joint(arms, command, whole, out_joint, out_motor, starts):
+        for i in range(m):
+            linear_mode(arms, i, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
+        _jumps_of_theta(arm, command, whole, out_joint)
+        return
     dt = arm.early + arm.late
-    fraction = arm.early / dt
-    near = max(0.0, 1.0 - min(fraction, 1.0 - fraction) / _NEAR)
+    fraction, near = _nearness(arm)
     next_jump, jump = 0, 0.0
     for k in range(n):
         next_jump = _jumped(arm, k, next_jump, jump_cycles, jumps)
@@ -48,10 +54,10 @@ def free_run(
             out_qdd[k, i] = acceleration(arm, i, k * dt)
         older, newer = max(k - whole - 1, 0), max(k - whole, 0)
         cycle(arm, k * dt, command[older], command[newer])
-        beside = max(k - whole + 1, 0) if fraction < 0.5 else older
-        jump = 0.0
-        if near > 0.0 and beside < n:
-            jump = near * _jump_of(arm, command[beside], fraction < 0.5)
+        beside, jump = _beside(k, whole, fraction), 0.0
+        if near > 0.0 and beside < n and not _still(arm):
+            _, omega, alpha = link(arm)
+            jump = near * _jump_of(arm, omega, alpha, command[beside], fraction < 0.5)
 
 
 @inlined
@@ -66,11 +72,40 @@ def _jumped(arm: Record, k: int, next_jump: int, jump_cycles: Integers, jumps: A
 
 
 @inlined
-def _jump_of(arm: Record, command: float, to_come: bool) -> float:
+def _nearness(arm: Record) -> tuple[float, float]:
+    """Which part of a cycle passes before a command's arrival, and how near that is to the cycle's ends, 0 to 1."""
+    fraction = arm.early / (arm.early + arm.late)
+    return fraction, max(0.0, 1.0 - min(fraction, 1.0 - fraction) / _NEAR)
+
+
+@inlined
+def _beside(k: int, whole: int, fraction: float) -> int:
+    """The command that arrives just after cycle k's end, or that was obeyed until just before it."""
+    return max(k - whole + 1, 0) if fraction < 0.5 else max(k - whole - 1, 0)
+
+
+@compiled
+def _jumps_of_theta(arm: Record, command: Array, whole: int, out_joint: Array) -> None:
+    """Fill in by how much theta'' jumps near the start of each cycle, of a joint that meets no limit."""
+    fraction, near = _nearness(arm)
+    out_joint[0, 3] = 0.0
+    for k in range(1, len(command)):
+        beside = _beside(k - 1, whole, fraction)
+        out_joint[k, 3] = 0.0
+        if near > 0.0 and beside < len(command):
+            omega, alpha = out_joint[k, 1], out_joint[k, 2]
+            out_joint[k, 3] = near * _jump_of(arm, omega, alpha, command[beside], fraction < 0.5)
+
+
+@inlined
+def _still(arm: Record) -> bool:
+    """Whether the link is crossed by the motor within the play, or stands at an end stop."""
+    return bool((arm.gap > 0.0 and arm.contact == 0.0) or not arm.lowest < arm.motor < arm.highest)
+
+
+@inlined
+def _jump_of(arm: Record, omega: float, alpha: float, command: float, to_come: bool) -> float:
     """By how much theta'' jumps as the drive's aim becomes `command`, or became another than that."""
-    _, omega, alpha = link(arm)
-    if (arm.gap > 0.0 and arm.contact == 0.0) or not arm.lowest < arm.motor < arm.highest:
-        return 0.0
     beside: float = min(max(arm.decay * (command - omega), -arm.most), arm.most)
     return beside - alpha if to_come else alpha - beside
 

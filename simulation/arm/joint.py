@@ -153,6 +153,16 @@ def _strikes(arm: Record, decay: float, start: float, duration: float) -> tuple[
 
 
 @inlined
+def lagging(
+    omega: float, decay: float, start: float, duration: float, lasted: float
+) -> tuple[float, float, float]:
+    """Angle travelled, rad, gain of velocity, rad/s, and theta'' at the end of a duration under theta'' = start
+    exp(-decay t). lasted: the integral of exp(-decay t) over it, s."""
+    passed = omega * duration + start / decay * (duration - lasted)
+    return passed, start * lasted, start * (1.0 - decay * lasted)
+
+
+@inlined
 def _move(arm: Record, duration: float, decay: float, start: float, count: int) -> tuple[float, int]:
     """Move the motor under theta'' = start exp(-decay t), or to its first impact on an end stop: the time used, and how
     many stretches there are."""
@@ -165,7 +175,7 @@ def _move(arm: Record, duration: float, decay: float, start: float, count: int) 
             arm.motor, arm.rate, arm.acceleration = stop, 0.0, 0.0
             return instant, count
     if decay == 0.0:
-        lasted, end = duration, start
+        end, rise = start, start * duration
         passed = duration * (arm.rate + 0.5 * start * duration)
     else:
         lasted = (
@@ -173,11 +183,10 @@ def _move(arm: Record, duration: float, decay: float, start: float, count: int) 
             else arm.early_risen if duration == arm.early
             else risen(decay, duration)
         )  # fmt: skip
-        end = start * (1.0 - decay * lasted)
-        passed = arm.rate * duration + start / decay * (duration - lasted)
+        passed, rise, end = lagging(arm.rate, decay, start, duration, lasted)
     count = _link(arm, duration, decay, start, end, 0.0, count)
     arm.motor = min(max(arm.motor + passed, arm.lowest), arm.highest)
-    arm.rate += start * lasted
+    arm.rate += rise
     arm.acceleration = end
     return duration, count
 

@@ -67,7 +67,7 @@ class Plant:
             if (cause := CAUSES[identifier]).limit is not None
         ]
         self._seen_array = np.zeros(5 + 3 * len(rows))
-        # All that is ever called is compiled before any clock runs: a blow's first one stood the arm still for 50 ms.
+        # All that is ever called is compiled before any clock runs: an impact's first call stood it still for 50 ms.
         advance(self._arm.copy(), 0.0, 0.0, 0.0, self._seen_array)
         strike(self._arm.copy(), 0, 0.0, 0.0)
         self._shaken_m_s2 = self.modal_forces_m_s2

@@ -87,6 +87,15 @@ def _linear(
 
 
 @inlined
+def undisturbed(
+    arm: Record, mode: Record, q: float, v: float, duration: float, start: float, end: float
+) -> tuple[float, float]:
+    """A mode after a duration in which theta'' decays with the drive's lag from `start` to `end`."""
+    step = _step(arm, mode, duration)
+    return _linear(mode, q, v, arm.decay, start, end, (step.wa, step.wb, step.wc, step.wd))
+
+
+@inlined
 def _ratio(arm: Record, i: int, t: float) -> float:
     """A mode's frequency over the declared one at a time from the recording's start."""
     ratio = 1.0
@@ -186,13 +195,19 @@ def _kicked(
 
 
 @inlined
+def free_acceleration(mode: Record, alpha: float, q: float, v: float) -> float:
+    """q'' of a mode on which no law acts, m/s^2. alpha: theta''."""
+    free: float = mode.force - mode.push * alpha - 2.0 * mode.sigma * v - mode.stiffness * q
+    return free
+
+
+@inlined
 def _second(
     arm: Record, i: int, t: float, x: float, theta: float, omega: float,
     alpha: float, q: float, v: float,
 ) -> tuple[float, float]:  # fmt: skip
     """q_i'' without friction, and the largest friction, m/s^2."""
-    mode = nth(arm.mode, i)
-    free = mode.force - mode.push * alpha - 2.0 * mode.sigma * v - mode.stiffness * q
+    free = free_acceleration(nth(arm.mode, i), alpha, q, v)
     extra, rub = 0.0, 0.0
     if arm.laws > 0 or (i == 0 and _acts(arm)):
         ratio = _ratio(arm, i, t)

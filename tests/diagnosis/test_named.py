@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from stillarm.diagnosis.diagnose import Diagnosis, diagnose
+from stillarm.diagnosis.diagnose import diagnose
+from stillarm.diagnosis.report.result import Result
 from tests.fixtures.simulated import SIZES, effect, record
 
 BY_CHANCE = {"impulse_noise", "frame_drops", "delay_bursts"}
@@ -20,7 +21,7 @@ MISSED = {
 """What is known not to be named with this seed: kept, so that it is seen when it is."""
 
 
-def told(result: Diagnosis) -> list[str]:
+def told(result: Result) -> list[str]:
     """Causes, in the order in which they were found."""
     return [one["cause"] for one in result.table["findings"]]
 

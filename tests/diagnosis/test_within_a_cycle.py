@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.explain import explain
-from stillarm.diagnosis.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP
-from stillarm.diagnosis.split import interleaved
-from stillarm.diagnosis.world import World
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision.explain import explain
+from stillarm.diagnosis.physics.quantities import ARRIVAL, OF_ARRIVALS, OF_LAST_JUMP
+from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, empty, fitted, measured
 
 Array = NDArray[np.float64]

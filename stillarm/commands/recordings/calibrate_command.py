@@ -24,9 +24,9 @@ def run(arguments: argparse.Namespace) -> int:
     one_blas_thread()
     from stillarm.common.files.model import check_model, load_model
     from stillarm.common.recording.reader import open_recording
-    from stillarm.diagnosis.calibrate import calibrate
+    from stillarm.diagnosis.calibration.calibrate import calibrate
     from stillarm.diagnosis.commissioning.verdict import judge, marked
-    from stillarm.diagnosis.measured import read_measured
+    from stillarm.diagnosis.data.reading import read_measured
     from stillarm.progress import progress_bar
 
     model = load_model(arguments.model)

@@ -60,7 +60,7 @@ def diagnose_one(
     one_blas_thread()
     from stillarm.commands.recordings.diagnose_result import put_to_use, sentence, write
     from stillarm.common.files.output_folder import make_folder
-    from stillarm.diagnosis.budget import Budget
+    from stillarm.diagnosis.decision.budget import Budget
     from stillarm.diagnosis.diagnose import diagnose
     from stillarm.diagnosis.report.words import use_sentence
 
@@ -86,7 +86,7 @@ def beside() -> Iterator[Callable[..., Iterable[Any]]]:
     """A `map` that runs in two separate processes, which start in the background; in this process if those die."""
     one_blas_thread()
     context = get_context("forkserver")
-    context.set_forkserver_preload(["stillarm.diagnosis.use"])  # imported once, for both
+    context.set_forkserver_preload(["stillarm.diagnosis.report.use"])  # imported once, for both
     with ProcessPoolExecutor(2, mp_context=context) as pool:
 
         def run_each(work: Callable[[Any], Any], items: Iterable[Any]) -> Iterable[Any]:

@@ -10,15 +10,15 @@ from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
     from stillarm.common.files.model import Model
-    from stillarm.diagnosis.diagnose import Diagnosis
+    from stillarm.diagnosis.report.result import Result
 
 
-def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> None:
+def write(result: "Result", folder: Path, await_use: Callable[[], None]) -> None:
     """Write diagnosis.json, extended.toml and report.html. await_use: result of `put_to_use`.
 
     The verdict is written first, since the drawing of the report may be interrupted.
     """
-    from stillarm.diagnosis.diagnose import model_text
+    from stillarm.diagnosis.report.extended_model import model_text
     from stillarm.diagnosis.report.page import report_page
 
     (folder / "extended.toml").write_text(model_text(result.extended))
@@ -28,13 +28,13 @@ def write(result: "Diagnosis", folder: Path, await_use: Callable[[], None]) -> N
     (folder / "report.html").write_text(page)
 
 
-def _write_table(result: "Diagnosis", folder: Path) -> None:
+def _write_table(result: "Result", folder: Path) -> None:
     text = json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n"
     (folder / "diagnosis.json").write_text(text)
 
 
 def put_to_use(
-    result: "Diagnosis",
+    result: "Result",
     path: Path,
     model: "Model | None",
     pairs: int,
@@ -48,7 +48,7 @@ def put_to_use(
     from stillarm.common.files.configuration import load_configuration
     from stillarm.common.recording.reader import open_recording
     from stillarm.diagnosis.diagnose import model_of
-    from stillarm.diagnosis.use import begin_use
+    from stillarm.diagnosis.report.use import begin_use
     from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
 
     table = result.table
@@ -91,7 +91,7 @@ def _plain(value: Any) -> Any:
 
 def sentence(table: dict[str, Any]) -> str:
     """The verdict in one sentence."""
-    from stillarm.diagnosis.tables import is_sure_of
+    from stillarm.diagnosis.report.tables import is_sure_of
 
     parts = []
     for finding in table["findings"]:

@@ -7,8 +7,8 @@ import pytest
 
 from stillarm.common.causes.modal_temperature_drift import law
 from stillarm.common.files.model import Arm, Mode, Model
-from stillarm.diagnosis.explain import explain
-from stillarm.diagnosis.split import interleaved
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision.explain import explain
 from stillarm.simulation.arm.plant import Plant
 from tests.fixtures.synthetic import fitted, measured
 

@@ -23,7 +23,8 @@ from stillarm.diagnosis.commissioning.plan import Limits
 from stillarm.diagnosis.commissioning.procedure import commission, until
 from stillarm.diagnosis.commissioning.verdict import marked
 from stillarm.diagnosis.commissioning.watch import Bounds
-from stillarm.diagnosis.measured import Frames, Measured, read_measured
+from stillarm.diagnosis.data.measured import Frames, Measured
+from stillarm.diagnosis.data.reading import read_measured
 
 LIMITS = Limits()
 RIGS = (1, 7, 8)

@@ -8,7 +8,7 @@ import pytest
 
 from stillarm.diagnosis.commissioning.plan import Limits, probe, stages
 from stillarm.diagnosis.commissioning.watch import Bounds, Watch, bounds_of, growth
-from stillarm.diagnosis.measured import Frames, Measured
+from stillarm.diagnosis.data.measured import Frames, Measured
 
 BOUNDS = Bounds(angle_rad=0.05, image_px=100.0, acceleration_m_s2=10.0)
 LIMITS = Limits()

@@ -2,7 +2,9 @@
 
 import re
 from dataclasses import replace
+from html import escape
 from html.parser import HTMLParser
+from importlib.resources import files
 from typing import Any
 
 import pytest
@@ -10,27 +12,29 @@ from matplotlib.axes import Axes
 
 from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.causes import CAUSES as CATALOGUE
-from stillarm.diagnosis.catalogue import CAUSES
-from stillarm.diagnosis.diagnose import Diagnosis, diagnose_measured
-from stillarm.diagnosis.report.drawing import svg
+from stillarm.diagnosis.diagnose import diagnose_measured
+from stillarm.diagnosis.inference.causes import CAUSES
+from stillarm.diagnosis.report.drawing import _VARIABLES, AFTER, INK, SHADE, Picture, figure, svg
 from stillarm.diagnosis.report.page import report_page
-from stillarm.diagnosis.report.picture import _TELLING
+from stillarm.diagnosis.report.picture import _TELLING, main_picture
+from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.report.sections import gains
 from stillarm.diagnosis.report.sections import use as use_section
+from stillarm.diagnosis.report.summary import summary
+from stillarm.diagnosis.report.use import MEASURES
 from stillarm.diagnosis.report.words import NAMES, next_steps, number, verdict_sentence
-from stillarm.diagnosis.use import MEASURES
 from tests.fixtures.synthetic import MODEL, measured
 
 
 @pytest.fixture(scope="module")
-def found() -> Diagnosis:
+def found() -> Result:
     """A joint with friction."""
     data = replace(measured(8.0, 3, {"drive.velocity_loss_rad_s": 0.01}), name="<b>rig & co.mcap")
     return diagnose_measured(data, MODEL)
 
 
 @pytest.fixture(scope="module")
-def page(found: Diagnosis) -> str:
+def page(found: Result) -> str:
     """Its page."""
     return report_page(found)
 
@@ -76,7 +80,7 @@ def test_the_page_is_whole_and_loads_nothing(page: str) -> None:
 
 
 @pytest.mark.slow
-def test_it_says_the_verdict_the_cause_and_what_else_was_considered(found: Diagnosis, page: str) -> None:
+def test_it_says_the_verdict_the_cause_and_what_else_was_considered(found: Result, page: str) -> None:
     assert found.table["findings"][0]["cause"] == "joint_friction"
     assert NAMES["joint_friction"] in page
     assert "What else was considered" in page
@@ -87,7 +91,7 @@ def test_it_says_the_verdict_the_cause_and_what_else_was_considered(found: Diagn
 
 
 @pytest.mark.slow
-def test_a_loss_is_shown_as_one(found: Diagnosis) -> None:
+def test_a_loss_is_shown_as_one(found: Result) -> None:
     channels = {name: dict(one) for name, one in found.table["channels"].items()}
     channels["acceleration"] |= {"nrmse_before": 0.10, "nrmse_after": 0.13}
     assert "<span class='worse'>+30.0 %</span>" in gains(
@@ -96,7 +100,7 @@ def test_a_loss_is_shown_as_one(found: Diagnosis) -> None:
 
 
 @pytest.mark.slow
-def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Diagnosis) -> None:
+def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Result) -> None:
     keys = tuple(MEASURES)
     use: dict[str, Any] = {
         "before": dict.fromkeys(keys, 0.2), "after": dict.fromkeys(keys, 0.3), "spread": None, "pairs": 1, "note": None,
@@ -115,11 +119,43 @@ def test_what_it_is_worth_in_use_is_told_where_it_is_known(found: Diagnosis) -> 
 
 def test_figures_take_the_pages_colours() -> None:
     def draw(axes: Axes) -> None:
-        axes.plot([0, 1], [1, 0], color="#040404")
+        axes.plot([0, 1], [1, 0], color=AFTER)
 
-    text = svg([draw], "a line")
-    assert "var(--after)" in text
-    assert "#04" not in text
+    one = Picture([draw], "a line")
+    text = svg(one)
+    assert "var(--after)" in text and "var(--ink)" in text
+    assert AFTER not in text and INK not in text
+    (axes,) = figure(one).axes
+    assert axes.lines[0].get_color() == AFTER
+
+
+def test_the_pages_colours_in_daylight_are_the_figures() -> None:
+    """But for the shade, which the page draws through."""
+    style = files("stillarm.diagnosis.report").joinpath("style.css").read_text().split("@media", 1)[0]
+    for colour, variable in _VARIABLES.items():
+        if colour != SHADE:
+            assert f"{variable}: {colour};" in style
+
+
+@pytest.mark.slow
+def test_the_page_begins_with_three_sentences(found: Result, page: str) -> None:
+    wrong, sure, do = (escape(one) for one in summary(found))
+    body = page.split("<body>", 1)[1]
+    assert re.match(rf"<main><header><h1 class='named'>{re.escape(wrong)}</h1>", body)
+    assert f"<p class=summary>{sure} {do}</p>" in body.split("</header>", 1)[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("verdict", ["named", "none", "unexplained"])
+def test_the_main_picture_is_of_the_verdict(found: Result, verdict: str) -> None:
+    left = {"channel": "acceleration", "band_hz": [2.0, 9.0], "dependence": "", "term": ""}
+    result = replace(
+        found,
+        table={**found.table, "verdict": verdict, "unexplained": left if verdict == "unexplained" else None},
+    )
+    one = main_picture(result)
+    assert ("joint_friction" in one.label) is (verdict == "named")
+    assert len(figure(one).axes) == len(one.panels)
 
 
 @pytest.mark.parametrize(
@@ -136,7 +172,7 @@ def test_numbers_have_the_digits_that_mean_something(value: float, std: float, t
 
 
 @pytest.mark.slow
-def test_a_finding_that_what_is_left_dwarfs_is_not_put_forward(found: Diagnosis) -> None:
+def test_a_finding_that_what_is_left_dwarfs_is_not_put_forward(found: Result) -> None:
     """Its name comes after what has none, and the page does not send anybody to look for nothing wrong."""
     table = found.table
     unsure = [{**one, "confidence": 0.01} for one in table["findings"]]

@@ -37,7 +37,7 @@ print({name for name, count in compiled().items() if count != ready[name]} or "n
 
 @pytest.mark.slow
 def test_a_ready_plant_compiles_nothing_when_it_is_struck_pushed_or_moved() -> None:
-    """A process of its own: here, other tests have compiled all. A blow used to compile for 50 ms as it fell."""
+    """A process of its own: here, other tests have compiled all. An impact used to compile for 50 ms as it fell."""
     said = subprocess.run([sys.executable, "-c", _LIVE], check=True, capture_output=True, text=True)
     assert said.stdout.strip() == "nothing"
 

@@ -85,7 +85,7 @@ def test_stamps_on_a_clock_of_their_own_are_used() -> None:
 
 @pytest.mark.slow
 def test_after_an_impact_the_deflection_is_soon_right_again() -> None:
-    """A blow of half the amplitude: within 4 percent 0.2 s after it, as told by images that are 74 ms late."""
+    """An impact of half the amplitude: within 4 percent 0.2 s after it, as told by images that are 74 ms late."""
     trial, _ = run(9.0, 5, delay="white", excitation="strikes")
     model = model_for(AMPLITUDE, 0.3)
     envelope = ring(model, 5, 9.0, delay="white", excitation="strikes").envelope
@@ -229,7 +229,7 @@ def test_duplicates_a_reset_counter_and_missing_numbers_do_no_harm() -> None:
 
 
 def test_at_rest_the_delay_is_unestimated_and_nothing_is_claimed() -> None:
-    """Before the first blow: the prior delay, with its spread; the deflection within its deviation."""
+    """Before the first impact: the prior delay, with its spread; the deflection within its deviation."""
     trial, _ = run(3.0, 13, rest_s=60.0, offset_px=30.0)
     assert set(trial.status) <= {Status.UNESTIMATED.value, Status.HELD.value}
     assert np.all(trial.delay_std > 0.004)

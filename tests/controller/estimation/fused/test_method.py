@@ -29,7 +29,7 @@ def held_m(time_s: float) -> float:
 
 @pytest.fixture(scope="module")
 def pull() -> Trace:
-    """Two blows, damping from 2.5 s on, then the pull."""
+    """Two impacts, damping from 2.5 s on, then the pull."""
     model = Model(
         arm=Arm(length_m=2.0),
         camera=Camera(noise_std_px=0.05, exposure_s=0.0),

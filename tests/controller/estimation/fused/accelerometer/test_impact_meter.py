@@ -144,7 +144,7 @@ def test_the_step_of_a_sensor_that_goes_on_is_told_once() -> None:
 
 @pytest.mark.slow
 def test_the_deflection_is_known_while_the_images_still_show_the_time_before_the_impact() -> None:
-    """From 15 ms behind a blow on, images being 74 ms late: within 12 percent, where the blow has moved it by half."""
+    """From 15 ms behind an impact on, images being 74 ms late: within 12 percent, where it has moved by half."""
     regime = REGIMES["freerun drift"]
     data = generate(regime, 0.3, (31,), 10.0, Arm())
     said = run_method("fused", data, assumed_model(regime, 0.3))

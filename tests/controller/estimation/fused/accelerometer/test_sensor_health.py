@@ -78,7 +78,7 @@ def test_more_alarms_than_any_arm_is_struck_are_not_believed() -> None:
 
 
 def test_an_impact_must_stand_out_from_what_the_sensor_contradicts_anyway() -> None:
-    """Differences from the images twice as large, squared, as they should be: a blow by less than twice is none."""
+    """Differences from the images twice as large, squared, as they should be: an impact by less than twice is none."""
     health = healthy()
     for k in range(200):
         health.compare(float(np.sqrt(0.02)) * (-1.0) ** k, 0.0, 0.01)

@@ -1,4 +1,4 @@
-"""An image scale that drifts is seen and followed; noise, a blow and a spike are no drift."""
+"""An image scale that drifts is seen and followed; noise, an impact and a spike are no drift."""
 
 from dataclasses import replace
 from math import pi, sin, sqrt

@@ -1,0 +1,7 @@
+"""What was measured: a recording on a grid of cycles, its channels, its noise, and the times of its frames.
+
+Not here: what should have been measured (physics), and anything that is fitted to a simulation. Begin with
+measured.py.
+"""
+
+__all__ = ["channels", "frame_clock", "frame_times", "measured", "noise", "reading", "robust", "split"]

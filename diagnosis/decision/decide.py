@@ -1,0 +1,267 @@
+"""From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
+
+from dataclasses import dataclass, field
+from math import exp, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.candidates import (
+    CONVINCING_NATS,
+    MATTERS_OF_NOISE,
+    PRICE_NATS,
+    Candidate,
+    Found,
+    Stage,
+    white_noise,
+)
+from stillarm.diagnosis.inference.comparison import Slopes, free_names
+from stillarm.diagnosis.inference.evidence import Score, noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.inference.fit import fit, slopes_of
+from stillarm.diagnosis.inference.fitted import THIN, Fit, make_data
+from stillarm.diagnosis.inference.freeform import Group, groups
+from stillarm.diagnosis.inference.impacts import carried_over
+from stillarm.diagnosis.inference.screen import residual_peaks
+from stillarm.diagnosis.physics.computing import OutOfTime, side_by_side
+
+Array = NDArray[np.float64]
+
+ODDS_NATS = 3.0
+"""Odds of 20 to 1 (contract.md)."""
+MATTERS_OF_MOTION = 1.0 / 2000.0
+"""A rest that matters is over this part of its channel's own variation, too (contract.md)."""
+MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
+"""And over this (contract.md)."""
+_STEPS = 4  # of a fit of free terms: they are linear
+_PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
+_EXPLAINED = 0.35
+"""Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
+own discrepancy keep from being explained."""
+_TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
+_SHARPNESS = 10.0  # of the change from one verdict to the other
+_OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
+_RIVAL = 0.05  # of a finding's nats: a free form is no better by less, as no formula is quite the true one
+
+
+@dataclass(frozen=True)
+class Free:
+    """A group of free terms on top of a fit. merit: nats that it adds, less its price; channel: where it shows most."""
+
+    group: Group
+    merit: float
+    channel: str
+    fit: Fit
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What is left in a channel. rms: beyond the noise, in the channel's unit; share_of_noise; immaterial."""
+
+    channel: str
+    rms: float
+    share_of_noise: float
+    immaterial: bool
+    band_hz: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """The verdict. beside: the best free terms on top of all findings; alone: on top of the baseline."""
+
+    verdict: str
+    rests: list[Rest]
+    beside: Free | None
+    alone: Free | None
+    confidence: dict[str, float] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def left(self) -> Rest | None:
+        """The largest rest that matters, by its noise."""
+        material = [one for one in self.rests if not one.immaterial]
+        return max(material, key=lambda one: one.share_of_noise, default=None)
+
+
+def judge(found: Found, split: Split) -> Judged:
+    """Weigh what was named against what has no name, and against nothing."""
+    rests = [rest_of(found.final, name, split) for name in found.final.residuals]
+    material = any(not one.immaterial for one in rests)
+    mattered = any(not rest_of(found.baseline, name, split).immaterial for name in found.baseline.residuals)
+    first = found.findings[0] if found.findings else None
+    left_out: list[str] = []
+    beside = alone = None
+    try:
+        if material or (first is not None and _may_rival(first, found.final, split)):
+            beside = best_free(found.final, split)
+        if first is not None and first.law is None and _may_lead(first, found.baseline, split):
+            alone = best_free(found.baseline, split)
+    except OutOfTime:
+        left_out.append("structure without a name")
+    if first is None:
+        verdict = "unexplained" if material else "none"
+        return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
+    named = _odds_of_name(found, first, split, beside, alone)
+    unnamed = "unexplained" if mattered or material else "none"
+    verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
+    confidence = {
+        one.cause: _confidence(found, one, named if one is first else 1.0) for one in found.findings
+    }
+    return Judged(verdict, rests, beside, alone, confidence, tuple(left_out))
+
+
+def _odds_of_name(
+    found: Found, first: Candidate, split: Split, beside: Free | None, alone: Free | None
+) -> float:
+    """Probability that the first finding is what it is called, rather than a part of something without a name."""
+    if first.law is not None:
+        return _OF_LAWS
+    gained = float(first.nats.sum())
+    channels = [name for name in first.fit.residuals if (name == "arrival") == (_place(first) == "timing")]
+    channels = channels if _place(first) != "timing" else list(first.fit.residuals)
+    left = explainable(first.fit, split)
+    share = gained / max(gained + sum(left[name] for name in channels), 1e-9)
+    beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
+    free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
+    ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
+    doubts = (
+        _SHARPNESS * (share - _EXPLAINED),
+        _SHARPNESS * (free - 0.5),
+        2.0 * _SHARPNESS * (ahead + _RIVAL),
+    )
+    return 1.0 / (1.0 + exp(-min(doubts)))
+
+
+def _may_rival(first: Candidate, final: Fit, split: Split) -> bool:
+    """Whether what the findings leave is worth enough for free terms to be told of beside the first."""
+    return sum(explainable(final, split).values()) > _RIVAL * first.merit
+
+
+def _may_lead(first: Candidate, baseline: Fit, split: Split) -> bool:
+    """Whether any free terms could explain more than the first finding: none explains more than a perfect model."""
+    return sum(explainable(baseline, split).values()) > first.merit
+
+
+def _place(one: Candidate) -> str:
+    return DECLARED[one.cause].place
+
+
+def _confidence(found: Found, one: Candidate, named: float) -> float:
+    near = class_of(found, one)
+    rival = runner_up(found, one)
+    lead = one.merit - (rival.merit if rival is not None else 0.0)
+    sure = 1.0 / (1.0 + exp(-min(lead, 60.0) / ODDS_NATS))
+    return float(min(0.99, named * sure) / (1 + len(near)))
+
+
+def runner_up(found: Found, one: Candidate) -> Candidate | None:
+    """The best other cause when a finding was taken."""
+    others = [
+        each for each in stage_of(found, one).candidates if each.cause != one.cause and each.law is None
+    ]
+    return max(others, key=lambda each: each.merit, default=None) if one.law is None else None
+
+
+def class_of(found: Found, one: Candidate) -> list[str]:
+    """Other causes that these data do not tell from a finding at odds of 20 to 1."""
+    if one.law is not None:
+        return []
+    near = []
+    for each in stage_of(found, one).candidates:
+        if each.cause == one.cause or each.law is not None:
+            continue
+        if one.merit - each.merit < max(ODDS_NATS, _TIE * one.merit) and each.merit > CONVINCING_NATS:
+            near.append(each.cause)
+    return near
+
+
+def stage_of(found: Found, one: Candidate) -> Stage:
+    """The round in which a finding was taken."""
+    return next(stage for stage in found.stages if stage.taken is one)
+
+
+def best_free(last: Fit, split: Split) -> Free | None:
+    """The group of free terms that adds most to a fit's log score."""
+    before = score(last, split)
+    peaks: list[float] = []
+    for seen in residual_peaks(last).values():
+        peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
+    slopes = slopes_of(last)
+    found = side_by_side(lambda group: _with_free(group, last, before, split, slopes), groups(peaks))
+    tried = [one for one in found if one is not None]
+    best = max(tried, key=lambda one: one.merit, default=None)
+    return best if best is not None and best.merit > 0.0 else None
+
+
+def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free | None:
+    added = group.added(last)
+    if added is None:
+        return None
+    world = last.world.changed(added=(*last.world.added, added))
+    names = free_names(last, world, added.amounts)
+    fitted = fit(
+        make_data(world, split),
+        carried_over(last, world),
+        names,
+        iterations=_STEPS,
+        colour=last.colour,
+        known=slopes,
+    )
+    after = score(fitted, split)
+    nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
+    merit = min(float(nats.sum()) - PRICE_NATS * len(added.amounts), 3.0 * float(held.sum()))
+    channel = max(after.whole, key=lambda name: after.gain_of(before, name))
+    return Free(group, merit, channel, fitted)
+
+
+def explainable(last: Fit, split: Split) -> dict[str, float]:
+    """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise."""
+    now = score(last, split)
+    found = {}
+    for name in last.residuals:
+        ideal = score_of_noise(last, name, split, white_noise(last, name) / sqrt(THIN.get(name, 1)))
+        found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
+    return found
+
+
+def rest_of(last: Fit, name: str, split: Split) -> Rest:
+    """What a fit leaves in a channel beyond its noise."""
+    residual = last.residuals[name]
+    known = residual[np.isfinite(residual)]
+    noise = noise_of(last, name, split)
+    rms = sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0
+    least = max(MATTERS_AT_LEAST.get(name, 0.0), MATTERS_OF_MOTION * variation(last, name))
+    immaterial = rms < MATTERS_OF_NOISE * noise or rms < least
+    step = last.world.step_s(name)
+    return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, _band(known, step))
+
+
+def noise_of(last: Fit, name: str, split: Split) -> float:
+    """A channel's own noise, whatever the model, with its colour."""
+    many = THIN.get(name, 1)
+    count, level = noise_spectrum(last, name, split, white_noise(last, name) / sqrt(many))
+    return (
+        sqrt(many * float(count @ level) / float(count.sum()))
+        if count.sum() > 0.0
+        else white_noise(last, name)
+    )
+
+
+def variation(last: Fit, name: str) -> float:
+    """A channel's own variation."""
+    values = last.world.channels[name]
+    if name == "arrival":
+        values = values - last.world.frame_clock.grid_s
+    return float(np.nanstd(values))
+
+
+def _band(residual: Array, step_s: float) -> tuple[float, float]:
+    """The band that holds the middle nine tenths of a residual's power, Hz."""
+    power = np.abs(np.fft.rfft(residual)) ** 2
+    hz = np.fft.rfftfreq(len(residual), step_s)
+    total = np.cumsum(power[1:])
+    if not len(total) or total[-1] <= 0.0:
+        return 0.0, 0.0
+    low, high = np.searchsorted(total, [0.05 * total[-1], 0.95 * total[-1]])
+    return float(hz[1 + low]), float(hz[1 + min(high, len(total) - 1)])

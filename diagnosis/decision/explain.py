@@ -1,0 +1,225 @@
+"""Which causes are in the data: every form of every cause refitted, and judged by how well it foretells the recording.
+
+One round: the forms that a score test finds worth a look are refitted, the best of them to the end, some with an onset;
+each is worth the log score that it gains over all blocks (evidence.py), less what its numbers cost. The best is taken,
+and the next round looks at what it leaves.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis.data.channels import JOINT_CHANNELS
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.decision.decide import rest_of
+from stillarm.diagnosis.inference.candidates import (
+    MATTERS_OF_NOISE,
+    PRICE_NATS,
+    Candidate,
+    Found,
+    Stage,
+    convinces,
+    of_law,
+    white_noise,
+)
+from stillarm.diagnosis.inference.cause import Form
+from stillarm.diagnosis.inference.clocks import backward_steps
+from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared, free_names
+from stillarm.diagnosis.inference.evidence import score
+from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.forms import forms
+from stillarm.diagnosis.inference.impacts import carried_over
+from stillarm.diagnosis.inference.laws import LawFound, laws
+from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.world import World
+
+MOST_CAUSES = 3
+_WHOLE = 3  # forms of the drive that are fitted to all channels
+_OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
+_FULL = 12  # steps of a fit
+
+
+def explain(
+    baseline: Fit,
+    split: Split,
+    tick: Callable[[float, str], None] = lambda done, what: None,
+    only: Sequence[str] | None = None,
+    known: Sequence[LawFound] = (),
+) -> Found:
+    """Take causes one after another while one convinces. known: laws that were found while the data were read."""
+    found = Found(baseline, baseline)
+    other = _without_doubtful_impacts(baseline, split, tick, only, known)
+    if other is not None:
+        return other
+    return _explained(found, split, tick, only, known)
+
+
+def _without_doubtful_impacts(
+    baseline: Fit,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+) -> Found | None:
+    """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
+    model that is wrong about moves is put right by an impact at each. None where it is not."""
+    doubtful = _while_moving(baseline)
+    if not doubtful:
+        return None
+    world = baseline.world
+    kept = tuple(cycle for cycle in world.impacts if cycle not in doubtful)
+    fewer = world.changed(impacts=kept, strokes=world.strokes)
+    try:
+        start = carried_over(baseline, fewer)
+        names = free_names(baseline, fewer, ())
+        plain = fit(make_data(fewer, split), start, names, iterations=_FULL, colour=baseline.colour)
+        found = Found(plain, plain)
+        before = score(baseline, split)
+        many = len(doubtful) * (2 * world.modes + 2)  # numbers that the impacts took
+        if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
+            return _explained(found, split, tick, only, known)
+        stage = _round(found, split, only, upstream=_joint_departs(plain))
+    except OutOfTime:
+        return None
+    if stage.taken is None or stage.taken.law is not None:
+        return None
+    lead = float(score(stage.taken.fit, split).gain(before).sum())
+    if lead < PRICE_NATS * (len(stage.taken.free) - many):
+        return None
+    return _explained(found, split, tick, only, known, [stage])
+
+
+def _while_moving(baseline: Fit) -> list[int]:
+    """The impacts within a swing of which the joint was on the move."""
+    world = baseline.world
+    command = np.nan_to_num(world.measured.command)
+    reach = round(1.0 / (baseline.value("modes.0.frequency_hz") * world.measured.cycle_s))
+    still = 0.01 * float(np.max(np.abs(command), initial=0.0))
+    return [
+        cycle
+        for cycle in world.impacts
+        if still > 0.0 and np.any(np.abs(command[max(cycle - reach, 0) : cycle + reach]) > still)
+    ]
+
+
+def _explained(
+    found: Found,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+    begun: Sequence[Stage] = (),
+) -> Found:
+    """The findings one after another. begun: rounds that are made already."""
+    baseline = found.baseline
+    data = make_data(baseline.world, split)
+    for law in (*known, *backward_steps(data)):
+        one = of_law(baseline, law)
+        found.findings.append(one)
+        found.stages.append(Stage([], [one], one))
+    for stage in begun:
+        assert stage.taken is not None
+        found.stages.append(stage)
+        found.findings.append(stage.taken)
+        found.final = stage.taken.fit
+    for turn in range(len(begun), MOST_CAUSES):
+        tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
+        upstream = turn == 0 and _joint_departs(found.final)
+        try:
+            stage = _round(found, split, only, upstream)
+            found.stages.append(stage)
+            if stage.taken is None and upstream:
+                stage = _round(found, split, only, upstream=False)
+                found.stages.append(stage)
+        except OutOfTime:
+            found.left_out.append(LEFT_OUT)
+            break
+        if stage.taken is None:
+            break
+        found.findings.append(stage.taken)
+        if stage.taken.law is None:
+            found.final = stage.taken.fit
+    return found
+
+
+def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: bool) -> Stage:
+    """One round. upstream: of the drive alone, where the joint departs: the arm is judged by the joint as measured, so
+    that what the drive did is no matter of the arm's."""
+    last, taken = found.final, {one.cause for one in found.findings}
+    allowed = [one for one in forms(last.world) if one.id not in taken and (only is None or one.id in only)]
+    if upstream:
+        drive = [one for one in allowed if _turns_the_joint(one)]
+        screening, candidates = compared(_joint_alone(last, split), drive, split, found)
+        candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
+    else:
+        screening, candidates = [], []
+        if not found.findings or _anything_matters(last, split):
+            screening, candidates = compared(last, allowed, split, found)
+        try:
+            known = laws(make_data(last.world, split), last)
+            candidates += [of_law(last, law) for law in known if law.cause not in taken]
+        except OutOfTime:
+            found.left_out.append("laws of noise and timing")
+    candidates.sort(key=lambda one: -one.merit)
+    best_of: dict[str, Candidate] = {}
+    for one in candidates:
+        best_of.setdefault(one.cause, one)
+    ranked = list(best_of.values())
+    beside = bool(found.findings)
+    convincing = [one for one in ranked if convinces(one, last, beside)]
+    return Stage(screening, ranked, convincing[0] if convincing else None)
+
+
+def _anything_matters(last: Fit, split: Split) -> bool:
+    """Whether a fit leaves anything that a further finding could be told for."""
+    return any(not rest_of(last, name, split).immaterial for name in last.residuals)
+
+
+def _joint_alone(last: Fit, split: Split) -> Fit:
+    """A fit of the joint's channels only: what the drive did shows there, and is sought at a tenth of the cost."""
+    measured, unseen = last.world.measured, np.full(last.world.measured.cycles, np.nan)
+    frames = replace(
+        measured.frames,
+        **{name: getattr(measured.frames, name)[:0] for name in _OF_FRAMES},
+    )
+    alone = replace(measured, acceleration=unseen, deflection=unseen, frames=frames)
+    world = World(alone, last.world.model, behind_encoder=last.world.behind_encoder)
+    names = [name for name in world.baseline_names() if not name.startswith(("modes.", "jump."))]
+    kept = [name for name in last.free if name.startswith("drive.") and name in world.space.place]
+    return fit(make_data(world, split), carried_over(last, world), (*names, *dict.fromkeys(kept)))
+
+
+def _of_the_whole(one: Candidate, last: Fit, split: Split) -> Candidate:
+    """A form of the drive, fitted to the joint alone, fitted to all channels."""
+    values = {name: one.fit.value(name) for name in one.fit.free if name in last.world.space.place}
+    if one.begins is not None:
+        values[one.begins] = one.fit.value(one.begins)
+    world = last.world
+    if one.fit.world.behind_encoder != world.behind_encoder:
+        world = world.changed(behind_encoder=one.fit.world.behind_encoder)
+    start = world.space.with_values(carried_over(last, world), values)
+    names = free_names(last, world, one.free)
+    fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=last.colour)
+    return replace(one, fit=fitted)
+
+
+def _turns_the_joint(one: Form) -> bool:
+    """Whether it shows in how the joint moves: all of the drive's but a rotor's imbalance, which shakes the arm."""
+    return DECLARED[one.id].place == "drive" and DECLARED[one.id].acts != "force"
+
+
+def _joint_departs(last: Fit) -> bool:
+    """Whether the joint's own sensors show a departure of the drive."""
+    world = last.world
+    if world.joint_hz <= 0.0:
+        return False
+    for name in JOINT_CHANNELS:
+        if name in last.residuals:
+            noise = white_noise(last, name)
+            power = float(np.nanmean(last.residuals[name] ** 2))
+            if power - noise**2 > (MATTERS_OF_NOISE * noise) ** 2:
+                return True
+    return False

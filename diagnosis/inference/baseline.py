@@ -1,0 +1,279 @@
+"""The baseline: what may be off without being a cause, refitted before any cause is looked for.
+
+Impacts are sought with the frequency that the vibration is seen to have, a pull at the arm is left out, and higher
+modes that a fit has lost are begun again from where the model has them.
+
+A pull: something unknown holds the arm for a while, and lets it go. What the arm shows meanwhile is the pull's, which
+no model foretells, so it is not judged; from the release on the arm rings from a state of its own. A pull is seen in
+the images: it bends the arm to one side for longer than a part of a swing, and ends where the vibration jumps.
+
+A lost mode: while something larger is unexplained, a payload that was put down in mid-run, say, a small mode is bent to
+make up for it: its frequency goes elsewhere, and its share to nothing or to another sign. From there no slope leads
+back.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.robust import std_about_zero, white_noise
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.accelerometer_faults import below, ceiling_of
+from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.frequency_course import frequency_courses, seen_frequency, shares
+from stillarm.diagnosis.inference.impacts import (
+    carried_over,
+    fit_with_impacts,
+    with_impacts_in_place,
+    with_impacts_sought,
+)
+from stillarm.diagnosis.physics.measured_joint import departure_hz
+from stillarm.diagnosis.physics.quantities import HIGHER, RANGE
+from stillarm.diagnosis.physics.world import World
+
+Array = NDArray[np.float64]
+
+HURRIED_STEPS = 5
+_PULLS_SOUGHT = 2
+_MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
+_LITTLE = 1.5  # times the noise: a rest below it makes no impacts up
+_LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is simulated as it is
+
+# a pull
+_WINDOW_S = 0.2  # over which an image's departure is looked at
+_LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
+_GAP_S, _LEAD_S = 0.15, 0.3  # within a pull; before it shows
+_SHORTEST_S, _LONGEST_S = 0.25, 8.0
+_ONE_SIDED = 0.5  # of the departure's power is its mean's: a swing has none
+_MOST = 0.3  # of the recording
+
+# a lost mode
+_FAR, _LEAST, _LARGEST = 0.03, 0.5, 2.0  # of the model's frequency; of its participation
+_SEEN = 0.2  # standard deviation of the participation, over the model's
+_OFF = (1.0, 0.98, 1.02)  # of the model's frequency
+_BETTER_NATS = 3.0
+
+
+def moved_as_measured(world: World, split: Split) -> World:
+    """The world in which the arm is moved by the joint as it was measured, where the drive's model does not foretell
+    it."""
+    if "joint_position" not in world.channels or world.measured.pair:
+        return world
+    names = [name for name in world.baseline_names() if name.startswith("start.")]
+    begun = fit(make_data(world, split), world.space.vector(), names, iterations=HURRIED_STEPS)
+    simulated = world.reported_position(begun.vector)
+    return world.changed(joint_hz=departure_hz(world.measured.position, simulated, world.measured.cycle_s))
+
+
+def without_pulls(baseline: Fit, split: Split) -> Fit:
+    """The baseline with what held the arm for a while left out, and impacts sought once more: beside a pull none that
+    is less than it shows."""
+    cycle_s = baseline.world.measured.cycle_s
+    for _ in range(_PULLS_SOUGHT):
+        spans = pull_spans_s(baseline)
+        if not spans:
+            break
+        inside = [
+            i for i in baseline.world.impacts if any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
+        ]
+        kept = tuple(i for i in baseline.world.impacts if i not in inside)
+        unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))
+        world = baseline.world.changed(impacts=kept, unjudged_s=unjudged_s)
+        baseline = fit_with_impacts(world, split, carried_over(baseline, world))
+    return baseline
+
+
+def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] = lambda one: None) -> Fit:
+    """The baseline's fit; where the accelerometer is at a limit that it should not have, started from that of a sensor
+    with such a limit. reached: told of each better fit on the way, for whoever runs out of time."""
+    acceleration = world.channels.get("acceleration")
+    if acceleration is not None:
+        ceiling = ceiling_of(acceleration, world.model.accelerometer.noise_std_m_s2)
+        if ceiling is not None and ceiling < _LIMIT_KNOWN * world.model.accelerometer.range_m_s2:
+            limited = _with_limit(world, split, ceiling)
+            there = limited.world
+            start = there.space.with_values(limited.vector, {RANGE: there.space[RANGE].start})
+            return fit(make_data(there, split), start, there.baseline_names())
+    usual = _at_the_seen_frequency(world, split, reached)
+    reached(usual)
+    return usual if _at_its_noise(usual) else _along_a_course(world, split) or usual
+
+
+def _at_its_noise(usual: Fit) -> bool:
+    """Whether one frequency leaves the accelerometer little more than its noise for most of the time: no course of the
+    frequency needs to be sought then, which takes long."""
+    sensor = usual.channel("acceleration")
+    return sensor is not None and std_about_zero(sensor.residual) < _LITTLE * white_noise(sensor.residual)
+
+
+def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
+    """The baseline's fit of a sensor with that limit, m/s^2: with the impacts that what lies below it shows, or with
+    those that show once its limit is simulated from there: a vibration is below it long after the impact."""
+    below_it = fit_with_impacts(world.with_measured(below(world.measured, ceiling), ()), split)
+    there = world.changed(impacts=below_it.world.impacts)
+    start = there.space.with_values(carried_over(below_it, there), {RANGE: ceiling})
+    kept = fit(make_data(there, split), start, there.baseline_names())
+    sought = fit_with_impacts(
+        world, split, world.space.with_values(carried_over(kept, world), {RANGE: ceiling})
+    )
+    return max(kept, sought, key=lambda one: one.train_log_likelihood)
+
+
+def _at_the_seen_frequency(world: World, split: Split, reached: Callable[[Fit], None]) -> Fit:
+    """The baseline's fit; where its frequency is far from the one that the vibration has from window to window, it is
+    stuck between the model's and the true one, and is begun again from there; so it is from its own, if that is not
+    what its impacts were sought with and much is left."""
+    usual = fit_with_impacts(world, split, reached=reached)
+    reached(usual)
+    fitted = usual.value("modes.0.frequency_hz")
+    hz = seen_frequency(world, usual.predicted.motion, fitted)
+    if hz is None and _left_by_a_wrong_start(usual):
+        hz = fitted
+    if hz is None:
+        return usual
+    begun = world.space.with_values(world.space.vector(), {"modes.0.frequency_hz": hz})
+    other = fit_with_impacts(world, split, begun)
+    return other if other.train_log_likelihood > usual.train_log_likelihood + CHANGED_NATS else usual
+
+
+def _left_by_a_wrong_start(usual: Fit) -> bool:
+    """Whether a fit has gone far from the frequency that its impacts were sought with, and leaves far more than the
+    accelerometer's noise: at a wrong frequency they are found late, and where there are none."""
+    world = usual.world
+    sensor = usual.channel("acceleration")
+    if not world.impacts or sensor is None:
+        return False
+    moved = abs(usual.value("modes.0.frequency_hz") / world.space["modes.0.frequency_hz"].start - 1.0)
+    return moved > _MOVED and sensor.sigma > _MUCH * world.model.accelerometer.noise_std_m_s2
+
+
+def _along_a_course(world: World, split: Split) -> Fit | None:
+    """Where the arm's frequency plainly changes, any one frequency hides the impacts in a part of the recording and
+    makes up others: the baseline's fit with the impacts that are seen with its course. None where one frequency
+    does."""
+    begun = world.space.vector()
+    courses = frequency_courses(world, world.predict(begun).motion)
+    if not courses:
+        return None
+    course = max(courses.values(), key=lambda one: one.nats)
+    starts = course.starts(world)
+    sought = with_impacts_sought(world, split, world.space.with_values(begun, starts[0]))
+    if _steady_with_impacts_of(_likeliest(sought, split, starts[1:]), split, starts[0]) is None:
+        return None  # before its impacts are put in place, which takes long
+    struck = with_impacts_in_place(sought, split)
+    return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), split, starts[0])
+
+
+def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) -> Fit:
+    """The fit, or one of those with its impacts from these starts."""
+    there = struck.world
+    data, names = make_data(there, split), there.baseline_names()
+    others = [fit(data, there.space.with_values(struck.vector, one), names) for one in starts]
+    return max((struck, *others), key=lambda one: one.train_log_likelihood)
+
+
+def _steady_with_impacts_of(seen: Fit, split: Split, course: Iterable[str]) -> Fit | None:
+    """The fit of one frequency with the impacts that are seen with a course of these quantities; None where it does as
+    well."""
+    there = seen.world
+    usual = {name: there.space[name].start for name in course}
+    start = there.space.with_values(seen.vector, usual)
+    one = fit(make_data(there, split), start, there.baseline_names())
+    return one if seen.train_log_likelihood - one.train_log_likelihood > CHANGED_NATS else None
+
+
+def pull_spans_s(fit: Fit) -> tuple[tuple[float, float], ...]:
+    """Spans in which something held the arm, from and to, s; each ends where the vibration jumps, or at none."""
+    images = fit.channel("displacement")
+    if images is None or len(images.off) < 100:
+        return ()
+    known = np.isfinite(images.off)
+    time, off = fit.world.instants(fit.vector)[known], images.off[known]
+    rate = 1.0 / fit.world.step_s("displacement")
+    width = max(3, round(_WINDOW_S * rate))
+    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
+    usual = max(float(np.median(loudness)), white_noise(off))
+    loud = loudness > _LOUD * usual
+    spans = []
+    cycle_s = fit.world.measured.cycle_s
+    for cycle in fit.world.impacts:
+        end = cycle * cycle_s
+        start = _start(time, loud, end)
+        if start is None or not _SHORTEST_S < end - start < _LONGEST_S:
+            continue
+        inside = off[(time >= start) & (time < end)]
+        if len(inside) < 4 or np.mean(inside) ** 2 < _ONE_SIDED * np.mean(inside**2):
+            continue
+        spans.append((max(start - _LEAD_S, 0.0), end))
+    if sum(end - start for start, end in spans) > _MOST * fit.world.measured.duration_s:
+        return ()
+    return tuple(_merged(spans))
+
+
+def _start(time: Array, loud: NDArray[np.bool_], end: float) -> float | None:
+    """Where the loud stretch that lasts until `end` began; None where there is none."""
+    before = np.flatnonzero((time < end - 0.5 * _WINDOW_S) & (time > end - _LONGEST_S - 1.0))
+    start, quiet_since = None, None
+    for i in before[::-1]:
+        if loud[i]:
+            start, quiet_since = float(time[i]), None
+            continue
+        quiet_since = float(time[i]) if quiet_since is None else quiet_since
+        if quiet_since - time[i] > _GAP_S:
+            break
+    return start
+
+
+def _merged(spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    found: list[tuple[float, float]] = []
+    for start, end in sorted(spans):
+        if found and start <= found[-1][1]:
+            found[-1] = (found[-1][0], max(end, found[-1][1]))
+        else:
+            found.append((start, end))
+    return found
+
+
+def lost_modes(one: Fit) -> list[int]:
+    """The model's modes beyond the first that a fit has at another frequency, or with another share."""
+    return [i for i in range(1, len(one.world.model.arm.modes)) if _is_lost(one, i)]
+
+
+def _is_lost(one: Fit, mode: int) -> bool:
+    """Not where the data hardly show the mode, so that its share is anything."""
+    frequency, participation = f"modes.{mode}.frequency_hz", f"modes.{mode}.participation"
+    space = one.world.space
+    hz, whole = one.value(frequency) / space[frequency].start, space[participation].start or 1.0
+    if one.std.get(participation, 0.0) > _SEEN * abs(whole):
+        return False
+    return abs(hz - 1.0) > _FAR or not _LEAST < one.value(participation) / whole < _LARGEST
+
+
+def with_lost_modes(one: Fit, split: Split) -> Fit:
+    """The fit, or a likelier one with its lost modes begun again."""
+    for i in lost_modes(one):
+        data = make_data(one.world, split)
+        tried = [
+            fit(
+                data,
+                one.world.space.with_values(_begun_again(one, i, off), others),
+                one.free,
+                colour=one.colour,
+            )
+            for off in _OFF
+            for others in (shares(one.world) if HIGHER in one.free else ({},))
+        ]
+        best = max(tried, key=lambda other: other.train_log_likelihood)
+        one = best if best.train_log_likelihood > one.train_log_likelihood + _BETTER_NATS else one
+    return one
+
+
+def _begun_again(one: Fit, mode: int, off: float) -> Array:
+    """The fit's vector with that mode as the model has it, at rest, its frequency off by a factor."""
+    space = one.world.space
+    jumps = [name for name in space.names("jump.") if name.split(".")[2] == str(mode)]
+    values = {name: space[name].start for name in (*space.names(f"modes.{mode}."), *jumps)}
+    values[f"modes.{mode}.frequency_hz"] *= off
+    return space.with_values(one.vector, values)

@@ -1,0 +1,125 @@
+"""What the search hands on: a cause refitted, a step with its rivals, the end; and whether one is more than chance."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis.data import robust
+from stillarm.diagnosis.inference.fitted import Fit, least_level
+from stillarm.diagnosis.inference.laws import LawFound
+from stillarm.diagnosis.inference.screen import Scored
+
+Array = NDArray[np.float64]
+
+PRICE_NATS = 3.0
+"""What each number that a form fits costs: half the logarithm of the thousand or so independent things that a block's
+bands tell (Schwarz 1978)."""
+
+CONVINCING_NATS = 12.0
+"""Least merit of a finding: odds of 20 to 1 (3 nats) against each of some hundred forms, onsets and sizes tried
+(log 100 = 4.6), and as much again for noise that is not quite what the score takes it for."""
+
+LEAST_OF_NOISE = 0.15
+"""Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
+
+MATTERS_OF_NOISE = 0.5
+"""A rest that matters is over this part of a channel's noise (contract.md)."""
+
+
+@dataclass(frozen=True, eq=False)  # one is itself only: arrays have no truth
+class Candidate:
+    """A cause refitted. law: set for a law of noise or timing, which changes no fit. held_out_gain: nats of the log
+    score by frequency, of the held-out blocks (a law's: of all)."""
+
+    cause: str
+    fit: Fit
+    held_out_gain: float
+    held_out_std: float
+    values: dict[str, tuple[float, float]]
+    law: LawFound | None = None
+    free: tuple[str, ...] = ()
+    note: str = ""
+    form: str = ""
+    begins: str | None = None
+    begins_s: float | None = None
+    merit: float = 0.0
+    """Nats of the log score by frequency, all blocks, less what its numbers cost."""
+    nats: Array = field(default_factory=lambda: np.empty(0))
+    """Nats of the log score of each block."""
+    parameters_of: Callable[[Fit], dict[str, tuple[float, float]]] | None = None
+
+
+@dataclass
+class Stage:
+    """One step of the search: what was screened, who was refitted (best first), who was taken."""
+
+    screening: list[Scored]
+    candidates: list[Candidate]
+    taken: Candidate | None
+
+
+@dataclass
+class Found:
+    """The search's end: the fit with all findings, each with its candidates at the time."""
+
+    baseline: Fit
+    final: Fit
+    findings: list[Candidate] = field(default_factory=list)
+    stages: list[Stage] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    """What the time did not suffice for."""
+
+
+def of_law(last: Fit, law: LawFound) -> Candidate:
+    """A law of noise or timing as a candidate: each block is judged by what the others say already."""
+    gains = law.held_out_score
+    spread = float(np.std(gains, ddof=1) * sqrt(len(gains)))
+    return Candidate(
+        law.cause, last, float(gains.sum()), spread, law.values, law, tuple(law.values), law.note,
+        merit=float(gains.sum()) - PRICE_NATS * len(law.values), nats=gains,
+    )  # fmt: skip
+
+
+def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
+    """Whether a candidate is more than chance and more than a model's usual discrepancy, and within its bounds.
+    beside: a finding there is already: what does not matter beside it is told as left."""
+    if one.merit < CONVINCING_NATS or not _within_bounds(one):
+        return False
+    if one.law is not None:
+        return True
+    return size_in_noise(last, one.fit) > (MATTERS_OF_NOISE if beside else LEAST_OF_NOISE)
+
+
+def size_in_noise(before: Fit, after: Fit) -> float:
+    """How much less is left in the channel that a cause mends most, over that channel's noise."""
+    return max(_mended(before, after, name) for name in before.residuals)
+
+
+def _mended(before: Fit, after: Fit, name: str) -> float:
+    power = float(np.nanmean(before.residuals[name] ** 2) - np.nanmean(after.residuals[name] ** 2))
+    return sqrt(max(power, 0.0)) / white_noise(after, name)
+
+
+def white_noise(last: Fit, name: str) -> float:
+    """A channel's white noise: by fourth differences of its residual, not below what a simulation reaches; of the
+    arrivals what their law says is usual."""
+    residual = last.residuals[name]
+    least = least_level(last.world, name) or 1e-12
+    if name == "arrival":
+        return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
+    return max(robust.white_noise(residual), least)
+
+
+def _within_bounds(one: Candidate) -> bool:
+    known = {parameter.name: parameter for parameter in DECLARED[one.cause].parameters}
+    for name, (value, _) in one.values.items():
+        parameter = known.get(name)
+        if parameter is not None and parameter.kind in ("number", "whole"):
+            slack = 1e-9 * max(abs(parameter.lowest), abs(parameter.highest))
+            if not parameter.lowest - slack <= value <= parameter.highest + slack:
+                return False
+    return True

@@ -1,0 +1,36 @@
+"""A buffer that hands over old images."""
+
+from stillarm.diagnosis.inference.cause import Cause, Context, Trial, Values, free_of, has, plain
+from stillarm.diagnosis.inference.fitted import Fit
+
+
+def _trials(context: Context) -> list[Trial]:
+    return [
+        Trial({"timing.stale_onset_s": onset}, ({"timing.stale_frames": 1.0},))
+        for onset in context.onsets(24)
+    ]
+
+
+def _values(fit: Fit) -> Values:
+    return plain(fit, onset_s="timing.stale_onset_s", frames="timing.stale_frames")
+
+
+_WHOLE, _MOST_NATS = 0.02, 100.0  # frames; nats
+
+
+def _unwhole(fit: Fit) -> float:
+    """A buffer holds whole frames, at least one."""
+    frames = fit.value("timing.stale_frames")
+    doubt = max(fit.std.get("timing.stale_frames", 0.0), _WHOLE)
+    return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, _MOST_NATS)
+
+
+CAUSE = Cause(
+    id="stale_frame_buffer",
+    needs=has("displacement"),
+    trials=_trials,
+    free=free_of("timing.stale_frames"),
+    parameters_of=_values,
+    settle={"timing.stale_onset_s": 0.5},
+    prior_penalty=_unwhole,
+)

@@ -1,0 +1,318 @@
+"""All forms of causes on top of one fit, the best first: fitted quickly from several starts, the best to the end.
+
+The baseline's derivatives are those of the fit so far (the chord method): a further fit works out its own quantities'
+alone, and costs a tenth. The best few are polished with all derivatives.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate, Found
+from stillarm.diagnosis.inference.cause import Form
+from stillarm.diagnosis.inference.evidence import Score, score
+from stillarm.diagnosis.inference.fit import SETTLED_NATS, fit, slopes_of
+from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
+from stillarm.diagnosis.inference.forms import from_an_onset
+from stillarm.diagnosis.inference.impacts import carried_over
+from stillarm.diagnosis.inference.screen import Scored, screen
+from stillarm.diagnosis.physics.computing import OutOfTime, side_by_side
+from stillarm.diagnosis.physics.world import World
+
+_Item = TypeVar("_Item")
+Array = NDArray[np.float64]
+Slopes = Mapping[str, Mapping[str, Array]]
+"""Derivatives by quantity and channel (stillarm.diagnosis.inference.fit.slopes_of)."""
+
+_POLISHED = 3  # causes
+_WITH_ONSET = 4  # forms that an onset is tried for
+LEFT_OUT = "some forms of causes"
+
+SCREENED_NATS = 8.0
+"""Below this promise of a score test no fit is begun."""
+
+_STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
+QUICK, _FULL = 4, 12  # steps of a fit
+_MOST_TRIALS = 40  # of a search along a quantity
+_QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
+_SETTLED = 1e-3  # of what a form has gained: a step or a trial that gains less changes no comparison
+_SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
+_ONSETS = 6  # tried over the recording
+_ONSET_COARSE_S, _ONSET_LEAST_S = 0.02, 0.001  # to which an onset is sought: of all forms; of those that lead
+_WORTH_A_FIT = (
+    0.1  # of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest
+)
+_WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A form with its world and where its fit begins."""
+
+    form: Form
+    world: World
+    start: Array
+    asked: bool = False
+
+
+_Pair = tuple[Begun, Fit | None]
+
+
+def compared(
+    last: Fit, tried: Sequence[Form], split: Split, found: Found
+) -> tuple[list[Scored], list[Candidate]]:
+    """Each form refitted on top of a fit, and what it is worth; the best first."""
+    candidates: list[Candidate] = []
+    screening: list[Scored] = []
+    try:
+        before, data = score(last, split), make_data(last.world, split)
+        begun, screening = begun_fits(data, last, tried)
+        slopes = slopes_of(last)
+        quick = _each(lambda one: (one, refitted(one, last, split, slopes)), begun, found)
+        best = best_of_each(quick, last)
+        ended = _each(lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found)
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
+        later = _each(
+            lambda one: with_onset(one, last, split, slopes), _worth_an_onset(candidates, ended), found
+        )
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in later]
+        best_forms = _leading([*ended, *later], candidates)
+        at_best = _each(
+            lambda pair: (pair[0], polished(pair[0], pair[1], last, split, slopes)), best_forms, found
+        )
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in at_best]
+    except OutOfTime:
+        found.left_out.append(LEFT_OUT)
+    return screening, sorted(candidates, key=lambda one: -one.merit)
+
+
+def _each(work: Callable[[_Item], _Pair], items: Sequence[_Item], found: Found) -> list[tuple[Begun, Fit]]:
+    """The work on each item; what the time did not suffice for is left out, and told."""
+
+    def tried(item: _Item) -> _Pair | None:
+        try:
+            return work(item)
+        except OutOfTime:
+            return None
+
+    done = side_by_side(tried, items)
+    if any(one is None for one in done) and LEFT_OUT not in found.left_out:
+        found.left_out.append(LEFT_OUT)
+    return [(one[0], one[1]) for one in done if one is not None and one[1] is not None]
+
+
+def _leading(fits: list[tuple[Begun, Fit]], candidates: Sequence[Candidate]) -> list[tuple[Begun, Fit]]:
+    """The best form of each of the few causes that may be taken."""
+    merit = {id(one.fit): one.merit for one in candidates}
+    found: dict[str, tuple[Begun, Fit]] = {}
+    for one, fitted in sorted(fits, key=lambda pair: -merit.get(id(pair[1]), 0.0)):
+        if merit.get(id(fitted), 0.0) > PRICE_NATS and len(found) < _POLISHED:
+            found.setdefault(one.form.id, (one, fitted))
+    return list(found.values())
+
+
+def _worth_an_onset(
+    candidates: Sequence[Candidate], ended: list[tuple[Begun, Fit]]
+) -> list[tuple[Begun, Fit]]:
+    """The forms that gain most and may have begun within the recording."""
+    merit = {(one.cause, one.form): one.merit for one in candidates}
+    found = []
+    for one, fitted in sorted(ended, key=lambda pair: -merit.get((pair[0].form.id, pair[0].form.name), 0.0)):
+        later = from_an_onset(one.form)
+        if later is not None:
+            found.append((replace(one, form=later), fitted))
+    # what acts in half of the recording alone may do worse than nothing throughout
+    by_fit = sorted(found, key=lambda pair: -pair[1].train_log_likelihood)[: _WITH_ONSET // 2]
+    by_merit = [pair for pair in found if pair not in by_fit][: _WITH_ONSET - len(by_fit)]
+    return [*by_fit, *by_merit]
+
+
+def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:
+    """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
+    by_cause = {id(one.cause): one for one in tried}
+    screening = screen(data, last, [one.cause for one in tried if one.added is None])
+    begun: list[Begun] = []
+    count: dict[int, int] = defaultdict(int)
+    best: dict[int, float] = {}
+    for one in screening:
+        least = max(SCREENED_NATS, _SECOND * best.get(id(one.cause), 0.0))
+        if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
+            continue
+        best.setdefault(id(one.cause), one.nats)
+        count[id(one.cause)] += 1
+        if count[id(one.cause)] > _MOST_STARTS:
+            continue
+        begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked))
+    for form in tried:
+        if form.added is not None:
+            world = last.world.changed(added=(*last.world.added, *form.added(last)))
+            begun.append(Begun(form, world, carried_over(last, world)))
+    return begun, screening
+
+
+def free_names(last: Fit, world: World, own: Sequence[str]) -> tuple[str, ...]:
+    """What a fit of a further cause frees: the baseline, what earlier findings freed, and its own."""
+    kept = [name for name in last.free if name in world.space.place]
+    return tuple(dict.fromkeys((*world.baseline_names(), *kept, *own)))
+
+
+def refitted(one: Begun, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
+    names = free_names(last, one.world, one.form.cause.free(one.world))
+    data = make_data(one.world, split)
+    fitted = fit(
+        data,
+        one.start,
+        names,
+        iterations=QUICK,
+        colour=last.colour,
+        known=slopes,
+        settled_nats=_QUICK_SETTLED,
+    )
+    return fitted if one.form.cause.possible(fitted) else None
+
+
+def gain_of(fitted: Fit, last: Fit) -> float:
+    gained = fitted.held_out_score - last.held_out_score
+    return fitted.train_log_likelihood - last.train_log_likelihood + float(np.sum(gained))
+
+
+def best_of_each(quick: list[tuple[Begun, Fit]], last: Fit) -> list[tuple[Begun, Fit]]:
+    """The best start of each form, without those that explain next to nothing of what the best of their place does."""
+    best: dict[tuple[str, str], tuple[Begun, Fit]] = {}
+    for one, fitted in quick:
+        key = (one.form.id, one.form.name)
+        if key not in best or gain_of(fitted, last) > gain_of(best[key][1], last):
+            best[key] = (one, fitted)
+    top = max((gain_of(fitted, last) for _, fitted in best.values()), default=0.0)
+    kept = [pair for pair in best.values() if _goes_on(pair[0], gain_of(pair[1], last), top)]
+    return sorted(kept, key=lambda pair: -gain_of(pair[1], last))
+
+
+def _goes_on(one: Begun, gain: float, top: float) -> bool:
+    """Whether a form is fitted to the end. top: gain of the best form."""
+    if one.form.added or one.asked:
+        return True
+    return gain > (_WORTH_A_SEARCH if one.form.cause.settle else _WORTH_A_FIT) * top
+
+
+def to_the_end(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
+    """All quantities at their best: thresholds and onsets by a search along them, then the rest."""
+    data = make_data(one.world, split)
+    if one.form.cause.settle:
+        fitted = _settled(one, fitted, last, data, slopes)
+    settled = _settled_nats(fitted, last)
+    ended = fit(
+        data,
+        fitted.vector,
+        fitted.free,
+        iterations=_FULL,
+        colour=last.colour,
+        known=slopes,
+        settled_nats=settled,
+    )
+    return ended if one.form.cause.possible(ended) else None
+
+
+def _settled_nats(fitted: Fit, last: Fit) -> float:
+    return max(SETTLED_NATS, _SETTLED * gain_of(fitted, last))
+
+
+def polished(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit:
+    """The same with all derivatives worked out where it is, and an onset sought to the end."""
+    data = make_data(one.world, split)
+    if one.form.begins is not None:
+        fitted = _onset_sought(one.form.begins, fitted, last, data, slopes, (_ONSET_COARSE_S, _ONSET_LEAST_S))
+    settled = _settled_nats(fitted, last)
+    return fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
+
+
+def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fit:
+    """Quantities without a smooth derivative, searched along with halving steps, all else following."""
+    for name, first in one.form.cause.settle.items():
+        onset = "onset" in name
+        step = first * (1.0 if onset else max(abs(best.value(name)), 1e-3) * 10.0)
+        least = 4.0 * best.world.measured.cycle_s if onset else 0.02 * step
+        names = [each for each in best.free if each != name]
+        trials = 0
+        while step > least and trials < _MOST_TRIALS:
+            moved = False
+            for sign in (1.0, -1.0):
+                trials += 1
+                start = best.world.space.with_values(best.vector, {name: best.value(name) + sign * step})
+                trial = fit(data, start, names, iterations=1, colour=last.colour, known=slopes)
+                if gain_of(trial, best) > _settled_nats(best, last):
+                    best, moved = replace(trial, free=best.free), True
+                    break
+            if not moved:
+                step *= 0.4
+    return best
+
+
+def with_onset(pair: tuple[Begun, Fit], last: Fit, split: Split, slopes: Slopes) -> _Pair:
+    """The form fitted with the instant from which it acts: over a grid, then along it by halving steps. None where no
+    onset of the grid gains more than the same form throughout, or than nothing: the true one is at most a twelfth of
+    the recording off the nearest of the grid, and what acts from it on is then mended nearly everywhere."""
+    one, whole = pair
+    data, begins = make_data(one.world, split), one.form.begins
+    assert begins is not None
+    duration = one.world.measured.duration_s
+
+    starts = [
+        one.world.space.with_values(whole.vector, {begins: float(onset)})
+        for onset in np.linspace(0.1, 0.85, _ONSETS) * duration
+    ]
+    tried = [fit(data, start, whole.free, iterations=1, colour=last.colour, known=slopes) for start in starts]
+    best = max(tried, key=lambda fitted: gain_of(fitted, last))
+    if gain_of(best, last) < max(gain_of(whole, last), 0.0):
+        return one, None
+    steps = (0.5 * 0.75 * duration / (_ONSETS - 1), _ONSET_COARSE_S)
+    best = _onset_sought(begins, best, last, data, slopes, steps)
+    return one, fit(data, best.vector, best.free, iterations=QUICK, colour=last.colour, known=slopes)
+
+
+def _onset_sought(
+    begins: str, best: Fit, last: Fit, data: Data, slopes: Slopes, steps: tuple[float, float]
+) -> Fit:
+    """A fit's onset moved to where it gains most, by halving steps. begins: its quantity; steps: first and least, s."""
+    step, least = steps
+    space = best.world.space
+    while step > least:
+        starts = [
+            space.with_values(best.vector, {begins: best.value(begins) + way * step}) for way in (1, -1)
+        ]
+        tried = [
+            fit(data, start, best.free, iterations=1, colour=last.colour, known=slopes) for start in starts
+        ]
+        better = max(tried, key=lambda one: gain_of(one, last))
+        if gain_of(better, last) > gain_of(best, last) + _settled_nats(best, last):
+            best = better
+        else:
+            step *= 0.5
+    return best
+
+
+def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split) -> Candidate:
+    after = score(fitted, split)
+    nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
+    own = one.form.cause.free(fitted.world)
+    values = one.form.cause.parameters_of(fitted)
+    merit = (
+        float(nats.sum())
+        - PRICE_NATS * (len(own) + (2 if one.form.begins else 0))
+        - one.form.cause.prior_penalty(fitted)
+    )
+    if one.form.added is not None:  # of many amounts: what it was fitted to says little of what it foretells
+        merit = min(merit, 3.0 * float(held.sum()))
+    return Candidate(
+        one.form.id, fitted, float(held.sum()), float(held.std(ddof=1) * sqrt(len(held))), values, None, own,
+        form=one.form.name,
+        begins=one.form.begins, merit=merit, nats=nats,
+        begins_s=fitted.value(one.form.begins) if one.form.begins else None,
+        parameters_of=one.form.cause.parameters_of,
+    )  # fmt: skip

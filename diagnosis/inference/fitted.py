@@ -1,0 +1,177 @@
+"""What a fit works on, and what it is: samples that train or are held out; quantities, noise levels, residuals."""
+
+from dataclasses import dataclass, field
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.data.channels import FRAME_CHANNELS
+from stillarm.diagnosis.data.noise import LEAST, Colour, InstantUncertainty
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.physics.world import Predicted, World
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Colours = dict[str, Colour | InstantUncertainty]
+
+THIN = {"joint_position": 8, "joint_velocity": 8}
+
+
+@dataclass(frozen=True)
+class FittedChannel:
+    """One measured channel of a fit, all per sample: measured and predicted in the channel's unit; residual: whitened,
+    NaN where unmeasured; sigma: its noise level; colour: of its noise, None where it is white.
+    """
+
+    measured: Array
+    predicted: Array
+    residual: Array
+    sigma: float
+    colour: Colour | InstantUncertainty | None
+
+    @property
+    def off(self) -> Array:
+        """Measured less predicted, not whitened."""
+        return self.measured - self.predicted
+
+
+@dataclass
+class Fit:
+    """A fitted world. free: names that were fitted; std: their standard deviations; sigma: noise level of each channel.
+
+    held_out_score: log-likelihood of each held-out block; train_log_likelihood: of all the rest; train_blocks: of each
+    block's part of the rest; residuals: per channel, whitened, not divided by sigma; NaN where unmeasured.
+    """
+
+    world: World
+    vector: Array
+    free: tuple[str, ...]
+    std: dict[str, float]
+    sigma: dict[str, float]
+    colour: Colours
+    residuals: dict[str, Array]
+    predicted: Predicted
+    train_log_likelihood: float
+    held_out_score: Array
+    train_blocks: Array = field(default_factory=lambda: np.empty(0))
+
+    def value(self, name: str) -> float:
+        """A quantity's value."""
+        return float(self.vector[self.world.space.place[name]])
+
+    def channel(self, name: str) -> FittedChannel | None:
+        """A channel by its name; None where the recording does not hold it. No recording need hold any one channel:
+        whoever asks for one by name asks here, and says what holds without it."""
+        measured = self.world.channels.get(name)
+        if measured is None:
+            return None
+        return FittedChannel(
+            measured,
+            self.predicted.channels[name],
+            self.residuals[name],
+            self.sigma[name],
+            self.colour.get(name),
+        )
+
+
+def gain_of_each_block(after: Fit, before: Fit) -> Array:
+    """Log-likelihood gained in each block, held out or not: what shows at one instant may show in any. (blocks,)"""
+    return after.held_out_score - before.held_out_score + after.train_blocks - before.train_blocks
+
+
+@dataclass(frozen=True)
+class Data:
+    """A world's channels as one problem: which samples train, which are held out, and in which block."""
+
+    world: World
+    split: Split
+    train: dict[str, Mask]
+    held: dict[str, Mask]
+    blocks: dict[str, NDArray[np.int64]]
+
+    def trained(self, name: str) -> Mask:
+        """Which samples of a channel train; none where it was not measured."""
+        return self.train.get(name, np.zeros(0, bool))
+
+    def blocks_of(self, name: str) -> NDArray[np.int64]:
+        """Block of each sample of a channel; none where it was not measured."""
+        return self.blocks.get(name, np.zeros(0, np.int64))
+
+
+def make_data(world: World, split: Split) -> Data:
+    """Mark the samples."""
+    train, held, blocks = {}, {}, {}
+    grid = world.cycle_times
+    for name, values in world.channels.items():
+        time = world.measured.frames.received_s if name in FRAME_CHANNELS else grid
+        block = split.blocks_of(time)
+        known = np.isfinite(values)
+        held[name] = known & split.held[block]
+        train[name] = known & ~split.held[block]
+        blocks[name] = block
+    return Data(world, split, train, held, blocks)
+
+
+def thinned(name: str, values: Array) -> Array:
+    """A channel's samples, those of the joint as means of eight: nothing they show changes within milliseconds."""
+    step = THIN.get(name, 1)
+    if step == 1:
+        return values
+    count = len(values) // step
+    means: Array = np.ascontiguousarray(values[: count * step]).reshape(count, step) @ np.full(
+        step, 1.0 / step
+    )
+    return means
+
+
+def thinned_mask(name: str, mask: Mask) -> Mask:
+    """Which of the thinned samples are wholly within a mask."""
+    step = THIN.get(name, 1)
+    if step == 1:
+        return mask
+    count = len(mask) // step
+    whole: Mask = np.asarray(mask[: count * step].reshape(count, step).all(axis=1))
+    return whole
+
+
+def least_level(world: World, name: str) -> float:
+    """Below this a channel's noise level is never taken to be: what the simulation itself may be off."""
+    if name == "deflection":
+        return 1e-6 * float(np.nanstd(world.channels[name]))
+    return LEAST[name]
+
+
+def refitted_model(model: Model, final: Fit) -> Model:
+    """The model with the baseline's parameters as fitted; noise levels too."""
+    if final.world.measured.pair:
+        return model
+    replace = msgspec.structs.replace
+    acceleration, images = final.channel("acceleration"), final.channel("displacement")
+    modes = [
+        replace(
+            mode,
+            frequency_hz=final.value(f"modes.{i}.frequency_hz"),
+            damping_ratio=final.value(f"modes.{i}.damping_ratio"),
+            participation=final.value(f"modes.{i}.participation"),
+        )
+        for i, mode in enumerate(model.arm.modes)
+    ]
+    sensor, camera, timing = model.accelerometer, model.camera, model.timing
+    if acceleration is not None:
+        sensor = replace(
+            sensor,
+            bias_m_s2=final.value("accelerometer.bias_m_s2"),
+            noise_std_m_s2=acceleration.sigma,
+        )
+    if images is not None:
+        camera = replace(
+            camera,
+            scale_px_per_m=final.value("camera.scale_px_per_m"),
+            noise_std_px=images.sigma if final.world.frame_clock.counted else camera.noise_std_px,
+        )
+        timing = replace(timing, capture_delay_s=max(0.0, final.value("timing.capture_delay_s")))
+    return replace(
+        model, arm=replace(model.arm, modes=modes), accelerometer=sensor, camera=camera, timing=timing
+    )

@@ -1,0 +1,297 @@
+"""The forms in which a mechanism is met, beside the one that its declaration writes down.
+
+A cause is a mechanism. A drive that lags may have a lower bandwidth, or a further lag behind its command; a limit is of
+velocity or of acceleration; friction takes from the command or acts on the motion; what drifts takes any course. Each
+form is one more way to fit the same cause; the evidence for the cause is that of its best form.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.common.causes import Place
+from stillarm.diagnosis.inference.cause import (
+    Cause,
+    Context,
+    Form,
+    Trial,
+    Values,
+    driven,
+    free_of,
+    has,
+    plain,
+)
+from stillarm.diagnosis.inference.causes import CAUSES
+from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.physics.quantities import ACCELEROMETER_BEGIN, ARM_BEGIN, CAMERA_BEGIN, DRIVE_BEGIN
+from stillarm.diagnosis.physics.space import Added, hats
+from stillarm.diagnosis.physics.world import World
+
+Array = NDArray[np.float64]
+
+BEGINS: dict[Place, str] = {
+    "arm": ARM_BEGIN,
+    "drive": DRIVE_BEGIN,
+    "accelerometer": ACCELEROMETER_BEGIN,
+    "camera": CAMERA_BEGIN,
+}
+"""By place: the quantity that says from when on what departs from the model acts."""
+
+_NO_ONSET = ("gear_backlash", "payload_change", "stiffness_drift", "second_bending_mode")
+_WHOLLY = (("drive_lag", ""), ("drive_dead_time", ""))  # a key of the model, whose other form has an onset
+_COURSE_KNOTS = 16  # of a course over the whole recording: a knot every few seconds
+_WALK_S = 0.4  # between the knots of a course that wanders
+
+
+def _exponential_rate(fit: Fit) -> Values:
+    """The mean rate over the recording, Hz/s."""
+    hz, duration = fit.value("modes.0.frequency_hz"), fit.world.measured.duration_s
+    change = fit.value("modal_temperature_drift.relative_change")
+    risen = 1.0 - np.exp(-duration / fit.value("modal_temperature_drift.time_constant_s"))
+    return {"frequency_rate_hz_per_s": (hz * change * float(risen) / duration, 0.0)}
+
+
+_FORM_OF = {
+    "modal_temperature_drift": Form(
+        replace(CAUSES["modal_temperature_drift"], id="stiffness_drift", parameters_of=_exponential_rate),
+        "that levels off",
+    ),
+}
+"""Declared causes that are a form of another mechanism."""
+
+
+def forms(world: World) -> list[Form]:
+    """All forms of all causes that the recording can show, the declared ones first."""
+    declared = [_FORM_OF.get(name, Form(one)) for name, one in CAUSES.items()]
+    return [one for one in (*declared, *_FURTHER) if one.cause.needs(world)]
+
+
+def from_an_onset(form: Form) -> Form | None:
+    """The same form, acting from an instant on; None for one that has an onset, or cannot have one."""
+    declared = DECLARED[form.id]
+    # a rotor's imbalance is the drive's, and shakes the arm
+    begins = ARM_BEGIN if declared.acts == "force" else BEGINS.get(declared.place)
+    if begins is None or form.begins or form.added or form.id in _NO_ONSET or (form.id, form.name) in _WHOLLY:
+        return None
+    if any("onset" in name for name in form.cause.settle):
+        return None
+    words = f"{form.name}, from an onset" if form.name else "from an onset"
+    return replace(form, name=words, begins=begins)
+
+
+def _further(
+    identifier: str,
+    name: str,
+    quantities: Mapping[str, tuple[float, ...]],
+    parameters: Callable[[Fit], Values],
+    needs: Callable[[World], bool] = driven,
+    relative: str = "",
+    more_free: tuple[str, ...] = (),
+) -> Form:
+    """A form with sizes to begin from for each of its quantities, tried one by one. relative: "command", where the
+    sizes are shares of the largest command."""
+
+    def trials(context: Context) -> list[Trial]:
+        unit = context.top_command_rad_s if relative == "command" else 1.0
+        if relative == "acceleration":
+            unit = context.top_command_rad_s * 2.0 * np.pi * context.value("drive.bandwidth_hz")
+        count = max(len(sizes) for sizes in quantities.values())
+        return [
+            Trial({}, ({q: sizes[i] * unit for q, sizes in quantities.items()},), one_sided=True)
+            for i in range(count)
+        ]
+
+    cause = Cause(
+        id=identifier,
+        needs=needs,
+        trials=trials,
+        free=free_of(*quantities, *more_free),
+        parameters_of=parameters,
+    )
+    return Form(cause, name)
+
+
+def _total_dead_time(fit: Fit) -> Values:
+    more, std = plain(fit, x="drive.further_dead_time_s")["x"]
+    return {"dead_time_s": (fit.value("drive.dead_time_s") + more, std)}
+
+
+def _equivalent_bandwidth(fit: Fit) -> Values:
+    """Of one lag as long as both together."""
+    lag, std = plain(fit, x="drive.further_lag_s")["x"]
+    whole = lag + 1.0 / (2.0 * np.pi * fit.value("drive.bandwidth_hz"))
+    return {"bandwidth_hz": (1.0 / (2.0 * np.pi * whole), std / (2.0 * np.pi * whole**2))}
+
+
+def _fastest(fit: Fit) -> Values:
+    """The largest velocity that the limited drive reached, rad/s."""
+    reached = float(np.max(np.abs(fit.predicted.motion.joint[:, 1])))
+    return {"max_velocity_rad_s": (reached, 0.0)}
+
+
+def _loss(fit: Fit) -> Values:
+    return plain(fit, velocity_loss_rad_s="drive.friction_rad_s")
+
+
+def _lag(fit: Fit) -> Values:
+    return plain(fit, delay_s="accelerometer.lag_s")
+
+
+def _time_of(fit: Fit, channel: str) -> Array:
+    world = fit.world
+    return world.cycle_times if channel == "acceleration" else world.measured.frames.received_s
+
+
+def _course(
+    channel: str, group: str, scale: Callable[[Fit], Array | float], std: float, walk: bool
+) -> Callable[[Fit], tuple[Added, ...]]:
+    """A course over time of what is added to a channel, in units of `scale`."""
+
+    def added(fit: Fit) -> tuple[Added, ...]:
+        duration = fit.world.measured.duration_s
+        count = max(int(duration / _WALK_S), _COURSE_KNOTS) if walk else _COURSE_KNOTS
+        columns = hats(_time_of(fit, channel), np.linspace(0.0, duration, count + 1))
+        if walk:  # increments: a random walk
+            columns = np.cumsum(columns[:, ::-1], axis=1)[:, ::-1][:, 1:]
+        unit = scale(fit)
+        columns = columns * (unit[:, None] if isinstance(unit, np.ndarray) else unit)
+        return (Added(group, {channel: columns}, std),)
+
+    return added
+
+
+def _of_course(
+    identifier: str,
+    name: str,
+    parameter: str,
+    channel: str,
+    group: str,
+    scale: Callable[[Fit], Array | float],
+    std: float,
+    walk: bool = False,
+) -> Form:
+    """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
+
+    def parameters(fit: Fit) -> Values:
+        one = _group_of(fit, group)
+        amounts = np.array([fit.value(each) for each in one.amounts])
+        course = one.columns[channel] @ amounts
+        time = _time_of(fit, channel)
+        return {parameter: (float(np.polyfit(time, course, 1)[0]), 0.0)}
+
+    return _linear(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
+
+
+def _linear(
+    identifier: str,
+    name: str,
+    channel: str,
+    group: str,
+    parameters: Callable[[Fit], Values],
+    added: Callable[[Fit], tuple[Added, ...]],
+) -> Form:
+    """A form of a group of added terms in one channel."""
+
+    def amounts(world: World) -> tuple[str, ...]:
+        one = world.added_group(group)
+        return () if one is None else one.amounts
+
+    cause = Cause(
+        id=identifier,
+        needs=has(channel),
+        trials=lambda context: [Trial({}, ({},))],
+        free=amounts,
+        parameters_of=parameters,
+    )
+    return Form(cause, name, added)
+
+
+def _group_of(fit: Fit, name: str) -> Added:
+    one = fit.world.added_group(name)
+    assert one is not None
+    return one
+
+
+def _shown(fit: Fit, channel: str) -> Array:
+    """What a channel should show; zeros where it was not measured, of which no form is made."""
+    one = fit.channel(channel)
+    return one.predicted if one is not None else np.zeros(1)
+
+
+def _swing(fit: Fit) -> Array:
+    """What the accelerometer shows of the arm, less its bias."""
+    return np.asarray(_shown(fit, "acceleration") - fit.value("accelerometer.bias_m_s2"))
+
+
+def _image_std(fit: Fit) -> float:
+    seen = fit.world.channels.get("displacement")
+    return float(np.nanstd(seen)) if seen is not None else 1.0
+
+
+def _delay_std(fit: Fit) -> float:
+    return fit.world.model.timing.capture_delay_std_s or 0.005
+
+
+def _lens(fit: Fit) -> tuple[Added, ...]:
+    seen = _shown(fit, "displacement")
+    size = float(np.max(np.abs(seen))) or 1.0
+    about = seen / size
+    return (Added("lens", {"displacement": np.stack([about**2, about**3], axis=1) * size}, 0.3),)
+
+
+def _lens_values(fit: Fit) -> Values:
+    one = _group_of(fit, "lens")
+    size = float(np.max(np.abs(_shown(fit, "displacement")))) or 1.0
+    cubic, std = plain(fit, x=one.amounts[1])["x"]
+    return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
+
+
+_OF_TOP_ACCELERATION = (0.8, 0.5, 0.3, 0.15, 0.07)
+_OF_TOP_COMMAND = (0.97, 0.9, 0.8, 0.6, 0.4)
+_LIMITS = tuple(
+    _further("drive_saturation", name, {quantity: sizes}, _fastest, relative=relative)
+    for name, quantity, sizes, relative in (
+        ("of the acceleration", "drive.most_rad_s2", _OF_TOP_ACCELERATION, "acceleration"),
+        ("of the acceleration one way", "drive.most_up_rad_s2", _OF_TOP_ACCELERATION, "acceleration"),
+        ("of the acceleration the other way", "drive.most_down_rad_s2", _OF_TOP_ACCELERATION, "acceleration"),
+        ("of the velocity one way", "drive.fastest_up_rad_s", _OF_TOP_COMMAND, "command"),
+        ("of the velocity the other way", "drive.fastest_down_rad_s", _OF_TOP_COMMAND, "command"),
+    )
+)
+_FURTHER: tuple[Form, ...] = (
+    _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),
+    _further("drive_dead_time", "on top", {"drive.further_dead_time_s": (0.001, 0.004, 0.012, 0.03)}, _total_dead_time),
+    *_LIMITS,
+    _further(
+        "joint_friction", "on the motion", {"drive.friction_rad_s": (0.005, 0.02, 0.08, 0.2)}, _loss,
+        relative="command",
+    ),
+    _further(
+        "joint_friction", "on the motion, by direction", {"drive.friction_rad_s": (0.01, 0.05, 0.2)}, _loss,
+        relative="command", more_free=("drive.friction_one_sided",),
+    ),
+    _further(
+        "joint_friction", "on the motion, sticking",
+        {"drive.friction_rad_s": (0.01, 0.05, 0.2), "drive.static_friction_rad_s": (0.015, 0.075, 0.3)}, _loss,
+        relative="command",
+    ),
+    _further(
+        "accelerometer_lag", "of first order", {"accelerometer.lag_s": (0.0005, 0.002, 0.006, 0.02)}, _lag,
+        needs=has("acceleration"),
+    ),
+    _of_course(
+        "accelerometer_bias_drift", "along a course", "rate_m_s3", "acceleration", "bias", lambda fit: 1.0, 3.0
+    ),
+    _of_course(
+        "accelerometer_sensitivity_drift", "along a course", "rate_per_s", "acceleration", "gain", _swing, 1.0
+    ),
+    _of_course("tracking_drift", "along a course", "rate_px_per_s", "displacement", "drift", _image_std, 1.0),
+    _of_course(
+        "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", _image_std, 0.1, walk=True
+    ),
+    _of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", _delay_std, 3.0),
+    _linear("lens_distortion", "about a centre", "displacement", "lens", _lens_values, _lens),
+)  # fmt: skip

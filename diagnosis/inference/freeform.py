@@ -1,0 +1,214 @@
+"""Structure that no listed cause has: terms of free form, each group a rival of every name.
+
+A force over the arm's state or over time, answered by the first mode and seen by all of the arm's sensors; a reading of
+one sensor that bends, wanders or rings by itself. Each group is fitted on top of what is known, with the baseline.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.physics.camera import expose
+from stillarm.diagnosis.physics.linear_modes import answer_of_mode
+from stillarm.diagnosis.physics.space import Added, hats
+
+Array = NDArray[np.float64]
+
+_PIECES = 7  # of a free course over position, velocity or time
+
+
+@dataclass(frozen=True)
+class Group:
+    """One kind of free-form structure. words: in a sentence; columns: by channel, from a fit; none: not seen here."""
+
+    name: str
+    words: str
+    columns: Callable[[Fit], dict[str, Array]]
+
+    def added(self, fit: Fit) -> Added | None:
+        """Its terms for a fit, each scaled to the channels' noise; None where the recording cannot show it."""
+        columns = {name: one for name, one in self.columns(fit).items() if name in fit.world.channels}
+        if not columns or not all(np.isfinite(one).all() for one in columns.values()):
+            return None
+        sizes = [np.sqrt(np.mean(one**2, axis=0)) / fit.sigma[name] for name, one in columns.items()]
+        largest = np.max(sizes, axis=0)
+        seen = largest > 0.0
+        if not seen.any():
+            return None
+        scaled = {name: one[:, seen] / largest[seen] for name, one in columns.items()}
+        return Added(f"free.{self.name}", scaled, 100.0)
+
+
+def groups(peaks_hz: Iterable[float]) -> list[Group]:
+    """All kinds; peaks_hz: frequencies at which a further resonance or a line is tried."""
+    found = [
+        Group("position", "a force that depends on the deflection", lambda fit: _force(fit, _over(fit, "q"))),
+        Group("even", "a force that is not the same to both sides", lambda fit: _force(fit, _even(fit))),
+        Group("velocity", "a force that depends on the arm's velocity", lambda fit: _force(fit, _over(fit, "v"))),
+        Group("both", "a force that depends on deflection and velocity", lambda fit: _force(fit, _both(fit))),
+        Group("memory", "a force that remembers where the arm has been", lambda fit: _force(fit, _memory(fit))),
+        Group("joint", "a force that depends on the joint's place and speed", lambda fit: _force(fit, _of_joint(fit))),
+        Group("wander", "a stiffness or damping that changes over time", lambda fit: _force(fit, _over_time(fit))),
+        Group("reading", "an accelerometer whose reading is no straight line", _bent_reading),
+        Group("image", "an image whose displacement is no straight line", _bent_image),
+        Group("scale", "an image scale that changes over time", _scale_over_time),
+        Group("turning", "an accelerometer that senses the joint's speed", _turning),
+    ]  # fmt: skip
+    for k, hz in enumerate(peaks_hz):
+        words = f"a vibration near {hz:.3g} Hz"
+        found.append(Group(f"image_rings_{k}", f"{words} in the image alone", _ringing("displacement", hz)))
+        found.append(
+            Group(f"sensor_rings_{k}", f"{words} in the acceleration alone", _ringing("acceleration", hz))
+        )
+    return found
+
+
+def _state(fit: Fit) -> tuple[Array, Array]:
+    """Deflection, m, and rate, m/s, of the first mode over the grid."""
+    q = fit.predicted.motion.q[:, 0]
+    return q, np.gradient(q, fit.world.measured.cycle_s)
+
+
+def _unit(values: Array) -> Array:
+    top = float(np.max(np.abs(values)))
+    return values / top if top > 0.0 else values
+
+
+def _over(fit: Fit, which: str) -> Array:
+    q, v = _state(fit)
+    x = _unit(q if which == "q" else v)
+    return hats(x, np.linspace(-1.0, 1.0, _PIECES))
+
+
+def _even(fit: Fit) -> Array:
+    q, v = (_unit(one) for one in _state(fit))
+    return np.stack([q * q, np.abs(q), v * v], axis=1)
+
+
+def _both(fit: Fit) -> Array:
+    q, v = (_unit(one) for one in _state(fit))
+    powers = [(3, 0), (2, 1), (1, 2), (0, 3), (5, 0), (4, 1), (2, 3), (0, 5)]
+    columns = [q**a * v**b for a, b in powers]
+    return np.stack([*columns, np.sign(v), np.sign(v) * np.abs(q)], axis=1)
+
+
+def _memory(fit: Fit) -> Array:
+    """Play operators of several widths: the elements of which any rate-independent hysteresis is made (Prandtl and
+    Ishlinskii)."""
+    q, _ = _state(fit)
+    top = float(np.max(np.abs(q))) or 1.0
+    columns = []
+    for share in (0.02, 0.06, 0.15, 0.4):
+        width, at = share * top, np.empty(len(q))
+        last = 0.0
+        for k, value in enumerate(q.tolist()):
+            last = min(max(last, value - width), value + width)
+            at[k] = last
+        columns.append(q - at)
+    return np.stack(columns, axis=1)
+
+
+def _of_joint(fit: Fit) -> Array:
+    joint = fit.predicted.motion.joint
+    theta, omega = _unit(joint[:, 0] - joint[0, 0]), _unit(joint[:, 1])
+    q, _ = (_unit(one) for one in _state(fit))
+    return np.stack(
+        [
+            theta,
+            theta**2,
+            np.sin(joint[:, 0]),
+            omega,
+            omega * np.abs(omega),
+            omega**2,
+            omega**2 * q,
+            theta * q,
+        ],
+        axis=1,
+    )
+
+
+def _over_time(fit: Fit) -> Array:
+    q, v = (_unit(one) for one in _state(fit))
+    time = fit.world.cycle_times
+    course = hats(time, np.linspace(0.0, fit.world.measured.duration_s, _PIECES))
+    return np.concatenate([course * q[:, None], course * v[:, None]], axis=1)
+
+
+def _force(fit: Fit, force: Array) -> dict[str, Array]:
+    """What forces on the first mode, (cycles, k), do to the arm's channels."""
+    hz, damping = fit.value("modes.0.frequency_hz"), fit.value("modes.0.damping_ratio")
+    step = fit.world.measured.cycle_s
+    scale = (2.0 * pi * hz) ** 2
+    q, second = answer_of_mode(force * scale, hz, max(damping, 1e-4), step)
+    found = {"deflection": q}
+    if "acceleration" in fit.world.channels:
+        found["acceleration"] = fit.value("accelerometer.scale") * second
+    if "displacement" in fit.world.channels:
+        found["displacement"] = np.stack(
+            [_imaged(fit, -fit.value("camera.scale_px_per_m") * q[:, i]) for i in range(q.shape[1])], axis=1
+        )
+    return found
+
+
+def _imaged(fit: Fit, scene: Array) -> Array:
+    """What the camera would make of a motion over the grid, px."""
+    instants = fit.world.instants(fit.vector)
+    value, rate = np.empty(len(instants)), np.empty(len(instants))
+    exposure, step = fit.world.model.camera.exposure_s, fit.world.measured.cycle_s
+    expose(np.ascontiguousarray(scene), instants, exposure, step, value, rate)
+    return value
+
+
+def _bent_reading(fit: Fit) -> dict[str, Array]:
+    shown = fit.predicted.channels.get("acceleration")
+    if shown is None:
+        return {}
+    return {"acceleration": hats(_unit(shown), np.linspace(-1.0, 1.0, _PIECES))}
+
+
+def _bent_image(fit: Fit) -> dict[str, Array]:
+    shown = fit.predicted.channels.get("displacement")
+    if shown is None:
+        return {}
+    return {"displacement": hats(_unit(shown - np.median(shown)), np.linspace(-1.0, 1.0, _PIECES))}
+
+
+def _scale_over_time(fit: Fit) -> dict[str, Array]:
+    shown = fit.predicted.channels.get("displacement")
+    if shown is None:
+        return {}
+    frames = fit.world.measured.frames
+    course = hats(frames.received_s, np.linspace(0.0, fit.world.measured.duration_s, _PIECES))
+    return {"displacement": course * _unit(shown - fit.value("camera.offset_px"))[:, None]}
+
+
+def _turning(fit: Fit) -> dict[str, Array]:
+    joint = fit.predicted.motion.joint
+    omega, theta = _unit(joint[:, 1]), joint[:, 0]
+    return {"acceleration": np.stack([omega, omega**2, np.cos(theta)], axis=1)}
+
+
+def _ringing(channel: str, hz: float) -> Callable[[Fit], dict[str, Array]]:
+    """Something that rings in one channel alone: shaken by the joint, by the arm, or by itself."""
+
+    def columns(fit: Fit) -> dict[str, Array]:
+        if channel not in fit.world.channels or not 0.2 < hz < 0.4 / fit.world.measured.cycle_s:
+            return {}
+        motion = fit.predicted.motion
+        found = []
+        for damping in (0.01, 0.05):
+            force = np.stack([motion.joint[:, 2], motion.tip_acceleration], axis=1)
+            q, _ = answer_of_mode(force, hz, damping, fit.world.measured.cycle_s)
+            found += [q, np.gradient(q, axis=0)]
+        phase = 2.0 * pi * hz * fit.world.cycle_times
+        found.append(np.stack([np.sin(phase), np.cos(phase)], axis=1))
+        whole = np.concatenate(found, axis=1)
+        if channel == "displacement":
+            whole = np.stack([_imaged(fit, whole[:, i]) for i in range(whole.shape[1])], axis=1)
+        return {channel: whole}
+
+    return columns

@@ -1,0 +1,242 @@
+"""How the arm's frequency goes over the recording, where it changes by more than small steps from one frequency show.
+
+In each window of a few periods the vibration is what the joint's motion makes of a mode of some frequency, and a free
+vibration; both are linear but for the frequency, and are projected out (variable projection: Golub and Pereyra, 1973),
+so that each window has a likelihood of the frequency alone, whatever impacts the other windows hold. Three courses are
+held against one frequency: a single change, a drift, and w^2 (1 + 3/4 c A^2) with the amplitude A of the vibration (the
+first order of a cubic stiffness). They are where refits start, no more: those decide.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import pi
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from stillarm.common.files.model import Mode, Model
+from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.physics.arm_motion import Motion
+from stillarm.diagnosis.physics.computing import side_by_side
+from stillarm.diagnosis.physics.quantities import HIGHER
+from stillarm.diagnosis.physics.world import World
+
+Array = NDArray[np.float64]
+
+_PERIODS = 4.0  # of a window
+_PER_PERIOD = 24  # samples
+_RATIOS = np.exp(np.linspace(np.log(0.6), np.log(1.6), 197))  # half a per cent apart
+_DAMPING = 0.01
+_LEAST_NATS = 15.0
+_LEAST_CHANGE = 0.015
+_LEAST_OF_BEST = 0.5  # nats: a course that explains less is not worth a start
+_FAR = 0.03  # of a frequency: beyond it the phase is a quarter turn off within eight periods
+_FEWEST = 3  # windows on either side of a change
+_CHANGES = np.concatenate([-np.geomspace(0.5, 0.01, 40), np.geomspace(0.01, 1.0, 40)])
+_PIECES = 16
+
+
+@dataclass(frozen=True)
+class Course:
+    """One way in which the frequency goes. start: quantities of the world's vector; nats: gained over one frequency."""
+
+    start: dict[str, float]
+    nats: float
+
+    def starts(self, world: World) -> list[dict[str, float]]:
+        """The same, with what higher modes may take of it; a stiffness that changes with the deflection is the first
+        mode's alone."""
+        alone = not any(name.startswith("arm.frequency") for name in self.start)
+        return [{**self.start, **others} for others in (({},) if alone else shares(world))]
+
+
+def shares(world: World) -> tuple[Mapping[str, float], ...]:
+    """What to start from: higher modes that change in proportion, and where there are some, that do not at all."""
+    return ({HIGHER: 1.0}, {HIGHER: 0.0}) if world.modes > 1 else ({},)
+
+
+@dataclass(frozen=True)
+class _Windows:
+    """Of each window: middle, s, and amplitude of the vibration, m; cost: its negative log-likelihood at each hz."""
+
+    middle_s: Array
+    amplitude_m: Array
+    hz: Array
+    cost: Array
+
+    def along(self, shape: Array) -> tuple[int, float]:
+        """The likeliest of all courses hz * shape, one value a window: place of its hz, and its cost."""
+        step = np.log(self.hz[1] / self.hz[0])  # they lie evenly in the logarithm
+        places = np.arange(len(self.hz))[:, None] + np.rint(np.log(shape) / step).astype(np.int64)
+        costs = self.cost[np.arange(len(shape)), np.clip(places, 0, len(self.hz) - 1)].sum(axis=1)
+        best = int(np.argmin(costs))
+        return best, float(costs[best])
+
+
+def seen_frequency(world: World, motion: Motion, fitted_hz: float) -> float | None:
+    """The one frequency, Hz, that explains all windows best, where it is far from the one that was fitted and explains
+    them better. A free run that gets its phase wrong within a few periods has nothing to follow to the right one.
+
+    motion: of a simulation, whose joint is near the true one.
+    """
+    windows = _seen(world, motion)
+    if windows is None:
+        return None
+    cost = windows.cost.sum(axis=0)
+    best = int(np.argmin(cost))
+    fitted = int(np.argmin(np.abs(np.log(windows.hz / fitted_hz))))
+    far = abs(float(np.log(windows.hz[best] / fitted_hz))) > _FAR
+    return float(windows.hz[best]) if far and cost[fitted] - cost[best] > _LEAST_NATS else None
+
+
+def frequency_courses(world: World, motion: Motion) -> dict[str, Course]:
+    """The likeliest course of each kind, by the cause that makes it; without those that are no better than one
+    frequency, or too little to matter.
+
+    motion: of a simulation, whose joint is near the true one.
+    """
+    windows = _seen(world, motion)
+    if windows is None:
+        return {}
+    alone = float(windows.cost.sum(axis=0).min())
+    found = {}
+    for cause, courses in (
+        ("payload_change", _changed(windows)),
+        ("stiffness_drift", _drifting(windows)),
+        ("cubic_stiffness", _stiffening(windows)),
+    ):
+        cost, start = min(courses, key=lambda one: one[0])
+        if alone - cost > _LEAST_NATS:
+            found[cause] = Course(start, alone - cost)
+    most = max((one.nats for one in found.values()), default=0.0)
+    return {cause: one for cause, one in found.items() if one.nats > _LEAST_OF_BEST * most}
+
+
+def _seen(world: World, motion: Motion) -> _Windows | None:
+    """The windows of the channel that shows the vibration; None where there are too few."""
+    name = next((one for one in ("acceleration", "deflection") if one in world.channels), None)
+    if name is None or world.measured.pair:
+        return None
+    windows = _windows(world, motion, name)
+    return windows if len(windows.cost) > 2 * _FEWEST else None
+
+
+def _changed(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
+    cost, hz = windows.cost, windows.hz
+    for k in range(_FEWEST, len(cost) - _FEWEST):
+        first, last = cost[:k].sum(axis=0), cost[k + 1 :].sum(axis=0)
+        i, j = int(np.argmin(first)), int(np.argmin(last))
+        ratio = float(hz[j] / hz[i])
+        if abs(ratio - 1.0) < _LEAST_CHANGE and k > _FEWEST:
+            continue
+        whole = float(first[i] + last[j] + min(cost[k, i], cost[k, j]))
+        yield (
+            whole,
+            {
+                "modes.0.frequency_hz": float(hz[i]),
+                "arm.onset_s": float(windows.middle_s[k]),
+                "arm.frequency_ratio": ratio,
+            },
+        )
+
+
+def _drifting(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
+    end = float(windows.middle_s[-1])
+    for change in _CHANGES:
+        best, cost = windows.along(1.0 + change * windows.middle_s / end)
+        hz, rate = float(windows.hz[best]), float(change) / end
+        yield cost, {"modes.0.frequency_hz": hz, "arm.frequency_rate_per_s": rate}
+
+
+def _stiffening(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
+    shape = (windows.amplitude_m / float(np.max(windows.amplitude_m))) ** 2
+    for change in _CHANGES:
+        best, cost = windows.along(np.sqrt(1.0 + change * shape))
+        cubic = float(change) / (0.75 * float(np.max(windows.amplitude_m)) ** 2)
+        yield cost, {"modes.0.frequency_hz": float(windows.hz[best]), "arm.cubic_per_m2": cubic}
+
+
+def _windows(world: World, motion: Motion, name: str) -> _Windows:
+    h = world.measured.cycle_s
+    f0 = world.model.arm.modes[0].frequency_hz
+    many = max(1, int(1.0 / (_PER_PERIOD * f0) / h))
+    values = _means(world.channels[name], many)
+    pull = world.length * motion.joint[:, 2]
+    rigid = _means(pull, many)
+    step = many * h
+    time = step * np.arange(len(values))
+    per_window = round(_PERIODS / f0 / step)
+    windows = [slice(a, a + per_window) for a in range(0, len(values) - per_window + 1, per_window)]
+    hz = f0 * _RATIOS
+
+    def costs(one: float) -> list[float]:
+        w, found = 2.0 * pi * one, []
+        forced = _means(_answer(pull, w, h, name == "deflection"), many)
+        for window in windows:
+            known = np.isfinite(values[window])
+            t = (time[window] - time[window.start])[known]
+            fade = np.exp(-_DAMPING * w * t)
+            terms = [fade * np.cos(w * t), fade * np.sin(w * t), np.ones(len(t)), forced[window][known]]
+            if name == "acceleration":
+                terms.append(rigid[window][known])
+            found.append(_left(np.column_stack(terms), values[window][known]))
+        return found
+
+    cost = np.array(side_by_side(costs, hz.tolist())).reshape(len(hz), len(windows)).T
+    per_m = world.model.accelerometer.scale * (2.0 * pi * f0) ** 2 if name == "acceleration" else 1.0
+    size = np.array([float(np.nanstd(values[window])) if len(values[window]) else 0.0 for window in windows])
+    middle = np.array([time[window.start] + 0.5 * per_window * step for window in windows])
+    return _Windows(middle, np.sqrt(2.0) * np.nan_to_num(size) / abs(per_m), hz, cost)
+
+
+def _left(terms: Array, values: Array) -> float:
+    """Negative log-likelihood of what the terms leave of the values, at its own level."""
+    if len(values) < 2 * terms.shape[1]:
+        return 0.0
+    solved, *_ = np.linalg.lstsq(terms, values, rcond=1e-9)
+    rest = values - terms @ solved
+    least = 1e-12 * float(values @ values) + 1e-30
+    return 0.5 * len(values) * float(np.log(max(float(rest @ rest) / len(values), least)))
+
+
+def _answer(pull: Array, w: float, h: float, deflection: bool) -> Array:
+    """q'' or q of q'' + 2 z w q' + w^2 q = -pull (bilinear)."""
+    k = 2.0 / h
+    drag = 2.0 * _DAMPING * w * k
+    a0, a1, a2 = k * k + drag + w * w, 2.0 * (w * w - k * k), k * k - drag + w * w
+    b = [1.0, 2.0, 1.0] if deflection else [k * k, -2.0 * k * k, k * k]
+    out: Array = lfilter(np.array(b) / a0, [1.0, a1 / a0, a2 / a0], -pull)
+    return out
+
+
+def _means(values: Array, many: int) -> Array:
+    count = len(values) // many
+    means: Array = values[: count * many].reshape(count, many).mean(axis=1)
+    return means
+
+
+def with_resonance_of(measured: Measured, model: Model) -> Model:
+    """The model with one mode at the peak of |cross spectrum| / input's power (H1 estimate; Welch's means), and the
+    damping ratio that the width of the peak tells."""
+    force, out = measured.force, np.nan_to_num(measured.deflection)
+    n = max(256, len(out) // _PIECES)
+    window = np.hanning(n)
+    cross, power = np.zeros(n // 2 + 1, complex), np.zeros(n // 2 + 1)
+    for start in range(0, len(out) - n + 1, n // 2):
+        u = np.fft.rfft((force[start : start + n] - force.mean()) * window)
+        y = np.fft.rfft((out[start : start + n] - out.mean()) * window)
+        cross += np.conj(u) * y
+        power += np.abs(u) ** 2
+    hz = np.fft.rfftfreq(n, measured.cycle_s)
+    driven = power > 1e-4 * power.max()
+    gain: Array = np.where(driven, np.abs(cross) / np.maximum(power, 1e-300), 0.0)
+    gain[:2] = 0.0
+    top = int(np.argmax(gain))
+    above = np.flatnonzero(gain > gain[top] / 2.0**0.5)
+    near = above[(above > top - n // 20) & (above < top + n // 20)]
+    width = float(hz[near[-1]] - hz[near[0]]) if len(near) > 1 else float(hz[1])
+    damping = min(max(0.5 * width / max(float(hz[top]), 1e-9), 0.002), 0.3)
+    mode = Mode(frequency_hz=float(hz[top]), damping_ratio=damping)
+    return msgspec.structs.replace(model, arm=msgspec.structs.replace(model.arm, modes=[mode]))

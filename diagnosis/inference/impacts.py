@@ -1,0 +1,261 @@
+"""Impacts that no sensor measured: where the free vibration's phasor jumps.
+
+Over one period before and one after each instant, the residual's phasor at the first mode's frequency; an impact is a
+jump between the two that stands out of the usual ones. It opens a new segment with its own state.
+"""
+
+from collections.abc import Callable
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.robust import std_about_zero
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.fit import colours, fit
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.physics.world import World
+
+Array = NDArray[np.float64]
+
+_GRID_S = 0.01
+_OUTSTANDING = 9.0  # times the usual jump
+_NEAR = 5.0  # times those near by
+_FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
+_LEAST_SHARE = 0.01  # of the arm's largest vibration
+_WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large
+_AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
+_MOST = 40
+_SIGNIFICANT = 6.0
+_CLOSE_S = 2.0
+
+
+def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> list[tuple[Array, Array]]:
+    """Times and residual as deflection, m, of each channel that shows the vibration, the one with the least noise
+    first."""
+    choices = []
+    grid = world.cycle_times
+    for name, per in (
+        ("deflection", 1.0),
+        ("acceleration", -w * w * last.value("accelerometer.scale")),
+        ("displacement", -last.value("camera.scale_px_per_m")),
+    ):
+        if name not in world.channels or per == 0.0:
+            continue
+        values = residuals[name] / per
+        time = world.instants(last.vector) if name == "displacement" else grid
+        known = np.isfinite(values)
+        if known.sum() < 50:
+            continue
+        quiet = std_about_zero(np.diff(values[known])) / np.sqrt(2.0)
+        rate = known.sum() / world.measured.duration_s
+        choices.append((quiet / np.sqrt(rate), time[known], values[known]))
+    choices.sort(key=lambda choice: choice[0])
+    return [(time, values) for _, time, values in choices]
+
+
+def _phasor(time: Array, values: Array, w: float, start: Array, end: Array) -> tuple[Array, Array]:
+    """Phasor of the values at w over each window, its mean taken off; and how many samples it has."""
+    turn = np.exp(-1j * w * time)
+    sums = [np.concatenate(([0.0], np.cumsum(one))) for one in (values * turn, turn, values)]
+    first, last = np.searchsorted(time, start), np.searchsorted(time, end)
+    count = np.maximum(last - first, 1)
+    moved, plain, mean = (one[last] - one[first] for one in sums)
+    return 2.0 * (moved - mean / count * plain) / count, (last - first).astype(float)
+
+
+def find_jumps(last: Fit, share: float) -> list[float]:
+    """Times, s, at which the vibration jumps by more than `share` of the residual's largest and the usual."""
+    world = last.world
+    w = 2.0 * pi * last.value("modes.0.frequency_hz")
+    residuals = {name: values - last.predicted.channels[name] for name, values in world.channels.items()}
+    series = _all_series(world, residuals, w, last)
+    if not series:
+        return []
+    time, values = series[0]
+    period = 2.0 * pi / w
+    at = np.arange(time[0] + period, time[-1] - period, max(_GRID_S, 0.02 * period))
+    if len(at) < 10:
+        return []
+    before, n_before = _phasor(time, values, w, at - period, at)
+    after, n_after = _phasor(time, values, w, at, at + period)
+    jump = np.abs(after - before)
+    full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
+    jump[~full] = 0.0
+    usual = _usual(jump, full, round(period / float(at[1] - at[0])))
+    swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
+    found: list[float] = []
+    threshold = np.maximum(usual, max(share * float(np.max(np.abs(after))), swing))
+    for other_time, other_values in series[1:]:
+        jump[~_borne_out(at, period, w, after - before, other_time, other_values)] = 0.0
+    for i in np.argsort(-jump):
+        if len(found) >= _MOST:
+            break
+        if jump[i] < threshold[i]:
+            continue
+        if all(abs(at[i] - other) > 1.2 * period for other in found):
+            found.append(float(at[i]))
+    return sorted(found)
+
+
+def _borne_out(
+    at: Array, period: float, w: float, jump: NDArray[Any], time: Array, values: Array
+) -> NDArray[np.bool_]:
+    """Whether another sensor shows the same jump: an impact moves the arm, and all that look at it; a sensor that has
+    gone wrong moves its own reading. Where the other sensor's noise hides it, it is taken for the same."""
+    before, n_before = _phasor(time, values, w, at - period, at)
+    after, n_after = _phasor(time, values, w, at, at + period)
+    other = after - before
+    full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
+    usual = float(np.median(np.abs(other[full]))) if full.any() else 0.0
+    agree: NDArray[np.bool_] = np.abs(other - jump) < np.maximum(_AGREE * np.abs(jump), 3.0 * usual)
+    return agree | ~full
+
+
+def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:
+    """What a jump has to exceed: several times the median of all, or of those near by if that is less, for an impact
+    that is not yet found raises them all."""
+    overall = _OUTSTANDING * float(np.median(jump[full])) if full.any() else 0.0
+    reach, near = 5 * period, 3 * period // 2
+    known = np.pad(np.where(full, jump, np.inf), reach, constant_values=np.inf)
+    around = np.lib.stride_tricks.sliding_window_view(known, 2 * reach)  # row i: from i - reach on
+    ordered = np.sort(np.delete(around[: len(jump)], np.s_[reach - near : reach + near], axis=1), axis=1)
+    count = np.isfinite(ordered).sum(axis=1)
+    row = np.arange(len(jump))
+    middle = 0.5 * (ordered[row, np.maximum(count - 1, 0) // 2] + ordered[row, count // 2])
+    return np.where(count > 3 * period, np.minimum(overall, _NEAR * middle), overall)
+
+
+def _refined(last: Fit, number: int) -> float:
+    """By how much later the impact number `number` was: a pure jump of the rate leaves the deflection alone."""
+    q, v = last.value(f"jump.{number}.0.q"), last.value(f"jump.{number}.0.v")
+    w = 2.0 * pi * last.value("modes.0.frequency_hz")
+    if v == 0.0:
+        return 0.0
+    phase = float(np.arctan(w * q / v))
+    return -phase / w
+
+
+def fit_with_impacts(
+    world: World, split: Split, start: Array | None = None, reached: Callable[[Fit], None] = lambda one: None
+) -> Fit:
+    """The baseline's fit, with as many segments as there were impacts. start: vector of the world, if not its own.
+    reached: told of the fit with the impacts as they were found, for whoever runs out of time before they are in
+    place."""
+    sought = with_impacts_sought(world, split, start)
+    reached(sought)
+    return with_impacts_in_place(sought, split)
+
+
+def with_impacts_sought(world: World, split: Split, start: Array | None = None) -> Fit:
+    """The first half of it: a segment wherever an impact seems to have been."""
+    data = make_data(world, split)
+    last = fit(data, world.space.vector() if start is None else start, (), iterations=0)
+    return _sought(last, split)
+
+
+def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
+    """The second: each impact where it was, and none that was not."""
+    last = pruned(sought, split)
+    # the noise laws as they are now, rather than as they seemed at the start
+    return refit_with(last, split, last.world.impacts)
+
+
+def _sought(last: Fit, split: Split) -> Fit:
+    """Impacts sought in what is left, again and again. last: a start, not a fit."""
+    impacts: set[int] = set(last.world.impacts)
+    for turn in range(5):
+        share = _SHARE if turn else _FIRST_SHARE
+        cycle_s = last.world.measured.cycle_s
+        period = 1.0 / last.value("modes.0.frequency_hz")
+        new = {round(t / cycle_s) for t in find_jumps(last, share)}
+        new = {k for k in new if all(abs(k - old) * cycle_s > 0.6 * period for old in impacts)}
+        if turn and not new:
+            break
+        impacts |= new
+        last = refit_with(last, split, tuple(sorted(impacts)), iterations=_WHILE_SOUGHT)
+        last, impacts = _sharpened(last, split)
+    return last
+
+
+def refit_with(
+    last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = (), iterations: int = 12
+) -> Fit:
+    """Fit again with these segments, from what is known."""
+    world = last.world.changed(impacts=impacts)
+    start = carried_over(last, world)
+    free = tuple(dict.fromkeys((*world.baseline_names(), *extra)))
+    data = make_data(world, split)
+    return fit(data, start, free, colour=last.colour | colours(data, start), iterations=iterations)
+
+
+def carried_over(last: Fit, world: World) -> Array:
+    """The values of a fit in another world's vector, as far as it has them; segments are matched by their cycle."""
+    start = world.space.vector()
+    old = last.world
+    cycle_of_old = (0, *old.impacts)
+    cycle_of_new = (0, *world.impacts)
+    for name, place in world.space.place.items():
+        source = name
+        if name.startswith("jump."):
+            _, j, mode, part = name.split(".")
+            cycle = cycle_of_new[int(j)]
+            near = [
+                k for k, other in enumerate(cycle_of_old) if abs(other - cycle) * old.measured.cycle_s < 0.15
+            ]
+            if int(j) == 0:
+                near = [0]
+            if not near or (near[0] == 0) != (int(j) == 0):
+                continue
+            source = f"jump.{near[0]}.{mode}.{part}"
+        if source in old.space.place:
+            start[place] = last.value(source)
+    return start
+
+
+def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
+    """Impacts moved to where they leave the deflection without a jump."""
+    world = last.world
+    cycle_s = world.measured.cycle_s
+    for _ in range(2):
+        moved = []
+        for j, cycle in enumerate(world.impacts, start=1):
+            shift = min(max(_refined(last, j), -0.12), 0.12)
+            moved.append(min(max(cycle + round(shift / cycle_s), 1), world.measured.cycles - 2))
+        moved = sorted(set(moved))
+        if tuple(moved) == world.impacts:
+            break
+        last = refit_with(last, split, tuple(moved), iterations=_WHILE_SOUGHT)
+        world = last.world
+    return last, set(world.impacts)
+
+
+def pruned(last: Fit, split: Split) -> Fit:
+    """Without the impacts that have turned out to be none; of those close to each other, which may well share one
+    impact and each seem needless beside the other, the least goes first."""
+    while True:
+        cycles = last.world.impacts
+        sizes = [_size_in_stds(last, j) for j in range(1, len(cycles) + 1)]
+        near = _CLOSE_S / last.world.measured.cycle_s
+        kept = tuple(
+            cycle
+            for cycle, size in zip(cycles, sizes, strict=True)
+            if size > _SIGNIFICANT
+            or any(
+                less < size and abs(other - cycle) < near for other, less in zip(cycles, sizes, strict=True)
+            )
+        )
+        if len(kept) == len(cycles):
+            return last
+        last = refit_with(last, split, kept)
+
+
+def _size_in_stds(last: Fit, number: int) -> float:
+    """Size of impact `number` in standard deviations, the larger of deflection's and rate's."""
+    size = 0.0
+    for part in ("q", "v"):
+        name = f"jump.{number}.0.{part}"
+        std = last.std.get(name, 0.0)
+        size = max(size, abs(last.value(name)) / std if std > 0.0 else np.inf)
+    return size

@@ -1,0 +1,136 @@
+"""Bursts of late frames: a hidden Markov chain of two states over a delay that wanders.
+
+    r_k = w_k + size z_k + e_k,   w_k = stay w_{k-1} + drive,   z_k in {0, 1} a Markov chain
+
+Filtered by one Kalman filter for each pair of successive states, merged after every frame (generalised pseudo-Bayesian
+estimator of second order; Bar-Shalom, Li and Kirubarajan, Estimation with Applications, 2001, section 11.6.4). Without
+bursts it is the wander alone: a delay that merely wanders, or scatters, is no burst.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from stillarm.diagnosis.data.robust import std_about_median
+
+Array = NDArray[np.float64]
+
+_SHORTEST_FRAMES = 2.5
+_LONGEST_STAY = 0.9995
+
+
+@dataclass(frozen=True)
+class Bursts:
+    """The likeliest chain. size_s: how much later; enter, leave: probabilities per frame; late: of each frame."""
+
+    size_s: float
+    enter: float
+    leave: float
+    nats: Array
+    plain_nats: Array
+    late: Array
+
+
+@njit(cache=True, nogil=True)
+def _filter(
+    r: Array, stay: float, wander: float, white: float, size: float, spread: float,
+    enter: float, leave: float, nats: Array, late: Array,
+) -> None:  # fmt: skip
+    """Predictive log-likelihood of each residual, and probability of the late state after it. Variances in s^2."""
+    mean, var, prob = np.zeros(2), np.full(2, wander), np.empty(2)
+    prob[1] = enter / (enter + leave)
+    prob[0] = 1.0 - prob[1]
+    drive = wander * (1.0 - stay * stay)
+    m, p, weight = np.empty((2, 2)), np.empty((2, 2)), np.empty((2, 2))
+    for k in range(r.shape[0]):
+        total = 0.0
+        for i in range(2):
+            ahead, doubt = stay * mean[i], stay * stay * var[i] + drive
+            for j in range(2):
+                change = (enter if j else 1.0 - enter) if i == 0 else (1.0 - leave if j else leave)
+                if np.isnan(r[k]):
+                    m[i, j], p[i, j], weight[i, j] = ahead, doubt, prob[i] * change
+                else:
+                    s = doubt + white + (spread if j else 0.0)
+                    off = r[k] - ahead - (size if j else 0.0)
+                    u = off * off / s
+                    # an outlier weighs no more than its size (Huber)
+                    cost = 0.5 * u if u < 16.0 else 4.0 * np.sqrt(u) - 8.0
+                    gain = doubt / s * (1.0 if u < 16.0 else 4.0 / np.sqrt(u))
+                    m[i, j], p[i, j] = ahead + gain * off, doubt * (1.0 - gain)
+                    weight[i, j] = prob[i] * change * np.exp(-cost) / np.sqrt(2.0 * np.pi * s)
+                total += weight[i, j]
+        total = max(total, 1e-300)
+        nats[k] = 0.0 if np.isnan(r[k]) else np.log(total)
+        for j in range(2):
+            prob[j] = max((weight[0, j] + weight[1, j]) / total, 1e-12)
+            share = weight[0, j] / max(weight[0, j] + weight[1, j], 1e-300)
+            mean[j] = share * m[0, j] + (1.0 - share) * m[1, j]
+            var[j] = share * (p[0, j] + (m[0, j] - mean[j]) ** 2) + (1.0 - share) * (
+                p[1, j] + (m[1, j] - mean[j]) ** 2
+            )
+        late[k] = prob[1]
+
+
+def find_bursts(residual_s: Array, used: NDArray[np.bool_]) -> Bursts | None:
+    """Fit both laws to the residuals that are `used`; nats of all. None: no bursts fit at all."""
+    known = residual_s[np.isfinite(residual_s)]
+    if len(known) < 60:
+        return None
+    scale = std_about_median(known) + 1e-6
+    r = (residual_s - float(np.median(known))) / scale
+    nats, late = np.empty(len(r)), np.empty(len(r))
+
+    def run(x: Array, bursts: bool) -> None:
+        stay = _LONGEST_STAY / (1.0 + np.exp(-x[0]))
+        mean = x[3]
+        if bursts:
+            enter = 0.5 / (1.0 + np.exp(-x[5]))
+            leave = 1.0 / _SHORTEST_FRAMES / (1.0 + np.exp(-x[6]))
+            size, spread = float(np.exp(x[4])), float(np.exp(x[7]))
+            _filter(r - mean, stay, np.exp(x[1]), np.exp(x[2]), size, spread, enter, leave, nats, late)
+        else:
+            _filter(r - mean, stay, np.exp(x[1]), np.exp(x[2]), 0.0, 0.0, 1e-9, 0.5, nats, late)
+
+    def cost(x: Array, bursts: bool) -> float:
+        run(x, bursts)
+        return -float(nats[used].sum()) + 0.005 * float(np.sum(x * x))
+
+    plain = min(
+        (
+            minimize(
+                cost, np.array([start, -1.0, -0.7, 0.0]), (False,), "Nelder-Mead", options={"maxfev": 300}
+            )
+            for start in (2.0, 5.0)
+        ),
+        key=lambda one: float(one.fun),
+    )
+    run(plain.x, False)
+    plain_nats = nats.copy()
+    tries = []
+    for size in (2.0, 5.0, 15.0, 40.0):
+        for part in (0.03, 0.3):
+            x = np.array([*plain.x[:3], plain.x[3] - part, np.log(size), np.log(part / 5.0), -0.5, -1.0])
+            tries.append(minimize(cost, x, (True,), "Nelder-Mead", options={"maxfev": 250}))
+    best = min(tries, key=lambda one: float(one.fun))
+    best = minimize(cost, best.x, (True,), "Nelder-Mead", options={"maxfev": 600})
+    run(best.x, True)
+    enter = 0.5 / (1.0 + float(np.exp(-best.x[5])))
+    leave = 1.0 / _SHORTEST_FRAMES / (1.0 + float(np.exp(-best.x[6])))
+    return Bursts(
+        float(np.exp(best.x[4])) * scale, enter, leave, nats.copy(), plain_nats, _smoothed(late, enter, leave)
+    )
+
+
+def _smoothed(late: Array, enter: float, leave: float) -> Array:
+    """Probability of the late state given the frames after it too (backward pass of the chain; Kim, 1994)."""
+    out = late.copy()
+    for k in range(len(late) - 2, -1, -1):
+        ahead = late[k] * (1.0 - leave) + (1.0 - late[k]) * enter
+        stays = late[k] * (1.0 - leave) / max(ahead, 1e-12)
+        ends = late[k] * leave / max(1.0 - ahead, 1e-12)
+        out[k] = out[k + 1] * stays + (1.0 - out[k + 1]) * ends
+    return out

@@ -1,0 +1,223 @@
+"""Which causes could explain what is left: score tests with the baseline's parameters projected out.
+
+Each trial of each cause gives one or a few directions in which the data would depart. What the residual holds along
+them, after the fitted parameters have had their share, predicts the log-likelihood to be gained.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.noise import HUBER
+from stillarm.diagnosis.inference.cause import Cause, Context, Trial
+from stillarm.diagnosis.inference.fit import jacobian, whitened
+from stillarm.diagnosis.inference.fitted import THIN, Data, Fit, least_level, thinned, thinned_mask
+from stillarm.diagnosis.inference.impacts import carried_over
+from stillarm.diagnosis.physics.computing import side_by_side
+from stillarm.diagnosis.physics.quantities import ARRIVAL
+from stillarm.diagnosis.physics.world import Predicted, World
+
+Array = NDArray[np.float64]
+
+_PEAKS = 6
+_LEAST_PERIODS = 3.0
+_MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A trial of a cause. nats: predicted gain. start: vector in its world."""
+
+    cause: Cause
+    trial: Trial
+    nats: float
+    world: World
+    start: Array
+
+
+class _Whitened:
+    """The training residual as one vector, the baseline's directions taken out of whatever is asked."""
+
+    def __init__(self, data: Data, last: Fit) -> None:
+        self.data, self.last = data, last
+        world = last.world
+        self.weights: dict[str, Array] = {}
+        parts, self.spans = [], {}
+        self._masks = {name: thinned_mask(name, data.train[name]) for name in last.residuals}
+        at = 0
+        for name, residual in last.residuals.items():
+            std = last.sigma[name] / THIN.get(name, 1) ** 0.5
+            u = thinned(name, residual)[self._masks[name]] / std
+            tail = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12)))
+            self.weights[name] = tail / std
+            parts.append(u * tail)
+            self.spans[name] = slice(at, at + len(u))
+            at += len(u)
+        self.residual = np.concatenate(parts)
+        # a part of a cycle is all that it may be: as a direction it would explain a dead time of any length
+        names = [name for name in last.free if name != ARRIVAL]
+        slopes = jacobian(world, last.vector, names, last.predicted, last.colour)
+        stacked = np.concatenate([slopes[n][self._masks[n]] * self.weights[n][:, None] for n in slopes])
+        norms = np.linalg.norm(stacked, axis=0)
+        keep = norms > 1e-12
+        scaled = stacked[:, keep] / norms[keep]
+        # an orthonormal basis by the eigenvectors of the small Gram matrix
+        values, vectors = np.linalg.eigh(scaled.T @ scaled)
+        good = values > 1e-9 * values[-1] if len(values) else np.empty(0, bool)
+        self.basis = np.asfortranarray(scaled @ (vectors[:, good] / np.sqrt(values[good])))
+        self.residual = self.residual - self.basis @ (self.basis.T @ self.residual)
+
+    def weighted(self, predicted: Predicted, base: Predicted, out: Array) -> None:
+        """Fill in how a prediction differs from another, weighted as the residual is, (samples,)."""
+        colour = self.last.colour
+        for name, weight in self.weights.items():
+            if predicted.channels[name] is base.channels[name]:
+                out[self.spans[name]] = 0.0
+                continue
+            change = predicted.channels[name] - base.channels[name]
+            out[self.spans[name]] = whitened(name, change, colour)[self._masks[name]] * weight
+
+    def without_baseline(self, changes: Array) -> None:
+        """Take the baseline's directions out of changes, (samples, k), in place."""
+        size = np.einsum("ij,ij->j", changes, changes)
+        for _ in range(2):  # again where rounding may exceed what the first time leaves
+            shares = self.basis.T @ changes
+            changes -= (shares.T @ self.basis.T).T  # in the order in which both lie in memory
+            if (np.einsum("ij,ij->j", changes, changes) > 1e-6 * size).all():
+                break
+
+    def gain(self, explained: Array) -> float:
+        """Log-likelihood gained by taking `explained` off the residual, each channel's level learnt anew."""
+        total = 0.0
+        for name, span in self.spans.items():
+            rest = self.residual[span] - explained[span]
+            least = (least_level(self.last.world, name) / self.last.sigma[name]) ** 2
+            total += _profile(rest, least) - _profile(self.residual[span], least)
+        return total
+
+
+def _profile(residual: Array, least: float) -> float:
+    """Log-likelihood of a whitened residual at its own level, which is not below `least` (variance)."""
+    n = len(residual)
+    power = float(residual @ residual)
+    variance = max(power / max(n, 1), least, 1e-30)
+    return -0.5 * n * float(np.log(variance)) - 0.5 * power / variance
+
+
+def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
+    """Frequencies, Hz, of the largest peaks of each channel's residual spectrum."""
+    world = last.world
+    found: dict[str, tuple[float, ...]] = {}
+    for name in ("acceleration", "displacement", "deflection"):
+        if name not in world.channels:
+            continue
+        residual = np.nan_to_num(world.channels[name] - last.predicted.channels[name])
+        if name == "displacement":
+            step = 1.0 / world.model.camera.frame_rate_hz
+            instants = world.instants(last.vector)
+            good = np.isfinite(instants)
+            grid = np.arange(instants[good][0], instants[good][-1], step)
+            residual = np.interp(grid, instants[good], residual[good])
+        else:
+            step = world.measured.cycle_s
+        length = 4 * len(residual)
+        power = np.abs(np.fft.rfft((residual - residual.mean()) * np.hanning(len(residual)), n=length)) ** 2
+        hz = np.fft.rfftfreq(length, step)
+        power[hz < max(0.1, _LEAST_PERIODS / world.measured.duration_s)] = 0.0
+        # against the level around each line, so that a slope of the spectrum is no peak
+        width = max(length // 200, 8)
+        level = np.convolve(power, np.ones(2 * width + 1) / (2 * width + 1), "same")
+        peaks: list[float] = []
+        for order in (power.copy(), power / np.maximum(level, 1e-30)):
+            for _ in range(_PEAKS):
+                i = int(np.argmax(order))
+                if order[i] <= 0.0:
+                    break
+                peaks.append(float(hz[i]))
+                order[max(0, i - 10) : i + 11] = 0.0
+        found[name] = tuple(dict.fromkeys(peaks))
+    return found
+
+
+def screen(data: Data, last: Fit, causes: list[Cause]) -> list[Scored]:
+    """Score every trial of every cause against the fit so far; of each cause the best three and those that the data
+    ask for, the best first."""
+    white = _Whitened(data, last)
+    context = Context(last, residual_peaks(last))
+    worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
+    todo: list[tuple[Cause, Trial]] = []
+    for cause in causes:
+        if not cause.needs(last.world):
+            continue
+        for trial in cause.trials(context):
+            todo.append((cause, trial))
+            if trial.options not in worlds:
+                world = variant(last.world, dict(trial.options))
+                start = carried_over(last, world)
+                worlds[trial.options] = (world, start, world.predict(start))
+
+    def score(one: tuple[Cause, Trial]) -> Scored | None:
+        cause, trial = one
+        return _score(white, cause, trial, worlds[trial.options])
+
+    best: dict[str, list[Scored]] = {}
+    for (cause, _), one in zip(todo, side_by_side(score, todo), strict=True):
+        if one is not None:
+            best.setdefault(cause.id, []).append(one)
+    scored: list[Scored] = []
+    for of_cause in best.values():
+        of_cause.sort(key=lambda item: -item.nats)
+        scored += [*of_cause[:3], *(one for one in of_cause[3:] if one.trial.asked)]
+    return sorted(scored, key=lambda item: -item.nats)
+
+
+def variant(world: World, options: dict[str, object]) -> World:
+    """The same recording in a world of other structure."""
+    extra, behind = options.get("extra_modes", 0), options.get("behind_encoder", world.behind_encoder)
+    assert isinstance(extra, int) and isinstance(behind, bool)
+    return world.changed(extra_modes=world.extra_modes + extra, behind_encoder=behind)
+
+
+def _score(white: _Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, Predicted]) -> Scored | None:
+    world, start, base = at
+    shaped = world.space.with_values(start, trial.shape)
+    near = world.predict(world.space.clipped(shaped), base) if len(trial.columns) > _MANY else base
+    d = np.empty((len(white.residual), len(trial.columns)), order="F")
+    for index, column in enumerate(trial.columns):
+        moved = world.space.with_values(shaped, column)
+        white.weighted(world.predict(world.space.clipped(moved), near), base, d[:, index])
+    if not np.isfinite(d).all():
+        return None
+    white.without_baseline(d)
+    norms = np.linalg.norm(d, axis=0)
+    seen = norms > 1e-6
+    if not seen.any():
+        return _unseen(cause, trial, world, shaped) if trial.asked else None
+    d = d if seen.all() else d[:, seen]
+    d /= norms[seen]
+    # an orthonormal basis of them is d @ basis
+    values, vectors = np.linalg.eigh(d.T @ d)
+    basis = vectors[:, values > 1e-8] / np.sqrt(values[values > 1e-8])
+    share = basis.T @ (d.T @ white.residual)
+    amounts = np.zeros(len(norms))
+    amounts[seen] = basis @ share / norms[seen]
+    if trial.one_sided and amounts[0] <= 0.0 and not trial.asked:
+        return None
+    nats = white.gain(d @ (basis @ share))
+    for column, amount in zip(trial.columns, amounts, strict=True):
+        bounded = min(max(amount, 0.3), 2.5) if trial.one_sided else amount
+        for name, value in column.items():
+            place = world.space.place[name]
+            shaped[place] = start[place] + bounded * (value - start[place])
+    if trial.exact or (trial.one_sided and cause.settle):  # a threshold: its value is the trial's own
+        shaped = world.space.with_values(shaped, trial.columns[0])
+    return Scored(cause, trial, nats, world, world.space.clipped(shaped))
+
+
+def _unseen(cause: Cause, trial: Trial, world: World, shaped: Array) -> Scored:
+    """A trial that the data ask for, and that changes nothing that trains: from its own values."""
+    start = shaped
+    for column in trial.columns:
+        start = world.space.with_values(start, column)
+    return Scored(cause, trial, 0.0, world, world.space.clipped(start))

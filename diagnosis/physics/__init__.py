@@ -1,0 +1,16 @@
+"""What should have been measured: a recording's simulation in free run, as a function of one vector of quantities.
+
+Not here: the arm's equations themselves (stillarm.simulation.arm), and fits. Begin with world.py.
+"""
+
+__all__ = [
+    "arm_motion",
+    "camera",
+    "computing",
+    "declared_effects",
+    "linear_modes",
+    "measured_joint",
+    "quantities",
+    "space",
+    "world",
+]

@@ -1,0 +1,271 @@
+"""How the arm moves under what a recording holds of its inputs: the stepper in free run, from the vector.
+
+The motion follows from a part of the vector alone; one that differs from a known motion by jumps of a linear mode adds
+that mode's answer to it.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.causes import CAUSES
+from stillarm.common.files.beam import tip_slopes_per_m
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.physics.computing import check_time
+from stillarm.diagnosis.physics.declared_effects import effects_in
+from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
+from stillarm.diagnosis.physics.measured_joint import answer_to_joint, smoothed
+from stillarm.diagnosis.physics.quantities import ARM_BEGIN, ARRIVAL, DRIVE_BEGIN
+from stillarm.diagnosis.physics.space import Space
+from stillarm.diagnosis.physics.velocity_loop import equivalent_command
+from stillarm.simulation.arm.compiled_laws import laws_of, obeyed
+from stillarm.simulation.arm.free_run import driven_run, free_run
+from stillarm.simulation.arm.state import make_arm
+
+Array = NDArray[np.float64]
+
+_DECAYS = 4  # remembered
+_SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
+_OF_THE_LOOP = (
+    "drive.further_dead_time_s",
+    "drive.further_lag_s",
+    "drive.friction_rad_s",
+    "drive.static_friction_rad_s",
+    "drive.friction_one_sided",
+    "drive.most_rad_s2",
+    "drive.most_up_rad_s2",
+    "drive.most_down_rad_s2",
+    "drive.fastest_up_rad_s",
+    "drive.fastest_down_rad_s",
+)
+_OF_TIME = ("periodic_disturbance",)  # forces that ask for no state: a linear mode stays one
+_TURN = 0.03  # rad of the first mode in a step of its laws: to 1e-7 of the amplitude
+_TURN_OF_PAIR = 0.25  # to 1e-4: a pair has few samples a period
+_SUBSTEPS_OF_PAIR = 2
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the arm did: arrays over the grid. tip: s, m; tip_acceleration: s'', m/s^2; slope: tip angle, rad."""
+
+    joint: Array
+    motor: Array
+    q: Array
+    deflection: Array
+    tip: Array
+    tip_acceleration: Array
+    tip_angle: Array
+    of: Array
+    """Values of the quantities that it follows from."""
+
+
+class ArmMotion:
+    """The arm of one recording; `move` is a pure function of the vector.
+
+    impacts: cycles at which a segment with a state of its own begins. modes: bending modes. length_m: zero for a pair.
+    behind_encoder: a play lies behind the joint sensor. joint_hz: up to which frequency the arm is moved by the joint
+    as it was measured.
+    """
+
+    def __init__(
+        self,
+        measured: Measured,
+        model: Model,
+        space: Space,
+        impacts: tuple[int, ...],
+        modes: int,
+        length_m: float,
+        behind_encoder: bool,
+        joint_hz: float,
+        seen: bool,
+    ) -> None:
+        """space: of the quantities of arm, drive, sensors and timing, without added terms. seen: whether any sensor
+        shows the arm; its modes stay at rest otherwise, which halves the time."""
+        self._run = modes if seen else 0
+        self.measured, self.model, self.space = measured, model, space
+        self.modes, self.length = modes, length_m
+        self.behind_encoder, self.joint_hz = behind_encoder, joint_hz
+        self._departures: list[tuple[bytes, Array, Array]] = []
+        self._answers: dict[tuple[bytes, float, float], tuple[Array, Array]] = {}
+        self._decays: dict[tuple[float, float], Array] = {}
+        self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
+        self._force = _upsampled(measured.force, 2 * _SUBSTEPS_OF_PAIR) if measured.pair else np.empty(0)
+        self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
+        self._command = np.nan_to_num(measured.command)
+        self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
+        self._aged = bool(np.any(measured.joint_age_s > 0.05 * measured.cycle_s))
+        self._jumps = {
+            space.place[f"jump.{j}.{i}.{part}"]: (int(cycle), i, part == "v")
+            for j, cycle in enumerate(self._jump_cycles)
+            for i in range(self.modes)
+            for part in "qv"
+        }
+        self._moving = np.array([at for name, at in space.place.items() if not name.startswith(_SEEN_ONLY)])
+
+    def move(self, vector: Array) -> Motion:
+        """The arm's motion under the recorded inputs. Raises OutOfTime within a limit that has passed."""
+        check_time()
+        at, n, m = self.space.place, self.measured.cycles, self.modes
+        rows = np.empty((m, 3))
+        jumps = np.empty((len(self._jump_cycles), m, 2))
+        for i in range(m):
+            first = at[f"modes.{i}.frequency_hz"]
+            rows[i] = vector[first : first + 3]
+            count = len(self._jump_cycles)
+            jumps[:, i, :] = vector[first + 3 : first + 3 + 2 * count].reshape(count, 2)
+        rows[:, 2] *= self.length
+        effects = effects_in(vector, at)
+        drive = msgspec.structs.replace(
+            self.model.drive,
+            bandwidth_hz=float(vector[at["drive.bandwidth_hz"]]),
+            dead_time_s=dead_s(vector, self.space),
+        )
+        turn = _TURN_OF_PAIR if self.measured.pair else _TURN
+        gap = float(vector[at["drive.gap_rad"]])
+        laws = laws_of(effects, float(vector[at[ARM_BEGIN]]))
+        arm, whole = make_arm(drive, self.measured.cycle_s, rows[: self._run], laws, gap, turn)
+        arm["motor"], arm["rate"] = vector[at["start.theta"]], vector[at["start.omega"]]
+        joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
+        q, qdd = np.zeros((n, m)), np.zeros((n, m))
+        if self.measured.pair:
+            force = vector[at["pair.gain"]] * (self._force + vector[at["pair.input_offset"]])
+            driven_run(arm, force, self.measured.cycle_s, _SUBSTEPS_OF_PAIR, self._jump_cycles, jumps, q, qdd)
+        else:
+            command = self._obeyed(vector, effects)
+            moved = (q, qdd) if self._run == m else (np.empty((n, 0)), np.empty((n, 0)))
+            jumps = np.ascontiguousarray(jumps[:, : self._run])
+            free_run(arm, command, whole, self._jump_cycles, jumps, joint, motor, *moved)
+        deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+        seen = self._as_measured(joint, motor, rows, q, qdd) if self.joint_hz > 0.0 else joint
+        tip_of(seen, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
+        of = vector[self._moving]
+        return Motion(joint, motor, q, deflection, tip, tip_acceleration, tip_angle, of)
+
+    def moved_from(self, near: Motion, vector: Array) -> Motion:
+        """The arm's motion, from one nearby where nothing differs but what jumps: a linear mode's answer adds up."""
+        differ = self._moving[vector[self._moving] != near.of]
+        if not len(differ):
+            return near
+        jumps = [self._jumps.get(int(place)) for place in differ]
+        if None in jumps or not self._answers_linearly(vector, {one[1] for one in jumps if one is not None}):
+            return self.move(vector)
+        q, deflection, tip = near.q.copy(), near.deflection.copy(), near.tip.copy()
+        tip_acceleration, tip_angle = near.tip_acceleration.copy(), near.tip_angle.copy()
+        was = dict(zip(self._moving.tolist(), near.of.tolist(), strict=True))
+        for place, one in zip(differ.tolist(), jumps, strict=True):
+            assert one is not None
+            cycle, mode, velocity = one
+            amount = float(vector[place]) - was[place]
+            add_decay(
+                self._decay(vector, mode), cycle, 0.0 if velocity else amount, amount if velocity else 0.0,
+                self._slopes[mode], q[:, mode], deflection, tip, tip_acceleration, tip_angle,
+            )  # fmt: skip
+        of = vector[self._moving]
+        return Motion(near.joint, near.motor, q, deflection, tip, tip_acceleration, tip_angle, of)
+
+    def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
+        """Whether these modes keep their frequency, and answer a jump whatever else they do."""
+        acting = {
+            CAUSES[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
+        }
+        return "frequency" not in acting and (0 not in modes or not acting & {"force", "friction"})
+
+    def _decay(self, vector: Array, mode: int) -> Array:
+        """What a jump of a mode does from then on; the last few are remembered."""
+        first = self.space.place[f"modes.{mode}.frequency_hz"]
+        key = (float(vector[first]), float(vector[first + 1]))
+        known = self._decays.get(key)
+        if known is None:
+            known = np.empty((self.measured.cycles, 4))
+            free_decay(*key, self.measured.cycle_s, known)
+            if len(self._decays) >= _DECAYS:
+                self._decays.clear()
+            self._decays[key] = known
+        return known
+
+    def _as_measured(self, joint: Array, motor: Array, rows: Array, q: Array, qdd: Array) -> Array:
+        """The joint's motion with what was measured of it; moves the modes with that, in place."""
+        reported = (motor if self.behind_encoder else joint)[:, 0]
+        key = reported.tobytes()
+        known = next((one for one in self._departures if one[0] == key), None)
+        if known is None:
+            off = self.measured.position - self._aged_to_reading(reported)
+            known = (key, *smoothed(off, self.joint_hz, self.measured.cycle_s))
+            self._departures = [*self._departures[-_DECAYS + 1 :], known]
+        _, slow, second = known
+        for i, (hz, damping, push) in enumerate(rows):
+            more, more_second = self._answer_to_departure(key, second, float(hz), float(damping))
+            q[:, i] += push * more
+            qdd[:, i] += push * more_second
+        moved = joint.copy()
+        moved[:, 0] += slow
+        moved[:, 2] += second
+        return moved
+
+    def _answer_to_departure(
+        self, departure: bytes, second: Array, hz: float, damping: float
+    ) -> tuple[Array, Array]:
+        """What a mode of unit push makes of a departure of the joint; the last few are remembered."""
+        key = (departure, hz, damping)
+        known = self._answers.get(key)
+        if known is None:
+            known = answer_to_joint(second, hz, damping, 1.0, self.measured.cycle_s)
+            if len(self._answers) >= _DECAYS:
+                self._answers.clear()
+            self._answers[key] = known
+        return known
+
+    def _aged_to_reading(self, value: Array) -> Array:
+        if not self._aged:
+            return value
+        return np.interp(self.cycle_times - self.measured.joint_age_s, self.cycle_times, value)
+
+    def reported(self, motion: Motion, which: int) -> Array:
+        """Joint position (0) or velocity (1) as the drive reports it, joint_age_s old."""
+        return self._aged_to_reading((motion.motor if self.behind_encoder else motion.joint)[:, which])
+
+    def _obeyed(self, vector: Array, effects: list[tuple[str, dict[str, float]]]) -> Array:
+        """The commands that a plain drive would have to obey to move as this one does, rad/s."""
+        at = self.space.place
+        limit = self.model.drive.max_velocity_rad_s
+        plain = np.clip(self._command, -limit, limit)
+        limit = vector[at["drive.max_velocity_rad_s"]]
+        command = obeyed(effects, np.clip(self._command, -limit, limit))
+        begin_s = vector[at[DRIVE_BEGIN]]
+        if begin_s > 0.0:
+            command = np.where(self.cycle_times >= begin_s, command, plain)
+        own = [float(vector[at[name]]) for name in _OF_THE_LOOP]
+        if own == [self.space[name].start for name in _OF_THE_LOOP]:
+            return command
+        decay = 2.0 * pi * float(vector[at["drive.bandwidth_hz"]])
+        omega = float(vector[at["start.omega"]])
+        found: Array = equivalent_command(command, self.measured.cycle_s, decay, omega, float(begin_s), *own)
+        return found
+
+
+def dead_s(vector: Array, space: Space) -> float:
+    """When a command arrives at the drive, s after its cycle began."""
+    at = space.place
+    return max(0.0, float(vector[at["drive.dead_time_s"]] + vector[at[ARRIVAL]]))
+
+
+def _upsampled(force: Array, factor: int) -> Array:
+    """Band-limited interpolation of an input that was sampled, `factor` values a sample and one at the end.
+
+    Taking it as held between samples would delay it by half a sample and hide a small nonlinearity. The ends are
+    mirrored, so that they do not ring into each other.
+    """
+    n = len(force)
+    pad = min(n - 1, 512)
+    # odd reflection about both ends
+    head = 2.0 * force[0] - force[pad:0:-1]
+    tail = 2.0 * force[-1] - force[-2 : -pad - 2 : -1]
+    whole = np.concatenate((head, force, tail))
+    spectrum = np.fft.rfft(whole)
+    fine = np.fft.irfft(spectrum, n=len(whole) * factor) * factor
+    out = fine[pad * factor : (pad + n) * factor]
+    return np.concatenate((out, [force[-1]]))

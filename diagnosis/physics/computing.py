@@ -1,0 +1,54 @@
+"""How simulations are computed: side by side on two cores, and no longer than a limit.
+
+The compiled loops, and numpy in large arrays, let go of the interpreter's lock. The limit is a context variable that
+the simulation itself checks, so that no stage outlasts it: it holds for one diagnosis, also where several run in
+threads of one process.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar, copy_context
+from threading import current_thread
+from typing import TypeVar
+
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
+Clock = Callable[[], float]
+
+_NAME = "diagnose-beside"
+_POOL = ThreadPoolExecutor(2, thread_name_prefix=_NAME)
+
+
+def side_by_side(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> list[_Result]:
+    """The work on each item, in order. Within work that is done so itself, one after another: it would wait for its own
+    place."""
+    if current_thread().name.startswith(_NAME):
+        return [work(item) for item in items]
+    given = list(items)
+    contexts = [copy_context() for _ in given]  # the time limit of whoever asked
+    return list(_POOL.map(lambda context, item: context.run(work, item), contexts, given))
+
+
+class OutOfTime(Exception):
+    """The stage's time is over. Never reaches the user: who set the limit catches it."""
+
+
+_ends: ContextVar[tuple[float, Clock] | None] = ContextVar("diagnosis_ends", default=None)
+
+
+@contextmanager
+def limited(end_s: float | None, clock: Clock) -> Iterator[None]:
+    """Within it, `check_time` raises OutOfTime once the clock is past end_s, s; None: never."""
+    token = _ends.set(None if end_s is None else (end_s, clock))
+    try:
+        yield
+    finally:
+        _ends.reset(token)
+
+
+def check_time() -> None:
+    """Raise OutOfTime where a limit is set and has passed."""
+    end = _ends.get()
+    if end is not None and end[1]() > end[0]:
+        raise OutOfTime

@@ -1,0 +1,244 @@
+"""From the vector to what each channel should have shown: the simulation of a recording, in free run.
+
+Channels: acceleration, joint_position, joint_velocity, deflection (on the controller's grid); displacement (per frame);
+arrival (per frame: when it was read, less when it was exposed).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.files.model import Model
+from stillarm.diagnosis.data.channels import ARM_CHANNELS, FRAME_CHANNELS, present_channels
+from stillarm.diagnosis.data.frame_clock import FrameClock, frame_clock
+from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
+from stillarm.diagnosis.physics.arm_motion import ArmMotion, Motion
+from stillarm.diagnosis.physics.camera import Camera
+from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
+from stillarm.diagnosis.physics.measured_joint import tip_moved, within_reach
+from stillarm.diagnosis.physics.quantities import Layout
+from stillarm.diagnosis.physics.space import Added, Quantity
+
+Array = NDArray[np.float64]
+
+_JUST_S = 1e-7  # less than between frames read at once
+_GRANTED = 0.9
+_STROKE_S = 0.02  # to either side of an impact: a soft hammer's lasts 5 to 20 ms
+_ABOUT_EXPOSED_S = 0.02  # by which an image's instant is uncertain
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """What each channel should show, by name, and displacement's rate at the frames, px/s (for doubt of instants)."""
+
+    channels: dict[str, Array]
+    rate_px_s: Array
+    motion: Motion
+
+
+class World:
+    """A recording's inputs and the model's structure; `predict` is a pure function of the vector.
+
+    modes: bending modes, the model's and `extra_modes` more. impacts: cycles at which an impact opens a new segment.
+    """
+
+    def __init__(
+        self,
+        measured: Measured,
+        model: Model,
+        impacts: tuple[int, ...] = (),
+        extra_modes: int = 0,
+        behind_encoder: bool = False,
+        clock: FrameClock | None = None,
+        added: tuple[Added, ...] = (),
+        unjudged_s: tuple[tuple[float, float], ...] = (),
+        joint_hz: float = 0.0,
+        strokes: tuple[int, ...] | None = None,
+    ) -> None:
+        """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: the frames', if known.
+        added: terms without a formula. unjudged_s: spans in which something unknown holds the arm, from and to.
+        joint_hz: up to which frequency the arm is moved by the joint as it was measured. strokes: cycles about which
+        the accelerometer is not judged; those of the impacts, if not given."""
+        self.strokes = impacts if strokes is None else strokes
+        self.added, self.unjudged_s, self.joint_hz = added, unjudged_s, joint_hz
+        self.measured, self.model = measured, model
+        self.impacts, self.extra_modes = impacts, extra_modes
+        self.behind_encoder = behind_encoder or is_behind_encoder(model)
+        self.frame_clock: FrameClock = clock or frame_clock(measured.frames, model)
+        self.modes = len(model.arm.modes) + extra_modes
+        self.length = 0.0 if measured.pair else (model.arm.length_m or 1.0)
+        self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
+        present = present_channels(measured, self.frame_clock)
+        self.channels, self.channels_left_out = present.values, present.left_out
+        for span in unjudged_s:
+            self._leave_out(span)
+        self._leave_out_strokes()
+        self._layout = Layout(
+            measured, model, self.modes, len(impacts) + 1, self.length, self.frame_clock,
+            frozenset(self.channels),
+        )  # fmt: skip
+        self.space = self._layout.space()
+        self._arm = ArmMotion(
+            measured, model, self.space, impacts, self.modes, self.length, self.behind_encoder, joint_hz,
+            seen=not set(ARM_CHANNELS).isdisjoint(self.channels),
+        )  # fmt: skip
+        self._accelerometer = Accelerometer(measured, self.space, self.modes, self.length)
+        self._camera = Camera(measured, model, self.space, self.frame_clock)
+        for group in added:
+            for name in group.amounts:
+                self.space.add(Quantity(name, 0.0, step=1e-3 * group.prior_std, prior_std=group.prior_std))
+        none = np.empty(0)
+        self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
+
+    def changed(
+        self,
+        impacts: tuple[int, ...] | None = None,
+        extra_modes: int | None = None,
+        behind_encoder: bool | None = None,
+        added: tuple[Added, ...] | None = None,
+        unjudged_s: tuple[tuple[float, float], ...] | None = None,
+        joint_hz: float | None = None,
+        strokes: tuple[int, ...] | None = None,
+    ) -> "World":
+        """The same recording and model in a world of another structure; what is not given stays. The frames' clock,
+        which a search works out, is the same."""
+        return World(
+            self.measured,
+            self.model,
+            self.impacts if impacts is None else impacts,
+            self.extra_modes if extra_modes is None else extra_modes,
+            self.behind_encoder if behind_encoder is None else behind_encoder,
+            self.frame_clock,
+            self.added if added is None else added,
+            self.unjudged_s if unjudged_s is None else unjudged_s,
+            self.joint_hz if joint_hz is None else joint_hz,
+            strokes if strokes is not None or impacts is not None else self.strokes,
+        )
+
+    def with_measured(self, measured: Measured, impacts: tuple[int, ...] | None = None) -> "World":
+        """Other data, or the same dated otherwise, in a world of the same structure."""
+        return World(
+            measured, self.model, self.impacts if impacts is None else impacts, self.extra_modes,
+            self.behind_encoder, None, self.added, self.unjudged_s, self.joint_hz,
+        )  # fmt: skip
+
+    def _leave_out(self, span_s: tuple[float, float]) -> None:
+        """Take what the arm shows in a span for unmeasured."""
+        start, end = span_s
+        received, delay = self.measured.frames.received_s, self.model.timing.capture_delay_s
+        exposed = received - delay
+        inside = {
+            "acceleration": (self.cycle_times >= start) & (self.cycle_times < end),
+            "displacement": (exposed >= start - _ABOUT_EXPOSED_S) & (exposed < end + _ABOUT_EXPOSED_S),
+        }
+        inside["deflection"] = inside["acceleration"]
+        for name, mask in inside.items():
+            if name in self.channels:
+                self.channels[name] = np.where(mask, np.nan, self.channels[name])
+
+    def _leave_out_strokes(self) -> None:
+        """Take what the accelerometer shows of an impact itself for unmeasured: it lasts some milliseconds, of a course
+        that nothing tells, and the sensor at the tip sees the force."""
+        shown = self.channels.get("acceleration")
+        if shown is None or not self.strokes:
+            return
+        shown, reach = shown.copy(), max(1, round(_STROKE_S / self.measured.cycle_s))
+        for cycle in self.strokes:
+            shown[max(cycle - reach, 0) : cycle + reach] = np.nan
+        self.channels["acceleration"] = shown
+
+    def added_group(self, name: str) -> Added | None:
+        """The added terms of that name; None where there are none."""
+        return next((one for one in self.added if one.name == name), None)
+
+    def slopes_of_amount(self, name: str) -> dict[str, Array] | None:
+        """Derivative of each channel by an added term's amount, (samples,); None for any other quantity."""
+        group, _, number = name.rpartition(".")
+        found = self.added_group(group)
+        return None if found is None else {one: by[:, int(number)] for one, by in found.columns.items()}
+
+    def baseline_names(self) -> list[str]:
+        """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
+        return self._layout.baseline_names()
+
+    def step_s(self, channel: str) -> float:
+        """Time between a channel's samples, s."""
+        return 1.0 / self.model.camera.frame_rate_hz if channel in FRAME_CHANNELS else self.measured.cycle_s
+
+    def just_before(self, frames: int | NDArray[np.bool_]) -> Array:
+        """Instants just before those frames, by place or mask, were read, s: an onset there counts for them."""
+        return np.asarray(self._camera.in_order_s[frames] - _JUST_S)
+
+    def instants(self, vector: Array) -> Array:
+        """Mid-exposure of each frame as the vector has it, s."""
+        return self._camera.instants(vector)
+
+    def move(self, vector: Array) -> Motion:
+        """The arm's motion under the recorded inputs. Raises OutOfTime within a limit that has passed."""
+        return self._arm.move(vector)
+
+    def predict(self, vector: Array, near: Predicted | None = None) -> Predicted:
+        """All channels that were measured. near: its motion is taken where the vector says the same of it."""
+        at = self.space.place
+        motion = self._arm.moved_from(near.motion, vector) if near is not None else self._arm.move(vector)
+        found: dict[str, Array] = {}
+        rate = np.empty(0)
+        same_joint = near is not None and motion.joint is near.motion.joint
+        for which, name in enumerate(("joint_position", "joint_velocity")):
+            if name in self.channels:
+                found[name] = near.channels[name] if near and same_joint else self._seen_joint(motion, which)
+        if "deflection" in self.channels:
+            found["deflection"] = motion.deflection + vector[at["pair.offset"]]
+        if "acceleration" in self.channels:
+            found["acceleration"] = self._accelerometer.shown(motion, vector)
+        if "displacement" in self.channels:
+            found["displacement"], rate = self._camera.displacement(
+                motion, self._tip_of_joint_seen(motion, vector), vector
+            )
+        if "arrival" in self.channels:
+            found["arrival"] = self._camera.arrivals(vector)
+        for group in self.added:
+            amounts = vector[[at[name] for name in group.amounts]]
+            if amounts.any():
+                for name, columns in group.columns.items():
+                    if name in found:
+                        found[name] = found[name] + columns @ amounts
+        return Predicted(found, rate, motion)
+
+    def residual(self, name: str, predicted: Predicted, vector: Array) -> Array:
+        """A channel's measured values less those predicted, as the data are judged by."""
+        off: Array = self.channels[name] - predicted.channels[name]
+        if name != "acceleration" or vector[self.space.place["drive.gap_rad"]] == 0.0:
+            return off
+        omega, noise = predicted.motion.joint[:, 1], self.measured.fast_noise_m_s2
+        return without_strikes(off, omega, self.length, noise, self.measured.cycle_s)
+
+    def reported_position(self, vector: Array) -> Array:
+        """The joint's position as the drive would report it, rad, whether it was measured or not."""
+        return self._seen_joint(self.move(vector), 0)
+
+    def _seen_joint(self, motion: Motion, which: int) -> Array:
+        """The same as the data are judged by. To a fine encoder what a simulated drive may be off is no noise, of which
+        many samples would make a discovery: most of it is granted, and the rest tells a fit the way."""
+        granted = which == 0 and self.measured.has_fine_encoder and self.joint_hz == 0.0
+        return self._arm.reported(motion, which) + (_GRANTED * self._off(motion) if granted else 0.0)
+
+    def _off(self, motion: Motion) -> Array:
+        """By how much a fine encoder saw the joint elsewhere, rad, as far as a simulated drive may be off."""
+        return within_reach(self.measured.position, self._arm.reported(motion, 0))
+
+    def _tip_of_joint_seen(self, motion: Motion, vector: Array) -> Array:
+        """The tip's path, m, if the joint was where a fine encoder saw it, as far as a simulated drive may be off."""
+        if not self.measured.has_fine_encoder or self.joint_hz > 0.0:
+            return motion.tip
+        first = [self.space.place[f"modes.{i}.frequency_hz"] for i in range(self.modes)]
+        modes = np.array([vector[place : place + 3] for place in first])
+        joint = motion.motor if self.behind_encoder else motion.joint
+        of, known, moved = self._joint_seen  # read at once: threads share it
+        if joint is not of or not np.array_equal(modes, known):
+            off = self._off(motion)
+            moved = tip_moved(off, modes, self.length, self.measured.cycle_s)
+            self._joint_seen = (joint, modes, moved)
+        return motion.tip + moved

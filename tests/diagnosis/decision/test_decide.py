@@ -1,0 +1,87 @@
+"""The verdict: what counts as explained, as left, and as told apart."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision.decide import Judged, Rest, class_of, judge, noise_of, rest_of
+from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
+from stillarm.diagnosis.inference.fitted import Fit
+from tests.fixtures.synthetic import fitted, measured
+
+SPLIT = interleaved(20.0)
+
+
+@pytest.fixture(scope="module")
+def arm() -> Fit:
+    return fitted(measured(20.0, 3))
+
+
+def _candidate(cause: str, merit: float) -> Candidate:
+    nothing = np.zeros(30)
+    fit = cast(Fit, SimpleNamespace())
+    return Candidate(cause, fit, merit / 3.0, 1.0, {}, merit=merit, nats=nothing)
+
+
+def _found(*merits: tuple[str, float]) -> Found:
+    candidates = [_candidate(cause, merit) for cause, merit in merits]
+    found = Found(cast(Fit, None), cast(Fit, None), [candidates[0]])
+    found.stages.append(Stage([], candidates, candidates[0]))
+    return found
+
+
+def test_a_rival_far_behind_is_told_apart() -> None:
+    found = _found(("drive_lag", 500.0), ("drive_dead_time", 400.0))
+    assert class_of(found, found.findings[0]) == []
+
+
+def test_a_rival_within_odds_of_twenty_to_one_is_of_the_class() -> None:
+    found = _found(("drive_lag", 50.0), ("drive_dead_time", 48.0))
+    assert class_of(found, found.findings[0]) == ["drive_dead_time"]
+
+
+@given(first=st.floats(20.0, 1e5), behind=st.floats(0.0, 1.0))
+def test_the_class_grows_as_the_odds_fall(first: float, behind: float) -> None:
+    found = _found(("drive_lag", first), ("drive_dead_time", first * (1.0 - behind)))
+    near = class_of(found, found.findings[0])
+    if first * behind > max(3.0, 0.02 * first) + 1e-9:
+        assert near == []
+
+
+def test_what_is_at_the_noise_is_no_rest(arm: Fit) -> None:
+    for name in arm.residuals:
+        assert rest_of(arm, name, SPLIT).immaterial, name
+
+
+def test_a_rest_as_large_as_the_noise_matters(arm: Fit) -> None:
+    name = "displacement"
+    noise = noise_of(arm, name, SPLIT)
+    time = arm.world.measured.frames.received_s
+    slow = 3.0 * noise * np.sin(2.0 * np.pi * 1.3 * time)
+    worse = replace(arm, residuals={**arm.residuals, name: arm.residuals[name] + slow})
+    rest = rest_of(worse, name, SPLIT)
+    assert rest.rms == pytest.approx(3.0 * noise / np.sqrt(2.0), rel=0.15)
+    assert not rest.immaterial
+    assert rest.band_hz[0] < 1.4 and rest.band_hz[1] > 1.2
+
+
+def test_nothing_hidden_is_none(arm: Fit) -> None:
+    found = Found(arm, arm)
+    judged = judge(found, SPLIT)
+    assert judged.verdict == "none"
+
+
+def test_the_largest_rest_is_told_first() -> None:
+    rests: list[Any] = [
+        Rest("acceleration", 1.0, 0.7, immaterial=False, band_hz=(0.0, 1.0)),
+        Rest("displacement", 1.0, 4.0, immaterial=False, band_hz=(0.0, 1.0)),
+        Rest("arrival", 1.0, 9.0, immaterial=True, band_hz=(0.0, 1.0)),
+    ]
+    left = Judged("unexplained", rests, None, None).left
+    assert left is not None and left.channel == "displacement"

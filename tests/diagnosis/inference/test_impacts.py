@@ -1,0 +1,45 @@
+"""Impacts that no sensor measured are found where they fell, and only where they fell."""
+
+from math import pi
+
+import pytest
+
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fitted import make_data
+from stillarm.diagnosis.inference.impacts import fit_with_impacts, pruned
+from stillarm.diagnosis.physics.world import World
+from tests.fixtures.synthetic import MODEL, measured
+
+
+def impact(number: int, amplitude_m: float) -> dict[str, float]:
+    """An impact from which the arm rings on by so much."""
+    return {f"jump.{number}.0.v": 2.0 * pi * 2.6 * amplitude_m}
+
+
+@pytest.mark.parametrize("cycles", [(2800,), (1500, 5200, 8100)])
+def test_impacts_are_found_within_some_milliseconds(cycles: tuple[int, ...]) -> None:
+    sizes = (0.02, -0.015, 0.012)
+    values = {key: value for j in range(len(cycles)) for key, value in impact(j + 1, sizes[j]).items()}
+    data = measured(10.0, 3, values, impacts=cycles)
+    found = fit_with_impacts(World(data, MODEL), interleaved(10.0))
+    assert len(found.world.impacts) == len(cycles)
+    for cycle, seen in zip(cycles, found.world.impacts, strict=True):
+        assert abs(cycle - seen) <= 8
+    assert found.value("modes.0.frequency_hz") == pytest.approx(2.6, rel=1e-3)
+
+
+def test_where_nothing_struck_nothing_is_found() -> None:
+    data = measured(8.0, 4)
+    assert fit_with_impacts(World(data, MODEL), interleaved(8.0)).world.impacts == ()
+
+
+def test_of_two_impacts_that_share_one_where_it_is_held_out_one_stays() -> None:
+    split = interleaved(9.0)
+    assert split.held[4]
+    data = measured(9.0, 3, impact(1, 0.02), impacts=(4300,))
+    both = World(data, MODEL, impacts=(4300, 4700))
+    last = fit(make_data(both, split), both.space.vector(), both.baseline_names())
+    left = pruned(last, split)
+    assert len(left.world.impacts) == 1
+    assert left.train_log_likelihood > last.train_log_likelihood - 10.0

@@ -1,0 +1,86 @@
+"""A pull at the arm and its release: found where one was put in, and none where the arm rings freely."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.data.split import Split, interleaved
+from stillarm.diagnosis.inference.baseline import pull_spans_s
+from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.physics.world import World
+from tests.fixtures.synthetic import MODEL, measured
+
+SECONDS, RELEASED = 9.0, 5300
+RELEASED_S, HELD_S = 5.3, 1.2
+SPLIT: Split = interleaved(SECONDS)
+
+
+@pytest.fixture(scope="module")
+def data() -> Measured:
+    """An arm that an impact sets ringing at RELEASED."""
+    return measured(SECONDS, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(RELEASED,))
+
+
+def told(data: Measured, more_px: np.ndarray | float = 0.0, impacts: tuple[int, ...] = (RELEASED,)) -> Fit:
+    """The true world's fit of the images with more in them."""
+    frames = replace(data.frames, displacement_px=data.frames.displacement_px + more_px)
+    world = World(replace(data, frames=frames), MODEL, impacts)
+    start = World(data, MODEL, impacts)
+    vector = fit(make_data(start, SPLIT), world.space.vector(), start.baseline_names()).vector
+    return fit(make_data(world, SPLIT), vector, (), iterations=0)
+
+
+def seen_s(data: Measured) -> np.ndarray:
+    """When each image was exposed."""
+    world = World(data, MODEL)
+    return np.asarray(world.instants(world.space.vector()))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_pull_is_found_up_to_its_release(data: Measured, side: float) -> None:
+    time = seen_s(data)
+    held = (time > RELEASED_S - HELD_S) & (time < RELEASED_S)
+    rising = 4.0 * np.clip((time - RELEASED_S + HELD_S) / 0.3, 0.0, 1.0)
+    spans = pull_spans_s(told(data, side * np.where(held, rising, 0.0)))
+    assert len(spans) == 1
+    assert spans[0][1] == pytest.approx(RELEASED_S)
+    # it is looked for over 0.2 s, and begins up to 0.3 s before it shows
+    assert RELEASED_S - HELD_S - 0.5 < spans[0][0] < RELEASED_S - HELD_S + 0.1
+
+
+def test_a_free_ring_down_is_no_pull(data: Measured) -> None:
+    assert pull_spans_s(told(data)) == ()
+
+
+def test_a_swing_that_no_model_tells_is_no_pull(data: Measured) -> None:
+    """It goes to both sides."""
+    time = seen_s(data)
+    before = (time > RELEASED_S - HELD_S) & (time < RELEASED_S)
+    swings = np.where(before, 4.0 * np.sin(2.0 * pi * 2.6 * (time - RELEASED_S)), 0.0)
+    assert pull_spans_s(told(data, swings)) == ()
+
+
+def test_what_bends_to_one_side_and_is_not_released_is_no_pull(data: Measured) -> None:
+    time = seen_s(data)
+    assert pull_spans_s(told(data, np.where((time > 1.5) & (time < 2.7), 4.0, 0.0))) == ()
+
+
+def test_what_has_ended_before_the_impact_is_no_pull(data: Measured) -> None:
+    time = seen_s(data)
+    over = (time > RELEASED_S - 2.0) & (time < RELEASED_S - 0.8)
+    assert pull_spans_s(told(data, np.where(over, 4.0, 0.0))) == ()
+
+
+def test_most_of_a_recording_is_no_pull(data: Measured) -> None:
+    time = seen_s(data)
+    assert pull_spans_s(told(data, np.where((time > 1.0) & (time < RELEASED_S), 4.0, 0.0))) == ()
+
+
+def test_without_images_nothing_is_found(data: Measured) -> None:
+    unseen = replace(data.frames, displacement_px=np.full(len(data.frames.displacement_px), np.nan))
+    world = World(replace(data, frames=unseen), MODEL, (RELEASED,))
+    assert pull_spans_s(fit(make_data(world, SPLIT), world.space.vector(), (), iterations=0)) == ()
