@@ -36,7 +36,7 @@ MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
 """And over this (contract.md)."""
 _STEPS = 4  # of a fit of free terms: they are linear
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
-_EXPLAINED = 0.35
+EXPLAINED = 0.35
 """Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
 own discrepancy keep from being explained."""
 _TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
@@ -106,7 +106,8 @@ def judge(found: Found, split: Split) -> Judged:
     unnamed = "unexplained" if mattered or material else "none"
     verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
     confidence = {
-        one.cause: _confidence(found, one, named if one is first else 1.0) for one in found.findings
+        one.cause: _confidence(found, one, named if one is first else _odds_beside(one, split))
+        for one in found.findings
     }
     return Judged(verdict, rests, beside, alone, confidence, tuple(left_out))
 
@@ -117,20 +118,35 @@ def _odds_of_name(
     """Probability that the first finding is what it is called, rather than a part of something without a name."""
     if first.law is not None:
         return _OF_LAWS
-    gained = float(first.nats.sum())
-    channels = [name for name in first.fit.residuals if (name == "arrival") == (_place(first) == "timing")]
-    channels = channels if _place(first) != "timing" else list(first.fit.residuals)
-    left = explainable(first.fit, split)
-    share = gained / max(gained + sum(left[name] for name in channels), 1e-9)
+    share = share_explained(first, split)
     beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
     free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
     ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
     doubts = (
-        _SHARPNESS * (share - _EXPLAINED),
+        _SHARPNESS * (share - EXPLAINED),
         _SHARPNESS * (free - 0.5),
         2.0 * _SHARPNESS * (ahead + _RIVAL),
     )
     return 1.0 / (1.0 + exp(-min(doubts)))
+
+
+def _odds_beside(one: Candidate, split: Split) -> float:
+    """The same of a finding beside the first, of what that left."""
+    if one.law is not None:
+        return _OF_LAWS
+    return 1.0 / (1.0 + exp(-_SHARPNESS * (share_explained(one, split) - EXPLAINED)))
+
+
+def share_explained(one: Candidate, split: Split) -> float:
+    """What a finding gains, of the nats that a perfect model would gain where it was taken: of all channels if it is
+    one of timing, of all but the arrivals if not. 1 for a law: it is judged by its own channel."""
+    if one.law is not None:
+        return 1.0
+    gained = float(one.nats.sum())
+    left = explainable(one.fit, split)
+    if _place(one) != "timing":
+        left.pop("arrival", None)
+    return gained / max(gained + sum(left.values()), 1e-9)
 
 
 def _may_rival(first: Candidate, final: Fit, split: Split) -> bool:

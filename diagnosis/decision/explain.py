@@ -13,7 +13,7 @@ import numpy as np
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import rest_of
+from stillarm.diagnosis.decision.decide import EXPLAINED, rest_of, share_explained
 from stillarm.diagnosis.inference.candidates import (
     MATTERS_OF_NOISE,
     PRICE_NATS,
@@ -139,9 +139,15 @@ def _explained(
             break
         if stage.taken is None:
             break
+        little = share_explained(stage.taken, split) < EXPLAINED
+        if little and found.findings:  # a part of something without a name, which is told as left
+            stage.taken = None
+            break
         found.findings.append(stage.taken)
         if stage.taken.law is None:
             found.final = stage.taken.fit
+        if little:  # what the most of it is has no name, whatever beside it has one
+            break
     return found
 
 

@@ -42,6 +42,7 @@ QUICK, _FULL = 4, 12  # steps of a fit
 _MOST_TRIALS = 40  # of a search along a quantity
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 _SETTLED = 1e-3  # of what a form has gained: a step or a trial that gains less changes no comparison
+_PROMISING = 0.02  # of the best score: what promises less says more in a later round
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
 _ONSETS = 6  # tried over the recording
 _ONSET_COARSE_S, _ONSET_LEAST_S = 0.02, 0.001  # to which an onset is sought: of all forms; of those that lead
@@ -89,6 +90,8 @@ def compared(
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in at_best]
     except OutOfTime:
         found.left_out.append(LEFT_OUT)
+    for one in candidates:
+        one.fit.world.forget()
     return screening, sorted(candidates, key=lambda one: -one.merit)
 
 
@@ -140,8 +143,9 @@ def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun
     begun: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
     best: dict[int, float] = {}
+    top = max((one.nats for one in screening), default=0.0)
     for one in screening:
-        least = max(SCREENED_NATS, _SECOND * best.get(id(one.cause), 0.0))
+        least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
             continue
         best.setdefault(id(one.cause), one.nats)
@@ -196,7 +200,9 @@ def best_of_each(quick: list[tuple[Begun, Fit]], last: Fit) -> list[tuple[Begun,
 
 def _goes_on(one: Begun, gain: float, top: float) -> bool:
     """Whether a form is fitted to the end. top: gain of the best form."""
-    if one.form.added or one.asked:
+    if one.form.added:  # its terms are linear: what they foretell worse now, they will
+        return gain > 0.0
+    if one.asked:
         return True
     return gain > (_WORTH_A_SEARCH if one.form.cause.settle else _WORTH_A_FIT) * top
 

@@ -106,6 +106,11 @@ class ArmMotion:
         }
         self._moving = np.array([at for name, at in space.place.items() if not name.startswith(_SEEN_ONLY)])
 
+    def forget(self) -> None:
+        """Give the memory of what is remembered back."""
+        self._departures, self._answers = [], {}
+        self._decays.clear()
+
     def move(self, vector: Array) -> Motion:
         """The arm's motion under the recorded inputs. Raises OutOfTime within a limit that has passed."""
         check_time()

@@ -117,6 +117,10 @@ class World:
             strokes if strokes is not None or impacts is not None else self.strokes,
         )
 
+    def forget(self) -> None:
+        """Give the memory of what simulations have in common back, of a world that is kept for what it has shown."""
+        self._arm.forget()
+
     def with_measured(self, measured: Measured, impacts: tuple[int, ...] | None = None) -> "World":
         """Other data, or the same dated otherwise, in a world of the same structure."""
         return World(
