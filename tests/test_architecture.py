@@ -15,7 +15,6 @@ FOLDERS = (
     "controller",
     "supervisor",
     "drivers",
-    "tables",
     "simulation",
     "diagnosis",
     "benchmarks",

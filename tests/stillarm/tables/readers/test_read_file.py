@@ -9,7 +9,7 @@ import pytest
 from stillarm.common.user_error import UserError
 from stillarm.tables.readers.read_file import read_table_file
 from stillarm.tables.table import as_floats
-from tests.tables import written
+from tests.stillarm.tables import written
 
 # h5py asks the system for its version when it is first imported, by a process.
 FORMATS = [pytest.param(n, marks=pytest.mark.slow) if n == "v73.mat" else n for n in written.WRITERS]

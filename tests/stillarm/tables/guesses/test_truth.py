@@ -3,7 +3,7 @@
 import pytest
 
 from tests.fixtures.imports import ROOT
-from tests.tables import truth
+from tests.stillarm.tables import truth
 
 pytestmark = [
     pytest.mark.hardware_data,
@@ -17,7 +17,7 @@ def test_nine_of_ten_channels_are_right_and_the_page_shows_the_table() -> None:
     judged = [row for row in rows if row.right is not None]
     assert sum(bool(row.right) for row in judged) >= 0.9 * len(judged)
     assert truth.table(rows) in (ROOT / "docs" / "import.md").read_text(), (
-        "docs/import.md: put in what `python -m tests.tables.truth` prints"
+        "docs/import.md: put in what `python -m tests.stillarm.tables.truth` prints"
     )
 
 

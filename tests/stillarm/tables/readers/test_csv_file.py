@@ -11,7 +11,7 @@ from stillarm.common.user_error import UserError
 from stillarm.tables.readers.csv_file import read
 from stillarm.tables.readers.read_file import read_table_file
 from stillarm.tables.table import as_floats
-from tests.tables import written
+from tests.stillarm.tables import written
 
 DIALECTS = [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), ("|", "."), ("|", ",")]
 
