@@ -15,6 +15,7 @@ from stillarm.common.process.blas_threads import one_blas_thread
 from stillarm.common.user_error import UserError
 
 _CONNECT_S = 10
+_LOADED_WITHIN_S = 2.0  # longer than loading what is compiled takes
 _USE_S = 20.0  # duration of the gain's simulation and of the report on two cores
 
 
@@ -58,6 +59,11 @@ def diagnose_one(
     """
     began_s = time.monotonic()
     one_blas_thread()
+    from stillarm.diagnosis.physics.ahead import compile_ahead
+
+    compiling_s = compile_ahead()
+    if compiling_s > _LOADED_WITHIN_S:  # once after an installation: no time of this diagnosis
+        began_s += compiling_s
     from stillarm.commands.recordings.diagnose_result import put_to_use, sentence, write
     from stillarm.common.files.output_folder import make_folder
     from stillarm.diagnosis.decision.budget import Budget

@@ -1,7 +1,8 @@
 """What `import --look` guesses on the measured data beside the repository, and what is known: docs/import.md's table.
 
-The truth is what ../shared/data/README.md, the files' own names and their sources say. `python -m tests.stillarm.tables.truth`
-prints the table. A guess is right if quantity, command or measurement, and unit are, each where the truth is known.
+The truth is what ../shared/data/README.md, the files' own names and their sources say. The table is printed by
+`python -m tests.stillarm.tables.truth`. A guess is right if quantity, command or measurement, and unit are, each where
+the truth is known.
 """
 
 from collections.abc import Iterator
