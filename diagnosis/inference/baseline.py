@@ -121,7 +121,9 @@ def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
     return max(kept, sought, key=lambda one: one.train_log_likelihood)
 
 
-def _at_the_seen_frequency(world: World, split: Split, reached: Callable[[Fit], None]) -> Fit:
+def _at_the_seen_frequency(
+    world: World, split: Split, reached: Callable[[Fit], None] = lambda one: None
+) -> Fit:
     """The baseline's fit; where its frequency is far from the one that the vibration has from window to window, it is
     stuck between the model's and the true one, and is begun again from there; so it is from its own, if that is not
     what its impacts were sought with and much is left."""

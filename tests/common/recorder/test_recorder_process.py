@@ -125,7 +125,7 @@ def test_the_recorder_finishes_when_it_is_asked_to(tmp_path: Path, how: signal.S
 
 def test_a_killed_recorder_is_noticed_and_leaves_what_it_wrote(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
-    client = RecorderClient.start(path, HEADER, ring_bytes=4096)
+    client = RecorderClient.start(path, HEADER, ring_bytes=8192)
     for i in range(10):
         client.put(FAST, FastSample(i * 0.001, i))
     until(lambda: open_recording(path).counts.get("/fast") == 10)  # it flushes by the clock
