@@ -15,6 +15,7 @@ from stillarm.diagnosis.inference.candidates import (
     Candidate,
     Found,
     Stage,
+    least_that_matters,
     white_noise,
 )
 from stillarm.diagnosis.inference.comparison import Slopes, free_names
@@ -30,10 +31,6 @@ Array = NDArray[np.float64]
 
 ODDS_NATS = 3.0
 """Odds of 20 to 1 (contract.md)."""
-MATTERS_OF_MOTION = 1.0 / 2000.0
-"""A rest that matters is over this part of its channel's own variation, too (contract.md)."""
-MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
-"""And over this (contract.md)."""
 _STEPS = 4  # of a fit of free terms: they are linear
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
 EXPLAINED = 0.35
@@ -232,11 +229,13 @@ def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slo
 
 
 def explainable(last: Fit, split: Split) -> dict[str, float]:
-    """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise."""
+    """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise, and but for what is
+    too little to matter. A fine encoder has next to no noise: no user asks for a model as good as that."""
     now = score(last, split)
     found = {}
     for name in last.residuals:
-        ideal = score_of_noise(last, name, split, white_noise(last, name) / sqrt(THIN.get(name, 1)))
+        noise = max(white_noise(last, name), least_that_matters(last, name))
+        ideal = score_of_noise(last, name, split, noise / sqrt(THIN.get(name, 1)))
         found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
     return found
 
@@ -247,7 +246,7 @@ def rest_of(last: Fit, name: str, split: Split) -> Rest:
     known = residual[np.isfinite(residual)]
     noise = noise_of(last, name, split)
     rms = sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0
-    least = max(MATTERS_AT_LEAST.get(name, 0.0), MATTERS_OF_MOTION * variation(last, name))
+    least = least_that_matters(last, name)
     immaterial = rms < MATTERS_OF_NOISE * noise or rms < least
     step = last.world.step_s(name)
     return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, _band(known, step))
@@ -262,14 +261,6 @@ def noise_of(last: Fit, name: str, split: Split) -> float:
         if count.sum() > 0.0
         else white_noise(last, name)
     )
-
-
-def variation(last: Fit, name: str) -> float:
-    """A channel's own variation."""
-    values = last.world.channels[name]
-    if name == "arrival":
-        values = values - last.world.frame_clock.grid_s
-    return float(np.nanstd(values))
 
 
 def _band(residual: Array, step_s: float) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import std_about_zero, white_noise
+from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.accelerometer_faults import below, ceiling_of
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
@@ -39,6 +39,7 @@ HURRIED_STEPS = 5
 _PULLS_SOUGHT = 2
 _MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
 _LITTLE = 1.5  # times the noise: a rest below it makes no impacts up
+_ABOUT = (0.5, 1.5)  # times the frequency: where a wrong one leaves its rest
 _LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is simulated as it is
 
 # a pull
@@ -98,14 +99,27 @@ def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] =
             return fit(make_data(there, split), start, there.baseline_names())
     usual = _at_the_seen_frequency(world, split, reached)
     reached(usual)
-    return usual if _at_its_noise(usual) else _along_a_course(world, split) or usual
+    return usual if _at_its_noise(usual, split) else _along_a_course(world, split) or usual
 
 
-def _at_its_noise(usual: Fit) -> bool:
-    """Whether one frequency leaves the accelerometer little more than its noise for most of the time: no course of the
-    frequency needs to be sought then, which takes long."""
+def _at_its_noise(usual: Fit, split: Split) -> bool:
+    """Whether one frequency leaves the accelerometer little more than its noise about that frequency, for most of the
+    time: no course of the frequency needs to be sought then, which takes long. What rings far above says nothing of
+    it."""
     sensor = usual.channel("acceleration")
-    return sensor is not None and std_about_zero(sensor.residual) < _LITTLE * white_noise(sensor.residual)
+    if sensor is None:
+        return False
+    world, hz = usual.world, usual.value("modes.0.frequency_hz")
+    block, levels = split.blocks_of(world.cycle_times), []
+    for one in range(len(split.held)):
+        residual = sensor.residual[block == one]
+        known = np.isfinite(residual)
+        power = np.abs(np.fft.rfft(np.where(known, residual, 0.0))) ** 2 / max(int(known.sum()), 1)
+        at = np.fft.rfftfreq(len(residual), world.step_s("acceleration"))
+        about = (at > _ABOUT[0] * hz) & (at < _ABOUT[1] * hz)
+        if about.any() and known.any():
+            levels.append(float(np.mean(power[about])))
+    return bool(levels) and float(np.median(levels)) < (_LITTLE * white_noise(sensor.residual)) ** 2
 
 
 def _with_limit(world: World, split: Split, ceiling: float) -> Fit:

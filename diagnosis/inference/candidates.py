@@ -30,6 +30,13 @@ MATTERS_OF_NOISE = 0.5
 """A rest that matters is over this part of a channel's noise (contract.md)."""
 
 
+MATTERS_OF_MOTION = 1.0 / 2000.0
+"""A rest that matters is over this part of its channel's own variation, too (contract.md)."""
+
+MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
+"""And over this, px and s (contract.md)."""
+
+
 @dataclass(frozen=True, eq=False)  # one is itself only: arrays have no truth
 class Candidate:
     """A cause refitted. law: set for a law of noise or timing, which changes no fit. held_out_gain: nats of the log
@@ -95,13 +102,28 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
 
 
 def size_in_noise(before: Fit, after: Fit) -> float:
-    """How much less is left in the channel that a cause mends most, over that channel's noise."""
+    """How much less is left in the channel that a cause mends most, over that channel's noise; 0 where it mends nothing
+    that could matter."""
     return max(_mended(before, after, name) for name in before.residuals)
 
 
 def _mended(before: Fit, after: Fit, name: str) -> float:
     power = float(np.nanmean(before.residuals[name] ** 2) - np.nanmean(after.residuals[name] ** 2))
-    return sqrt(max(power, 0.0)) / white_noise(after, name)
+    rms = sqrt(max(power, 0.0))
+    return rms / white_noise(after, name) if rms > least_that_matters(before, name) else 0.0
+
+
+def least_that_matters(last: Fit, name: str) -> float:
+    """What a rest in a channel has to exceed, beside half the noise, to matter (contract.md), in the channel's unit."""
+    return max(MATTERS_AT_LEAST.get(name, 0.0), MATTERS_OF_MOTION * variation(last, name))
+
+
+def variation(last: Fit, name: str) -> float:
+    """A channel's own variation."""
+    values = last.world.channels[name]
+    if name == "arrival":
+        values = values - last.world.frame_clock.grid_s
+    return float(np.nanstd(values))
 
 
 def white_noise(last: Fit, name: str) -> float:

@@ -200,7 +200,9 @@ def best_of_each(quick: list[tuple[Begun, Fit]], last: Fit) -> list[tuple[Begun,
 
 def _goes_on(one: Begun, gain: float, top: float) -> bool:
     """Whether a form is fitted to the end. top: gain of the best form."""
-    if one.form.added or one.asked:  # white noise's likelihood says little of a course that steps where it is held out
+    if (
+        one.form.added or one.asked
+    ):  # white noise's likelihood says little of a course that steps where it is held out
         return True
     return gain > (_WORTH_A_SEARCH if one.form.cause.settle else _WORTH_A_FIT) * top
 
