@@ -1,0 +1,50 @@
+"""When what a cause mends is large enough to be told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stillarm.diagnosis.inference.candidates import (
+    MATTERS_OF_MOTION,
+    least_that_matters,
+    size_in_noise,
+    variation,
+    white_noise,
+)
+from stillarm.diagnosis.inference.fitted import Fit
+from tests.fixtures.synthetic import NOISE, fitted, measured
+
+
+@pytest.fixture(scope="module")
+def plain() -> Fit:
+    return fitted(measured(6.0, 1))
+
+
+def with_rest(fit: Fit, channel: str, rms: float) -> Fit:
+    """The fit with a slow wave more in what it leaves of a channel."""
+    residual = fit.residuals[channel]
+    wave = np.sqrt(2.0) * rms * np.sin(np.linspace(0.0, 40.0, len(residual)))
+    return replace(fit, residuals={**fit.residuals, channel: residual + wave})
+
+
+def test_a_channels_noise_is_its_white_noise(plain: Fit) -> None:
+    loud = with_rest(plain, "acceleration", 10.0 * NOISE["acceleration"])
+    for fit in (plain, loud):
+        assert white_noise(fit, "acceleration") == pytest.approx(NOISE["acceleration"], rel=0.1)
+
+
+def test_what_is_mended_is_measured_by_the_noise(plain: Fit) -> None:
+    before = with_rest(plain, "acceleration", 2.0 * NOISE["acceleration"])
+    assert size_in_noise(before, plain) == pytest.approx(2.0, rel=0.15)
+
+
+def test_what_is_too_little_of_the_motion_is_nothing(plain: Fit) -> None:
+    """Beside an encoder with next to no noise, however many of its deviations it is."""
+    least = least_that_matters(plain, "joint_position")
+    assert least == pytest.approx(MATTERS_OF_MOTION * variation(plain, "joint_position"))
+    fine = replace(
+        plain, residuals={**plain.residuals, "joint_position": 0.0 * plain.residuals["joint_position"]}
+    )
+    assert size_in_noise(with_rest(fine, "joint_position", 0.8 * least), fine) == 0.0
+    assert size_in_noise(with_rest(fine, "joint_position", 1.2 * least), fine) > 0.0
