@@ -5,4 +5,4 @@ stand on inference. Not here: the simulation of rendered images and processes. B
 with notebook.py.
 """
 
-__all__ = ["calibration", "commissioning", "data", "decision", "diagnose", "notebook", "report"]
+__all__ = ["calibration", "commissioning", "data", "decision", "diagnose", "notebook", "physics", "report"]

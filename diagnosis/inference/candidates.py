@@ -102,15 +102,13 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
 
 
 def size_in_noise(before: Fit, after: Fit) -> float:
-    """How much less is left in the channel that a cause mends most, over that channel's noise; 0 where it mends nothing
-    that could matter."""
+    """How much less is left in the channel that a cause mends most, over that channel's noise."""
     return max(_mended(before, after, name) for name in before.residuals)
 
 
 def _mended(before: Fit, after: Fit, name: str) -> float:
     power = float(np.nanmean(before.residuals[name] ** 2) - np.nanmean(after.residuals[name] ** 2))
-    rms = sqrt(max(power, 0.0))
-    return rms / white_noise(after, name) if rms > least_that_matters(before, name) else 0.0
+    return sqrt(max(power, 0.0)) / white_noise(after, name)
 
 
 def least_that_matters(last: Fit, name: str) -> float:

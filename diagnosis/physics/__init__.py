@@ -4,6 +4,7 @@ Not here: the arm's equations themselves (stillarm.simulation.arm), and fits. Be
 """
 
 __all__ = [
+    "ahead",
     "arm_motion",
     "camera",
     "computing",

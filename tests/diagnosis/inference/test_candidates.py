@@ -39,12 +39,8 @@ def test_what_is_mended_is_measured_by_the_noise(plain: Fit) -> None:
     assert size_in_noise(before, plain) == pytest.approx(2.0, rel=0.15)
 
 
-def test_what_is_too_little_of_the_motion_is_nothing(plain: Fit) -> None:
-    """Beside an encoder with next to no noise, however many of its deviations it is."""
+def test_what_matters_is_a_part_of_the_motion_however_little_the_noise(plain: Fit) -> None:
+    """An encoder with next to no noise asks for no drive that is as good."""
     least = least_that_matters(plain, "joint_position")
     assert least == pytest.approx(MATTERS_OF_MOTION * variation(plain, "joint_position"))
-    fine = replace(
-        plain, residuals={**plain.residuals, "joint_position": 0.0 * plain.residuals["joint_position"]}
-    )
-    assert size_in_noise(with_rest(fine, "joint_position", 0.8 * least), fine) == 0.0
-    assert size_in_noise(with_rest(fine, "joint_position", 1.2 * least), fine) > 0.0
+    assert least_that_matters(plain, "displacement") >= 0.02
