@@ -85,7 +85,7 @@ def judge(found: Found, split: Split) -> Judged:
     """Weigh what was named against what has no name, and against nothing."""
     rests = [rest_of(found.final, name, split) for name in found.final.residuals]
     material = any(not one.immaterial for one in rests)
-    mattered = any(not rest_of(found.baseline, name, split).immaterial for name in found.baseline.residuals)
+    mattered = anything_matters(found.baseline, split)
     first = found.findings[0] if found.findings else None
     left_out: list[str] = []
     beside = alone = None
@@ -124,14 +124,18 @@ def _odds_of_name(
         _SHARPNESS * (free - 0.5),
         2.0 * _SHARPNESS * (ahead + _RIVAL),
     )
-    return 1.0 / (1.0 + exp(-min(doubts)))
+    return _logistic(min(doubts))
 
 
 def _odds_beside(one: Candidate, split: Split) -> float:
     """The same of a finding beside the first, of what that left."""
     if one.law is not None:
         return _OF_LAWS
-    return 1.0 / (1.0 + exp(-_SHARPNESS * (share_explained(one, split) - EXPLAINED)))
+    return _logistic(_SHARPNESS * (share_explained(one, split) - EXPLAINED))
+
+
+def _logistic(log_odds: float) -> float:
+    return 1.0 / (1.0 + exp(-log_odds))
 
 
 def share_explained(one: Candidate, split: Split) -> float:
@@ -164,7 +168,7 @@ def _confidence(found: Found, one: Candidate, named: float) -> float:
     near = class_of(found, one)
     rival = runner_up(found, one)
     lead = one.merit - (rival.merit if rival is not None else 0.0)
-    sure = 1.0 / (1.0 + exp(-min(lead, 60.0) / ODDS_NATS))
+    sure = _logistic(min(lead, 60.0) / ODDS_NATS)
     return float(min(0.99, named * sure) / (1 + len(near)))
 
 
@@ -238,6 +242,11 @@ def explainable(last: Fit, split: Split) -> dict[str, float]:
         ideal = score_of_noise(last, name, split, noise / sqrt(THIN.get(name, 1)))
         found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
     return found
+
+
+def anything_matters(last: Fit, split: Split) -> bool:
+    """Whether a fit leaves anything that a user would care about (contract.md)."""
+    return any(not rest_of(last, name, split).immaterial for name in last.residuals)
 
 
 def rest_of(last: Fit, name: str, split: Split) -> Rest:

@@ -13,7 +13,7 @@ import numpy as np
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import EXPLAINED, rest_of, share_explained
+from stillarm.diagnosis.decision.decide import EXPLAINED, anything_matters, share_explained
 from stillarm.diagnosis.inference.candidates import (
     MATTERS_OF_NOISE,
     PRICE_NATS,
@@ -162,7 +162,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
         candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
     else:
         screening, candidates = [], []
-        if not found.findings or _anything_matters(last, split):
+        if not found.findings or anything_matters(last, split):
             screening, candidates = compared(last, allowed, split, found)
         try:
             known = laws(make_data(last.world, split), last)
@@ -177,11 +177,6 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     beside = bool(found.findings)
     convincing = [one for one in ranked if convinces(one, last, beside)]
     return Stage(screening, ranked, convincing[0] if convincing else None)
-
-
-def _anything_matters(last: Fit, split: Split) -> bool:
-    """Whether a fit leaves anything that a further finding could be told for."""
-    return any(not rest_of(last, name, split).immaterial for name in last.residuals)
 
 
 def _joint_alone(last: Fit, split: Split) -> Fit:

@@ -200,9 +200,8 @@ def best_of_each(quick: list[tuple[Begun, Fit]], last: Fit) -> list[tuple[Begun,
 
 def _goes_on(one: Begun, gain: float, top: float) -> bool:
     """Whether a form is fitted to the end. top: gain of the best form."""
-    if (
-        one.form.added or one.asked
-    ):  # white noise's likelihood says little of a course that steps where it is held out
+    # white noise's likelihood says little of a course that steps where it is held out
+    if one.form.added or one.asked:
         return True
     return gain > (_WORTH_A_SEARCH if one.form.cause.settle else _WORTH_A_FIT) * top
 
@@ -268,7 +267,6 @@ def with_onset(pair: tuple[Begun, Fit], last: Fit, split: Split, slopes: Slopes)
     data, begins = make_data(one.world, split), one.form.begins
     assert begins is not None
     duration = one.world.measured.duration_s
-
     starts = [
         one.world.space.with_values(whole.vector, {begins: float(onset)})
         for onset in np.linspace(0.1, 0.85, _ONSETS) * duration

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
-from stillarm.simulation.arm.joint import lagging, risen
+from stillarm.simulation.arm.joint import lagging
 from stillarm.simulation.arm.state import Record, Records
 from stillarm.simulation.arm.stepper import free_acceleration, tune, undisturbed
 
@@ -95,9 +95,9 @@ def _over_a_cycle(
 ) -> tuple[float, float]:
     """A mode after a cycle whose two parts begin with these theta''."""
     if arm.early > 0.0:
-        end = early * (1.0 - arm.decay * risen(arm.decay, arm.early))
+        _, _, end = lagging(0.0, arm.decay, early, arm.early, arm.early_risen)
         q, v = undisturbed(arm, mode, q, v, arm.early, early, end)
     if arm.late > 0.0:
-        end = late * (1.0 - arm.decay * risen(arm.decay, arm.late))
+        _, _, end = lagging(0.0, arm.decay, late, arm.late, arm.late_risen)
         q, v = undisturbed(arm, mode, q, v, arm.late, late, end)
     return q, v
