@@ -136,7 +136,7 @@ class _Loop:
 
     def _record(self, frame: Frame, sample: VisualSample) -> None:
         if self._recorder is not None:
-            self._recorder.put(_IMAGES, image_sample(time.monotonic(), frame, sample))
+            self._recorder.put(_IMAGES, image_sample(time.monotonic(), frame, sample, self._recorder.lost))
 
     def close(self) -> None:
         """Release camera and port."""

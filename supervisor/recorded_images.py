@@ -21,15 +21,20 @@ _FAST_PNG = [cv2.IMWRITE_PNG_COMPRESSION, 1]
 
 @dataclass
 class ImageComparison:
-    """Comparison of a replay of recorded images with the results of the live tracker."""
+    """Comparison of a replay of recorded images with the results of the live tracker.
+
+    The tracker remembers earlier images. Once the recorder lost one, a replay cannot give the same numbers; images from
+    there on are counted as not_compared.
+    """
 
     frames: int = 0
     different: int = 0
     first_difference: str | None = None
+    not_compared: int = 0
 
 
-def image_sample(time_s: float, frame: Frame, sample: VisualSample) -> ImageSample:
-    """A frame and its visual sample as a message."""
+def image_sample(time_s: float, frame: Frame, sample: VisualSample, lost: int) -> ImageSample:
+    """A frame and its visual sample as a message. lost: images tracked so far that were not recorded."""
     _, encoded = cv2.imencode(".png", frame.image, _FAST_PNG)
     return ImageSample(
         time_s,
@@ -45,6 +50,7 @@ def image_sample(time_s: float, frame: Frame, sample: VisualSample) -> ImageSamp
         sample.inliers,
         "png",
         base64.b64encode(encoded.tobytes()).decode("ascii"),
+        lost,
     )
 
 
@@ -63,11 +69,15 @@ def recorded_frame(message: ImageSample) -> Frame:
 
 
 def compare_with_live(recording: Recording) -> ImageComparison:
-    """Track the recorded images again, and compare every number with the live result."""
+    """Track the recorded images again, and compare every number with the live result, up to the first image that was
+    tracked and not recorded."""
     text, name = recording.header.configuration, f"{recording.path} (configuration)"
     supervisor = Supervisor(parse_toml(text, Configuration, name).supervisor.tracker)
     comparison = ImageComparison()
     for message in recording.messages("/images"):
+        if message.lost > 0:
+            comparison.not_compared += 1
+            continue
         found = supervisor.step(recorded_frame(message), message.started_cycle)
         comparison.frames += 1
         pairs = (

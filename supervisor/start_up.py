@@ -33,4 +33,4 @@ def discard_queued(camera: Camera, clock: Callable[[], float] = time.monotonic) 
 def warm_up_recording(width_px: int, height_px: int) -> None:
     """Encode one blank image as the recorder's messages hold it: PNG's first call takes some milliseconds."""
     image = np.zeros((height_px, width_px), np.uint8)
-    image_sample(0.0, Frame(image, None, None, None), VisualSample(0, -1, 0))
+    image_sample(0.0, Frame(image, None, None, None), VisualSample(0, -1, 0), lost=0)

@@ -191,6 +191,7 @@ class ImageSample(msgspec.Struct, frozen=True, gc=False):
     inliers: Annotated[int, about("of these, those that agree")]
     format: Annotated[str, about("png")]
     data: Annotated[str, about("the image, in base64")]
+    lost: Annotated[int, about("images tracked so far for which the recorder's ring had no room")] = 0
 
 
 class PairSample(msgspec.Struct, frozen=True, gc=False):

@@ -38,7 +38,12 @@ def _replay_images(recording: "Recording") -> int:
         if comparison.different == 0
         else f"different in {comparison.different}; first: {comparison.first_difference}"
     )
-    print(f"supervisor, {comparison.frames} images: displacements {same}")
+    rest = (
+        f"; {comparison.not_compared} images after it not compared: the recorder lost one that the tracker remembers"
+        if comparison.not_compared
+        else ""
+    )
+    print(f"supervisor, {comparison.frames} images: displacements {same}{rest}")
     return 0
 
 
