@@ -242,10 +242,15 @@ def is_fine_encoder(position: Array) -> bool:
     known = position[np.isfinite(position)]
     if len(known) < _FEWEST:
         return False
-    steps = np.abs(np.diff(known))
-    step = float(np.min(steps, initial=np.inf, where=steps > _SAME))
     noise = white_noise(known, 2)
-    return bool(max(step, noise) < _FINE * LEAST["joint_position"])
+    return bool(max(resolution(known), noise) < _FINE * LEAST["joint_position"])
+
+
+def resolution(values: Array) -> float:
+    """The least step between successive values that differ, in their unit, which for values on a grid is its step; inf
+    where none differ. values: (n,), none missing."""
+    steps = np.abs(np.diff(values))
+    return float(np.min(steps, initial=np.inf, where=steps > _SAME))
 
 
 def is_fine_image(displacement_px: Array) -> bool:

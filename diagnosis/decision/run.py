@@ -16,7 +16,6 @@ from stillarm.diagnosis.inference.baseline import (
     fitted_baseline,
     moved_as_measured,
     with_lost_modes,
-    without_pulls,
 )
 from stillarm.diagnosis.inference.candidates import Found
 from stillarm.diagnosis.inference.clocks import without_old_images, without_set_stamps, without_steps
@@ -24,6 +23,7 @@ from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.image_dating import dated, recounted
 from stillarm.diagnosis.inference.laws import LawFound
+from stillarm.diagnosis.inference.pulls import without_pulls, without_pushes
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
 
@@ -102,7 +102,7 @@ def _baseline_within(
             world = moved_as_measured(world, split)
             baseline = fitted_baseline(world, split, reached.append)
             reached.append(baseline)
-            baseline = without_pulls(baseline, split)
+            baseline = without_pushes(without_pulls(baseline, split), split)
     except OutOfTime:
         left_out.append("some impacts" if reached else "impacts")
         return reached[-1] if reached else _hurried(budget, since_s, world, split, left_out), ()

@@ -20,5 +20,6 @@ __all__ = [
     "image_dating",
     "impacts",
     "laws",
+    "pulls",
     "screen",
 ]

@@ -1,11 +1,7 @@
 """The baseline: what may be off without being a cause, refitted before any cause is looked for.
 
-Impacts are sought with the frequency that the vibration is seen to have, a pull at the arm is left out, and higher
-modes that a fit has lost are begun again from where the model has them.
-
-A pull: something unknown holds the arm for a while, and lets it go. What the arm shows meanwhile is the pull's, which
-no model foretells, so it is not judged; from the release on the arm rings from a state of its own. A pull is seen in
-the images: it bends the arm to one side for longer than a part of a swing, and ends where the vibration jumps.
+Impacts are sought with the frequency that the vibration is seen to have, and higher modes that a fit has lost are begun
+again from where the model has them.
 
 A lost mode: while something larger is unexplained, a payload that was put down in mid-run, say, a small mode is bent to
 make up for it: its frequency goes elsewhere, and its share to nothing or to another sign. From there no slope leads
@@ -36,19 +32,10 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 
 HURRIED_STEPS = 5
-_PULLS_SOUGHT = 2
 _MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
 _LITTLE = 1.5  # times the noise: a rest below it makes no impacts up
 _ABOUT = (0.5, 1.5)  # times the frequency: where a wrong one leaves its rest
 _LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is simulated as it is
-
-# a pull
-_WINDOW_S = 0.2  # over which an image's departure is looked at
-_LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
-_GAP_S, _LEAD_S = 0.15, 0.3  # within a pull; before it shows
-_SHORTEST_S, _LONGEST_S = 0.25, 8.0
-_ONE_SIDED = 0.5  # of the departure's power is its mean's: a swing has none
-_MOST = 0.3  # of the recording
 
 # a lost mode
 _FAR, _LEAST, _LARGEST = 0.03, 0.5, 2.0  # of the model's frequency; of its participation
@@ -66,24 +53,6 @@ def moved_as_measured(world: World, split: Split) -> World:
     begun = fit(make_data(world, split), world.space.vector(), names, iterations=HURRIED_STEPS)
     simulated = world.reported_position(begun.vector)
     return world.changed(joint_hz=departure_hz(world.measured.position, simulated, world.measured.cycle_s))
-
-
-def without_pulls(baseline: Fit, split: Split) -> Fit:
-    """The baseline with what held the arm for a while left out, and impacts sought once more: beside a pull none that
-    is less than it shows."""
-    cycle_s = baseline.world.measured.cycle_s
-    for _ in range(_PULLS_SOUGHT):
-        spans = pull_spans_s(baseline)
-        if not spans:
-            break
-        inside = [
-            i for i in baseline.world.impacts if any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
-        ]
-        kept = tuple(i for i in baseline.world.impacts if i not in inside)
-        unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))
-        world = baseline.world.changed(impacts=kept, unjudged_s=unjudged_s)
-        baseline = fit_with_impacts(world, split, carried_over(baseline, world))
-    return baseline
 
 
 def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] = lambda one: None) -> Fit:
@@ -198,58 +167,6 @@ def _steady_with_impacts_of(seen: Fit, split: Split, course: Iterable[str]) -> F
     start = there.space.with_values(seen.vector, usual)
     one = fit(make_data(there, split), start, there.baseline_names())
     return one if seen.train_log_likelihood - one.train_log_likelihood > CHANGED_NATS else None
-
-
-def pull_spans_s(fit: Fit) -> tuple[tuple[float, float], ...]:
-    """Spans in which something held the arm, from and to, s; each ends where the vibration jumps, or at none."""
-    images = fit.channel("displacement")
-    if images is None or len(images.off) < 100:
-        return ()
-    known = np.isfinite(images.off)
-    time, off = fit.world.instants(fit.vector)[known], images.off[known]
-    rate = 1.0 / fit.world.step_s("displacement")
-    width = max(3, round(_WINDOW_S * rate))
-    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
-    usual = max(float(np.median(loudness)), white_noise(off))
-    loud = loudness > _LOUD * usual
-    spans = []
-    cycle_s = fit.world.measured.cycle_s
-    for cycle in fit.world.impacts:
-        end = cycle * cycle_s
-        start = _start(time, loud, end)
-        if start is None or not _SHORTEST_S < end - start < _LONGEST_S:
-            continue
-        inside = off[(time >= start) & (time < end)]
-        if len(inside) < 4 or np.mean(inside) ** 2 < _ONE_SIDED * np.mean(inside**2):
-            continue
-        spans.append((max(start - _LEAD_S, 0.0), end))
-    if sum(end - start for start, end in spans) > _MOST * fit.world.measured.duration_s:
-        return ()
-    return tuple(_merged(spans))
-
-
-def _start(time: Array, loud: NDArray[np.bool_], end: float) -> float | None:
-    """Where the loud stretch that lasts until `end` began; None where there is none."""
-    before = np.flatnonzero((time < end - 0.5 * _WINDOW_S) & (time > end - _LONGEST_S - 1.0))
-    start, quiet_since = None, None
-    for i in before[::-1]:
-        if loud[i]:
-            start, quiet_since = float(time[i]), None
-            continue
-        quiet_since = float(time[i]) if quiet_since is None else quiet_since
-        if quiet_since - time[i] > _GAP_S:
-            break
-    return start
-
-
-def _merged(spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    found: list[tuple[float, float]] = []
-    for start, end in sorted(spans):
-        if found and start <= found[-1][1]:
-            found[-1] = (found[-1][0], max(end, found[-1][1]))
-        else:
-            found.append((start, end))
-    return found
 
 
 def lost_modes(one: Fit) -> list[int]:

@@ -11,11 +11,13 @@ microradians. In the joint that is less than a simulation reaches; in the image 
 pixel, and the arm rings with it. Where the encoder resolves it, the image is told by where the joint was.
 """
 
+from math import isfinite, sqrt
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, filtfilt, welch
 
-from stillarm.diagnosis.data.noise import LEAST
+from stillarm.diagnosis.data.noise import LEAST, resolution
 from stillarm.diagnosis.data.robust import bridged, white_noise
 from stillarm.diagnosis.physics.linear_modes import answer_of_mode
 
@@ -31,14 +33,19 @@ _FEWEST = 500
 
 def departure_hz(measured: Array, simulated: Array, step_s: float) -> float:
     """Up to which frequency the joint's measured position departs from the simulated one by more than the encoder's
-    noise, Hz; 0 where it does not. Both: (n,) rad, NaN where unmeasured."""
+    noise and half its step, Hz; 0 where it does not. Both: (n,) rad, NaN where unmeasured."""
     off = measured - simulated
     known = np.isfinite(off)
     if known.sum() < _FEWEST:
         return 0.0
+    step = resolution(measured[known])
+    if not isfinite(step):
+        return 0.0
+    # while the joint rests or turns slowly, the rest of a rounded position is no noise, and says nothing
+    off = np.sign(off) * np.maximum(np.abs(off) - 0.5 * step, 0.0)
     filled = bridged(off)
     # of what was measured alone: across gaps the straight lines have none
-    noise = white_noise(off[known])
+    noise = max(white_noise(off[known]), step / sqrt(12.0))
     length = min(int(_SEGMENT_S / step_s), len(filled) // 4)
     hz, power = welch(filled, 1.0 / step_s, nperseg=length, detrend="constant")
     floor = max(noise**2, 1e-16) * 2.0 * step_s * len(off) / known.sum()

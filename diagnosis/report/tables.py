@@ -112,11 +112,11 @@ def events_table(found: Found) -> list[dict[str, Any]]:
     """Impacts that no sensor measured, and what held the arm for a while, in the recording's own time."""
     world = found.final.world
     origin, cycle_s = world.measured.origin_s, world.measured.cycle_s
-    ends = [round(end / cycle_s) for _, end in world.unjudged_s]
+    unjudged = [(start / cycle_s, end / cycle_s) for start, end in world.unjudged_s]
     impacts = [
         {"time_s": origin + cycle * cycle_s, "kind": "impact"}
         for cycle in world.impacts
-        if all(abs(cycle - end) > 2 for end in ends)
+        if not any(start <= cycle <= end + 2 for start, end in unjudged)
     ]
     pulls = [
         {"time_s": origin + start, "kind": "pull", "released_s": origin + end}

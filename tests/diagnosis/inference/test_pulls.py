@@ -1,4 +1,4 @@
-"""A pull at the arm and its release: found where one was put in, and none where the arm rings freely."""
+"""A pull at the arm and its release, or a push: found where one was put in, and none where the arm rings freely."""
 
 from dataclasses import replace
 from math import pi
@@ -8,28 +8,31 @@ import pytest
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.split import Split, interleaved
-from stillarm.diagnosis.inference.baseline import pull_spans_s
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.pulls import pull_spans_s, push_spans_s, without_pushes
 from stillarm.diagnosis.physics.world import World
-from tests.fixtures.synthetic import MODEL, measured
+from tests.fixtures.synthetic import MODEL, NOISE, measured
 
 SECONDS, RELEASED = 9.0, 5300
 RELEASED_S, HELD_S = 5.3, 1.2
 SPLIT: Split = interleaved(SECONDS)
 
 
+JUMP = {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}
+
+
 @pytest.fixture(scope="module")
 def data() -> Measured:
     """An arm that an impact sets ringing at RELEASED."""
-    return measured(SECONDS, 3, {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02}, impacts=(RELEASED,))
+    return measured(SECONDS, 3, JUMP, impacts=(RELEASED,))
 
 
 def told(data: Measured, more_px: np.ndarray | float = 0.0, impacts: tuple[int, ...] = (RELEASED,)) -> Fit:
     """The true world's fit of the images with more in them."""
     frames = replace(data.frames, displacement_px=data.frames.displacement_px + more_px)
     world = World(replace(data, frames=frames), MODEL, impacts)
-    start = World(data, MODEL, impacts)
+    start = World(measured(SECONDS, 3, JUMP, impacts=(RELEASED,)), MODEL, impacts)
     vector = fit(make_data(start, SPLIT), world.space.vector(), start.baseline_names()).vector
     return fit(make_data(world, SPLIT), vector, (), iterations=0)
 
@@ -84,3 +87,56 @@ def test_without_images_nothing_is_found(data: Measured) -> None:
     unseen = replace(data.frames, displacement_px=np.full(len(data.frames.displacement_px), np.nan))
     world = World(replace(data, frames=unseen), MODEL, (RELEASED,))
     assert pull_spans_s(fit(make_data(world, SPLIT), world.space.vector(), (), iterations=0)) == ()
+
+
+PUSHED_S = 0.24
+
+
+def pushed(data: Measured, px: float, m_s2: float, since_s: float, until_s: float) -> Fit:
+    """What images and accelerometer show between two instants is no model's."""
+    inside = (data_cycles(data) >= since_s) & (data_cycles(data) < until_s)
+    shaken = replace(data, acceleration=data.acceleration + np.where(inside, m_s2, 0.0))
+    time = seen_s(data)
+    return told(shaken, np.where((time >= since_s) & (time < until_s), px, 0.0))
+
+
+def data_cycles(data: Measured) -> np.ndarray:
+    return np.arange(data.cycles) * data.cycle_s
+
+
+@pytest.mark.parametrize(("px", "m_s2"), [(4.0, 0.0), (0.0, 6.0), (-4.0, 6.0)])
+def test_a_push_is_found_where_either_sensor_shows_it(data: Measured, px: float, m_s2: float) -> None:
+    since, until = RELEASED_S - 0.5 * PUSHED_S, RELEASED_S + 0.5 * PUSHED_S
+    spans = push_spans_s(pushed(data, px, m_s2, since, until))
+    assert len(spans) == 1
+    assert spans[0][0] == pytest.approx(since, abs=0.06)
+    assert spans[0][1] == pytest.approx(until, abs=0.06)
+
+
+def test_a_push_is_not_judged_and_the_arm_rings_on_from_it(data: Measured) -> None:
+    found = without_pushes(
+        pushed(data, 4.0, 6.0, RELEASED_S - 0.5 * PUSHED_S, RELEASED_S + 0.5 * PUSHED_S), SPLIT
+    )
+    assert found.world.impacts == (RELEASED,)
+    ((since, until),) = found.world.unjudged_s
+    shown = found.world.channels["acceleration"]
+    assert np.isnan(shown[round(since / data.cycle_s) : round(until / data.cycle_s)]).all()
+    off = found.residuals["acceleration"]
+    assert np.nanstd(off) == pytest.approx(NOISE["acceleration"], rel=0.05)
+
+
+def test_an_impact_that_the_model_tells_is_no_push(data: Measured) -> None:
+    assert push_spans_s(told(data)) == ()
+
+
+def test_what_goes_on_after_the_impact_is_no_push(data: Measured) -> None:
+    """A cause that acts while the arm swings far departs from the model for as long."""
+    assert push_spans_s(pushed(data, 0.0, 6.0, RELEASED_S, RELEASED_S + 1.5)) == ()
+
+
+def test_what_comes_back_with_each_swing_is_no_push(data: Measured) -> None:
+    """A sensor at its limit."""
+    time = data_cycles(data)
+    tops = (time > RELEASED_S) & (np.sin(2.0 * pi * 2.6 * (time - RELEASED_S)) > 0.8)
+    shaken = replace(data, acceleration=data.acceleration + np.where(tops, 6.0, 0.0))
+    assert push_spans_s(told(shaken)) == ()

@@ -40,6 +40,21 @@ def test_noise_of_an_encoder_read_every_other_cycle_is_no_departure() -> None:
     assert departure_hz(seen, STILL, STEP_S) == 0.0
 
 
+@pytest.mark.parametrize("per_rad", [1e-5, 1e-4, 1e-3])
+@pytest.mark.parametrize("speed", [0.0, 0.003, 0.1])
+def test_what_rounding_leaves_is_no_departure(per_rad: float, speed: float) -> None:
+    """A joint that turns to and fro, slowly and quickly, read by an encoder of so many radians a step."""
+    path = 0.3 + speed * np.sin(2.0 * pi * 0.3 * TIME)
+    seen = np.round((path + 0.1 * noise(6)) / per_rad) * per_rad
+    assert departure_hz(seen, path, STEP_S) == 0.0
+
+
+def test_a_departure_of_some_steps_is_seen_by_a_coarse_encoder() -> None:
+    path = 0.2 * np.sin(2.0 * pi * 0.5 * TIME)
+    moved = path + 4e-3 * np.sin(2.0 * pi * 2.0 * TIME)
+    assert departure_hz(np.round(moved / 1e-3) * 1e-3, path, STEP_S) >= 2.0
+
+
 @pytest.mark.parametrize("hz", [3.0, 10.0, 20.0])
 def test_a_departure_reaches_to_where_its_spectrum_meets_the_noise(hz: float) -> None:
     """Noise through a filter of known response: its spectrum is four times the encoder's where the response says."""

@@ -1,0 +1,191 @@
+"""Something unknown holds the arm for a while, or pushes it: what the arm shows meanwhile is not judged, as no model
+foretells it.
+
+A pull is seen in the images: it bends the arm to one side for longer than a part of a swing, and ends where the
+vibration jumps. A push by hand lasts a part of a swing, with an impact as its best account: the sensors depart from the
+model about that impact, and nowhere near it. From the end of either the arm rings from a state of its own.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.robust import white_noise
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned, refit_with
+
+Array = NDArray[np.float64]
+
+_PULLS_SOUGHT = 2
+_FEWEST = 100  # values that tell how much is usual
+# a pull
+_WINDOW_S = 0.2  # over which an image's departure is looked at
+_LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
+_GAP_S, _LEAD_S = 0.15, 0.3  # within a pull; before it shows
+_SHORTEST_S, _LONGEST_S = 0.25, 8.0
+_ONE_SIDED = 0.5  # of the departure's power is its mean's: a swing has none
+_MOST = 0.3  # of the recording
+
+# a push
+_FINE_S = 0.02  # over which the accelerometer's departure is looked at
+_LEAST_FRAMES = 3  # over which an image's is
+_PUSH_PERIODS = 1.6  # longest: a longer one swings the arm while it lasts, and is a pull
+_ABOUT_PERIODS = 0.35  # from the impact that accounts for it to where it shows
+_BESIDE_PERIODS = 1.0  # before and after it, the model holds
+_HOLDS = 0.1  # of that time may depart from the model
+
+
+def without_pulls(baseline: Fit, split: Split) -> Fit:
+    """The baseline with what held the arm for a while left out, and impacts sought once more: beside a pull none that
+    is less than it shows."""
+    cycle_s = baseline.world.measured.cycle_s
+    for _ in range(_PULLS_SOUGHT):
+        spans = pull_spans_s(baseline)
+        if not spans:
+            break
+        inside = [
+            i for i in baseline.world.impacts if any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
+        ]
+        kept = tuple(i for i in baseline.world.impacts if i not in inside)
+        unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))
+        world = baseline.world.changed(impacts=kept, unjudged_s=unjudged_s)
+        baseline = fit_with_impacts(world, split, carried_over(baseline, world))
+    return baseline
+
+
+def without_pushes(baseline: Fit, split: Split) -> Fit:
+    """The baseline with pushes left out. From the end of each the arm rings as from the impact that accounts for it."""
+    spans = push_spans_s(baseline)
+    if not spans:
+        return baseline
+    world = baseline.world
+    cycle_s = world.measured.cycle_s
+    kept = set(world.impacts)
+    for since, until in spans:
+        inside = [i for i in world.impacts if since <= i * cycle_s <= until]
+        kept -= set(inside[:-1])  # one state is left to begin from
+    unjudged_s = tuple(sorted({*world.unjudged_s, *spans}))
+    there = world.changed(impacts=tuple(sorted(kept)), unjudged_s=unjudged_s)
+    start = carried_over(baseline, there)
+    begun = fit(make_data(there, split), start, there.baseline_names(), colour=baseline.colour)
+    return refit_with(pruned(begun, split), split, begun.world.impacts)
+
+
+def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
+    """Spans in which something pushed the arm, from and to, s: about an impact the sensors depart from the model, and
+    before and after it they do not."""
+    world, period = last.world, 1.0 / last.value("modes.0.frequency_hz")
+    loud = [one for one in (_loud(last, "acceleration"), _loud(last, "displacement")) if one is not None]
+    spans = []
+    for cycle in world.impacts:
+        struck = cycle * world.measured.cycle_s
+        if any(start <= struck < end for start, end in world.unjudged_s):
+            continue
+        found = [span for time, flags in loud if (span := _stretch(time, flags, struck, period)) is not None]
+        if not found:
+            continue
+        start, end = min(a for a, _ in found), max(b for _, b in found)
+        if end - start > _PUSH_PERIODS * period:
+            continue
+        if all(_holds_beside(time, flags, (start, end), period) for time, flags in loud):
+            spans.append((max(start - _FINE_S, 0.0), end + _FINE_S))
+    if sum(end - start for start, end in spans) > _MOST * world.measured.duration_s:
+        return ()
+    return tuple(_merged(spans))
+
+
+def _loud(last: Fit, name: str) -> tuple[Array, NDArray[np.bool_]] | None:
+    """When a channel was measured, s, and whether it departs from the model by far more than it usually does."""
+    if name not in last.residuals:
+        return None
+    off = last.residuals[name]
+    known = np.isfinite(off)
+    if known.sum() < _FEWEST:
+        return None
+    time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
+    time, off = time[known], off[known]
+    width = max(_LEAST_FRAMES, round(_FINE_S / last.world.step_s(name)))
+    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
+    usual = max(float(np.median(loudness)), white_noise(off))
+    return time, loudness > _LOUD * usual
+
+
+def _stretch(
+    time: Array, loud: NDArray[np.bool_], struck: float, period: float
+) -> tuple[float, float] | None:
+    """The stretch in which a channel is loud that is nearest to an impact, across gaps of a quarter swing; None where
+    it is not loud there."""
+    at = time[loud]
+    if not len(at):
+        return None
+    nearest = int(np.argmin(np.abs(at - struck)))
+    if abs(at[nearest] - struck) > _ABOUT_PERIODS * period:
+        return None
+    breaks = np.flatnonzero(np.diff(at) > 0.25 * period)
+    first = breaks[breaks < nearest]
+    last = breaks[breaks >= nearest]
+    return float(at[first[-1] + 1 if len(first) else 0]), float(at[last[0] if len(last) else len(at) - 1])
+
+
+def _holds_beside(time: Array, loud: NDArray[np.bool_], span: tuple[float, float], period: float) -> bool:
+    """Whether a channel is at its usual departure before and after a span."""
+    start, end = span
+    reach, margin = _BESIDE_PERIODS * period, 0.25 * period
+    for a, b in ((start - reach, start - margin), (end + margin, end + reach)):
+        beside = loud[(time >= a) & (time < b)]
+        if len(beside) and np.mean(beside) > _HOLDS:
+            return False
+    return True
+
+
+def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
+    """Spans in which something held the arm, from and to, s; each ends where the vibration jumps, or at none."""
+    images = last.channel("displacement")
+    if images is None or len(images.off) < _FEWEST:
+        return ()
+    known = np.isfinite(images.off)
+    time, off = last.world.instants(last.vector)[known], images.off[known]
+    rate = 1.0 / last.world.step_s("displacement")
+    width = max(3, round(_WINDOW_S * rate))
+    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
+    usual = max(float(np.median(loudness)), white_noise(off))
+    loud = loudness > _LOUD * usual
+    spans = []
+    cycle_s = last.world.measured.cycle_s
+    for cycle in last.world.impacts:
+        end = cycle * cycle_s
+        start = _start(time, loud, end)
+        if start is None or not _SHORTEST_S < end - start < _LONGEST_S:
+            continue
+        inside = off[(time >= start) & (time < end)]
+        if len(inside) < 4 or np.mean(inside) ** 2 < _ONE_SIDED * np.mean(inside**2):
+            continue
+        spans.append((max(start - _LEAD_S, 0.0), end))
+    if sum(end - start for start, end in spans) > _MOST * last.world.measured.duration_s:
+        return ()
+    return tuple(_merged(spans))
+
+
+def _start(time: Array, loud: NDArray[np.bool_], end: float) -> float | None:
+    """Where the loud stretch that lasts until `end` began; None where there is none."""
+    before = np.flatnonzero((time < end - 0.5 * _WINDOW_S) & (time > end - _LONGEST_S - 1.0))
+    start, quiet_since = None, None
+    for i in before[::-1]:
+        if loud[i]:
+            start, quiet_since = float(time[i]), None
+            continue
+        quiet_since = float(time[i]) if quiet_since is None else quiet_since
+        if quiet_since - time[i] > _GAP_S:
+            break
+    return start
+
+
+def _merged(spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    found: list[tuple[float, float]] = []
+    for start, end in sorted(spans):
+        if found and start <= found[-1][1]:
+            found[-1] = (found[-1][0], max(end, found[-1][1]))
+        else:
+            found.append((start, end))
+    return found
