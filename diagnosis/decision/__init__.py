@@ -3,4 +3,4 @@
 Not here: how a fit is made or scored (inference), and how the verdict is told (report). Begin with run.py.
 """
 
-__all__ = ["budget", "decide", "explain", "run"]
+__all__ = ["budget", "decide", "explain", "rest", "run"]

@@ -1,27 +1,25 @@
 """From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
 
 from dataclasses import dataclass, field
-from math import exp, sqrt
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.decision.rest import Rest, anything_matters, explainable, rest_of, times_what_matters
 from stillarm.diagnosis.inference.candidates import (
     CONVINCING_NATS,
-    MATTERS_OF_NOISE,
     PRICE_NATS,
     Candidate,
     Found,
     Stage,
-    least_that_matters,
-    white_noise,
 )
 from stillarm.diagnosis.inference.comparison import Slopes, free_names
-from stillarm.diagnosis.inference.evidence import Score, noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.inference.evidence import Score, score
 from stillarm.diagnosis.inference.fit import fit, slopes_of
-from stillarm.diagnosis.inference.fitted import THIN, Fit, make_data
+from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.freeform import Group, groups
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.screen import residual_peaks
@@ -37,6 +35,7 @@ EXPLAINED = 0.35
 """Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
 own discrepancy keep from being explained."""
 _TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
+_CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
 _OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
 _RIVAL = 0.05  # of a finding's nats: a free form is no better by less, as no formula is quite the true one
@@ -50,17 +49,6 @@ class Free:
     merit: float
     channel: str
     fit: Fit
-
-
-@dataclass(frozen=True)
-class Rest:
-    """What is left in a channel. rms: beyond the noise, in the channel's unit; share_of_noise; immaterial."""
-
-    channel: str
-    rms: float
-    share_of_noise: float
-    immaterial: bool
-    band_hz: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -103,7 +91,7 @@ def judge(found: Found, split: Split) -> Judged:
     unnamed = "unexplained" if mattered or material else "none"
     verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
     confidence = {
-        one.cause: _confidence(found, one, named if one is first else _odds_beside(one, split))
+        one.cause: _confidence(found, one, named if one is first else _odds_beside(found, one, split))
         for one in found.findings
     }
     return Judged(verdict, rests, beside, alone, confidence, tuple(left_out))
@@ -115,7 +103,7 @@ def _odds_of_name(
     """Probability that the first finding is what it is called, rather than a part of something without a name."""
     if first.law is not None:
         return _OF_LAWS
-    share = share_explained(first, split)
+    share = share_explained(first, fit_before(found, first), split)
     beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
     free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
     ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
@@ -127,27 +115,48 @@ def _odds_of_name(
     return _logistic(min(doubts))
 
 
-def _odds_beside(one: Candidate, split: Split) -> float:
+def _odds_beside(found: Found, one: Candidate, split: Split) -> float:
     """The same of a finding beside the first, of what that left."""
     if one.law is not None:
         return _OF_LAWS
-    return _logistic(_SHARPNESS * (share_explained(one, split) - EXPLAINED))
+    return _logistic(_SHARPNESS * (share_explained(one, fit_before(found, one), split) - EXPLAINED))
 
 
 def _logistic(log_odds: float) -> float:
     return 1.0 / (1.0 + exp(-log_odds))
 
 
-def share_explained(one: Candidate, split: Split) -> float:
-    """What a finding gains, of the nats that a perfect model would gain where it was taken: of all channels if it is
-    one of timing, of all but the arrivals if not. 1 for a law: it is judged by its own channel."""
+def share_explained(one: Candidate, before: Fit, split: Split) -> float:
+    """What a finding gains, of the nats that a perfect model would gain where it was taken. 1 for a law: it is judged
+    by its own channel. before: the fit that it was taken on.
+
+    What goes wrong in a sensor shows in that sensor's channel alone, and is judged there, if nothing larger is left
+    elsewhere; a finding of timing by all channels; any other by all but the arrivals.
+    """
     if one.law is not None:
         return 1.0
-    gained = float(one.nats.sum())
     left = explainable(one.fit, split)
+    own = _CHANNEL_OF.get(_place(one))
+    if own in left and _largest_there(before, one.fit, own, split):
+        gained = score(one.fit, split).gain_of(score(before, split), own)
+        return max(gained, 0.0) / max(gained + left[own], 1e-9)
+    gained = float(one.nats.sum())
     if _place(one) != "timing":
         left.pop("arrival", None)
     return gained / max(gained + sum(left.values()), 1e-9)
+
+
+def _largest_there(before: Fit, after: Fit, own: str, split: Split) -> bool:
+    """Whether a channel departed from the model by more than any other still does, each by what matters in it."""
+    others = [name for name in after.residuals if name not in (own, "arrival")]
+    left = max((times_what_matters(after, name, split) for name in others), default=0.0)
+    return times_what_matters(before, own, split) >= left
+
+
+def fit_before(found: Found, one: Candidate) -> Fit:
+    """The fit on which a finding was taken."""
+    earlier = [each.fit for each in found.findings[: found.findings.index(one)] if each.law is None]
+    return earlier[-1] if earlier else found.baseline
 
 
 def _may_rival(first: Candidate, final: Fit, split: Split) -> bool:
@@ -230,54 +239,3 @@ def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slo
     merit = min(float(nats.sum()) - PRICE_NATS * len(added.amounts), 3.0 * float(held.sum()))
     channel = max(after.whole, key=lambda name: after.gain_of(before, name))
     return Free(group, merit, channel, fitted)
-
-
-def explainable(last: Fit, split: Split) -> dict[str, float]:
-    """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise, and but for what is
-    too little to matter. A fine encoder has next to no noise: no user asks for a model as good as that."""
-    now = score(last, split)
-    found = {}
-    for name in last.residuals:
-        noise = max(white_noise(last, name), least_that_matters(last, name))
-        ideal = score_of_noise(last, name, split, noise / sqrt(THIN.get(name, 1)))
-        found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
-    return found
-
-
-def anything_matters(last: Fit, split: Split) -> bool:
-    """Whether a fit leaves anything that a user would care about (contract.md)."""
-    return any(not rest_of(last, name, split).immaterial for name in last.residuals)
-
-
-def rest_of(last: Fit, name: str, split: Split) -> Rest:
-    """What a fit leaves in a channel beyond its noise."""
-    residual = last.residuals[name]
-    known = residual[np.isfinite(residual)]
-    noise = noise_of(last, name, split)
-    rms = sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0
-    least = least_that_matters(last, name)
-    immaterial = rms < MATTERS_OF_NOISE * noise or rms < least
-    step = last.world.step_s(name)
-    return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, _band(known, step))
-
-
-def noise_of(last: Fit, name: str, split: Split) -> float:
-    """A channel's own noise, whatever the model, with its colour."""
-    many = THIN.get(name, 1)
-    count, level = noise_spectrum(last, name, split, white_noise(last, name) / sqrt(many))
-    return (
-        sqrt(many * float(count @ level) / float(count.sum()))
-        if count.sum() > 0.0
-        else white_noise(last, name)
-    )
-
-
-def _band(residual: Array, step_s: float) -> tuple[float, float]:
-    """The band that holds the middle nine tenths of a residual's power, Hz."""
-    power = np.abs(np.fft.rfft(residual)) ** 2
-    hz = np.fft.rfftfreq(len(residual), step_s)
-    total = np.cumsum(power[1:])
-    if not len(total) or total[-1] <= 0.0:
-        return 0.0, 0.0
-    low, high = np.searchsorted(total, [0.05 * total[-1], 0.95 * total[-1]])
-    return float(hz[1 + low]), float(hz[1 + min(high, len(total) - 1)])

@@ -13,7 +13,8 @@ import numpy as np
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import EXPLAINED, anything_matters, share_explained
+from stillarm.diagnosis.decision.decide import EXPLAINED, share_explained
+from stillarm.diagnosis.decision.rest import anything_matters
 from stillarm.diagnosis.inference.candidates import (
     MATTERS_OF_NOISE,
     PRICE_NATS,
@@ -139,7 +140,7 @@ def _explained(
             break
         if stage.taken is None:
             break
-        little = share_explained(stage.taken, split) < EXPLAINED
+        little = share_explained(stage.taken, found.final, split) < EXPLAINED
         if little and found.findings:  # a part of something without a name, which is told as left
             stage.taken = None
             break

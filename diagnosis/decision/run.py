@@ -22,6 +22,7 @@ from stillarm.diagnosis.inference.clocks import without_old_images, without_set_
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.image_dating import dated, recounted
+from stillarm.diagnosis.inference.impact_onsets import with_impacts_at_onsets
 from stillarm.diagnosis.inference.laws import LawFound
 from stillarm.diagnosis.inference.pulls import without_pulls, without_pushes
 from stillarm.diagnosis.physics.computing import OutOfTime
@@ -102,7 +103,9 @@ def _baseline_within(
             world = moved_as_measured(world, split)
             baseline = fitted_baseline(world, split, reached.append)
             reached.append(baseline)
-            baseline = without_pushes(without_pulls(baseline, split), split)
+            baseline = with_impacts_at_onsets(without_pulls(baseline, split), split)
+            reached.append(baseline)
+            baseline = without_pushes(baseline, split)
     except OutOfTime:
         left_out.append("some impacts" if reached else "impacts")
         return reached[-1] if reached else _hurried(budget, since_s, world, split, left_out), ()

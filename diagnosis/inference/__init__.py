@@ -18,6 +18,7 @@ __all__ = [
     "freeform",
     "frequency_course",
     "image_dating",
+    "impact_onsets",
     "impacts",
     "laws",
     "pulls",

@@ -28,7 +28,9 @@ LEAST_OF_NOISE = 0.15
 
 _TENTHS = 10
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
-_ALWAYS_THERE = "second_bending_mode"  # every arm has more modes than its model: one is named where it matters
+_ALWAYS_THERE = (
+    "second_bending_mode"  # every arm has more modes than its model: one is named where it matters
+)
 
 MATTERS_OF_NOISE = 0.5
 """A rest that matters is over this part of a channel's noise (contract.md)."""

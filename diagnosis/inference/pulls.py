@@ -6,18 +6,21 @@ vibration jumps. A push by hand lasts a part of a swing, with an impact as its b
 model about that impact, and nowhere near it. From the end of either the arm rings from a state of its own.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned, refit_with
+from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
 
 Array = NDArray[np.float64]
 
-_PULLS_SOUGHT = 2
+_PULLS_SOUGHT, _PUSHES_SOUGHT = 2, 2
 _FEWEST = 100  # values that tell how much is usual
 # a pull
 _WINDOW_S = 0.2  # over which an image's departure is looked at
@@ -28,11 +31,9 @@ _ONE_SIDED = 0.5  # of the departure's power is its mean's: a swing has none
 _MOST = 0.3  # of the recording
 
 # a push
-_FINE_S = 0.02  # over which the accelerometer's departure is looked at
-_LEAST_FRAMES = 3  # over which an image's is
 _PUSH_PERIODS = 1.6  # longest: a longer one swings the arm while it lasts, and is a pull
-_ABOUT_PERIODS = 0.35  # from the impact that accounts for it to where it shows
 _BESIDE_PERIODS = 1.0  # before and after it, the model holds
+_WORSE = 1.02  # times the power left
 _HOLDS = 0.1  # of that time may depart from the model
 
 
@@ -56,76 +57,64 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
 
 def without_pushes(baseline: Fit, split: Split) -> Fit:
     """The baseline with pushes left out. From the end of each the arm rings as from the impact that accounts for it."""
-    spans = push_spans_s(baseline)
-    if not spans:
-        return baseline
+    for _ in range(_PUSHES_SOUGHT):
+        spans = push_spans_s(baseline)
+        if not spans:
+            break
+        found = _left_out(baseline, spans, split)
+        if not _no_worse(found, baseline):
+            break
+        baseline = found
+    return baseline
+
+
+def _left_out(baseline: Fit, spans: Sequence[tuple[float, float]], split: Split) -> Fit:
+    """The fit without what these spans show, and with one impact in each: a state to ring on from."""
     world = baseline.world
-    cycle_s = world.measured.cycle_s
+    unjudged_s = tuple(_merged([*world.unjudged_s, *spans]))
     kept = set(world.impacts)
-    for since, until in spans:
-        inside = [i for i in world.impacts if since <= i * cycle_s <= until]
-        kept -= set(inside[:-1])  # one state is left to begin from
-    unjudged_s = tuple(sorted({*world.unjudged_s, *spans}))
+    for start, end in unjudged_s:
+        inside = [i for i in world.impacts if start <= i * world.measured.cycle_s <= end]
+        kept -= set(inside[:-1])
     there = world.changed(impacts=tuple(sorted(kept)), unjudged_s=unjudged_s)
-    start = carried_over(baseline, there)
-    begun = fit(make_data(there, split), start, there.baseline_names(), colour=baseline.colour)
-    return refit_with(pruned(begun, split), split, begun.world.impacts)
+    begun = carried_over(baseline, there)
+    last = fit(make_data(there, split), begun, there.baseline_names(), colour=baseline.colour)
+    return pruned(last, split)
+
+
+def _no_worse(found: Fit, before: Fit) -> bool:
+    """Whether a fit leaves no more where both are judged."""
+    for name, off in found.residuals.items():
+        both = np.isfinite(off) & np.isfinite(before.residuals[name])
+        if both.any() and np.mean(off[both] ** 2) > _WORSE * np.mean(before.residuals[name][both] ** 2):
+            return False
+    return True
 
 
 def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     """Spans in which something pushed the arm, from and to, s: about an impact the sensors depart from the model, and
     before and after it they do not."""
     world, period = last.world, 1.0 / last.value("modes.0.frequency_hz")
-    loud = [one for one in (_loud(last, "acceleration"), _loud(last, "displacement")) if one is not None]
+    loud = [one for one in (loud_at(last, "acceleration"), loud_at(last, "displacement")) if one is not None]
     spans = []
-    for cycle in world.impacts:
-        struck = cycle * world.measured.cycle_s
+    struck_s = [cycle * world.measured.cycle_s for cycle in world.impacts]
+    ends_s = [end for _, end in world.unjudged_s]  # a pull, or a longer push, may not be over there
+    for struck in (*struck_s, *ends_s):
         if any(start <= struck < end for start, end in world.unjudged_s):
             continue
-        found = [span for time, flags in loud if (span := _stretch(time, flags, struck, period)) is not None]
+        found = [
+            span for time, flags in loud if (span := loud_stretch(time, flags, struck, period)) is not None
+        ]
         if not found:
             continue
         start, end = min(a for a, _ in found), max(b for _, b in found)
         if end - start > _PUSH_PERIODS * period:
             continue
         if all(_holds_beside(time, flags, (start, end), period) for time, flags in loud):
-            spans.append((max(start - _FINE_S, 0.0), end + _FINE_S))
+            spans.append((max(start - LOUD_OVER_S, 0.0), end + LOUD_OVER_S))
     if sum(end - start for start, end in spans) > _MOST * world.measured.duration_s:
         return ()
     return tuple(_merged(spans))
-
-
-def _loud(last: Fit, name: str) -> tuple[Array, NDArray[np.bool_]] | None:
-    """When a channel was measured, s, and whether it departs from the model by far more than it usually does."""
-    if name not in last.residuals:
-        return None
-    off = last.residuals[name]
-    known = np.isfinite(off)
-    if known.sum() < _FEWEST:
-        return None
-    time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
-    time, off = time[known], off[known]
-    width = max(_LEAST_FRAMES, round(_FINE_S / last.world.step_s(name)))
-    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
-    usual = max(float(np.median(loudness)), white_noise(off))
-    return time, loudness > _LOUD * usual
-
-
-def _stretch(
-    time: Array, loud: NDArray[np.bool_], struck: float, period: float
-) -> tuple[float, float] | None:
-    """The stretch in which a channel is loud that is nearest to an impact, across gaps of a quarter swing; None where
-    it is not loud there."""
-    at = time[loud]
-    if not len(at):
-        return None
-    nearest = int(np.argmin(np.abs(at - struck)))
-    if abs(at[nearest] - struck) > _ABOUT_PERIODS * period:
-        return None
-    breaks = np.flatnonzero(np.diff(at) > 0.25 * period)
-    first = breaks[breaks < nearest]
-    last = breaks[breaks >= nearest]
-    return float(at[first[-1] + 1 if len(first) else 0]), float(at[last[0] if len(last) else len(at) - 1])
 
 
 def _holds_beside(time: Array, loud: NDArray[np.bool_], span: tuple[float, float], period: float) -> bool:

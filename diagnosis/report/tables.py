@@ -7,7 +7,8 @@ import numpy as np
 from stillarm.common.causes import CAUSES, experiment_between
 from stillarm.common.causes.declaration import SEPARATES
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import Judged, Rest, class_of
+from stillarm.diagnosis.decision.decide import Judged, class_of
+from stillarm.diagnosis.decision.rest import Rest
 from stillarm.diagnosis.inference.candidates import Candidate, Found
 from stillarm.diagnosis.inference.cause import Values
 from stillarm.diagnosis.inference.fitted import Fit, least_level, make_data

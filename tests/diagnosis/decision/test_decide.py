@@ -1,6 +1,5 @@
 """The verdict: what counts as explained, as left, and as told apart."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -10,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.decide import Judged, Rest, class_of, judge, noise_of, rest_of
+from stillarm.diagnosis.decision.decide import Judged, class_of, judge
+from stillarm.diagnosis.decision.rest import Rest
 from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
 from stillarm.diagnosis.inference.fitted import Fit
 from tests.fixtures.synthetic import fitted, measured
@@ -52,23 +52,6 @@ def test_the_class_grows_as_the_odds_fall(first: float, behind: float) -> None:
     near = class_of(found, found.findings[0])
     if first * behind > max(3.0, 0.02 * first) + 1e-9:
         assert near == []
-
-
-def test_what_is_at_the_noise_is_no_rest(arm: Fit) -> None:
-    for name in arm.residuals:
-        assert rest_of(arm, name, SPLIT).immaterial, name
-
-
-def test_a_rest_as_large_as_the_noise_matters(arm: Fit) -> None:
-    name = "displacement"
-    noise = noise_of(arm, name, SPLIT)
-    time = arm.world.measured.frames.received_s
-    slow = 3.0 * noise * np.sin(2.0 * np.pi * 1.3 * time)
-    worse = replace(arm, residuals={**arm.residuals, name: arm.residuals[name] + slow})
-    rest = rest_of(worse, name, SPLIT)
-    assert rest.rms == pytest.approx(3.0 * noise / np.sqrt(2.0), rel=0.15)
-    assert not rest.immaterial
-    assert rest.band_hz[0] < 1.4 and rest.band_hz[1] > 1.2
 
 
 def test_nothing_hidden_is_none(arm: Fit) -> None:

@@ -9,8 +9,8 @@ from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.measured import Frames, Measured, dated_by_requests
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.decide import rest_of
 from stillarm.diagnosis.decision.explain import explain
+from stillarm.diagnosis.decision.rest import rest_of
 from stillarm.diagnosis.inference.image_dating import dated
 from stillarm.diagnosis.inference.impacts import fit_with_impacts
 from stillarm.diagnosis.physics.world import World

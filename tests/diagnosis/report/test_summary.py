@@ -8,7 +8,8 @@ import pytest
 
 from stillarm.common.causes import CAUSES
 from stillarm.common.files.model import Model
-from stillarm.diagnosis.decision.decide import Judged, Rest
+from stillarm.diagnosis.decision.decide import Judged
+from stillarm.diagnosis.decision.rest import Rest
 from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.physics.world import World

@@ -1,0 +1,82 @@
+"""What a fit leaves in the channels: how much, whether it matters, and what a perfect model would gain."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.candidates import MATTERS_OF_NOISE, least_that_matters, white_noise
+from stillarm.diagnosis.inference.evidence import noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.inference.fitted import THIN, Fit
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What is left in a channel. rms: beyond the noise, in the channel's unit; share_of_noise; immaterial."""
+
+    channel: str
+    rms: float
+    share_of_noise: float
+    immaterial: bool
+    band_hz: tuple[float, float]
+
+
+def explainable(last: Fit, split: Split) -> dict[str, float]:
+    """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise, and but for what is
+    too little to matter. A fine encoder has next to no noise: no user asks for a model as good as that."""
+    now = score(last, split)
+    found = {}
+    for name in last.residuals:
+        noise = max(white_noise(last, name), least_that_matters(last, name))
+        ideal = score_of_noise(last, name, split, noise / sqrt(THIN.get(name, 1)))
+        found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
+    return found
+
+
+def anything_matters(last: Fit, split: Split) -> bool:
+    """Whether a fit leaves anything that a user would care about (contract.md)."""
+    return any(not rest_of(last, name, split).immaterial for name in last.residuals)
+
+
+def rest_of(last: Fit, name: str, split: Split) -> Rest:
+    """What a fit leaves in a channel beyond its noise."""
+    residual = last.residuals[name]
+    known = residual[np.isfinite(residual)]
+    noise = noise_of(last, name, split)
+    rms = sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0
+    least = least_that_matters(last, name)
+    immaterial = rms < MATTERS_OF_NOISE * noise or rms < least
+    step = last.world.step_s(name)
+    return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, _band(known, step))
+
+
+def noise_of(last: Fit, name: str, split: Split) -> float:
+    """A channel's own noise, whatever the model, with its colour."""
+    many = THIN.get(name, 1)
+    count, level = noise_spectrum(last, name, split, white_noise(last, name) / sqrt(many))
+    return (
+        sqrt(many * float(count @ level) / float(count.sum()))
+        if count.sum() > 0.0
+        else white_noise(last, name)
+    )
+
+
+def _band(residual: Array, step_s: float) -> tuple[float, float]:
+    """The band that holds the middle nine tenths of a residual's power, Hz."""
+    power = np.abs(np.fft.rfft(residual)) ** 2
+    hz = np.fft.rfftfreq(len(residual), step_s)
+    total = np.cumsum(power[1:])
+    if not len(total) or total[-1] <= 0.0:
+        return 0.0, 0.0
+    low, high = np.searchsorted(total, [0.05 * total[-1], 0.95 * total[-1]])
+    return float(hz[1 + low]), float(hz[1 + min(high, len(total) - 1)])
+
+
+def times_what_matters(last: Fit, name: str, split: Split) -> float:
+    """How many times what matters (contract.md) a fit leaves in a channel."""
+    rest = rest_of(last, name, split)
+    return rest.rms / max(MATTERS_OF_NOISE * noise_of(last, name, split), least_that_matters(last, name))

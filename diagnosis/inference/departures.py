@@ -1,0 +1,49 @@
+"""Where a fit departs from a channel by far more than it usually does: about an event that it has wrong."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.robust import white_noise
+from stillarm.diagnosis.inference.fitted import Fit
+
+Array = NDArray[np.float64]
+
+LOUD_OVER_S = 0.02
+"""Over which the accelerometer's departure is looked at, s."""
+_LEAST_FRAMES = 3  # over which an image's is
+_LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
+_FEWEST = 100  # values that tell how much is usual
+_ABOUT_PERIODS = 0.35  # from an impact to where what it has wrong shows
+
+
+def loud_at(last: Fit, name: str) -> tuple[Array, NDArray[np.bool_]] | None:
+    """When a channel was measured, s, and whether it departs from the model by far more than it usually does."""
+    if name not in last.residuals:
+        return None
+    off = last.residuals[name]
+    known = np.isfinite(off)
+    if known.sum() < _FEWEST:
+        return None
+    time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
+    time, off = time[known], off[known]
+    width = max(_LEAST_FRAMES, round(LOUD_OVER_S / last.world.step_s(name)))
+    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
+    usual = max(float(np.median(loudness)), white_noise(off))
+    return time, loudness > _LOUD * usual
+
+
+def loud_stretch(
+    time: Array, loud: NDArray[np.bool_], struck: float, period: float
+) -> tuple[float, float] | None:
+    """The stretch in which a channel is loud that is nearest to an impact, across gaps of a quarter swing; None where
+    it is not loud there."""
+    at = time[loud]
+    if not len(at):
+        return None
+    nearest = int(np.argmin(np.abs(at - struck)))
+    if abs(at[nearest] - struck) > _ABOUT_PERIODS * period:
+        return None
+    breaks = np.flatnonzero(np.diff(at) > 0.25 * period)
+    first = breaks[breaks < nearest]
+    last = breaks[breaks >= nearest]
+    return float(at[first[-1] + 1 if len(first) else 0]), float(at[last[0] if len(last) else len(at) - 1])

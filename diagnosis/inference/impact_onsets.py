@@ -1,0 +1,46 @@
+"""Impacts moved to the instant at which the accelerometer first shows them.
+
+A jump of the first mode's phasor tells an impact to a part of a swing. The accelerometer tells it to a sample: it
+departs from the model at the impact, and goes on while the higher modes ring that the impact set off. With the impact
+at a wrong instant no state of those modes fits, and a second impact is made up where they have died away.
+"""
+
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.comparison import gain_of
+from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch
+from stillarm.diagnosis.inference.fit import CHANGED_NATS
+from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.inference.impacts import pruned, refit_with
+
+_MADE_UP_PERIODS = 4.0  # after an impact at a wrong instant
+_SHARPER_S = 0.002  # by less no impact is moved
+
+
+def with_impacts_at_onsets(last: Fit, split: Split) -> Fit:
+    """The fit, or a likelier one with an impact at the onset of the departure about it, and none made up after it."""
+    for cycle in last.world.impacts:
+        onset = _onset(last, cycle)
+        if onset is None:
+            continue
+        reach = _MADE_UP_PERIODS / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
+        others = tuple(i for i in last.world.impacts if i != cycle and not onset < i < onset + reach)
+        moved = refit_with(last, split, tuple(sorted({*others, onset})))
+        if gain_of(moved, last) > CHANGED_NATS:
+            return pruned(with_impacts_at_onsets(moved, split), split)
+    return last
+
+
+def _onset(last: Fit, cycle: int) -> int | None:
+    """The cycle at which the accelerometer first departs from the model about an impact; None where it does not, or
+    where the impact is there already."""
+    loud = loud_at(last, "acceleration")
+    if loud is None:
+        return None
+    cycle_s = last.world.measured.cycle_s
+    period = 1.0 / last.value("modes.0.frequency_hz")
+    span = loud_stretch(*loud, cycle * cycle_s, period)
+    if span is None:
+        return None
+    onset = round((span[0] + 0.5 * LOUD_OVER_S) / cycle_s)  # the window reaches back by as much
+    near = abs(onset - cycle) * cycle_s <= period
+    return onset if near and abs(onset - cycle) * cycle_s > _SHARPER_S else None

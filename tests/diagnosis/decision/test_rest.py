@@ -1,0 +1,48 @@
+"""What is left in a channel, and when it matters."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision.rest import noise_of, rest_of, times_what_matters
+from stillarm.diagnosis.inference.fitted import Fit
+from tests.fixtures.synthetic import fitted, measured
+
+SPLIT = interleaved(20.0)
+
+
+@pytest.fixture(scope="module")
+def arm() -> Fit:
+    return fitted(measured(20.0, 3))
+
+
+def test_what_is_at_the_noise_is_no_rest(arm: Fit) -> None:
+    for name in arm.residuals:
+        assert rest_of(arm, name, SPLIT).immaterial, name
+
+
+def test_a_rest_as_large_as_the_noise_matters(arm: Fit) -> None:
+    name = "displacement"
+    noise = noise_of(arm, name, SPLIT)
+    time = arm.world.measured.frames.received_s
+    slow = 3.0 * noise * np.sin(2.0 * np.pi * 1.3 * time)
+    worse = replace(arm, residuals={**arm.residuals, name: arm.residuals[name] + slow})
+    rest = rest_of(worse, name, SPLIT)
+    assert rest.rms == pytest.approx(3.0 * noise / np.sqrt(2.0), rel=0.15)
+    assert not rest.immaterial
+    assert rest.band_hz[0] < 1.4 and rest.band_hz[1] > 1.2
+
+
+def test_a_rest_is_told_in_times_what_matters(arm: Fit) -> None:
+    """The largest of half the noise, a two-thousandth of the motion and 0.02 px."""
+    name = "displacement"
+    noise = noise_of(arm, name, SPLIT)
+    slow = 3.0 * noise * np.sin(2.0 * np.pi * 1.3 * arm.world.measured.frames.received_s)
+    worse = replace(arm, residuals={**arm.residuals, name: arm.residuals[name] + slow})
+    matters = max(0.5 * noise, float(np.nanstd(arm.world.channels[name])) / 2000.0, 0.02)
+    assert times_what_matters(worse, name, SPLIT) == pytest.approx(
+        3.0 * noise / np.sqrt(2.0) / matters, rel=0.15
+    )
+    assert times_what_matters(arm, name, SPLIT) < 1.0

@@ -1,0 +1,51 @@
+"""Where a fit departs from what was measured by far more than usual."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stillarm.diagnosis.inference.departures import loud_at, loud_stretch
+from stillarm.diagnosis.inference.fitted import Fit
+from tests.fixtures.synthetic import fitted, measured
+
+PERIOD_S = 1.0 / 2.6
+
+
+@pytest.fixture(scope="module")
+def arm() -> Fit:
+    return fitted(measured(9.0, 3))
+
+
+def with_more(arm: Fit, name: str, since_s: float, until_s: float, size: float) -> Fit:
+    """A fit that leaves more between two instants."""
+    time = arm.world.cycle_times if name == "acceleration" else arm.world.instants(arm.vector)
+    more = np.where((time >= since_s) & (time < until_s), size * arm.sigma[name], 0.0)
+    return replace(arm, residuals={**arm.residuals, name: arm.residuals[name] + more})
+
+
+@pytest.mark.parametrize("name", ["acceleration", "displacement"])
+def test_noise_is_not_loud(arm: Fit, name: str) -> None:
+    found = loud_at(arm, name)
+    assert found is not None and not found[1].any()
+
+
+def test_a_channel_that_was_not_measured_tells_nothing(arm: Fit) -> None:
+    assert loud_at(arm, "deflection") is None
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(1.0, 7.0), st.floats(0.06, 0.5), st.floats(20.0, 200.0))
+def test_a_loud_stretch_is_found_from_within_and_beside_it(
+    arm: Fit, since_s: float, lasts_s: float, size: float
+) -> None:
+    found = loud_at(with_more(arm, "acceleration", since_s, since_s + lasts_s, size), "acceleration")
+    assert found is not None
+    for struck in (since_s, since_s + 0.5 * lasts_s, since_s + lasts_s + 0.1):
+        span = loud_stretch(*found, struck, PERIOD_S)
+        assert span is not None
+        assert span[0] == pytest.approx(since_s, abs=0.011)
+        assert span[1] == pytest.approx(since_s + lasts_s, abs=0.011)
+    assert loud_stretch(*found, since_s - 0.4 * PERIOD_S, PERIOD_S) is None
