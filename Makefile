@@ -1,5 +1,6 @@
 # Two commands: `make demo` and `make test`. Each makes its own virtual environment with pinned packages.
-# While you work: `make check`, the quick part of `make test`. Now and then: `make campaign`, every blind case.
+# While you work: `make check`, the quick part of `make test`. Now and then: `make campaign`, every blind case, and
+# `make tutorials`, every tutorial and notebook. `make docs` builds the site, `make figures` draws its pictures.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -17,13 +18,13 @@ define pytest_beside_lint
 	exit $$tests
 endef
 
-.PHONY: demo test check campaign lint clean
+.PHONY: demo test check campaign tutorials docs figures lint clean
 
 demo: $(READY)
 	$(BIN)/stillarm demo --out demo
 
 test: $(READY)
-	$(call pytest_beside_lint,$(WORKERS) -m "not realtime")
+	$(call pytest_beside_lint,$(WORKERS) -m "not realtime and not tutorial")
 	$(PYTEST) -m realtime $$(grep -rl --include='test_*.py' 'pytest\.mark\.realtime' tests)
 
 check: $(READY)
@@ -31,6 +32,16 @@ check: $(READY)
 
 campaign: $(READY)
 	STILLARM_SLICE=all $(PYTEST) $(WORKERS) -m blind
+
+tutorials: $(READY)
+	$(PYTEST) -m tutorial
+
+docs: $(READY)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	@echo "site/index.html"
+
+figures: $(READY)
+	$(BIN)/python docs/figures
 
 lint: $(READY)
 	$(BIN)/python -m ruff check .

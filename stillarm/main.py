@@ -5,10 +5,12 @@ import importlib
 import signal
 import sys
 import warnings
+from collections.abc import Sequence
 from types import FrameType, ModuleType
 from typing import NoReturn
 
 from stillarm.common.user_error import UserError, reason_of
+from stillarm.extras import missing_package, require
 
 COMMANDS = {
     "demo": "run rig, supervisor and controller in real time, replay, and draw the figures",
@@ -29,6 +31,7 @@ COMMANDS = {
     "export": "write a recording as CSV or Parquet",
     "recover": "repair a cut recording",
     "benchmark": "regenerate the documentation's tables",
+    "completion": "print the script by which bash, zsh or fish completes commands and options",
 }
 
 _FOLDERS = {
@@ -45,6 +48,7 @@ _FOLDERS = {
         "causes",
     ),
     "measuring": ("latency", "benchmark"),
+    "shell": ("completion",),
 }
 """Where each command's file lies in stillarm/commands."""
 
@@ -56,11 +60,24 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {' '.join(message.split())}; see `{self.prog} --help`\n")
 
 
+class _Version(argparse.Action):
+    """Looks the version up only when it is asked for."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, help: str) -> None:
+        super().__init__(option_strings, dest, nargs=0, help=help)
+
+    def __call__(self, parser: argparse.ArgumentParser, *arguments: object) -> NoReturn:
+        from stillarm.common.recording.header import program_version
+
+        parser.exit(0, f"stillarm {program_version()}\n")
+
+
 def parser(command: str | None = None) -> argparse.ArgumentParser:
     """The command line's parser. Only the named command gets its arguments, so that the start stays fast."""
     top = _Parser(
         prog="stillarm", description="Stills the vibration of flexible robot arms through a late camera."
     )
+    top.add_argument("--version", action=_Version, help="print the version, and exit")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, help_text in COMMANDS.items():
         sub = commands.add_parser(
@@ -71,9 +88,27 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     return top
 
 
+def command_parser(command: str) -> argparse.ArgumentParser:
+    """One command's parser with its arguments, such as completion and the reference pages read. Raises KeyError."""
+    top = parser(command)
+    (commands,) = (one for one in top._actions if isinstance(one, argparse._SubParsersAction))
+    found: argparse.ArgumentParser = commands.choices[command]
+    return found
+
+
 def _module(command: str) -> ModuleType:
     folder = next(folder for folder, commands in _FOLDERS.items() if command in commands)
     return importlib.import_module(f"stillarm.commands.{folder}.{command}_command")
+
+
+def _run(parsed: argparse.Namespace) -> int:
+    """Run the command. Raises UserError, too, where a package of an extra is missing."""
+    require(parsed.command)
+    try:
+        status: int = _module(parsed.command).run(parsed)
+    except ModuleNotFoundError as error:
+        raise missing_package(error) or error from None
+    return status
 
 
 def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
@@ -91,8 +126,7 @@ def main(arguments: list[str] | None = None) -> int:
     command = next((word for word in words if word in COMMANDS), None)
     try:
         parsed = parser(command).parse_args(words)
-        status: int = _module(parsed.command).run(parsed)
-        return status
+        return _run(parsed)
     except UserError as error:
         print(f"stillarm: {error}", file=sys.stderr)
         return 1

@@ -27,7 +27,7 @@ from stillarm.benchmarks.estimators.empty_cycle import empty_cycle_us
 from stillarm.benchmarks.estimators.tables import Job, Judged, comparison_rows, estimator_rows, judge
 from stillarm.benchmarks.estimators.world.regimes import DURATION_S, NOISES, REGIMES, regimes_named
 from stillarm.common.user_error import UserError
-from stillarm.controller.estimation.methods import METHODS
+from stillarm.controller.estimation.methods import all_methods
 
 MOST_TRIALS_OF_LATER_TABLES = 10
 QUICK_REGIMES = ("freerun constant", "freerun drift", "triggered jitter")
@@ -101,7 +101,7 @@ def campaign(trials: int, seed: int, part: Part = Part(), quick: bool = False) -
         raise UserError(f"--trials {trials}: at least 1")
     regimes = tuple(regime.name for regime in regimes_named(list(part.regimes) if part.regimes else None))
     for option, asked, known in (
-        ("methods", part.methods, tuple(METHODS)),
+        ("methods", part.methods, all_methods()),
         ("tables", part.tables, TABLES),
         ("rows", part.rows, CONDITIONS),
     ):
@@ -111,7 +111,7 @@ def campaign(trials: int, seed: int, part: Part = Part(), quick: bool = False) -
     tables = tuple(part.tables or TABLES)
     if part.tables is None and (part.rows or part.regimes or part.noises):
         tables = ("conditions",) if part.rows else ("estimators",)
-    methods, noises = tuple(part.methods or METHODS), tuple(part.noises or NOISES)
+    methods, noises = tuple(part.methods or all_methods()), tuple(part.noises or NOISES)
     if not quick:
         return Campaign(
             trials, seed, methods, regimes, noises, DURATION_S, tables, tuple(part.rows or CONDITIONS)

@@ -17,7 +17,7 @@ from stillarm.benchmarks.live.scoring import score
 from stillarm.benchmarks.live.truth import TrueRun, read_truth
 from stillarm.common.recording.reader import open_recording
 from stillarm.common.user_error import UserError
-from stillarm.controller.estimation.methods import METHODS
+from stillarm.controller.estimation.methods import all_methods
 from stillarm.controller.replay.replay import RecordedRun, read_run, replay_method
 from stillarm.controller.replay.replay_tables import write_tables
 from stillarm.simulation.demo.demo import Progress, run_processes
@@ -65,9 +65,9 @@ def checked_methods(runs: int, load: int, methods: Sequence[str] | None) -> list
     if not 0 <= load <= 64:
         raise UserError(f"--load {load}: 0 to 64 busy processes")
     for name in methods or ():
-        if name not in METHODS:
-            raise UserError(f"--methods {name}: no such method; use {', '.join(METHODS)}")
-    return list(methods or METHODS)
+        if name not in all_methods():
+            raise UserError(f"--methods {name}: no such method; use {', '.join(all_methods())}")
+    return list(methods or all_methods())
 
 
 def _one_run(

@@ -8,13 +8,17 @@ from msgspec import Meta
 
 UNITS = {
     "rad_s2": "rad/s^2",
+    "m_s3": "m/s^3",
     "m_s2": "m/s^2",
     "rad_s": "rad/s",
+    "m_s": "m/s",
     "rad2": "rad^2",
     "px2": "px^2",
     "n_m": "N m",
     "rad": "rad",
     "px": "px",
+    "hz": "Hz",
+    "ns": "ns",
     "us": "us",
     "s": "s",
     "m": "m",

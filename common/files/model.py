@@ -119,6 +119,11 @@ class Model(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
         """Whether `stillarm commission` or `calibrate` made this file."""
         return self.commissioned is not msgspec.UNSET
 
+    @classmethod
+    def read(cls, path: str | Path) -> "Model":
+        """Read a model file. Raises UserError in one line naming file, key, value and what is allowed."""
+        return load_model(path)
+
 
 def load_model(path: str | Path) -> Model:
     """Read a model file. Raises UserError in one line naming file, key, value and what is allowed."""

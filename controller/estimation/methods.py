@@ -1,4 +1,4 @@
-"""The table of methods for `controller.method` and `replay --method`."""
+"""The table of methods for `controller.method` and `replay --method`: our own, then those of installed packages."""
 
 import difflib
 from collections.abc import Callable
@@ -11,9 +11,14 @@ from stillarm.controller.estimation.delay.correlation import CorrelationDelay
 from stillarm.controller.estimation.delay.timestamps import TimestampDelay
 from stillarm.controller.estimation.estimate import Method
 from stillarm.controller.estimation.fused.method import FusedMethod
+from stillarm.controller.estimation.installed_methods import (
+    MethodFactory,
+    installed_factory,
+    installed_methods,
+)
 from stillarm.controller.estimation.kalman.fast_sensor import AccelerometerReading, StrainGaugeReading
 from stillarm.controller.estimation.kalman.kalman_method import KalmanMethod
-from stillarm.controller.estimation.sine_method import SineMethod
+from stillarm.controller.estimation.sine_method import DelayEstimator, SineMethod
 
 
 def _timestamps(model: Model, settings: Controller, model_name: str) -> Method:
@@ -44,7 +49,7 @@ def _kalman_fusion(model: Model, settings: Controller, model_name: str) -> Metho
     return KalmanMethod(model, kalman, delay, model_name, reading)
 
 
-METHODS: dict[str, Callable[[Model, Controller, str], Method]] = {
+METHODS: dict[str, MethodFactory] = {
     "timestamps": _timestamps,
     "correlation": _correlation,
     "kalman_constant_delay": _kalman_constant_delay,
@@ -54,9 +59,39 @@ METHODS: dict[str, Callable[[Model, Controller, str], Method]] = {
 }
 
 
+def all_methods() -> tuple[str, ...]:
+    """Names of our methods, then of those that installed packages add. Imports none of them."""
+    return (*METHODS, *(name for name in installed_methods() if name not in METHODS))
+
+
+def check_method(name: str) -> None:
+    """Raise UserError for a name that no method has."""
+    if name not in METHODS and name not in installed_methods():
+        near = difflib.get_close_matches(name, all_methods(), n=1, cutoff=0.0)[0]
+        raise UserError(f"method {name!r}: unknown; use one of {', '.join(all_methods())} (nearest: {near})")
+
+
 def make_method(name: str, model: Model, settings: Controller, model_name: str) -> Method:
-    """A new method by name. Raises UserError for an unknown one. model_name: name of the model file, for messages."""
-    if name not in METHODS:
-        near = difflib.get_close_matches(name, METHODS, n=1, cutoff=0.0)[0]
-        raise UserError(f"method {name!r}: unknown; use one of {', '.join(METHODS)} (nearest: {near})")
-    return METHODS[name](model, settings, model_name)
+    """A new method by name. Raises UserError for an unknown one. model_name: name of the model file, for messages.
+
+    A name of our own is ours, whatever is installed. Installed packages are looked through only for other names.
+    """
+    if name in METHODS:
+        return METHODS[name](model, settings, model_name)
+    check_method(name)
+    return installed_factory(name)(model, settings, model_name)
+
+
+def with_sine_prediction(make_delay: Callable[[Model], DelayEstimator]) -> MethodFactory:
+    """A method out of a delay estimator alone: the paper's sine regression predicts from the images that it dates.
+
+    make_delay: called with the model, once for each start of the method.
+    """
+
+    def factory(model: Model, settings: Controller, model_name: str) -> Method:
+        return SineMethod(model, settings.regression, make_delay(model), model_name)
+
+    return factory
+
+
+__all__ = ["METHODS", "MethodFactory", "all_methods", "check_method", "make_method", "with_sine_prediction"]

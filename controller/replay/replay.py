@@ -15,7 +15,7 @@ from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.reader import Recording
 from stillarm.common.recording.topics import EstimateSample, FastSample, FrameSample
 from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, Observation
-from stillarm.controller.estimation.methods import make_method
+from stillarm.controller.estimation.methods import MethodFactory, make_method
 from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
 from stillarm.controller.input.plausible_input import PlausibleInput
 from stillarm.controller.joint.joint_motion import JointMotion
@@ -114,9 +114,14 @@ _PERMITTED = ("", State.ARMED, State.DAMPING, State.DEGRADED)
 
 
 def replay_method(
-    run: RecordedRun, method: str, progress: Callable[[float], None] = lambda done: None
+    run: RecordedRun,
+    method: str,
+    progress: Callable[[float], None] = lambda done: None,
+    make: MethodFactory | None = None,
 ) -> MethodRun:
     """Run a method on recorded measurements and commands. Raises UserError for an unknown method or a missing length.
+
+    make: makes the method, where none of that name is installed.
 
     The method counts from the recording's first cycle, so that a clock that starts in 1970, or below zero, makes no
     difference.
@@ -126,7 +131,10 @@ def replay_method(
     length = length_of(model, name)
 
     def begun() -> MethodAcrossRestarts:
-        return MethodAcrossRestarts(lambda: make_method(method, model, run.configuration.controller, name))
+        settings = run.configuration.controller
+        if make is not None:
+            return MethodAcrossRestarts(lambda: make(model, settings, name))
+        return MethodAcrossRestarts(lambda: make_method(method, model, settings, name))
 
     estimator, joint, plausible = begun(), JointMotion(model, length), PlausibleInput(model, length)
     result, delays = MethodRun(method), FrameDelays()

@@ -14,7 +14,6 @@ from stillarm.common.files.configuration import CameraDevice, Tracker
 from stillarm.common.files.model import Model
 from stillarm.drivers.cameras.camera import Camera, EndOfStream
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
-from stillarm.supervisor.step import Supervisor
 
 _FEWEST_FRAMES = 5
 _RATE_OFF = 0.05  # relative error of the frame rate
@@ -58,6 +57,8 @@ def watch_camera(
     clock: Callable[[], float] = time.monotonic,
 ) -> CameraFacts:
     """Take frames of a started camera for a while, and track them."""
+    from stillarm.supervisor.step import Supervisor  # not above: OpenCV is not on every controller's computer
+
     supervisor = Supervisor(tracker)
     arrived, samples, grey, counted = [], [], [], True
     begun = clock()

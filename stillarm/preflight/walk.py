@@ -4,15 +4,13 @@ from collections.abc import Iterator
 from math import nan
 from pathlib import Path
 
-import cv2
-
 from stillarm.common.files.configuration import Configuration, load_assumed_model, load_configuration
 from stillarm.common.files.model import Model
 from stillarm.common.user_error import UserError
 from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerometer
 from stillarm.drivers.buses.i2c import MEMORY_PREFIX
-from stillarm.drivers.cameras.camera_factory import open_camera
 from stillarm.drivers.drives.drive_factory import probe_drive
+from stillarm.extras import missing_package
 from stillarm.preflight.camera import CameraFacts, judge_camera, watch_camera
 from stillarm.preflight.drive import judge_drive
 from stillarm.preflight.link import (
@@ -122,6 +120,13 @@ def _camera(
 
 def look_at_camera(configuration: Configuration, model: Model) -> Iterator[Verdict]:
     """Open the camera and watch it."""
+    try:
+        import cv2  # not above: a controller's computer has none, and its camera is elsewhere
+
+        from stillarm.drivers.cameras.camera_factory import open_camera
+    except ModuleNotFoundError as error:
+        yield fail("camera", str(missing_package(error) or error))
+        return
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
     camera = open_camera(configuration.camera, configuration.supervisor.cycles_in_flight)
     try:

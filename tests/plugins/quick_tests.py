@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-MARKS = ("slow", "realtime", "blind", "hardware_data")
+MARKS = ("slow", "realtime", "blind", "hardware_data", "tutorial")
 FOLDERS = ("benchmarks", "realtime")
 """Of tests/: left out whole."""
 LONGEST_S = 1.0

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    from stillarm.controller.estimation.methods import METHODS
+    from stillarm.controller.estimation.methods import all_methods
 
     parser.add_argument("recording", type=Path, metavar="REC", help="recording (MCAP)")
     parser.add_argument(
         "--method",
         action="append",
         metavar="NAME",
-        help=f"a method to run; repeatable: {', '.join(METHODS)}, or all (default: the recording's own)",
+        help=f"a method to run; repeatable: {', '.join(all_methods())}, or all (default: the recording's own)",
     )
     parser.add_argument(
         "--out", type=Path, default=Path("replay"), metavar="DIR", help="folder for the tables (replay)"
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay and write the tables."""
     from stillarm.common.files.effects import not_used_by_controller
     from stillarm.common.recording.reader import open_recording
-    from stillarm.controller.estimation.methods import METHODS
+    from stillarm.controller.estimation.methods import all_methods
     from stillarm.controller.replay.replay import compare_with_live, read_run, replay_method
     from stillarm.controller.replay.replay_tables import replay_summary, write_tables
     from stillarm.progress import progress_bar
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(unused)
     names = arguments.method or [recording.header.method or recorded.configuration.controller.method]
     if "all" in names:
-        names = list(METHODS)
+        names = list(all_methods())
     runs = []
     for name in dict.fromkeys(names):
         with progress_bar(f"replay, {name}") as progress:
