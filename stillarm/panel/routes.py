@@ -108,8 +108,12 @@ def add_recording_routes(application: web.Application, guard: Guard, library: Li
     async def listed(request: web.Request) -> web.Response:
         return web.json_response({"recordings": library.listed()})
 
+    async def opened(request: web.Request) -> web.Response:
+        key = await library.open(request.match_info["name"])
+        return web.json_response(library.about(key))
+
     async def about(request: web.Request) -> web.Response:
-        return web.json_response(await library.about(request.match_info["name"]))
+        return web.json_response(library.about(request.match_info["key"]))
 
     async def series(request: web.Request) -> web.Response:
         query = request.query
@@ -118,34 +122,30 @@ def add_recording_routes(application: web.Application, guard: Guard, library: Li
             intervals = min(int(query["intervals"]), _MOST_INTERVALS)
         except (KeyError, ValueError):
             raise web.HTTPBadRequest(text="from, to (s) and intervals are needed as numbers") from None
-        name, topic = request.match_info["name"], query.get("topic", "")
-        return web.Response(
-            body=library.series(name, topic, from_s, to_s, intervals), content_type="application/octet-stream"
-        )
+        content = library.series(request.match_info["key"], query.get("topic", ""), from_s, to_s, intervals)
+        return web.Response(body=content, content_type="application/octet-stream")
 
     async def start(request: web.Request) -> web.Response:
         guard.require_session(request)
-        name = request.match_info["name"]
-        job = await (
-            library.replay(name) if request.match_info["what"] == "replay" else library.diagnose(name)
-        )
-        return web.json_response(job.told())
+        await library.start(request.match_info["what"], request.match_info["key"])
+        return web.json_response({"sent": request.match_info["what"]})
 
     async def job(request: web.Request) -> web.Response:
-        return web.json_response({"job": library.job(request.match_info["what"], request.match_info["name"])})
+        return web.json_response({"job": library.job(request.match_info["what"], request.match_info["key"])})
 
     async def report(request: web.Request) -> web.Response:
-        answer = web.Response(text=library.report(request.match_info["name"]), content_type="text/html")
+        answer = web.Response(text=library.report(request.match_info["key"]), content_type="text/html")
         answer.headers["Content-Security-Policy"] = _REPORT_POLICY
         return answer
 
     routes = application.router
     routes.add_get("/api/recordings", told(listed))
-    routes.add_get("/api/recordings/{name}", told(about))
-    routes.add_get("/api/recordings/{name}/series", told(series))
-    routes.add_get("/api/recordings/{name}/report", told(report))
-    routes.add_post("/api/recordings/{name}/{what:replay|diagnose}", told(start))
-    routes.add_get("/api/recordings/{name}/{what:replay|diagnose}", told(job))
+    routes.add_get("/api/recordings/{name}", told(opened))
+    routes.add_get("/api/opened/{key}", told(about))
+    routes.add_get("/api/opened/{key}/series", told(series))
+    routes.add_get("/api/opened/{key}/report", told(report))
+    routes.add_post("/api/opened/{key}/{what:replay|diagnose}", told(start))
+    routes.add_get("/api/opened/{key}/{what:replay|diagnose}", told(job))
 
 
 def add_commission_routes(application: web.Application, guard: Guard, bench: Bench, feed: Feed) -> None:

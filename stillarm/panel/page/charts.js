@@ -33,9 +33,10 @@ const token = (name) => getComputedStyle(document.documentElement).getPropertyVa
 
 // Overlays beside the curves of `topics`: { label, topics: {topic: Samples}, offset (s), colour, charts (indices) }.
 export class ChartStack {
+  // settled: whether the range of y may narrow slowly only, as a live picture needs.
   // onSelect(from, to): a stretch of time was drawn with the pointer; onReset: a double click.
-  constructor(place, topics, { onSelect, onReset }) {
-    Object.assign(this, { place, topics, onSelect, onReset, overlays: [], markers: [], changes: [], cursor: NaN });
+  constructor(place, topics, { onSelect, onReset, settled = true }) {
+    Object.assign(this, { place, topics, onSelect, onReset, settled, overlays: [], markers: [], changes: [], cursor: NaN });
     this.watched = new ResizeObserver(() => this.resize());
     this.build();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.build());
@@ -82,7 +83,7 @@ export class ChartStack {
   options(chart) {
     const ink = token("--quiet");
     const grid = { stroke: token("--line"), width: 1 };
-    const axis = { stroke: ink, grid, ticks: grid, font: "13px system-ui, sans-serif", size: 56 };
+    const axis = { stroke: ink, grid, ticks: grid, font: "13px system-ui, sans-serif", size: 56, space: 26 };
     const series = [{}];
     const bands = [];
     for (const curve of chart.about.curves) {
@@ -101,7 +102,7 @@ export class ChartStack {
       width: 300, height: 100, series, bands, legend: { show: false },
       cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false }, y: false },
       scales: { x: { time: false, range: () => [this.from ?? 0, this.to ?? 1] }, y: { range: () => chart.range ?? [-1, 1] } },
-      axes: [{ ...axis, size: 26, values: (u, splits) => splits.map((s) => `${+s.toFixed(3)} s`) }, axis],
+      axes: [{ ...axis, size: 26, space: 60, values: (u, splits) => splits.map((s) => `${+s.toFixed(3)} s`) }, axis],
       padding: [6, 12, 0, 0],
       hooks: {
         draw: [(plot) => this.drawMarks(plot, chart)],
@@ -150,8 +151,8 @@ export class ChartStack {
   draw(from, to, at) {
     Object.assign(this, { from, to });
     for (const chart of this.charts) {
-      const { data, value } = this.data(chart, at);
-      chart.range = nextRange(chart.range, data.slice(1), chart.about.least);
+      const { data, value, lines } = this.data(chart, at);
+      chart.range = nextRange(this.settled ? chart.range : null, lines, chart.about.least) ?? chart.range;
       chart.value.textContent = `${number(value * chart.about.scale, chart.about.digits)} ${chart.about.unit}`;
       chart.plot.setData(data, false);
       chart.plot.setScale("x", { min: from, max: to });
@@ -161,6 +162,7 @@ export class ChartStack {
   data(chart, at) {
     const groups = Math.max(100, chart.place.clientWidth);
     const tables = [];
+    const lines = []; // the curves without their bands, which may be much wider
     const { scale, curves } = chart.about;
     let value = NaN;
     const add = (samples, curve, offset, band) => {
@@ -171,6 +173,7 @@ export class ChartStack {
       }
       const { x, low } = decimate(samples, curve.column, this.from - offset, this.to - offset, groups, scale, offset);
       tables.push([x, low]);
+      lines.push(low);
     };
     for (const curve of curves) {
       const samples = this.topics[curve.topic];
@@ -178,7 +181,7 @@ export class ChartStack {
       add(samples, curve, 0, true);
     }
     for (const { topics, offset } of chart.over) add(topics[curves[0].topic], curves[0], offset, false);
-    return { data: uPlot.join(tables), value };
+    return { data: uPlot.join(tables), value, lines };
   }
 }
 
@@ -195,7 +198,7 @@ function nextRange(before, columns, least) {
   }
   if (low > high) return before;
   const middle = (low + high) / 2;
-  const half = Math.max((high - low) * 0.55, least / 2);
+  const half = Math.max((high - low) * 0.6, least / 2);
   const wanted = [middle - half, middle + half];
   if (before === null) return wanted;
   return [0, 1].map((i) => {

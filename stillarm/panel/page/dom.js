@@ -10,7 +10,11 @@ export function element(tag, properties = {}, ...children) {
 }
 
 // A value with the digits that its unit needs; a dash where it was not measured.
-export const number = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : "-");
+export function number(value, digits) {
+  if (!Number.isFinite(value)) return "-";
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? (0).toFixed(digits) : text; // no negative zero
+}
 
 export function facts(list, rows) {
   list.replaceChildren(...rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]));

@@ -8,14 +8,15 @@ const TRACKING = ["measured", "no image", "few features"];
 export class Health {
   constructor() {
     this.link = null;
-    this.silent = true;
+    this.heard = false;
   }
 
   state(word, reason) {
     const place = byId("state");
-    if (byId("state-word").textContent !== word) byId("state-word").textContent = word;
+    const shown = word[0].toUpperCase() + word.slice(1);
+    if (byId("state-word").textContent !== shown) byId("state-word").textContent = shown;
     if (byId("state-reason").textContent !== reason) byId("state-reason").textContent = reason;
-    place.dataset.state = { "no connection": "silent", "no telemetry": "silent" }[word] ?? word;
+    place.dataset.state = { "no connection": "silent", "no telemetry": this.heard ? "silent" : "unheard" }[word] ?? word;
   }
 
   connected(open) {
@@ -23,9 +24,10 @@ export class Health {
   }
 
   status({ silent, words, ground, damping_allowed: allowed, held }) {
-    this.silent = silent;
-    if (silent) return this.state("no telemetry", "no controller is heard: it has stopped, or sends elsewhere ([telemetry] in the configuration)");
-    this.state(words.state || "unknown", ground.message ? `${ground.message}. ${ground.remedy}` : "nothing is missing");
+    this.heard ||= !silent;
+    if (silent) return this.state("no telemetry", "no controller is heard");
+    this.state(words.state || "unknown", ground.message || "nothing is missing");
+    byId("remedy").textContent = ground.remedy && `To do: ${ground.remedy}.`;
     facts(byId("health"), [
       ["damping", words.damping_status || "-"],
       ["damping allowed", allowed ? "yes" : held ? "no, held by this panel" : "no"],

@@ -13,14 +13,14 @@ const POLL_MS = 400;
 const REPLAY_COLUMNS = ["deflection_m", "deflection_std_m", "delay_s", "delay_std_s"];
 const COLOURS = ["#b34a00", "#7a5195", "#00897b", "#8a6d00", "#c2185b", "#5d6d7e", "#2e7d32", "#d32f2f"];
 
-const path = (name, rest = "") => `/api/recordings/${encodeURIComponent(name)}${rest}`;
+const path = (key, rest = "") => `/api/opened/${key}${rest}`;
 
-async function series(name, topic, columns, begin, end) {
+async function series(key, topic, columns, begin, end) {
   const samples = new Samples(columns, Math.ceil((Math.min(end - begin, MOST_S) + 1) * 1100) + 10);
   for (let from = begin; from < Math.min(end + 0.001, begin + MOST_S); from += CHUNK_S) {
     const to = Math.min(from + CHUNK_S, end + 0.001);
     const query = new URLSearchParams({ topic, from, to, intervals: INTERVALS });
-    const answer = await fetch(`${path(name)}/series?${query}`);
+    const answer = await fetch(path(key, `/series?${query}`));
     if (!answer.ok) throw new Error((await answer.json()).error);
     const { times, values } = unpack(await answer.arrayBuffer());
     samples.add(times, values);
@@ -29,9 +29,9 @@ async function series(name, topic, columns, begin, end) {
 }
 
 async function load(name) {
-  const about = await get(path(name));
+  const about = await get(`/api/recordings/${encodeURIComponent(name)}`);
   const topics = {};
-  for (const [topic, columns] of Object.entries(about.topics)) topics[topic] = await series(name, topic, columns, about.begin_s, about.end_s);
+  for (const [topic, columns] of Object.entries(about.topics)) topics[topic] = await series(about.key, topic, columns, about.begin_s, about.end_s);
   return { about, topics };
 }
 
@@ -88,6 +88,7 @@ export class Recordings {
     this.stack = new ChartStack(byId("rec-charts"), topics, {
       onSelect: (from, to) => (this.zoomed = [from, to]),
       onReset: () => (this.zoomed = null),
+      settled: false,
     });
     this.stack.changes = about.changes;
     const slider = byId("rec-time");
@@ -150,7 +151,7 @@ export class Recordings {
   async toggle(method, colour, shown) {
     const { about } = this.open;
     if (!shown) this.methods.delete(method);
-    else this.methods.set(method, { colour, samples: await series(about.name, `replay_${method}`, REPLAY_COLUMNS, about.begin_s, about.end_s) });
+    else this.methods.set(method, { colour, samples: await series(about.key, `replay_${method}`, REPLAY_COLUMNS, about.begin_s, about.end_s) });
     this.overlay();
   }
 
@@ -164,14 +165,14 @@ export class Recordings {
   }
 
   async job(what) {
-    const { name } = this.open.about;
+    const { key } = this.open.about;
     const say = (text) => (byId("rec-job-told").textContent = text);
     byId("rec-job").hidden = false;
     byId("rec-progress").value = 0;
     try {
-      await post(path(name, `/${what}`));
+      await post(path(key, `/${what}`));
       for (;;) {
-        const { job } = await get(path(name, `/${what}`));
+        const { job } = await get(path(key, `/${what}`));
         byId("rec-progress").value = job.done;
         say(job.running ? `${job.label || what}: ${number(100 * job.done, 0)} %` : job.lines.at(-1) ?? "");
         if (!job.running) {
@@ -180,8 +181,8 @@ export class Recordings {
         }
         await new Promise((resolve) => setTimeout(resolve, POLL_MS));
       }
-      if (this.open.about.name !== name) return;
-      this.open.about = await get(path(name));
+      if (this.open.about.key !== key) return;
+      this.open.about = await get(path(key));
       this.describe();
       say(what === "replay" ? "Choose methods to draw." : "The report is ready.");
       if (what === "diagnose") this.report();
@@ -191,7 +192,7 @@ export class Recordings {
   }
 
   report() {
-    byId("report-frame").src = path(this.open.about.name, "/report");
+    byId("report-frame").src = path(this.open.about.key, "/report");
     byId("report-dialog").showModal();
   }
 

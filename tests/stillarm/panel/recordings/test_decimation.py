@@ -1,5 +1,7 @@
 """Fewer points that show the same curve: no peak is ever lost."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -21,7 +23,7 @@ def test_each_interval_keeps_its_least_and_greatest_value(values: list[float], i
         return
     assert len(thin) == len(thin_times) == 2 * intervals
     edges = np.linspace(0, len(values), intervals + 1).astype(int)
-    for number, (begin, end) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+    for number, (begin, end) in enumerate(pairwise(edges)):
         part, kept = column[begin:end], thin[2 * number : 2 * number + 2]
         if np.isnan(part).all():
             assert np.isnan(kept).all()
