@@ -13,6 +13,7 @@ PACKAGES = {
     "diagnosis": ("matplotlib", "numba", "scipy"),
     "hardware": ("can", "canopen"),
     "formats": ("h5py", "pyarrow", "rosbags"),
+    "panel": ("aiohttp",),
 }
 """Names under which the packages of each extra are imported."""
 
@@ -21,6 +22,7 @@ NEEDED_BY = {
     "rig": ("vision", "diagnosis"),
     "supervisor": ("vision",),
     "track": ("vision",),
+    "panel": ("panel",),
     "simulate": ("vision", "diagnosis"),
     "commission": ("diagnosis",),
     "calibrate": ("diagnosis",),

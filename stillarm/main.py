@@ -17,6 +17,7 @@ COMMANDS = {
     "controller": "the 1 ms cycle, as a daemon",
     "latency": "wake-up latency and computing time of this machine's loop, compared with a floor",
     "check": "preflight of the machine and the rig; moves nothing",
+    "panel": "a page in the browser: the running loop, recordings, diagnosis, and an operator's commands",
     "operate": "arm, disarm, clear or stop a running controller",
     "supervisor": "frame capture and tracking, as a daemon",
     "rig": "the simulated rig that stands in for the hardware, as a daemon",
@@ -35,7 +36,7 @@ COMMANDS = {
 }
 
 _FOLDERS = {
-    "rig": ("demo", "controller", "supervisor", "rig", "check", "operate", "commission"),
+    "rig": ("demo", "controller", "supervisor", "rig", "check", "operate", "panel", "commission"),
     "recordings": (
         "simulate",
         "import",

@@ -27,6 +27,7 @@ from stillarm.supervisor.recorded_images import image_sample
 from stillarm.supervisor.start_up import discard_queued, warm_up_recording
 from stillarm.supervisor.step import Supervisor
 from stillarm.supervisor.tracking.tracker import warm_up
+from stillarm.supervisor.view import ViewSender
 
 _NICENESS = -5  # ahead of ordinary programs on this computer
 _PRIORITY = 30  # SCHED_FIFO: below the controller's loop, above everything without a deadline
@@ -96,6 +97,7 @@ class _Loop:
         self._controller = (link.controller_host, link.controller_port)
         self._socket = UdpSocket((link.supervisor_host, link.supervisor_port), "link.supervisor_port")
         self._socket.guard((Timestamp,), session, _TIMESTAMPS_EXPECTED)
+        self._view = ViewSender(configuration.telemetry)
         self._frames = self._measured = self._rounds = 0
 
     def start(self) -> None:
@@ -130,6 +132,7 @@ class _Loop:
             self._socket.send(exchange.end_cycle(sample, time.monotonic()), self._controller)
             if frame is not None:
                 self._record(frame, sample)
+                self._view.show(frame.image, self._supervisor.seen_points, sample.frame, time.monotonic())
 
     def _take_timestamps(self) -> None:
         self._exchange.take(self._socket.drain(_TIMESTAMPS_AT_ONCE), time.monotonic())

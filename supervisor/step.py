@@ -5,6 +5,9 @@ The same step runs live, in virtual time and in replay.
 
 from math import nan
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
 from stillarm.common.files.configuration import Tracker
 from stillarm.drivers.cameras.camera import Frame
@@ -57,6 +60,10 @@ class Supervisor:
             features=moved.features,
             inliers=moved.inliers,
         )
+
+    def seen_points(self) -> NDArray[np.float32]:
+        """Where the tracked features lie in the last measured image: (n, 2), x and y, px."""
+        return self._tracker.seen_points()
 
     def restart(self) -> None:
         """Take the next good image as the new origin of the displacement."""

@@ -305,11 +305,17 @@ class Rig(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Telemetry(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """The live view (docs/telemetry.md): msgpack by UDP to host:port, unsigned. every_cycles: 1 sends each cycle."""
+    """The live view (docs/telemetry.md): msgpack by UDP to host:port, unsigned. every_cycles: 1 sends each cycle.
+
+    panel_port: where `stillarm panel` listens on the same host, so that PlotJuggler can have `port` meanwhile.
+    view_rate_hz: how many reduced images a second the supervisor sends to the panel; 0: none.
+    """
 
     enabled: bool = True
     host: str = "127.0.0.1"
     port: Port = 9870
+    panel_port: Port = 9871
+    view_rate_hz: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.0
     period_s: Annotated[float, Meta(ge=0.02, le=0.05)] = 0.03
     every_cycles: Annotated[int, Meta(ge=1, le=1000)] = 1
 

@@ -12,13 +12,17 @@ import stillarm
 _ROOT = Path(stillarm.__file__).parents[1]
 
 
-def start_module(module: str, *words: str, **how: Any) -> subprocess.Popen[bytes]:
-    """Start `python -m MODULE WORDS` with this program's packages in its path. how: more of Popen's arguments."""
+def module_command(module: str, *words: str) -> tuple[list[str], dict[str, str]]:
+    """Command and environment of `python -m MODULE WORDS` with this program's packages in its path."""
     search = os.pathsep.join([str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     # -P: a folder named 'stillarm' where the user happens to stand must not take this package's place
-    return subprocess.Popen(
-        [sys.executable, "-P", "-m", module, *words], env={**os.environ, "PYTHONPATH": search}, **how
-    )
+    return [sys.executable, "-P", "-m", module, *words], {**os.environ, "PYTHONPATH": search}
+
+
+def start_module(module: str, *words: str, **how: Any) -> subprocess.Popen[bytes]:
+    """Start `python -m MODULE WORDS` with this program's packages in its path. how: more of Popen's arguments."""
+    command, environment = module_command(module, *words)
+    return subprocess.Popen(command, env=environment, **how)
 
 
 def next_line(process: subprocess.Popen[bytes], within_s: float) -> str | None:

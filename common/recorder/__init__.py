@@ -3,4 +3,4 @@
 Not here: the file format (common/recording). Begin with recorder_client.py, the daemon's side.
 """
 
-__all__ = ["recorder_client", "structured_log"]
+__all__ = ["recorder_client", "structured_log", "telemetry"]

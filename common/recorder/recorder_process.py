@@ -14,10 +14,12 @@ from collections.abc import Callable
 
 import msgspec
 
+from stillarm.common.files.configuration import Telemetry
 from stillarm.common.memory.shared_memory import SharedRing
 from stillarm.common.process.priority import raise_session_priority
 from stillarm.common.process.service_notify import Watchdog, watchdog_period_s
 from stillarm.common.process.stop_signal import StopSignal
+from stillarm.common.recorder.panel_stream import PanelStream
 from stillarm.common.recorder.recorder_client import LOADED, READY, RecorderClient, RecorderOrder
 from stillarm.common.recorder.structured_log import log, log_line
 from stillarm.common.recorder.telemetry import TelemetryBatches, telemetry_sender
@@ -105,12 +107,36 @@ def _say(line: str) -> None:
     log("recorder", "error", line)
 
 
-def _shown(order: RecorderOrder, batches: TelemetryBatches | None) -> Callable[[str, msgspec.Struct], None]:
+class LiveView:
+    """Sends the telemetry to its port, and the same with the texts to the panel's."""
+
+    def __init__(self, settings: Telemetry, origin_monotonic_s: float) -> None:
+        """origin_monotonic_s: cycle 0 on the monotonic clock, s."""
+        self._batches = TelemetryBatches(settings)
+        self._texts = PanelStream(origin_monotonic_s)
+        self._send = telemetry_sender(settings.host, settings.port)
+        self._send_to_panel = telemetry_sender(settings.host, settings.panel_port)
+
+    def take(self, topic_name: str, message: msgspec.Struct) -> None:
+        """Collect one message."""
+        self._batches.take(topic_name, message)
+        self._texts.take(message)
+
+    def send_due(self, now_s: float) -> None:
+        """Send what is due at `now_s`, s on the monotonic clock."""
+        for datagram in self._texts.due(now_s):
+            self._send_to_panel(datagram)
+        for datagram in self._batches.due(now_s):
+            self._send(datagram)
+            self._send_to_panel(datagram)
+
+
+def _shown(order: RecorderOrder, live: LiveView | None) -> Callable[[str, msgspec.Struct], None]:
     """What is done with every message beside recording it: telemetry, and /log as structured lines."""
 
     def show(topic_name: str, message: msgspec.Struct) -> None:
-        if batches is not None:
-            batches.take(topic_name, message)
+        if live is not None:
+            live.take(topic_name, message)
         if isinstance(message, LogLine):
             with contextlib.suppress(OSError):
                 line = log_line(
@@ -155,9 +181,8 @@ def main(ring_name: str, daemon: int) -> int:
         print(error, flush=True)
         return 1
     telemetry = order.telemetry if order.telemetry is not None and order.telemetry.enabled else None
-    batches = TelemetryBatches(telemetry) if telemetry is not None else None
-    send = telemetry_sender(telemetry) if telemetry is not None else None
-    drain = Drain(ring, writer, _say, _shown(order, batches))
+    live = LiveView(telemetry, order.header.origin_monotonic_s) if telemetry is not None else None
+    drain = Drain(ring, writer, _say, _shown(order, live))
     print(READY, flush=True)
     _feed_watchdog(ring)
     sys.stdout.close()
@@ -166,9 +191,8 @@ def main(ring_name: str, daemon: int) -> int:
     # the same number: surer than to look the number up.
     while not stop and os.getppid() == daemon:
         drain.drain()
-        if batches is not None and send is not None:
-            for datagram in batches.due(time.monotonic()):
-                send(datagram)
+        if live is not None:
+            live.send_due(time.monotonic())
         if time.monotonic() - flushed >= _FLUSH_S:
             drain.flush()
             flushed = time.monotonic()

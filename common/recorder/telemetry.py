@@ -79,13 +79,13 @@ class TelemetryBatches:
             self._maps, self._bytes = [], 0
 
 
-def telemetry_sender(settings: Telemetry) -> Callable[[bytes], None]:
+def telemetry_sender(host: str, port: int) -> Callable[[bytes], None]:
     """What sends a datagram to whoever listens; nobody listening, or no such host, is no error."""
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.setblocking(False)
 
     def send(datagram: bytes) -> None:
         with contextlib.suppress(OSError):
-            sender.sendto(datagram, (settings.host, settings.port))
+            sender.sendto(datagram, (host, port))
 
     return send

@@ -66,7 +66,7 @@ def run(
         devices.start()
         with beside_the_loop():
             recorder = RecorderClient.launch()
-            statistics = start_statistics(block.name, recorder.process_id)
+            statistics = start_statistics(block.name, recorder.process_id, configuration.telemetry)
         warm_up(model, configuration.controller, model_name)
         wait_until_loaded(statistics)
         recorder.wait_until_loaded()

@@ -12,14 +12,17 @@ import sys
 import time
 from pathlib import Path
 
+from stillarm.common.files.configuration import Telemetry
 from stillarm.common.process.child_process import next_line, start_module, stop_process
 from stillarm.common.process.service_notify import Watchdog
 from stillarm.common.process.stop_signal import StopSignal
 from stillarm.common.recorder.structured_log import log, log_line
+from stillarm.common.recorder.telemetry import telemetry_sender
 from stillarm.common.user_error import UserError
 from stillarm.controller.input.plausible_input import Field
 from stillarm.controller.statistics.histogram import percentiles_us
 from stillarm.controller.statistics.loop_block import LoopBlock, Overrun
+from stillarm.controller.statistics.loop_report import loop_report
 from stillarm.controller.statistics.overrun import REMEDY, OverrunCounters, overrun_cause
 from stillarm.controller.statistics.processor_watch import Stolen, Throttling
 
@@ -39,16 +42,20 @@ _LOADED_WITHIN_S = 20.0
 _ENDS_WITHIN_S = 3.0
 
 
-def start_statistics(block_name: str, recorder: int) -> subprocess.Popen[bytes]:
+def start_statistics(
+    block_name: str, recorder: int, telemetry: Telemetry | None = None
+) -> subprocess.Popen[bytes]:
     """Start it for this process's block, in a separate session that Ctrl-C does not reach.
 
-    recorder: process id of the recorder, whose end it reports.
+    recorder: process id of the recorder, whose end it reports. telemetry: where a panel may listen.
     """
+    panel = (telemetry.host, str(telemetry.panel_port)) if telemetry is not None and telemetry.enabled else ()
     return start_module(
         "stillarm.controller.statistics.statistics_process",
         block_name,
         str(os.getpid()),
         str(recorder),
+        *panel,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         start_new_session=True,
@@ -82,6 +89,8 @@ class Statistics:
         self._missed_before = block.misses
         self._changes, _ = block.changes(block.cycles + 1)
         self._refused = block.refused
+        self.report = b""
+        """The last line's second, for the panel."""
 
     def line(self) -> dict[str, object]:
         """The fields of one line: counts and percentiles since the last line."""
@@ -103,6 +112,7 @@ class Statistics:
             "state": str(last[-1].state) if last else "",
             "reason": str(last[-1].reason or "") if last else "",
         }
+        self.report = loop_report(block.cycle, late, spent, cycles - self._cycles, misses - self._misses)
         self._lateness, self._compute = lateness, compute
         self._cycles, self._misses, self._samples = cycles, misses, samples
         return fields
@@ -179,8 +189,9 @@ def _warm_up(block: LoopBlock, throttling: Throttling, stolen: Stolen) -> None:
         print(_LOADED, flush=True)
 
 
-def main(block_name: str, loop_process: int, recorder: int) -> int:
-    """Run until the loop has ended or is gone."""
+def main(block_name: str, loop_process: int, recorder: int, panel: tuple[str, int] | None = None) -> int:
+    """Run until the loop has ended or is gone. panel: host and port of who may listen to each second's report."""
+    send = telemetry_sender(*panel) if panel is not None else None
     stop = StopSignal()
     with contextlib.suppress(OSError):
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -204,6 +215,8 @@ def main(block_name: str, loop_process: int, recorder: int) -> int:
         due += _PERIOD_S
         if block.cycles:
             log(_PROCESS, "info", "loop", **statistics.line())
+            if send is not None:
+                send(statistics.report)
         recording = recording and _still_records(recorder, block, loop_process)
         if (warning := statistics.overruns(throttling.seen(), stolen.passed_s())) is not None:
             log(_PROCESS, "warning", "cycles missed", **warning)
@@ -217,4 +230,6 @@ def main(block_name: str, loop_process: int, recorder: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3])))
+    block_name, loop_process, recorder, *panel = sys.argv[1:]
+    listener = (panel[0], int(panel[1])) if panel else None
+    sys.exit(main(block_name, int(loop_process), int(recorder), listener))

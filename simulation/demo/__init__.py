@@ -3,4 +3,4 @@
 Not here: the live benchmark (benchmarks/live), which runs demos. Begin with demo.py.
 """
 
-__all__ = ["demo", "own_folder", "processes", "ring_down", "set_up"]
+__all__ = ["attended", "demo", "own_folder", "processes", "ring_down", "set_up"]

@@ -30,6 +30,7 @@ from stillarm.simulation.demo.processes import DemoProcesses
 from stillarm.simulation.demo.scoring import damping_scores, method_scores
 from stillarm.simulation.demo.set_up import LONGEST_S, RIG_MODEL_NAME, SHORTEST_S, write_demo_configuration
 from stillarm.simulation.demo.truth_file import read_truth
+from stillarm.simulation.rig.strike_requests import strikes_name
 
 METHODS = ("timestamps", "correlation", "fused")
 _RIG_READY_WITHIN_S = 60.0  # where nothing can be kept on disk, the rig compiles its arm again
@@ -162,6 +163,7 @@ def remove_shared_memory(configuration: Configuration) -> None:
         configuration.accelerometer.bus.removeprefix(MEMORY_PREFIX),
         camera,
         pose_history_name(configuration),
+        strikes_name(configuration),
     ):
         block_path(name).unlink(missing_ok=True)
     block_path(configuration.drive.mcp4725.bus.removeprefix(MEMORY_PREFIX)).unlink(missing_ok=True)

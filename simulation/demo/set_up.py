@@ -69,7 +69,7 @@ def write_demo_configuration(
     scenario_path = (directory / "scenario.toml").resolve()
     model_text = model_path(configuration, source).read_text()
     name = secrets.token_hex(4)
-    ports = _free_ports(5)
+    ports = free_ports(5)
     replace = msgspec.structs.replace
     configuration = replace(
         configuration,
@@ -157,7 +157,7 @@ def _emulated_drive(
     )
 
 
-def _free_ports(count: int) -> list[int]:
+def free_ports(count: int) -> list[int]:
     """Ports that nobody listens on now; all are held until all are known, so that they differ."""
     sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
     try:

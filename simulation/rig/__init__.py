@@ -3,4 +3,4 @@
 Not here: the physics (simulation/arm and its neighbours). Begin with rig.py.
 """
 
-__all__ = ["rig", "rig_drive"]
+__all__ = ["rig", "rig_drive", "strike_requests"]

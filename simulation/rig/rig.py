@@ -58,6 +58,7 @@ from stillarm.simulation.recording.clock_steps import (
 )
 from stillarm.simulation.recording.truth import strike_line, true_state
 from stillarm.simulation.rig.rig_drive import RigDrive, rig_drive
+from stillarm.simulation.rig.strike_requests import StrikesOnRequest, strikes_name
 from stillarm.simulation.sensors.accelerometer_effects import accelerometer_effects
 from stillarm.simulation.sensors.accelerometer_model import presented_by, with_device
 from stillarm.simulation.sensors.accelerometer_signal import ACCELEROMETER_STREAM, AccelerometerSignal
@@ -166,13 +167,8 @@ class _PlantProcess:
             np.random.default_rng((rig.seed, ACCELEROMETER_STREAM)),
             accelerometer_effects(model, self._cycle_s, rig.seed),
         )
-        self._disturbance = Disturbance(
-            scenario,
-            len(model.arm.modes),
-            self._cycle_s,
-            np.random.default_rng((rig.seed, DISTURBANCE_STREAM)),
-            rig.scenario,
-        )
+        generator = np.random.default_rng((rig.seed, DISTURBANCE_STREAM))
+        scripted = Disturbance(scenario, len(model.arm.modes), self._cycle_s, generator, rig.scenario)
         self._device = configuration.accelerometer
         key = load_key(configuration.link)
         with contextlib.ExitStack() as undo:
@@ -187,6 +183,8 @@ class _PlantProcess:
             self._accelerometer = emulate_accelerometer(self._device, self._cycle_s)
             undo.callback(self._accelerometer.close)
             self._poses = PoseHistory(pose_history_name(configuration), create=True)
+            undo.callback(self._poses.close)
+            self._disturbance = StrikesOnRequest(scripted, strikes_name(configuration))
             undo.pop_all()
         self._first_command_s: float | None = None
 
@@ -241,6 +239,7 @@ class _PlantProcess:
             self._claim.close()
         self._accelerometer.close()
         self._poses.close()
+        self._disturbance.close()
 
 
 def _record_frames(recorder: RecorderClient | None, frames: Connection) -> None:

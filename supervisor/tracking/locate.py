@@ -54,6 +54,11 @@ class SceneLocator:
         self.shrunk = False  # whether the last image had to be reduced
         self.lost = 0  # frames since the last measurement
 
+    @property
+    def last_pose(self) -> Pose:
+        """Pose of the last measured image."""
+        return self._last_pose
+
     def remember(self, current: PreparedImage, pose: Pose) -> None:
         """Remember an image that was measured."""
         self._before_pose = self._last_pose if self.lost == 0 and self._last is not None else pose

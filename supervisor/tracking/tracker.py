@@ -17,6 +17,7 @@ from stillarm.supervisor.tracking.displacement import Displacement, Matrix
 from stillarm.supervisor.tracking.image_quality import image_quality, is_frozen
 from stillarm.supervisor.tracking.key_frame import KeyFrame, KeyFrames, take_key_frame
 from stillarm.supervisor.tracking.locate import SceneLocator
+from stillarm.supervisor.tracking.matching.features import Points
 from stillarm.supervisor.tracking.matching.prepared_image import GreyImage, PreparedImage, is_image, prepared
 from stillarm.supervisor.tracking.measurement import UNSTEADY_LEVELS, Measurement, measure_warily
 from stillarm.supervisor.tracking.pose import Pose
@@ -66,6 +67,12 @@ class FeatureTracker:
     def key_frames(self) -> int:
         """Number of key frames."""
         return len(self._keys.frames)
+
+    def seen_points(self) -> Points:
+        """Where the key frame's features lie in the last measured image, by its pose: (n, 2), x and y, px."""
+        if self._key is None:
+            return np.empty((0, 2), np.float32)
+        return self._key.predicted_points(self._locator.last_pose)
 
     def track(self, image: GreyImage | None) -> Displacement:  # noqa: PLR0911 each fault leaves at once
         """Measure one image: grey, uint8, shape (height, width), the same shape every time. Never raises."""

@@ -1,13 +1,16 @@
 """`stillarm demo`: rig, supervisor and controller in real time, then replay and figures."""
 
 import argparse
+import time
 from pathlib import Path
 from typing import Any
 
 from stillarm.arguments import seed
+from stillarm.common.user_error import UserError
 
 _DURATION_S, _HIDDEN_DURATION_S = 30.0, 60.0
 _OURS = "fused"
+_LOOK_S, _PANEL_ENDS_WITHIN_S = 0.2, 5.0
 _LOST_SHARE = 0.1  # of the frames; with more losses, the run shows the computer's load rather than the method
 
 
@@ -35,10 +38,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SEED",
         help="draw an effect from SEED and hide it in the rig, for `stillarm diagnose` to find",
     )
+    parser.add_argument(
+        "--panel",
+        action="store_true",
+        help="run until Ctrl-C, with a page in the browser that shows the arm, strikes it and allows the damping",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo and print its table."""
+    if arguments.panel:
+        return _with_panel(arguments)
     from stillarm.progress import progress_bar
     from stillarm.simulation.demo.demo import run_demo
 
@@ -67,6 +77,32 @@ def run(arguments: argparse.Namespace) -> int:
         f"Figures, recording.mcap and summary.json are in {arguments.out}; begin with {arguments.out / 'overview.png'}"
     )
     return 0
+
+
+def _with_panel(arguments: argparse.Namespace) -> int:
+    """Run the demo's processes and the panel until Ctrl-C. The damping is held until the page allows it."""
+    from stillarm.commands.rig.panel_command import require_panel
+
+    if arguments.hide is not None or arguments.duration_s is not None:
+        raise UserError("demo: --panel runs until Ctrl-C, without --hide and --duration-s; leave those out")
+    require_panel()
+    from stillarm.common.process.child_process import start_module, stop_process
+    from stillarm.common.process.parent_death import ended_with_parent
+    from stillarm.progress import progress_bar
+    from stillarm.simulation.demo.attended import attended_demo
+
+    with attended_demo(
+        arguments.out, arguments.seed, progress_bar, arguments.accelerometer, arguments.drive
+    ) as demo:
+        words = ("--config", str(demo.configuration), "--recordings", str(arguments.out), "--port", "0")
+        panel = start_module("stillarm", "panel", *words, "--hold-damping", preexec_fn=ended_with_parent())
+        try:
+            while panel.poll() is None:
+                demo.check()
+                time.sleep(_LOOK_S)
+        finally:
+            stop_process(panel, _PANEL_ENDS_WITHIN_S)
+    raise UserError("demo: the panel ended; its message above tells why")
 
 
 def print_table(summary: dict[str, Any]) -> None:

@@ -1,0 +1,6 @@
+"""Telemetry as a page draws it: decoded, packed into few bytes, with its age; and what is known of the loop now.
+
+Not here: sockets to pages (server), files (recordings). Begin with `telemetry.py`.
+"""
+
+__all__ = ["feed", "listener", "packing", "view"]

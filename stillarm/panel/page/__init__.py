@@ -1,0 +1,1 @@
+"""What the browser loads: one sheet, ES modules, no build step. Data only; `vendor/` holds uPlot with its licence."""

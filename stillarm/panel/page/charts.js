@@ -1,0 +1,208 @@
+// The stack of charts that the live view and a recording share: four curves over one window of time.
+
+import uPlot from "/page/vendor/uPlot.esm.js";
+import { element, number } from "/page/dom.js";
+import { decimate } from "/page/samples.js";
+
+const BAND_STD = 2;
+const SHRINK = 0.03; // of a range in each picture: it widens at once, and narrows slowly
+
+export const CHARTS = [
+  {
+    title: "Tip deflection", unit: "mm", scale: 1e3, digits: 2, least: 0.5,
+    curves: [{ topic: "estimate", column: "deflection_m", spread: "deflection_std_m", label: "estimate, band 2 std" }],
+  },
+  {
+    title: "Accelerometer", unit: "m/s²", scale: 1, digits: 2, least: 1,
+    curves: [{ topic: "fast", column: "acceleration_m_s2", label: "measured" }],
+  },
+  {
+    title: "Capture delay", unit: "ms", scale: 1e3, digits: 1, least: 4,
+    curves: [{ topic: "estimate", column: "delay_s", spread: "delay_std_s", label: "estimate, band 2 std" }],
+  },
+  {
+    title: "Joint velocity", unit: "mrad/s", scale: 1e3, digits: 1, least: 2,
+    curves: [
+      { topic: "fast", column: "joint_velocity_command_rad_s", label: "command" },
+      { topic: "estimate", column: "damping_rad_s", label: "damping part", second: true },
+    ],
+  },
+];
+
+const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// Overlays beside the curves of `topics`: { label, topics: {topic: Samples}, offset (s), colour, charts (indices) }.
+export class ChartStack {
+  // settled: whether the range of y may narrow slowly only, as a live picture needs.
+  // onSelect(from, to): a stretch of time was drawn with the pointer; onReset: a double click.
+  constructor(place, topics, { onSelect, onReset, settled = true }) {
+    Object.assign(this, { place, topics, onSelect, onReset, settled, overlays: [], markers: [], changes: [], cursor: NaN });
+    this.watched = new ResizeObserver(() => this.resize());
+    this.build();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.build());
+  }
+
+  setOverlays(overlays) {
+    this.overlays = overlays;
+    this.build();
+  }
+
+  build() {
+    this.destroy();
+    this.charts = CHARTS.map((about, index) => this.chart(about, index));
+    this.resize();
+  }
+
+  destroy() {
+    this.watched.disconnect();
+    this.charts?.forEach((chart) => chart.plot.destroy());
+    this.place.replaceChildren();
+  }
+
+  chart(about, index) {
+    const value = element("output", { textContent: "-" });
+    const keys = about.curves.map((curve) => this.key(curve.label, curve.second ? "--accent-2" : "--accent-1", curve.second));
+    const over = this.overlays.filter((overlay) => overlay.charts.includes(index));
+    keys.push(...over.map((overlay) => this.key(overlay.label, overlay.colour, true)));
+    const unit = element("span", { className: "unit", textContent: about.unit });
+    const plotPlace = element("div", { className: "plot" });
+    const title = element("h2", {}, about.title, unit, ...keys, value);
+    this.place.append(element("div", { className: "chart" }, title, plotPlace));
+    const chart = { about, index, over, value, place: plotPlace, range: null };
+    chart.plot = new uPlot(this.options(chart), [[]], plotPlace);
+    this.watched.observe(plotPlace);
+    return chart;
+  }
+
+  key(label, colour, dashed) {
+    const line = element("i");
+    line.style.borderColor = colour.startsWith("--") ? token(colour) : colour;
+    return element("span", { className: dashed ? "key second" : "key" }, line, label);
+  }
+
+  options(chart) {
+    const ink = token("--quiet");
+    const grid = { stroke: token("--line"), width: 1 };
+    const axis = { stroke: ink, grid, ticks: grid, font: "13px system-ui, sans-serif", size: 56, space: 26 };
+    const series = [{}];
+    const bands = [];
+    for (const curve of chart.about.curves) {
+      const name = curve.second ? "2" : "1";
+      if (curve.spread) {
+        series.push({ stroke: "transparent", points: { show: false } }, { stroke: "transparent", points: { show: false } });
+        bands.push({ series: [series.length - 2, series.length - 1], fill: token(`--band-${name}`) });
+      }
+      series.push({ stroke: token(`--accent-${name}`), width: 2, dash: curve.second ? [8, 5] : undefined, points: { show: false }, spanGaps: false });
+    }
+    for (const overlay of chart.over) {
+      const stroke = overlay.colour.startsWith("--") ? token(overlay.colour) : overlay.colour;
+      for (const curve of chart.about.curves.slice(0, 1)) series.push({ stroke, width: 1.5, dash: [6, 4], points: { show: false }, label: curve.label });
+    }
+    return {
+      width: 300, height: 100, series, bands, legend: { show: false },
+      cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false }, y: false },
+      scales: { x: { time: false, range: () => [this.from ?? 0, this.to ?? 1] }, y: { range: () => chart.range ?? [-1, 1] } },
+      axes: [{ ...axis, size: 26, space: 60, values: (u, splits) => splits.map((s) => `${+s.toFixed(3)} s`) }, axis],
+      padding: [6, 12, 0, 0],
+      hooks: {
+        draw: [(plot) => this.drawMarks(plot, chart)],
+        setSelect: [(plot) => this.selected(plot)],
+        ready: [(plot) => plot.over.addEventListener("dblclick", () => this.onReset())],
+      },
+    };
+  }
+
+  selected(plot) {
+    const { left, width } = plot.select;
+    if (width < 8) return;
+    const [from, to] = [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")];
+    plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+    this.onSelect(from, to);
+  }
+
+  drawMarks(plot, chart) {
+    const { ctx, bbox } = plot;
+    const line = (time, colour, text, dash) => {
+      if (time < this.from || time > this.to) return;
+      const x = Math.round(plot.valToPos(time, "x", true)) + 0.5;
+      ctx.save();
+      ctx.strokeStyle = ctx.fillStyle = colour;
+      ctx.lineWidth = 1.5 * devicePixelRatio;
+      ctx.setLineDash(dash);
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
+      if (chart.index === 0 && text) ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
+      ctx.restore();
+    };
+    this.changes.forEach(([time, state]) => line(time, token("--quiet"), state, [3, 4]));
+    this.markers.forEach((time, i) => line(time, token("--ink"), `${i + 1}`, []));
+    line(this.cursor, token("--ink"), "", []);
+  }
+
+  resize() {
+    for (const { plot, place } of this.charts) plot.setSize({ width: place.clientWidth, height: Math.max(60, place.clientHeight) });
+    this.shown = null;
+  }
+
+  // Draw a window of time, s; the values at `at` stand beside the titles.
+  draw(from, to, at) {
+    Object.assign(this, { from, to });
+    for (const chart of this.charts) {
+      const { data, value, lines } = this.data(chart, at);
+      chart.range = nextRange(this.settled ? chart.range : null, lines, chart.about.least) ?? chart.range;
+      chart.value.textContent = `${number(value * chart.about.scale, chart.about.digits)} ${chart.about.unit}`;
+      chart.plot.setData(data, false);
+      chart.plot.setScale("x", { min: from, max: to });
+    }
+  }
+
+  data(chart, at) {
+    const groups = Math.max(100, chart.place.clientWidth);
+    const tables = [];
+    const lines = []; // the curves without their bands, which may be much wider
+    const { scale, curves } = chart.about;
+    let value = NaN;
+    const add = (samples, curve, offset, band) => {
+      if (samples === undefined) return tables.push(...(band && curve.spread ? [[[], []], [[], []]] : []), [[], []]);
+      if (band && curve.spread) {
+        const band = decimate(samples, curve.column, this.from - offset, this.to - offset, groups / 2, scale, offset, curve.spread, BAND_STD);
+        tables.push([band.x, band.high], [band.x, band.low]);
+      }
+      const { x, low } = decimate(samples, curve.column, this.from - offset, this.to - offset, groups, scale, offset);
+      tables.push([x, low]);
+      lines.push(low);
+    };
+    for (const curve of curves) {
+      const samples = this.topics[curve.topic];
+      if (samples !== undefined && curve === curves[0]) value = samples.valueAt(curve.column, at);
+      add(samples, curve, 0, true);
+    }
+    for (const { topics, offset } of chart.over) add(topics[curves[0].topic], curves[0], offset, false);
+    return { data: uPlot.join(tables), value, lines };
+  }
+}
+
+// The range of y: as wide as the data and `least` at once, narrower slowly, so that the picture does not jump.
+function nextRange(before, columns, least) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const column of columns) {
+    for (const y of column) {
+      if (y === null || y === undefined) continue;
+      if (y < low) low = y;
+      if (y > high) high = y;
+    }
+  }
+  if (low > high) return before;
+  const middle = (low + high) / 2;
+  const half = Math.max((high - low) * 0.6, least / 2);
+  const wanted = [middle - half, middle + half];
+  if (before === null) return wanted;
+  return [0, 1].map((i) => {
+    const widens = i === 0 ? wanted[0] < before[0] : wanted[1] > before[1];
+    return widens ? wanted[i] : before[i] + SHRINK * (wanted[i] - before[i]);
+  });
+}

@@ -1,0 +1,62 @@
+// The operator's buttons. The server decides what is possible; a button that is not says why, and stays reachable.
+
+import { ask, byId, element } from "/page/dom.js";
+import { post } from "/page/server.js";
+
+const ORDER = ["arm", "disarm", "allow_damping", "hold_damping", "clear", "strike"];
+
+export class Operate {
+  constructor() {
+    this.buttons = {};
+    this.refusals = {};
+    byId("stop").addEventListener("click", () => this.act("stop"));
+    addEventListener("keydown", (event) => event.key === "Escape" && !event.repeat && this.act("stop"), { capture: true });
+  }
+
+  hello({ meanings, signed_in: signedIn, read_only: readOnly, added_damping_ratio: ratio, method }) {
+    Object.assign(this, { meanings, signedIn, readOnly });
+    this.buttons = Object.fromEntries(ORDER.map((action) => [action, this.button(action)]));
+    const fixed = `read at the controller's start (method ${method}, added damping ratio ${ratio}): change the configuration, and restart it`;
+    const settings = element("button", { textContent: "Method, gain" });
+    settings.setAttribute("aria-disabled", "true");
+    settings.title = fixed;
+    settings.onclick = () => this.tell(`Method and gain are ${fixed}`);
+    byId("actions").replaceChildren(...Object.values(this.buttons), settings);
+    byId("access").textContent = signedIn ? "" : readOnly;
+  }
+
+  button(action) {
+    const { label, does } = this.meanings[action];
+    const button = element("button", { textContent: label, title: does });
+    button.onclick = () => this.act(action);
+    button.dataset.action = action;
+    return button;
+  }
+
+  status(actions) {
+    this.refusals = this.signedIn ? actions : Object.fromEntries(Object.keys(actions).map((action) => [action, this.readOnly]));
+    for (const [action, button] of [...Object.entries(this.buttons), ["stop", byId("stop")]]) {
+      const why = this.refusals[action];
+      button.setAttribute("aria-disabled", why ? "true" : "false");
+      button.title = why || this.meanings[action].does;
+    }
+  }
+
+  async act(action) {
+    if (!this.meanings) return;
+    const { label, asks } = this.meanings[action];
+    const why = this.refusals[action];
+    if (why) return this.tell(`${label}: ${why}`);
+    if (asks && !(await ask(label, asks, label))) return this.tell(`${label}: cancelled`);
+    try {
+      await post(`/api/operate/${action}`, { confirmed: asks !== "" });
+      this.tell(`${label}: sent`);
+    } catch (error) {
+      this.tell(`${label}: ${error.message}`);
+    }
+  }
+
+  tell(text) {
+    byId("action-told").textContent = text;
+  }
+}

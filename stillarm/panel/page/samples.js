@@ -1,0 +1,118 @@
+// Samples of one topic: times and columns in rings, and the server's binary messages (stillarm/panel/live/packing.py).
+
+const HEAD_BYTES = 8;
+
+export function unpack(buffer) {
+  const view = new DataView(buffer);
+  const kind = view.getUint8(0);
+  const columns = view.getUint8(1);
+  const rows = view.getUint16(2, true);
+  const times = new Float64Array(buffer, HEAD_BYTES, rows);
+  const values = [];
+  for (let c = 0; c < columns; c++) values.push(new Float32Array(buffer, HEAD_BYTES + 8 * rows + 4 * rows * c, rows));
+  return { kind, times, values };
+}
+
+export class Samples {
+  // capacity: rows that are kept; the oldest ones give way.
+  constructor(columns, capacity) {
+    this.names = columns;
+    this.capacity = capacity;
+    this.times = new Float64Array(capacity);
+    this.columns = columns.map(() => new Float32Array(capacity));
+    this.end = 0; // rows ever added: row r lies at r % capacity
+    this.begin = 0;
+  }
+
+  clear() {
+    this.begin = this.end;
+  }
+
+  add(times, values) {
+    for (let i = 0; i < times.length; i++) {
+      // a time that goes back is another run of the controller
+      if (this.end > this.begin && times[i] < this.newest() - 0.5) this.clear();
+      const at = this.end % this.capacity;
+      this.times[at] = times[i];
+      for (let c = 0; c < values.length; c++) this.columns[c][at] = values[c][i];
+      this.end++;
+    }
+    this.begin = Math.max(this.begin, this.end - this.capacity);
+  }
+
+  newest() {
+    return this.end > this.begin ? this.times[(this.end - 1) % this.capacity] : NaN;
+  }
+
+  oldest() {
+    return this.end > this.begin ? this.times[this.begin % this.capacity] : NaN;
+  }
+
+  column(name) {
+    return this.columns[this.names.indexOf(name)];
+  }
+
+  // The first row whose time is not before `time`.
+  rowAt(time) {
+    let low = this.begin;
+    let high = this.end;
+    while (low < high) {
+      const middle = Math.floor((low + high) / 2);
+      if (this.times[middle % this.capacity] < time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  valueAt(name, time) {
+    const row = this.rowAt(time + 1e-9) - 1;
+    return row < this.begin ? NaN : this.column(name)[row % this.capacity];
+  }
+}
+
+// Least and greatest value of each group of rows between two times, in the order in which they come: no peak is lost.
+// Groups begin at multiples of their size, so that the picture stands still while it scrolls. spread: a column whose
+// multiple by `factor` is added on both sides (a band): then the greatest sum and the least difference.
+// Returns x, y (two points a group) or x, low, high (with spread).
+export function decimate(samples, name, from, to, groups, scale, offset = 0, spread = null, factor = 0) {
+  const { times, capacity } = samples;
+  const values = samples.column(name);
+  const spreads = spread === null ? null : samples.column(spread);
+  const first = Math.max(samples.begin, samples.rowAt(from) - 1);
+  const last = Math.min(samples.end, samples.rowAt(to) + 1);
+  const size = Math.max(1, Math.ceil((last - first) / groups));
+  const x = [];
+  const low = [];
+  const high = [];
+  for (let row = first; row < last; ) {
+    const next = Math.min(last, (Math.floor(row / size) + 1) * size);
+    let least = Infinity;
+    let greatest = -Infinity;
+    let leastAt = row;
+    let greatestAt = row;
+    for (let r = row; r < next; r++) {
+      const at = r % capacity;
+      const wide = spreads === null ? 0 : factor * spreads[at];
+      const value = values[at];
+      if (value - wide < least) [least, leastAt] = [value - wide, r];
+      if (value + wide > greatest) [greatest, greatestAt] = [value + wide, r];
+    }
+    const missing = least > greatest;
+    const time = times[row % capacity] + offset;
+    if (spreads !== null) {
+      x.push(time);
+      low.push(missing ? null : least * scale);
+      high.push(missing ? null : greatest * scale);
+    } else if (size === 1) {
+      x.push(time);
+      low.push(missing ? null : least * scale);
+    } else {
+      x.push(time, times[Math.floor((row + next) / 2) % capacity] + offset);
+      if (missing) low.push(null, null);
+      else if (leastAt <= greatestAt) low.push(least * scale, greatest * scale);
+      else low.push(greatest * scale, least * scale);
+    }
+    row = next;
+  }
+  return { x, low, high };
+}
