@@ -17,10 +17,12 @@ _EVERY = 3
 
 @dataclass(frozen=True)
 class Split:
-    """Which part of the time is held out. held: (blocks, 2) from and to, s; none: nothing is held out."""
+    """Which part of the time is held out. edges_s: (blocks + 1,) s; held: (blocks,). lends: a held-out block trains
+    where an impact begins a motion that is over before the next block."""
 
     edges_s: Array
     held: Mask
+    lends: bool = False
 
     def blocks_of(self, time_s: Array) -> NDArray[np.int64]:
         """Number of the block of each time."""
@@ -32,7 +34,7 @@ def interleaved(duration_s: float) -> Split:
     count = max(9, min(_BLOCKS, int(duration_s / _SHORTEST_S)))
     count -= count % _EVERY
     edges = np.linspace(0.0, duration_s, count + 1)
-    return Split(edges, np.arange(count) % _EVERY == 1)
+    return Split(edges, np.arange(count) % _EVERY == 1, lends=True)
 
 
 def stated(spans_s: Sequence[tuple[float, float]], origin_s: float, duration_s: float) -> Split:

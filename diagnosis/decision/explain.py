@@ -13,7 +13,7 @@ import numpy as np
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import EXPLAINED, share_explained
+from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
 from stillarm.diagnosis.decision.rest import anything_matters
 from stillarm.diagnosis.inference.candidates import (
     MATTERS_OF_NOISE,
@@ -163,7 +163,10 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
         candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
     else:
         screening, candidates = [], []
-        if not found.findings or anything_matters(last, split):
+        if found.findings and not anything_matters(last, split):
+            elsewhere = _convincing_elsewhere(found)
+            allowed = [one for one in allowed if one.id in elsewhere]
+        if allowed:
             screening, candidates = compared(last, allowed, split, found)
         try:
             known = laws(make_data(last.world, split), last)
@@ -178,6 +181,20 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     beside = bool(found.findings)
     convincing = [one for one in ranked if convinces(one, last, beside)]
     return Stage(screening, ranked, convincing[0] if convincing else None)
+
+
+def _convincing_elsewhere(found: Found) -> set[str]:
+    """Causes that convinced in the round before, beside the one that was taken, and act elsewhere: what that
+    one mends is none of theirs. They are judged again where nothing else is left that matters."""
+    stage = found.stages[-1]
+    if stage.taken is None:
+        return set()
+    place, before = DECLARED[stage.taken.cause].place, fit_before(found, stage.taken)
+    return {
+        one.cause
+        for one in stage.candidates
+        if DECLARED[one.cause].place != place and one.law is None and convinces(one, before, beside=True)
+    }
 
 
 def _joint_alone(last: Fit, split: Split) -> Fit:
