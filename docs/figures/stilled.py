@@ -1,7 +1,7 @@
 """The moving picture of the README: the demo's arm, struck and ringing, struck again and damped, as an animated SVG.
 
-The deflection is the simulated rig's true one, drawn 16 times as large. SMIL moves it: no script, so that a page may
-show the file as a picture.
+The deflection is the simulated rig's true one, drawn some 40 times as large. SMIL moves it: no script, so that a
+page may show the file as a picture.
 """
 
 from pathlib import Path
@@ -14,7 +14,8 @@ FRAMES_A_SECOND = 30
 WIDTH, HEIGHT = 800, 330
 HUB_X, HUB_Y, TIP_X = 60.0, 105.0, 560.0
 TRACE = (60.0, 720.0, 255.0, 55.0)  # left, right, middle and half height of the curve
-LARGEST_M = 0.0066
+LARGEST_M, TIP_PX = 0.0066, 70.0  # the largest deflection, and how far it is drawn
+ARM_LENGTH_M = 2.0
 STRIKES_S = (2.0, 18.0)  # of the demo's scenario
 
 
@@ -44,7 +45,7 @@ def _moving(attribute: str, values: list[str], lasts: str, mode: str = "linear")
 
 def _arm(arm: np.ndarray, lasts: str) -> str:
     """Hub, bent beam and camera. A cubic whose two middle points lie on the axis and below the tip bends as a beam."""
-    tip_y = [HUB_Y - 70.0 * q for q in arm]
+    tip_y = [HUB_Y - TIP_PX * q for q in arm]
     beams = [
         f"M{HUB_X:g} {HUB_Y:g}C220 {HUB_Y:g} 400 {HUB_Y + 0.38 * (y - HUB_Y):.1f} {TIP_X:g} {y:.1f}"
         for y in tip_y
@@ -85,6 +86,7 @@ def _words(lasts: str) -> str:
 def _trace(time_s: np.ndarray, q: np.ndarray, lasts: str) -> str:
     """The deflection's course, uncovered as time passes."""
     left, right, middle, half = TRACE
+    magnified = TIP_PX / LARGEST_M * ARM_LENGTH_M / (TIP_X - HUB_X)
     span = TO_S - FROM_S
     x = left + (right - left) * (time_s - FROM_S) / span
     points = " ".join(f"{a:.1f},{middle - half * b:.1f}" for a, b in zip(x, q, strict=True))
@@ -99,5 +101,5 @@ def _trace(time_s: np.ndarray, q: np.ndarray, lasts: str) -> str:
         f"{_moving('width', ['0', f'{right - left:g}'], lasts)}</rect></clipPath>"
         f'<polyline points="{points}" fill="none" stroke="#333333" stroke-width="1" clip-path="url(#past)"/>'
         f'<text x="{left:g}" y="{HEIGHT - 6}" font-size="13" fill="#555555">deflection of the tip over '
-        f"{span:g} s; drawn above 16 times as large; camera 74 ms late</text>"
+        f"{span:g} s; drawn above {magnified:.0f} times as large; camera 74 ms late</text>"
     )

@@ -7,8 +7,8 @@ BOXES = {
     "sensor": (20, 190, 180, 64, "accelerometer", "at the tip"),
     "supervisor": (290, 20, 200, 64, "supervisor's computer", "stillarm supervisor"),
     "controller": (290, 190, 200, 64, "controller's computer", "stillarm controller"),
-    "drive": (580, 190, 180, 64, "drive and motor", "at the joint"),
-    "stop": (580, 300, 180, 52, "emergency stop", "cuts the motor's power"),
+    "drive": (650, 190, 180, 64, "drive and motor", "at the joint"),
+    "stop": (650, 300, 180, 52, "emergency stop", "cuts the motor's power"),
 }
 """x, y, width, height, title, text."""
 WIRES = (
@@ -24,8 +24,8 @@ def draw(path: Path) -> None:
     """docs/images/wiring.svg"""
     parts = [_box(*box) for box in BOXES.values()] + [_wire(*wire) for wire in WIRES]
     path.write_text(
-        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 780 370" font-family="sans-serif" font-size="13">\n'
-        '<rect width="780" height="370" fill="#ffffff"/>\n'
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 850 370" font-family="sans-serif" font-size="13">\n'
+        '<rect width="850" height="370" fill="#ffffff"/>\n'
         '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
         '<path d="M0 0 L8 4 L0 8 z" fill="#4c72b0"/></marker></defs>\n' + "\n".join(parts) + "\n</svg>\n"
     )

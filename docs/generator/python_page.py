@@ -29,11 +29,27 @@ def section(name: str) -> str:
     thing = getattr(stillarm, name)
     lines = [f"## {name}", ""]
     if inspect.isclass(thing) or callable(thing):
-        lines += [f"    stillarm.{name}{_signature(thing)}", ""]
+        lines += [f"    {row}" for row in _wrapped(f"stillarm.{name}{_signature(thing)}")] + [""]
     lines += [_text(thing), ""]
     if inspect.isclass(thing):
         lines += [_member(part, value) for part, value in _parts(thing)]
     return "\n".join(lines) + "\n"
+
+
+def _wrapped(call: str) -> list[str]:
+    """A signature in one line, or with a line for each argument where it is long."""
+    if len(call) < 90 or "(" not in call:
+        return [call]
+    begin, _, rest = call.partition("(")
+    inside, end = rest[: rest.rindex(")")], rest[rest.rindex(")") :]
+    rows, depth = [""], 0
+    for letter in inside:
+        depth += (letter in "[(") - (letter in "])")
+        if letter == "," and depth == 0:
+            rows.append("")
+        else:
+            rows[-1] += letter
+    return [f"{begin}(", *(f"    {row.strip()}," for row in rows), end]
 
 
 def _parts(thing: type) -> list[tuple[str, Any]]:
