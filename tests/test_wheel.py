@@ -23,6 +23,8 @@ FOLDERS = (
     "benchmarks",
 )
 
+SUFFIXES = (".py", ".pyi", ".typed", ".toml", ".css", ".html", ".js", ".svg", ".uplot")
+
 pytestmark = pytest.mark.slow
 
 
@@ -60,7 +62,7 @@ def ours() -> set[str]:
         for path in (ROOT / top).rglob("*"):
             inside = path.relative_to(ROOT)
             linked = top == "stillarm" and (ROOT / Path(*inside.parts[:2])).is_symlink()
-            if path.is_file() and path.suffix in (".py", ".pyi", ".typed", ".toml", ".css") and not linked:
+            if path.is_file() and path.suffix in SUFFIXES and not linked:
                 files.add(str(inside) if top == "stillarm" else f"stillarm/{inside}")
     return files
 

@@ -13,7 +13,7 @@ from grimp import ImportGraph
 from importlinter import Contract, ContractCheck, output
 
 ROOT = Path(__file__).parents[2]
-WITH_INTERFACES = ("common", "drivers", "controller", "supervisor", "simulation", "diagnosis", "tables")
+WITH_INTERFACES = ("common", "drivers", "controller", "supervisor", "simulation", "diagnosis", "panel", "tables")
 
 
 @cache

@@ -160,28 +160,20 @@ export class ChartStack {
   }
 
   data(chart, at) {
-    const groups = Math.max(100, chart.place.clientWidth);
+    const groups = Math.max(100, chart.place.clientWidth / 2);
     const tables = [];
     const lines = []; // the curves without their bands, which may be much wider
     const { scale, curves } = chart.about;
-    let value = NaN;
-    const add = (samples, curve, offset, band) => {
-      if (samples === undefined) return tables.push(...(band && curve.spread ? [[[], []], [[], []]] : []), [[], []]);
-      if (band && curve.spread) {
-        const band = decimate(samples, curve.column, this.from - offset, this.to - offset, groups / 2, scale, offset, curve.spread, BAND_STD);
-        tables.push([band.x, band.high], [band.x, band.low]);
-      }
-      const { x, low } = decimate(samples, curve.column, this.from - offset, this.to - offset, groups, scale, offset);
-      tables.push([x, low]);
-      lines.push(low);
+    const add = (samples, { column, spread = null }, offset) => {
+      const about = { from: this.from - offset, to: this.to - offset, groups, scale, offset, spread, factor: BAND_STD };
+      const { x, y, low, high } = samples === undefined ? { x: [], y: [], low: [], high: [] } : decimate(samples, column, about);
+      tables.push(spread === null ? [x, y] : [x, high, low, y]);
+      lines.push(y);
     };
-    for (const curve of curves) {
-      const samples = this.topics[curve.topic];
-      if (samples !== undefined && curve === curves[0]) value = samples.valueAt(curve.column, at);
-      add(samples, curve, 0, true);
-    }
-    for (const { topics, offset } of chart.over) add(topics[curves[0].topic], curves[0], offset, false);
-    return { data: uPlot.join(tables), value, lines };
+    for (const curve of curves) add(this.topics[curve.topic], curve, 0);
+    for (const { topics, offset } of chart.over) add(topics[curves[0].topic], { ...curves[0], spread: null }, offset);
+    const value = this.topics[curves[0].topic]?.valueAt(curves[0].column, at) ?? NaN;
+    return { data: tables.length === 1 ? tables[0] : uPlot.join(tables), value, lines };
   }
 }
 

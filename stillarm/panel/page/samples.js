@@ -72,47 +72,42 @@ export class Samples {
 
 // Least and greatest value of each group of rows between two times, in the order in which they come: no peak is lost.
 // Groups begin at multiples of their size, so that the picture stands still while it scrolls. spread: a column whose
-// multiple by `factor` is added on both sides (a band): then the greatest sum and the least difference.
-// Returns x, y (two points a group) or x, low, high (with spread).
-export function decimate(samples, name, from, to, groups, scale, offset = 0, spread = null, factor = 0) {
+// multiple by `factor` makes a band: its greatest upper and least lower edge in each group.
+// Returns { x, y, low, high } of one length: two points a group, or one where a group is a single row.
+export function decimate(samples, name, { from, to, groups, scale, offset = 0, spread = null, factor = 0 }) {
   const { times, capacity } = samples;
   const values = samples.column(name);
   const spreads = spread === null ? null : samples.column(spread);
   const first = Math.max(samples.begin, samples.rowAt(from) - 1);
   const last = Math.min(samples.end, samples.rowAt(to) + 1);
   const size = Math.max(1, Math.ceil((last - first) / groups));
-  const x = [];
-  const low = [];
-  const high = [];
+  const found = { x: [], y: [], low: [], high: [] };
+  const put = (row, y, low, high) => {
+    found.x.push(times[row % capacity] + offset);
+    found.y.push(y);
+    if (spreads === null) return;
+    found.low.push(low);
+    found.high.push(high);
+  };
   for (let row = first; row < last; ) {
     const next = Math.min(last, (Math.floor(row / size) + 1) * size);
-    let least = Infinity;
-    let greatest = -Infinity;
-    let leastAt = row;
-    let greatestAt = row;
+    let [least, greatest, leastAt, greatestAt, low, high] = [Infinity, -Infinity, row, row, Infinity, -Infinity];
     for (let r = row; r < next; r++) {
       const at = r % capacity;
-      const wide = spreads === null ? 0 : factor * spreads[at];
       const value = values[at];
-      if (value - wide < least) [least, leastAt] = [value - wide, r];
-      if (value + wide > greatest) [greatest, greatestAt] = [value + wide, r];
+      if (value < least) [least, leastAt] = [value, r];
+      if (value > greatest) [greatest, greatestAt] = [value, r];
+      if (spreads === null) continue;
+      const wide = factor * spreads[at];
+      if (value - wide < low) low = value - wide;
+      if (value + wide > high) high = value + wide;
     }
     const missing = least > greatest;
-    const time = times[row % capacity] + offset;
-    if (spreads !== null) {
-      x.push(time);
-      low.push(missing ? null : least * scale);
-      high.push(missing ? null : greatest * scale);
-    } else if (size === 1) {
-      x.push(time);
-      low.push(missing ? null : least * scale);
-    } else {
-      x.push(time, times[Math.floor((row + next) / 2) % capacity] + offset);
-      if (missing) low.push(null, null);
-      else if (leastAt <= greatestAt) low.push(least * scale, greatest * scale);
-      else low.push(greatest * scale, least * scale);
-    }
+    const rising = leastAt <= greatestAt;
+    const edges = low > high ? [null, null] : [low * scale, high * scale];
+    put(row, missing ? null : (rising ? least : greatest) * scale, ...edges);
+    if (next - row > 1) put(Math.floor((row + next) / 2), missing ? null : (rising ? greatest : least) * scale, ...edges);
     row = next;
   }
-  return { x, low, high };
+  return found;
 }
