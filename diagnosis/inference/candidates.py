@@ -120,18 +120,10 @@ def size_in_noise(before: Fit, after: Fit, parts: int = 1) -> float:
 
 
 def _mended(before: Fit, after: Fit, name: str, parts: int) -> float:
-    """Of the departures as they are, too: whitened, a step in a coloured channel is one value."""
-    less = [before.residuals[name] ** 2 - after.residuals[name] ** 2]
-    then, now = before.channel(name), after.channel(name)
-    if then is not None and now is not None and then.colour is not None:
-        less.append(then.off**2 - now.off**2)
-    power = max(_most_power(one[np.isfinite(one)], parts) for one in less)
+    less = before.residuals[name] ** 2 - after.residuals[name] ** 2
+    known = less[np.isfinite(less)]
+    power = max((float(one.mean()) for one in np.array_split(known, parts) if len(one)), default=0.0)
     return sqrt(max(power, 0.0)) / white_noise(after, name)
-
-
-def _most_power(less: Array, parts: int) -> float:
-    """The mean of that one of some equal parts in which it is largest."""
-    return max((float(one.mean()) for one in np.array_split(less, parts) if len(one)), default=0.0)
 
 
 def least_that_matters(last: Fit, name: str) -> float:

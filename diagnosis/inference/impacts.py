@@ -5,6 +5,7 @@ jump between the two that stands out of the usual ones. It opens a new segment w
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -164,6 +165,7 @@ def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
 
 def _sought(last: Fit, split: Split) -> Fit:
     """Impacts sought in what is left, again and again. last: a start, not a fit."""
+    split = replace(split, lends=False)  # what follows a misplaced impact is another's
     impacts: set[int] = set(last.world.impacts)
     for turn in range(5):
         share = _SHARE if turn else _FIRST_SHARE
