@@ -5,16 +5,21 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from math import nan
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
 from stillarm.common.files.configuration import Controller
 from stillarm.common.files.model import Arm, Model
 from stillarm.common.user_error import UserError
 from stillarm.controller.estimation.installed_methods import installed_factory, installed_methods
 from stillarm.controller.estimation.methods import METHODS, all_methods, check_method, make_method
 from tests.fixtures.imports import ROOT
+from tests.fixtures.pages import blocks
 
 EXAMPLE = ROOT / "docs" / "examples" / "stamped_delay"
 MODEL = Model(arm=Arm(length_m=2.0))
@@ -91,6 +96,34 @@ def test_two_packages_with_one_name_are_refused_and_an_unknown_name_lists_the_in
     put(site, "two_of_two", "mine = two_of_two:make", "")
     with pytest.raises(UserError, match=r"one_of_two 1\.0 and two_of_two 1\.0"):
         all_methods()
+
+
+def test_the_method_of_the_documentation_follows_the_stamps() -> None:
+    """docs/how-to/method.md and the package of docs/examples: the same delays, whatever the camera's clock says."""
+    (page,) = (block for block in blocks(Path("docs/how-to/method.md")) if block.kind == "python")
+    spaces: list[dict[str, Any]] = [{}, {}]
+    exec(page.text, spaces[0])
+    exec((EXAMPLE / "stamped_delay.py").read_text(), spaces[1])
+    estimators = [space["StampedDelay"](MODEL) for space in spaces]
+    rng = np.random.default_rng(3)
+    true_s = MODEL.timing.capture_delay_s + 0.004 * rng.standard_normal(400)
+    errors = []
+    for frame, delay_s in enumerate(true_s):
+        cycle = 100 + 15 * frame
+        exposed_s = cycle * MODEL.timing.cycle_s - delay_s
+        for estimator in estimators:
+            estimator.see_sample(stamped(frame, exposed_s + 12_345.678), cycle, 0.0)
+        assert estimators[0].estimate.delay_s == pytest.approx(estimators[1].estimate.delay_s)
+        errors.append(estimators[0].estimate.delay_s - delay_s)
+    assert np.abs(errors[200:]).max() < 0.001
+    estimators[1].see_sample(stamped(400, nan), 6100, 0.0)
+    assert estimators[1].estimate.status == "held"
+
+
+def stamped(frame: int, captured_s: float) -> VisualSample:
+    """A visual sample with the camera's stamp; what it shows is of no matter here."""
+    measured = (0.5, 0.0, 0.0, 0.01, 0.01, 0.0, 1e-8)
+    return VisualSample(frame, 0, TrackingStatus.MEASURED, *measured, captured_s, 0.015, 100, 100)
 
 
 @pytest.mark.slow

@@ -84,6 +84,18 @@ def test_a_channel_of_several_modes_becomes_a_column_for_each(rows: int, modes: 
 
 
 @pytest.mark.slow
+def test_the_help_of_the_command_line_looks_for_no_method_and_loads_no_array() -> None:
+    """Entry points are read where somebody asks for a method, and not before."""
+    code = (
+        "import sys\nfrom stillarm.main import main\ntry:\n    main(['--help'])\nexcept SystemExit:\n"
+        "    loaded = [n for n in sys.modules if n.endswith('installed_methods') or n in ('numpy', 'cv2')]\n"
+        "    print(loaded)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("[]\n")
+
+
+@pytest.mark.slow
 def test_importing_stillarm_loads_nothing_heavy_and_names_all_it_offers() -> None:
     code = (
         "import sys, stillarm; heavy = ('numpy', 'scipy', 'msgspec', 'importlib.metadata');"
