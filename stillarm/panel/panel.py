@@ -2,6 +2,7 @@
 
 import asyncio
 import ipaddress
+import signal
 import ssl
 import tempfile
 from collections.abc import Callable
@@ -40,7 +41,7 @@ class Settings(NamedTuple):
 
 
 def serve(settings: Settings, say: Callable[[str], None]) -> None:
-    """Serve until KeyboardInterrupt. say: takes lines for the user.
+    """Serve until Ctrl-C or SIGTERM. say: takes lines for the user.
 
     Raises UserError for a wrong configuration, folder, certificate, or a port that is taken.
     """
@@ -80,10 +81,20 @@ async def _serve(settings: Settings, say: Callable[[str], None]) -> None:
                 "the token works once; without it the page is read-only; Ctrl-C ends the panel, never the loop"
             )
             _warn_of_network(settings, tls, say)
-            await asyncio.Event().wait()
+            await _asked_to_end()
         finally:
             listener.close()
             await runner.cleanup()
+
+
+async def _asked_to_end() -> None:
+    """Wait for Ctrl-C or SIGTERM. A signal handler of the loop: an exception in the middle of a page's answer would
+    leave others unfinished.
+    """
+    ended = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, ended.set)
+    await ended.wait()
 
 
 async def _open(runner: web.AppRunner, settings: Settings, tls: ssl.SSLContext | None) -> int:

@@ -13,7 +13,16 @@ from grimp import ImportGraph
 from importlinter import Contract, ContractCheck, output
 
 ROOT = Path(__file__).parents[2]
-WITH_INTERFACES = ("common", "drivers", "controller", "supervisor", "simulation", "diagnosis", "panel", "tables")
+WITH_INTERFACES = (
+    "common",
+    "drivers",
+    "controller",
+    "supervisor",
+    "simulation",
+    "diagnosis",
+    "panel",
+    "tables",
+)
 
 
 @cache

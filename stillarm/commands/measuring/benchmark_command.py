@@ -14,6 +14,7 @@ DEFAULT_TRIALS = {
     "faults": 12,
     "flood": 1,
     "soak": 1,
+    "panel": 1,
     "hardware": 2,
     "diagnosis": 200,
     "commission": 20,

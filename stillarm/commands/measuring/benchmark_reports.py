@@ -9,7 +9,7 @@ from stillarm.common.user_error import UserError
 from stillarm.printed_rows import brief_estimator_row, print_rows
 from stillarm.progress import progress_bar
 
-DEFAULT_DURATION_S = {"loop": 60.0, "flood": 10.0, "soak": 1800.0, "live": 30.0}
+DEFAULT_DURATION_S = {"loop": 60.0, "flood": 10.0, "soak": 1800.0, "live": 30.0, "panel": 120.0}
 
 
 def _vision(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
@@ -181,6 +181,18 @@ def _soak(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     return result
 
 
+def _panel(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
+    from stillarm.commands.rig.panel_command import require_panel
+
+    require_panel()
+    from stillarm.benchmarks.panel_pages import run as run_panel
+
+    with progress_bar("benchmark panel") as progress:
+        result = run_panel(_duration_s(arguments), arguments.seed, progress)
+    print_rows(result["rows"])
+    return result
+
+
 def _loop(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     from stillarm.benchmarks.loop.run import run as run_loop
     from stillarm.benchmarks.loop.run import verdict
@@ -253,6 +265,7 @@ REPORTS: dict[str, Callable[[argparse.Namespace, int], dict[str, Any]]] = {
     "faults": _faults,
     "flood": _flood,
     "soak": _soak,
+    "panel": _panel,
     "diagnosis": _diagnosis,
     "commission": _commission,
     "identification": _identification,

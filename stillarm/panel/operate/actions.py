@@ -39,7 +39,11 @@ MEANINGS = {
         "Acknowledges the fault; Arm is needed next.",
         "Has the cause of the fault been removed?",
     ),
-    Action.HOLD_DAMPING: Meaning("Hold damping", "The damping fades out for as long as this panel runs.", ""),
+    Action.HOLD_DAMPING: Meaning(
+        "Hold damping",
+        "The damping fades out for as long as this panel runs and says so; it is no safety function.",
+        "",
+    ),
     Action.ALLOW_DAMPING: Meaning(
         "Allow damping",
         "The damping fades in when it has something to act on.",

@@ -1,1 +1,3 @@
 """What the browser loads: one sheet, ES modules, no build step. Data only; `vendor/` holds uPlot with its licence."""
+
+__all__ = ()

@@ -83,7 +83,7 @@ export class ChartStack {
   options(chart) {
     const ink = token("--quiet");
     const grid = { stroke: token("--line"), width: 1 };
-    const axis = { stroke: ink, grid, ticks: grid, font: "13px system-ui, sans-serif", size: 56, space: 26 };
+    const axis = { stroke: ink, grid, ticks: grid, font: "13px system-ui, sans-serif", size: 56, space: 20 };
     const series = [{}];
     const bands = [];
     for (const curve of chart.about.curves) {
@@ -129,6 +129,7 @@ export class ChartStack {
       ctx.strokeStyle = ctx.fillStyle = colour;
       ctx.lineWidth = 1.5 * devicePixelRatio;
       ctx.setLineDash(dash);
+      ctx.textAlign = "left";
       ctx.beginPath();
       ctx.moveTo(x, bbox.top);
       ctx.lineTo(x, bbox.top + bbox.height);

@@ -11,7 +11,7 @@ const CHUNK_S = 30;
 const MOST_S = 1200;
 const POLL_MS = 400;
 const REPLAY_COLUMNS = ["deflection_m", "deflection_std_m", "delay_s", "delay_std_s"];
-const COLOURS = ["#b34a00", "#7a5195", "#00897b", "#8a6d00", "#c2185b", "#5d6d7e", "#2e7d32", "#d32f2f"];
+const COLOURS = [1, 2, 3, 4, 5, 6].map((n) => `--over-${n}`);
 
 const path = (key, rest = "") => `/api/opened/${key}${rest}`;
 
@@ -176,6 +176,7 @@ export class Recordings {
         byId("rec-progress").value = job.done;
         say(job.running ? `${job.label || what}: ${number(100 * job.done, 0)} %` : job.lines.at(-1) ?? "");
         if (!job.running) {
+          byId("rec-progress").value = 1;
           if (!job.good) throw new Error(job.lines.at(-1) ?? `${what} failed`);
           break;
         }

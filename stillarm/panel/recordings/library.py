@@ -102,10 +102,10 @@ class Library:
         """Start `replay` (with all methods) or `diagnose`. Raises UserError."""
         path = str(self._path(key))
         cache = self._cache / key
+        words = ["diagnose", path, "--out", str(cache / "diagnosis")]
+        module = "stillarm"
         if what == "replay":
-            words, module = (path, str(cache / "replay")), "stillarm.panel.recordings.replay_all"
-        else:
-            words, module = ("diagnose", path, "--out", str(cache / "diagnosis")), "stillarm"
+            words, module = [path, str(cache / "replay")], "stillarm.panel.recordings.replay_all"
         await self._jobs.start(f"{what} {key}", *words, module=module)
 
     def job(self, what: str, key: str) -> dict[str, Any] | None:
