@@ -23,7 +23,7 @@ FOLDERS = (
     "benchmarks",
 )
 
-SUFFIXES = (".py", ".pyi", ".typed", ".toml", ".css", ".html", ".js", ".svg", ".uplot")
+SUFFIXES = (".py", ".pyi", ".typed", ".toml", ".css", ".html", ".js", ".json", ".svg", ".uplot", ".xml")
 
 pytestmark = pytest.mark.slow
 

@@ -5,6 +5,7 @@ import ipaddress
 import signal
 import ssl
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +17,7 @@ from stillarm.common.user_error import UserError, reason_of
 from stillarm.panel.application import make_application
 from stillarm.panel.commission.bench import Bench
 from stillarm.panel.live.feed import Feed
+from stillarm.panel.live.foxglove_bridge import FoxgloveBridge
 from stillarm.panel.live.listener import listen
 from stillarm.panel.operate.desk import Desk
 from stillarm.panel.recordings.library import Library
@@ -29,6 +31,7 @@ class Settings(NamedTuple):
     """configuration: the controller's file. recordings: the folder. host, port: where to serve; port 0: a free one.
 
     certificate, key: PEM files for TLS. held: whether the damping is held from the start.
+    foxglove_port: where to serve Foxglove; None: nowhere.
     """
 
     configuration: Path
@@ -38,6 +41,7 @@ class Settings(NamedTuple):
     certificate: Path | None = None
     key: Path | None = None
     held: bool = False
+    foxglove_port: int | None = None
 
 
 def serve(settings: Settings, say: Callable[[str], None]) -> None:
@@ -69,7 +73,14 @@ async def _serve(settings: Settings, say: Callable[[str], None]) -> None:
 
         guard = Guard(access, hosts)
         application = make_application(configuration, guard, feed, desk, library, bench, token_used)
-        listener = await listen(telemetry.host, telemetry.panel_port, feed.take)
+        bridge = _bridge(settings, say)
+
+        def take(datagram: bytes) -> None:
+            feed.take(datagram)
+            if bridge is not None:
+                bridge.take(datagram, time.time_ns())
+
+        listener = await listen(telemetry.host, telemetry.panel_port, take)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=_CLOSE_WITHIN_S)
         try:
             await runner.setup()
@@ -84,6 +95,8 @@ async def _serve(settings: Settings, say: Callable[[str], None]) -> None:
             await _asked_to_end()
         finally:
             listener.close()
+            if bridge is not None:
+                bridge.close()
             await runner.cleanup()
 
 
@@ -108,6 +121,14 @@ async def _open(runner: web.AppRunner, settings: Settings, tls: ssl.SSLContext |
             "choose another --port, or stop the other panel"
         ) from None
     return int(runner.addresses[0][1])
+
+
+def _bridge(settings: Settings, say: Callable[[str], None]) -> FoxgloveBridge | None:
+    if settings.foxglove_port is None:
+        return None
+    bridge = FoxgloveBridge(settings.host, settings.foxglove_port)
+    say(f"Foxglove: open connection, ws://{_name(settings.host)}:{bridge.port}")
+    return bridge
 
 
 def _tls(settings: Settings) -> ssl.SSLContext | None:

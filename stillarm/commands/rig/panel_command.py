@@ -35,6 +35,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="hold the damping from the start, until the page allows it",
     )
+    parser.add_argument(
+        "--foxglove-port",
+        type=port,
+        metavar="P",
+        help="serve Foxglove's WebSocket protocol, too (8765 is usual)",
+    )
     parser.add_argument("--certificate", type=Path, metavar="FILE", help="PEM certificate, for https")
     parser.add_argument("--key", type=Path, metavar="FILE", help="the certificate's private key")
 
@@ -54,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
         certificate=arguments.certificate,
         key=arguments.key,
         held=arguments.hold_damping,
+        foxglove_port=arguments.foxglove_port,
     )
     serve(settings, _say)
     return 0
