@@ -1,7 +1,7 @@
 """Which blocks are held out where the input may be periodic: one of every three, at a place that changes.
 
-Laboratories drive their rigs by square waves and periodic multisines. If every third block were held out, a period of three
-blocks would put all of its jumps into the blocks that no fit sees.
+Laboratories drive their rigs by square waves and periodic multisines. If every third block were held out, a period of
+three blocks would put all of its jumps into the blocks that no fit sees.
 """
 
 from dataclasses import replace

@@ -1,9 +1,9 @@
 """Fits a grey box to the blocks that train it: Gauss-Newton steps, each block's initial state projected out.
 
-The state of every block enters as its own unknowns; by QR they are removed from the normal equations of the numbers that
-are common to all (variable projection: Golub and Pereyra, SIAM J. Numerical Analysis 10, 1973). A held-out block gives
-its own initial state and nothing else. Derivatives are differences: one simulation for each number, and one for each
-component of the state, of all blocks at once.
+The state of every block enters as its own unknowns; by QR they are removed from the normal equations of the numbers
+that are common to all (variable projection: Golub and Pereyra, SIAM J. Numerical Analysis 10, 1973). A held-out block
+gives its own initial state and nothing else. Derivatives are differences: one simulation for each number, and one for
+each component of the state, of all blocks at once.
 """
 
 from collections.abc import Callable, Sequence
@@ -75,10 +75,10 @@ def fit(
         moved = False
         while damping < _MOST_DAMPING:
             scaled = normal + damping * np.diag(np.diag(normal)) + _RIDGE * np.eye(len(free))
-            step = np.linalg.solve(scaled, gradient)
+            step: Array = np.asarray(np.linalg.solve(scaled, gradient), np.float64)
             trial = within({**numbers, **{n: numbers[n] + d for n, d in zip(free, step, strict=True)}}, box)
             # numbers that were brought back within their bounds move the states by what they moved
-            step = np.array([trial[name] - numbers[name] for name in free])
+            step = np.array([trial[name] - numbers[name] for name in free], np.float64)
             trial_states = states + _state_steps(pieces, step)
             trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
             if trial_cost < cost:
@@ -166,34 +166,53 @@ Piece = tuple[Array, Array, Array, bool]
 """Of a block: derivatives by the numbers and by its state, residual, and whether it trains."""
 
 
+def levels_of_fit(fitted: DrivenFit) -> dict[str, float]:
+    """The outputs' deviations, by what the fit leaves where it was trained."""
+    ones = dict.fromkeys(fitted.residuals, 1.0)
+    return _levels_of(fitted.box, fitted.residuals, ones)
+
+
+def linearised(fitted: DrivenFit, sigma: dict[str, float]) -> tuple[list[Piece], list[NDArray[np.int64]]]:
+    """A fit's derivatives and residual by blocks, and which of the stacked samples each block holds."""
+    errors = {name: residual / sigma[name] for name, residual in fitted.residuals.items()}
+    box = fitted.box
+    pieces = _derivatives(box, fitted.numbers, fitted.free, fitted.states, sigma, errors)
+    return pieces, _rows_of_blocks(box, np.concatenate([errors[one.name] for one in box.driven.outputs]))
+
+
 def _derivatives(
     box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, sigma: dict[str, float],
     errors: dict[str, Array],
 ) -> list[Piece]:  # fmt: skip
-    base = _stacked(box, box.run(numbers, states), sigma)
+    base = stacked(box, box.run(numbers, states), sigma)
     columns = []
     for name in free:
         step = difference_of(name, numbers[name], box)
-        moved = _stacked(box, box.run({**numbers, name: numbers[name] + step}, states), sigma)
+        moved = stacked(box, box.run({**numbers, name: numbers[name] + step}, states), sigma)
         columns.append((moved - base) / step)
     scale = np.maximum(np.std(states, axis=0), 1e-3 * np.max(np.abs(states)) + 1e-9)
     turned = []
     for place in range(box.size):
         other = states.copy()
         other[:, place] += _DIFFERENCE * scale[place]
-        turned.append((_stacked(box, box.run(numbers, other), sigma) - base) / (_DIFFERENCE * scale[place]))
+        turned.append((stacked(box, box.run(numbers, other), sigma) - base) / (_DIFFERENCE * scale[place]))
     residual = np.concatenate([errors[one.name] for one in box.driven.outputs])
-    where = np.tile(box.block, len(box.driven.outputs))
-    known = np.isfinite(residual)
     by_numbers, by_state = np.array(columns).T.reshape(len(residual), -1), np.array(turned).T
-    order = np.flatnonzero(known)[np.argsort(where[known], kind="stable")]
-    ends = np.cumsum(np.bincount(where[order], minlength=len(states)))
     pieces = []
-    for s, end in enumerate(ends):
-        rows = order[(ends[s - 1] if s else 0) : end]
+    for s, rows in enumerate(_rows_of_blocks(box, residual)):
         j, k, r = by_numbers[rows], by_state[rows], residual[rows]
         pieces.append((np.nan_to_num(j), np.nan_to_num(k), r, not box.split.held[s]))
     return pieces
+
+
+def _rows_of_blocks(box: GreyBox, residual: Array) -> list[NDArray[np.int64]]:
+    """Which of the stacked samples each block holds, of those that were measured."""
+    where = np.tile(box.block, len(box.driven.outputs))
+    known = np.isfinite(residual)
+    order = np.flatnonzero(known)[np.argsort(where[known], kind="stable")]
+    blocks = len(box.starts) - 1
+    ends = np.cumsum(np.bincount(where[order], minlength=blocks))
+    return [order[(ends[s - 1] if s else 0) : end] for s, end in enumerate(ends)]
 
 
 def difference_of(name: str, value: float, box: GreyBox) -> float:
@@ -203,7 +222,8 @@ def difference_of(name: str, value: float, box: GreyBox) -> float:
     return _DIFFERENCE * max(abs(value), 1e-3)
 
 
-def _stacked(box: GreyBox, run: Run, sigma: dict[str, float]) -> Array:
+def stacked(box: GreyBox, run: Run, sigma: dict[str, float]) -> Array:
+    """All outputs one after the other, in deviations."""
     return np.concatenate([run.outputs[one.name] / sigma[one.name] for one in box.driven.outputs])
 
 
@@ -212,14 +232,15 @@ def _normal(box: GreyBox, pieces: list[Piece], count: int) -> tuple[Array, Array
     for j, k, r, trains in pieces:
         if not trains or not len(r):
             continue
-        q = _basis(k)
+        q = orthonormal(k)
         j_free, r_free = j - q @ (q.T @ j), r - q @ (q.T @ r)
         normal += j_free.T @ j_free
         gradient += j_free.T @ r_free
     return normal, gradient
 
 
-def _basis(k: Array) -> Array:
+def orthonormal(k: Array) -> Array:
+    """A basis of what the columns span, (n, at most m); without those that the others make up."""
     size = np.linalg.norm(k, axis=0)
     q, r = np.linalg.qr(k / np.where(size > 0.0, size, 1.0))
     kept = np.abs(np.diag(r)) > 1e-7
@@ -258,7 +279,7 @@ def _settled(
 def _by_block(box: GreyBox, errors: dict[str, Array]) -> Array:
     """Each block's sum of squares."""
     total = sum(np.nan_to_num(one) ** 2 for one in errors.values())
-    return np.bincount(box.block, np.asarray(total), minlength=len(box.starts) - 1)
+    return np.asarray(np.bincount(box.block, np.asarray(total), minlength=len(box.starts) - 1), np.float64)
 
 
 def _finished(

@@ -92,28 +92,42 @@ class GreyBox:
         """The same, judged by the sensors at the joint alone."""
         return replace(self, driven=self.driven.with_outputs("position", "motor", "velocity"), modes=0)
 
-    def driving(self, numbers: Numbers) -> Array:
-        """What reaches the joint at each substep, (n substeps + 1,), in the input's unit."""
-        driven, parts = self.driven, self.substeps
+    def driving(self, numbers: Numbers, parts: int) -> Array:
+        """What reaches the joint at the start and the end of each substep, (n parts, 2), in the input's unit.
+
+        numbers["held"]: 1 where the input stays for a sample, as a converter holds it; 0 where it was measured and is
+        linear between samples.
+        """
+        driven, h = self.driven, self.driven.step_s
         u = driven.u
         zone, limit = numbers.get("dead_zone", 0.0), numbers.get("limit", 0.0)
         if zone > 0.0:
             u = np.sign(u) * np.maximum(np.abs(u) - zone, 0.0)
         if limit > 0.0:
             u = np.clip(u, -limit, limit)
-        step = driven.step_s / parts
+        step = h / parts
         fine = np.arange(driven.samples * parts + 1) * step - numbers.get("delay", 0.0)
-        u = np.interp(fine, np.arange(driven.samples) * driven.step_s, u)
+        if numbers.get("held", 0.0):
+            # the mean over each substep, wherever the input changes within it
+            passed = np.concatenate([[0.0], np.cumsum(u) * h])
+            whole = np.interp(fine, np.arange(driven.samples + 1) * h, passed) + u[0] * np.minimum(fine, 0.0)
+            begin = end = np.diff(whole) / step
+        else:
+            at = np.interp(fine, np.arange(driven.samples) * h, u)
+            begin, end = at[:-1], at[1:]
         lag = numbers.get("lag", 0.0)
         if lag > 1e-3 * step:
             keep = exp(-step / lag)
-            # exact for an input that is linear over the step
+            # exact for an input that is linear over the substep
             late = 1.0 - lag / step * (1.0 - keep)
-            u = lfilter([late, 1.0 - keep - late], [1.0, -keep], u - u[0])[: len(u)] + u[0]
-        return np.ascontiguousarray(u)
+            fed = late * end + (1.0 - keep - late) * begin
+            after = lfilter([1.0], [1.0, -keep], fed - (1.0 - keep) * begin[0]) + begin[0]
+            begin, end = np.concatenate([[begin[0]], after[:-1]]), after
+        return np.ascontiguousarray(np.column_stack([begin, end]))
 
     def linear(self, numbers: Numbers, factor: float = 1.0) -> LinearJoint:
-        """The linear part; factor: of the inertia that the joint shows."""
+        """The linear part; factor: of the inertia that the hub shows."""
+        factor *= 1.0 + numbers.get("inertia_excess", 0.0)
         modes = tuple(
             (
                 exp(min(numbers[f"log_w_{i}"], np.log(_MOST_ROOT))),
@@ -146,10 +160,10 @@ class GreyBox:
         if factor != 1.0:
             for name in ("coulomb_positive", "coulomb_negative", "gravity_sine", "gravity_cosine", "offset"):
                 laws[1, LAWS.index(name)] /= factor
-        u = self.driving(numbers)
+        u = self.driving(numbers, parts)
         out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
         torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)
-        drive = u[: driven.samples * parts : parts]
+        drive = u[::parts, 0]
         a, b = self.linear(numbers).equations()
         theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
         seen = {one.name: self._seen(one, numbers, out, drive, forces, theta_dd) for one in driven.outputs}
@@ -158,16 +172,15 @@ class GreyBox:
     def _with_play(self, numbers: Numbers, law: Array, states: Array) -> Run:
         driven, parts = self.driven, self.substeps * _PARTS_OF_PLAY
         step = driven.step_s / parts
-        drive = self.driving(numbers)
-        fine = np.interp(np.arange(driven.samples * parts + 1) / parts, np.arange(len(drive)) / self.substeps, drive)
+        u = self.driving(numbers, parts)
         out = np.empty((driven.samples, 4))
         share, gap = min(max(numbers["share"], 0.02), 0.98), max(numbers["gap"], 0.0)
         linear = numbers["gain"], numbers["damping"]
-        play_run(share, *linear, gap, law, fine, parts, step, self.starts, states, out)
+        play_run(share, *linear, gap, law, u, parts, step, self.starts, states, out)
         side = 2 if numbers.get("on_motor", 0.0) else 0
         z = np.ascontiguousarray(out[:, side : side + 2])
         acceleration = np.gradient(z[:, 1], driven.step_s)
-        forces, at = np.zeros((driven.samples, 2)), drive[: driven.samples * self.substeps : self.substeps]
+        forces, at = np.zeros((driven.samples, 2)), u[::parts, 0]
         plain = replace(self, play=False)
         seen = {}
         for one in driven.outputs:
@@ -192,7 +205,9 @@ class GreyBox:
             rates = np.arange(3, self.size, 2)
             bent = z @ a[rates].T + np.outer(drive, b[rates, 0]) + np.outer(forces[:, 0], b[rates, 1])
             shares = [numbers.get(f"share_{i} {name}", 1.0) for i in range(1, self.modes + 1)]
-            true = numbers.get(f"direct {name}", 0.0) * theta_dd + (bent @ np.array(shares) if shares else 0.0)
+            true = numbers.get(f"direct {name}", 0.0) * theta_dd + (
+                bent @ np.array(shares) if shares else 0.0
+            )
             slope = np.gradient(true, self.driven.step_s)
         true = self._late(true, slope, numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0))
         return np.asarray(scale * true + offset)

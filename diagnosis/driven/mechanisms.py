@@ -19,6 +19,7 @@ from stillarm.diagnosis.driven.start import regressed_joint
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
+_HUNDREDTH = 0.01
 
 
 @dataclass(frozen=True)
@@ -70,11 +71,18 @@ def _coulomb_by_direction(fitted: DrivenFit) -> Starts:
 def _stribeck(fitted: DrivenFit) -> Starts:
     begun = fitted.numbers.get("coulomb", 0.0) or 0.15 * force_of(fitted)
     for speed in (0.05, 0.3):
-        yield {"coulomb": begun, "stribeck": 0.5 * begun, "log_stribeck_velocity": float(np.log(speed * _speed(fitted)))}
+        yield {
+            "coulomb": begun,
+            "stribeck": 0.5 * begun,
+            "log_stribeck_velocity": float(np.log(speed * _speed(fitted))),
+        }
 
 
 def _square(fitted: DrivenFit) -> Starts:
-    yield {"viscous_square": 0.1 * force_of(fitted) / _speed(fitted) ** 2, "damping": 0.7 * fitted.numbers["damping"]}
+    yield {
+        "viscous_square": 0.1 * force_of(fitted) / _speed(fitted) ** 2,
+        "damping": 0.7 * fitted.numbers["damping"],
+    }
 
 
 def _asymmetry(fitted: DrivenFit) -> Starts:
@@ -83,14 +91,26 @@ def _asymmetry(fitted: DrivenFit) -> Starts:
 
 def _ripple(fitted: DrivenFit) -> Starts:
     for cycles in strongest_waves(fitted):
-        yield {"ripple_cycles": cycles, "ripple_sine": 0.0, "ripple_cosine": 0.0}
+        for part in ("ripple_sine", "ripple_cosine"):
+            still = {"ripple_cycles": cycles, "ripple_sine": 0.0, "ripple_cosine": 0.0}
+            yield {**still, part: _HUNDREDTH * force_of(fitted)}
 
 
-def _zero(*names: str) -> Callable[[DrivenFit], Starts]:
+def _small(*names: str) -> Callable[[DrivenFit], Starts]:
+    """A hundredth of what usually drives the joint, each by itself: laws of which either sign may be."""
+
     def starts(fitted: DrivenFit) -> Starts:
-        yield dict.fromkeys(names, 0.0)
+        for name in names:
+            yield {**dict.fromkeys(names, 0.0), name: _HUNDREDTH * force_of(fitted) * _per(name, fitted)}
 
     return starts
+
+
+def _per(name: str, fitted: DrivenFit) -> float:
+    """What a law's number is multiplied by, in SI, so that it makes a hundredth of the usual force."""
+    travel = float(np.std(fitted.run.states[:, 0])) + 1e-12
+    bent = float(np.std(fitted.run.states[:, 2])) + 1e-12 if fitted.box.modes else 1.0
+    return {"stiffness": 1.0 / travel, "arm_cubic": 1.0 / bent**3}.get(name, 1.0)
 
 
 def _dead_zone(fitted: DrivenFit) -> Starts:
@@ -146,13 +166,14 @@ def _rigid(fitted: DrivenFit) -> bool:
 FORMS = (
     Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, _joint),
     Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction, _joint),
-    Form("joint_stribeck_friction", "larger at rest", ("coulomb", "stribeck", "log_stribeck_velocity"), _stribeck, _joint),
+    Form("joint_stribeck_friction", "larger at rest", ("coulomb", "stribeck", "log_stribeck_velocity"), _stribeck,
+         _joint),
     Form("joint_viscous_friction", "with the square of velocity", ("viscous_square",), _square, _joint),
     Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, _joint),
     Form("torque_ripple", "over the joint's angle", ("ripple_cycles", "ripple_sine", "ripple_cosine"), _ripple, _joint),
-    Form("torque_offset", "constant", ("offset",), _zero("offset"), _joint),
-    Form("torque_offset", "gravity over the joint's angle", ("gravity_sine", "gravity_cosine"),
-         _zero("gravity_sine", "gravity_cosine"), _has("position", "motor")),
+    Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
+    Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
+         _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
     Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone),
     Form("drive_saturation", "of the input", ("limit",), _limit),
     Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
@@ -160,9 +181,9 @@ FORMS = (
     Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
-    Form("cubic_stiffness", "of the arm", ("arm_cubic",), _zero("arm_cubic"), _bends),
+    Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
     Form(STRUCTURE, "a lag of the amplifier", ("lag",), _lag),
-    Form(STRUCTURE, "a stiffness of the joint", ("stiffness",), _zero("stiffness"), _has("position", "motor")),
+    Form(STRUCTURE, "a stiffness of the joint", ("stiffness",), _small("stiffness"), _has("position", "motor")),
 )  # fmt: skip
 
 
@@ -179,12 +200,44 @@ def forms_for(fitted: DrivenFit) -> list[Form]:
         if f"delay {one.name}" not in fitted.free:
             found.append(Form("channel_delay", f"of {one.name}", (f"delay {one.name}",), _delays(one.name)))
         if f"lag {one.name}" not in fitted.free:
-            lags = "accelerometer_lag" if one.kind == "acceleration" else "channel_delay"
+            lags = "accelerometer_lag" if one.kind == "acceleration" else "sensor_lag"
             found.append(Form(lags, f"a filter's lag in {one.name}", (f"lag {one.name}",), _lags(one.name)))
         scaled = one.kind in ("velocity", "motor") and positions and one is not positions[0] and one.stated
-        if scaled and f"scale {one.name}" not in fitted.free:
+        known = {"gain", "damping"} <= set(fitted.numbers) - set(fitted.free)
+        if scaled and not known and f"scale {one.name}" not in fitted.free:
             found.append(Form("sensor_scale", f"of {one.name}", (f"scale {one.name}",), _scale(one.name)))
+    if {"gain", "damping"} <= set(fitted.numbers) - set(fitted.free):
+        found += _against_the_model(fitted)
     return found
+
+
+def _against_the_model(fitted: DrivenFit) -> list[Form]:
+    """What may be otherwise than the model file states."""
+    forms = [
+        Form("joint_viscous_friction", "against the model", ("damping",), _more("damping")),
+        Form("inertia_change", "against the model", ("inertia_excess",), _fixed("inertia_excess", 0.1)),
+    ]
+    if fitted.box.modes:
+        carried = tuple(f"carries_{i}" for i in range(1, fitted.box.modes + 1))
+        forms.append(Form("inertia_change", "a payload at the tip", carried, _more(*carried)))
+    for one in fitted.box.driven.outputs:
+        if one.stated and one.kind != "acceleration" and f"scale {one.name}" not in fitted.free:
+            forms.append(Form("sensor_scale", f"of {one.name}", (f"scale {one.name}",), _scale(one.name)))
+    return [one for one in forms if not set(one.numbers) <= set(fitted.free)]
+
+
+def _fixed(name: str, value: float) -> Callable[[DrivenFit], Starts]:
+    def starts(fitted: DrivenFit) -> Starts:
+        yield {name: value}
+
+    return starts
+
+
+def _more(*names: str) -> Callable[[DrivenFit], Starts]:
+    def starts(fitted: DrivenFit) -> Starts:
+        yield {name: 1.2 * fitted.numbers[name] + 1e-3 for name in names}
+
+    return starts
 
 
 def _delays(name: str) -> Callable[[DrivenFit], Starts]:
@@ -205,7 +258,7 @@ def _lags(name: str) -> Callable[[DrivenFit], Starts]:
 
 def _scale(name: str) -> Callable[[DrivenFit], Starts]:
     def starts(fitted: DrivenFit) -> Starts:
-        yield {f"scale {name}": 1.0}
+        yield {f"scale {name}": 1.05}
 
     return starts
 

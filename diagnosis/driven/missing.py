@@ -1,8 +1,8 @@
 """The force that a fit lacks, as a curve over the joint's angle and over its velocity, whatever its form.
 
 Each block's residual is what a missing acceleration f(theta, theta') would have made of it through the linear model.
-Here it is read in the inverse direction (Janot, Gautier, Brunot, Control Engineering Practice 2019): the joint's measured
-acceleration, band-limited by a local cubic, less what the model gives for the same state and input.
+Here it is read in the inverse direction (Janot, Gautier, Brunot, Control Engineering Practice 2019): the joint's
+measured acceleration, band-limited by a local cubic, less what the model gives for the same state and input.
 """
 
 from dataclasses import dataclass
@@ -52,7 +52,11 @@ def missing_force(fitted: DrivenFit) -> MissingForce | None:
     theta, omega, alpha = motion
     numbers, h = fitted.numbers, driven.step_s
     width = max(7, 2 * int(0.5 * _WINDOW_S / h) + 1)
-    given = numbers["gain"] * fitted.run.drive - numbers["damping"] * omega - numbers.get("stiffness", 0.0) * theta
+    given = (
+        numbers["gain"] * fitted.run.drive
+        - numbers["damping"] * omega
+        - numbers.get("stiffness", 0.0) * theta
+    )
     for i in range(1, fitted.box.modes + 1):
         w, zeta = np.exp(numbers[f"log_w_{i}"]), numbers[f"zeta_{i}"]
         q, v = fitted.run.states[:, 2 * i], fitted.run.states[:, 2 * i + 1]
@@ -72,7 +76,9 @@ def _curve(at: Array, force: Array) -> Curve:
         inside = force[place == k]
         if len(inside) >= _FEWEST:
             # neighbours tell the same: a tenth of the samples is taken for independent
-            rows.append((0.5 * (edges[k] + edges[k + 1]), inside.mean(), inside.std() / np.sqrt(len(inside) / 10.0)))
+            rows.append(
+                (0.5 * (edges[k] + edges[k + 1]), inside.mean(), inside.std() / np.sqrt(len(inside) / 10.0))
+            )
     return Curve(*np.array(rows).reshape(-1, 3).T)
 
 

@@ -100,7 +100,8 @@ def read_driven(recording: Recording) -> Driven:
     grid = np.arange(time[0], time[-1] + 0.5 * step, step)
     if len(grid) > 40 * len(time) + 1000:
         raise UserError(
-            f"{recording.path}: {len(time)} rows span {time[-1] - time[0]:.0f} s; cut the recording where it was interrupted"
+            f"{recording.path}: {len(time)} rows span {time[-1] - time[0]:.0f} s; cut the recording where it was "
+            "interrupted"
         )
     u = np.interp(grid, time, values)
     outputs, left_out = [], {}
@@ -113,11 +114,14 @@ def read_driven(recording: Recording) -> Driven:
             continue
         outputs.append(Output(name, kind, _on(grid, there, read), stated, counter_step(read)))
     if not outputs or np.std(u) == 0.0:
+        why = "is constant" if np.std(u) == 0.0 else "moves nothing measured"
         raise UserError(
-            f"{recording.path}: nothing to diagnose: the input {role} {'is constant' if np.std(u) == 0.0 else 'moves nothing measured'}; "
-            f"give at least {_FEWEST} samples of a joint position, velocity, deflection or acceleration that vary"
+            f"{recording.path}: nothing to diagnose: the input {role} {why}; give at least {_FEWEST} samples of a "
+            "joint position, velocity, deflection or acceleration that vary"
         )
-    driven = Driven(str(recording.path), step, float(time[0]), role, u, drive_stated, tuple(outputs), left_out)
+    driven = Driven(
+        str(recording.path), step, float(time[0]), role, u, drive_stated, tuple(outputs), left_out
+    )
     return thinned(driven, thin)
 
 

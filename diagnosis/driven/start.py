@@ -15,6 +15,7 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.signals import Driven, Output
+from stillarm.diagnosis.driven.stated import Stated
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,8 @@ _JOINT = ("position", "motor", "velocity")
 _WINDOW_S = 0.05
 _LOWEST_HZ, _TRIED_HZ = 0.4, 48
 _DAMPING_TRIED = 0.02
-_INERTIA_TRIED = (0.05, 0.5, 2.0)  # of a mode, over the hub's: how much higher it rings on a free hub
+STATED = "stated"  # a number of a grey box whose structure a model file states
+_INERTIA_TRIED = (0.1, 1.0)  # of a mode, over the hub's: how much higher it rings on a free hub
 _QUICK = 8
 
 
@@ -62,9 +64,19 @@ def free_of(box: GreyBox) -> tuple[str, ...]:
     return tuple(free)
 
 
-def linear_start(driven: Driven, split: Split) -> DrivenFit:
-    """The best linear start: a joint, with a mode where the arm is measured."""
+def linear_start(driven: Driven, split: Split, stated: Stated | None = None) -> DrivenFit:
+    """The best linear start: a joint, with a mode where the arm is measured; or what the model states. The input is
+    held or linear between samples, as foretells more."""
+    begun = _start(driven, split, stated)
+    other = {**begun.numbers, "held": 1.0 - begun.numbers.get("held", 0.0)}
+    held = fit(begun.box, other, begun.free, begun.states)
+    return max(begun, held, key=lambda one: float(one.whole.sum()))
+
+
+def _start(driven: Driven, split: Split, stated: Stated | None) -> DrivenFit:
     plain = GreyBox(driven, split)
+    if stated is not None:
+        return _from_stated(plain, stated)
     numbers = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
     if not needs_mode(driven):
         return fit(plain, numbers, free_of(plain))
@@ -79,13 +91,28 @@ def linear_start(driven: Driven, split: Split) -> DrivenFit:
     return fit(best.box, best.numbers, best.free, best.states, steps=20)
 
 
+def _from_stated(plain: GreyBox, stated: Stated) -> DrivenFit:
+    """The stated joint, refitted in what may be off without being a cause."""
+    driven = plain.driven
+    box = GreyBox(driven, plain.split, stated.modes)
+    begun = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
+    numbers = {**begun, **stated.numbers, STATED: 1.0}
+    for one in driven.outputs:
+        numbers.setdefault(f"offset {one.name}", 0.0)
+        if one.kind == "acceleration":
+            for i in range(1, stated.modes + 1):
+                numbers.setdefault(f"share_{i} {one.name}", 1.0)
+    free = tuple(one for one in free_of(box) if one not in stated.fixed)
+    return fit(box, numbers, free)
+
+
 def _without_joint(driven: Driven) -> dict[str, float]:
     return {"gain": 1.0 / _size(driven.u), "damping": 0.0, "delay": 0.0}
 
 
 def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[str, float]]:
     """Numbers with the first mode as the measured joint shows it: a resonance driven by theta'' answers at its
-    clamped-free frequency, whatever the joint rubs; then theta'' is regressed on the input, the velocity and the mode."""
+    clamped-free frequency, whatever the joint rubs; then theta'' is regressed on input, velocity and mode."""
     motion = joint_motion(driven)
     bent = next((one for one in driven.outputs if one.kind == "deflection"), None)
     if motion is None or bent is None:
@@ -133,13 +160,17 @@ def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
     return fit(box, best.numbers, best.free, best.states)
 
 
-def modes_to_try(box: GreyBox, numbers: dict[str, float], fitted: DrivenFit | None) -> Iterator[dict[str, float]]:
+def modes_to_try(
+    box: GreyBox, numbers: dict[str, float], fitted: DrivenFit | None
+) -> Iterator[dict[str, float]]:
     """Numbers with one mode more, at the frequencies that explain most."""
     i, driven = box.modes + 1, box.driven
     output = _looks_at_arm(driven)
     residual = output.values if fitted is None else fitted.residuals[output.name]
     bends = output.kind == "deflection"
-    ranked = sorted(_resonances(driven, residual, output, driven.u), key=lambda one: -one[0])[: 2 if fitted is None else 3]
+    ranked = sorted(_resonances(driven, residual, output, driven.u), key=lambda one: -one[0])[
+        : 2 if fitted is None else 3
+    ]
     shares = _INERTIA_TRIED if has_joint(driven) else (0.05,)
     for _, hz, response in ranked:
         for share in shares:
@@ -248,7 +279,7 @@ def _joint_numbers(driven: Driven) -> dict[str, float]:
         numbers[f"offset {one.name}"] = 0.0
         numbers[f"scale {one.name}"] = 1.0
         if one.kind == "acceleration":
-            numbers[f"direct {one.name}"] = float(np.nanstd(one.values) / max(np.std(alpha), 1e-12))
+            numbers[f"direct {one.name}"] = float(np.nanstd(one.values) / max(float(np.std(alpha)), 1e-12))
     _scale_second_sensors(driven, numbers, omega)
     return numbers
 

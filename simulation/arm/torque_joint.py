@@ -135,7 +135,7 @@ def _limit(laws: Array, omega: float) -> tuple[float, float]:
 def smooth_torque(laws: Array, theta: float, omega: float) -> float:
     """All that acts on the joint by a law, without dry friction, rad/s^2."""
     phase = laws[_RN] * theta
-    return (
+    torque: float = (
         laws[_OFF]
         - (laws[_V2] * omega + laws[_VA]) * abs(omega)
         + laws[_RS] * np.sin(phase)
@@ -144,19 +144,20 @@ def smooth_torque(laws: Array, theta: float, omega: float) -> float:
         + laws[_GC] * np.cos(theta)
         - laws[_K3] * theta * theta * theta
     )
+    return torque
 
 
 @compiled
-def torque_run(
+def torque_run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as much as its body)
     phi: Array, g: Array, laws: Array, switch: int, u: Array, substeps: int, step_s: float,
     starts: Integers, states: Array, out: Array, out_force: Array,
 ) -> None:  # fmt: skip
     """Free runs over the segments of a recording, one after the other.
 
     phi: (2, n, n) and g: (2, n, 4) of a substep (`transition`), before sample `switch` and from it on. laws: (2, l),
-    likewise. u: (samples * substeps + 1,). starts: (segments + 1,) first sample of each, and the end; states:
-    (segments, n) there. Fills out (samples, n) at each sample, and out_force (samples, 2): the forces on the joint
-    and on the first mode just after it, rad/s^2, m/s^2.
+    likewise. u: (samples * substeps, 2) at each substep's start and end. starts: (segments + 1,) first
+    sample of each, and the end; states: (segments, n) there. Fills out (samples, n) at each sample, and
+    out_force (samples, 2): the forces on the joint and on the first mode just after it, rad/s^2, m/s^2.
     """
     n = phi.shape[1]
     z, new = np.empty(n), np.empty(n)
@@ -176,7 +177,7 @@ def torque_run(
                     middle = z[2] + 0.5 * step_s * z[3]
                     force = -law[_Q3] * middle * middle * middle
                 for i in range(n):
-                    total = g[part, i, 0] * u[at] + g[part, i, 1] * u[at + 1] + g[part, i, 2] * push
+                    total = g[part, i, 0] * u[at, 0] + g[part, i, 1] * u[at, 1] + g[part, i, 2] * push
                     total += g[part, i, 3] * force
                     for j in range(n):
                         total += f[i, j] * z[j]
@@ -218,7 +219,7 @@ def play_run(
             out[k, 0], out[k, 1], out[k, 2], out[k, 3] = theta, omega, motor, rate
             for s in range(substeps):
                 at = k * substeps + s
-                push = 0.5 * gain * (u[at] + u[at + 1]) - damping * rate
+                push = 0.5 * gain * (u[at, 0] + u[at, 1]) - damping * rate
                 push += smooth_torque(laws, motor + 0.5 * h * rate, rate)
                 forward, backward = _limit(laws, rate)
                 apart = motor - theta
