@@ -57,7 +57,8 @@ class Drive(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
     inertia_kg_m2: of the joint with the arm rigid. torque_per_input: N m per unit of the command (1 for a torque, the
     motor constant times the gear ratio for a current, that over the winding's resistance for a voltage, the stiffness
-    of a position loop). back_emf_n_m_s: what the winding brakes with under a voltage.
+    of a position loop). back_emf_n_m_s: what the winding brakes with under a voltage. gear_ratio: turns of
+    the motor, which motor_position_rad counts, for one of the joint.
     """
 
     kind: Literal["velocity", "torque", "current", "voltage", "position"] = "velocity"
@@ -75,6 +76,7 @@ class Drive(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     amplifier_lag_s: NonNegative | msgspec.UnsetType = msgspec.UNSET
     input_limit: Positive | msgspec.UnsetType = msgspec.UNSET
     gear_play_rad: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    gear_ratio: Signed | msgspec.UnsetType = msgspec.UNSET
 
 
 class Accelerometer(msgspec.Struct, forbid_unknown_fields=True, frozen=True):

@@ -19,12 +19,12 @@ from stillarm.diagnosis.driven.search import CONVINCES, PRICE, Searched, Tried, 
 Array = NDArray[np.float64]
 
 NEAR_NATS, NEAR_SHARE = 3.0, 0.02  # within which two causes are a class
-SHARE_TO_NAME = 0.35  # of all that is gained beyond the linear start
+SHARE_TO_NAME = 0.35  # of what all findings gain
 BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
 MATTERS_OF_NOISE, MATTERS_OF_MOTION = 0.5, 1.0 / 2000.0
 _QUIET = 0.25  # of the blocks
-_MOST_COLOUR = 2.0  # times the white noise, of the quietest blocks
+_MOST_COLOUR = 3.0  # times the white noise, of the quietest blocks
 _MOST_CONFIDENCE = 0.99
 
 
@@ -69,7 +69,7 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
     final = found.final
     needed: list[tuple[Tried, float, DrivenFit]] = []
     for one in [other for other in taken if other.form.cause != STRUCTURE]:
-        without = _without(final, one.form, taken)
+        without = _without(final, one.form, taken, found.start.numbers)
         worth = judged(one.form, final, without).merit if left_s() > 0.0 else one.merit
         if worth >= CONVINCES and _channel(without, final)[1] >= LEAST_OF_NOISE:
             needed.append((one, worth, without))
@@ -77,23 +77,19 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
     needed = [one for one in needed if one[1] >= BESIDE_SHARE * needed[0][1]]
     rests = tuple(rest_of(final, one.name) for one in final.box.driven.outputs)
     findings = tuple(_finding(one, worth, without, found, final) for one, worth, without in needed)
-    total = float((final.whole - found.start.whole).sum())
+    total = sum(one.merit for one in findings)
     sure = bool(findings) and findings[0].merit >= SHARE_TO_NAME * total and len(findings[0].near) <= 1
     unnamed = "unexplained" if findings or any(one.matters for one in rests) else "none"
     verdict = "named" if sure else unnamed
     return Verdict(verdict, findings, rests, final)
 
 
-def _without(final: DrivenFit, form: Form, taken: list[Tried]) -> DrivenFit:
-    """The final model refitted without a form's numbers, unless another form has them too."""
+def _without(final: DrivenFit, form: Form, taken: list[Tried], start: dict[str, float]) -> DrivenFit:
+    """The final model refitted without a form's numbers, unless another form has them too; they are as at the start."""
     others = {name for one in taken if one.form is not form for name in one.form.numbers}
     gone = set(form.numbers) - others
     numbers = {name: value for name, value in final.numbers.items() if name not in gone}
-    for name in form.numbers:
-        if name.startswith("scale "):
-            numbers[name] = 1.0
-    if "delay" in gone:
-        numbers["delay"] = final.box.driven.step_s
+    numbers |= {name: start[name] for name in gone if name in start}
     free = tuple(one for one in final.free if one not in gone or one == "delay")
     box, states = final.box, final.states
     if form.play:

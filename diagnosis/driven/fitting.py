@@ -66,6 +66,7 @@ def fit(
         states = guess
     sigma = _levels(box)
     states = _settled(box, numbers, states, sigma)
+    sigma = _levels_of(box, _cost(box, numbers, states, sigma)[1], sigma)
     cost, errors = _cost(box, numbers, states, sigma)
     damping = _DAMPING
     normal = np.eye(len(free))
@@ -90,13 +91,11 @@ def fit(
         gained = cost - trial_cost
         numbers, states, errors = trial, trial_states, trial_errors
         settled = gained < _SETTLED * cost
-        cost, damping = trial_cost, max(damping / 10.0, 1e-7)
+        damping = max(damping / 10.0, 1e-7)
         if settled:
             break
-        sigma_new = _levels_of(box, errors, sigma)
-        if sigma_new != sigma:
-            sigma = sigma_new
-            cost, errors = _cost(box, numbers, states, sigma)
+        sigma = _levels_of(box, errors, sigma)
+        cost, errors = _cost(box, numbers, states, sigma)
     return _finished(box, numbers, free, _settled(box, numbers, states, sigma, 3), normal)
 
 

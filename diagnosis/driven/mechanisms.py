@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.greybox import pull_of
 from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
-from stillarm.diagnosis.driven.start import regressed_joint
+from stillarm.diagnosis.driven.start import STATED, regressed_joint
 
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
@@ -203,10 +203,10 @@ def forms_for(fitted: DrivenFit) -> list[Form]:
             lags = "accelerometer_lag" if one.kind == "acceleration" else "sensor_lag"
             found.append(Form(lags, f"a filter's lag in {one.name}", (f"lag {one.name}",), _lags(one.name)))
         scaled = one.kind in ("velocity", "motor") and positions and one is not positions[0] and one.stated
-        known = {"gain", "damping"} <= set(fitted.numbers) - set(fitted.free)
+        known = STATED in fitted.numbers
         if scaled and not known and f"scale {one.name}" not in fitted.free:
             found.append(Form("sensor_scale", f"of {one.name}", (f"scale {one.name}",), _scale(one.name)))
-    if {"gain", "damping"} <= set(fitted.numbers) - set(fitted.free):
+    if STATED in fitted.numbers:
         found += _against_the_model(fitted)
     return found
 

@@ -48,6 +48,9 @@ def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
         "lag": _or(drive.amplifier_lag_s, 0.0),
         "hub_inertia_kg_m2": hub,
     }
+    for one in driven.outputs:
+        if one.kind == "motor":
+            numbers[f"scale {one.name}"] = _or(drive.gear_ratio, 1.0)
     if drive.input_limit is not msgspec.UNSET:
         numbers["limit"] = drive.input_limit
     bends = any(one.kind == "deflection" for one in driven.outputs)
@@ -56,10 +59,13 @@ def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
         numbers[f"zeta_{i}"] = mode.damping_ratio
         numbers[f"follows_{i}"] = mode.participation * (length or nan) if bends else 1.0
         numbers[f"carries_{i}"] = inertia / hub
-    known = driven.drive_stated and any(
-        one.stated for one in driven.outputs if one.kind in ("position", "motor", "velocity")
-    )
-    fixed = ("gain", "damping", *(f"carries_{i}" for i in range(1, len(heavy) + 1))) if known else ()
+    known = any(one.stated for one in driven.outputs if one.kind in ("position", "motor", "velocity"))
+    fixed = ("damping", *(f"carries_{i}" for i in range(1, len(heavy) + 1))) if known else ()
+    if known and driven.drive_stated:
+        fixed += ("gain",)
+    if not driven.drive_stated:  # counts of a converter, say: what a unit of them is nobody knows
+        del numbers["gain"]
+        numbers.pop("limit", None)
     return Stated(numbers, fixed, len(heavy))
 
 
