@@ -5,7 +5,7 @@ taken out of the final model once more, and what the others cannot make up for i
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import exp, inf
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
+from stillarm.diagnosis.driven.quantised import quantised
 from stillarm.diagnosis.driven.search import CONVINCES, PRICE, Searched, Tried, judged
 
 Array = NDArray[np.float64]
@@ -24,6 +25,7 @@ BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
 MATTERS_OF_NOISE, MATTERS_OF_MOTION = 0.5, 1.0 / 2000.0
 _QUIET = 0.25  # of the blocks
+_FEWEST_BLOCKS = 6
 _MOST_COLOUR = 3.0  # times the white noise, of the quietest blocks
 _MOST_CONFIDENCE = 0.99
 
@@ -40,6 +42,8 @@ class DrivenFinding:
     confidence: float
     channel: str
     reduction: float
+    own: dict[str, float] = field(default_factory=dict)
+    """Numbers that are none of the simulation's."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,12 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
     needed = [one for one in needed if one[1] >= BESIDE_SHARE * needed[0][1]]
     rests = tuple(rest_of(final, one.name) for one in final.box.driven.outputs)
     findings = tuple(_finding(one, worth, without, found, final) for one, worth, without in needed)
+    steps = quantised(final)
+    if steps is not None:
+        form, channel, size, reduction = steps
+        findings += (
+            DrivenFinding(form, CONVINCES, final, (), _MOST_CONFIDENCE, channel, reduction, {"step": size}),
+        )
     total = sum(one.merit for one in findings)
     sure = bool(findings) and findings[0].merit >= SHARE_TO_NAME * total and len(findings[0].near) <= 1
     unnamed = "unexplained" if findings or any(one.matters for one in rests) else "none"
@@ -138,7 +148,10 @@ def rest_of(fitted: DrivenFit, name: str) -> Rest:
     levels = [float(np.sqrt(np.nanmean(one**2))) for one in blocks if np.isfinite(one).sum() > 12]
     quiet = float(np.quantile(levels, _QUIET))
     noise = max(white, 0.29 * output.step, min(quiet, _MOST_COLOUR * white))
-    rms = float(np.sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)))
+    usual_blocks = (
+        np.sort(levels)[:-1] if len(levels) > _FEWEST_BLOCKS else np.array(levels)
+    )  # one may be odd
+    rms = float(np.sqrt(max(float(np.mean(usual_blocks**2)) - noise**2, 0.0)))
     spectrum = np.abs(np.fft.rfft(np.nan_to_num(residual))) ** 2
     spectrum[0] = 0.0
     share = np.cumsum(spectrum) / max(spectrum.sum(), 1e-300)

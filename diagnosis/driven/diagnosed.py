@@ -149,7 +149,8 @@ def _finding_row(driven: Driven, one: DrivenFinding, final: DrivenFit) -> dict[s
             }
             for name in one.form.numbers
             if name in final.numbers and name != "late"
-        },
+        }
+        | {name: {"value": value, "std": 0.0} for name, value in one.own.items()},
         "held_out": {
             "nrmse_before": without.rms(one.channel, True) / usual,
             "nrmse_after": final.rms(one.channel, True) / usual,

@@ -235,7 +235,7 @@ class GreyBox:
             late[a:b] = one
         return late
 
-    def first_states(self) -> Array:
+    def first_states(self, numbers: Numbers) -> Array:
         """Where the blocks begin as far as the sensors tell: (blocks, size)."""
         states = np.zeros((len(self.starts) - 1, self.size))
         h = self.driven.step_s
@@ -248,7 +248,9 @@ class GreyBox:
                 known = np.flatnonzero(np.isfinite(head))
                 if len(known) < 3:
                     continue
-                line = np.polyfit(known * h, head[known], 1)
+                line = np.polyfit(known * h, head[known], 1) / (
+                    numbers.get(f"scale {output.name}", 1.0) or 1.0
+                )
                 states[s, place] = line[1]
                 if place != 1:
                     states[s, place + 1] = line[0]

@@ -51,6 +51,11 @@ def _speed(fitted: DrivenFit) -> float:
 
 
 def _coulomb(fitted: DrivenFit) -> Starts:
+    for start in _coulomb_by_direction(fitted):
+        yield {name: value for name, value in start.items() if name != "coulomb_difference"}
+
+
+def _coulomb_by_direction(fitted: DrivenFit) -> Starts:
     numbers, arm = fitted.numbers, np.zeros(fitted.box.driven.samples)
     for i in range(1, fitted.box.modes + 1):
         w, zeta = np.exp(numbers[f"log_w_{i}"]), numbers[f"zeta_{i}"]
@@ -58,14 +63,14 @@ def _coulomb(fitted: DrivenFit) -> Starts:
         arm += pull_of(numbers, i) * (w * w * q + 2.0 * zeta * w * v)
     found = regressed_joint(fitted.box.driven, arm)
     if found is not None and found[2] > 0.0:
-        yield {"gain": found[0], "damping": found[1], "coulomb": found[2]}
+        yield {"gain": found[0], "damping": found[1], "coulomb": found[2], "coulomb_difference": found[3]}
+        yield {
+            "damping": 0.8 * numbers["damping"], "delay": 0.0,
+            "coulomb": 1.5 * found[2], "coulomb_difference": 1.5 * found[3],
+        }  # fmt: skip
     for share in (0.1, 0.4):
-        yield {"coulomb": share * force_of(fitted), "damping": 0.7 * numbers["damping"]}
-
-
-def _coulomb_by_direction(fitted: DrivenFit) -> Starts:
-    for start in _coulomb(fitted):
-        yield {**start, "coulomb_difference": 0.0}
+        mean, slower = share * force_of(fitted), 0.7 * numbers["damping"]
+        yield {"coulomb": mean, "coulomb_difference": 0.0, "damping": slower}
 
 
 def _stribeck(fitted: DrivenFit) -> Starts:

@@ -25,7 +25,7 @@ Tick = Callable[[float, str], None]
 
 CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
-_MOST_FITS, _STEPS = 7, 12
+_MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
 _TRIED_ANYWAY, _MOST_PLAYS = 1.0, 4  # of play no first order tells
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
 _MOST_ROUNDS = 7
@@ -123,7 +123,7 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     done: dict[tuple[str, str], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
         key = (form.cause, form.words)
-        many = _MOST_PLAYS if form.play else 1
+        many = _MOST_PLAYS if form.play else _MOST_STARTS
         fits = len(finished) >= _MOST_FITS and not form.play
         if left_s() < 0.0 or done.get(key, 0) >= many or fits or share < _LEAST_SHARE:
             continue

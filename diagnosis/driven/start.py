@@ -59,9 +59,19 @@ def free_of(box: GreyBox) -> tuple[str, ...]:
             free += [f"share_{i} {one.name}" for i in range(1, box.modes + 1)]
             if not has_joint(driven) and not bends and box.modes:
                 free.remove("gain")
-        elif one.kind in ("velocity", "motor") and positions and not first_position and not one.stated:
+        elif (
+            one.kind in ("velocity", "motor")
+            and positions
+            and not first_position
+            and _scale_is_open(one, positions[0])
+        ):
             free.append(f"scale {one.name}")
     return tuple(free)
+
+
+def _scale_is_open(output: Output, position: Output) -> bool:
+    """Whether nobody knows an output's scale against the angle: no unit, or a motor's angle before an unknown gear."""
+    return not output.stated or "motor" in {output.kind, position.kind}
 
 
 def linear_start(driven: Driven, split: Split, stated: Stated | None = None) -> DrivenFit:
@@ -250,8 +260,9 @@ def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Ar
     return order[0], order[1], order[2]
 
 
-def regressed_joint(driven: Driven, arm: Array | None = None) -> tuple[float, float, float] | None:
-    """Gain, damping and dry friction of the joint, from its measured acceleration; None without a sensor there.
+def regressed_joint(driven: Driven, arm: Array | None = None) -> tuple[float, float, float, float] | None:
+    """Gain, damping, dry friction of the joint and half its difference by direction, from its measured acceleration;
+    None without a sensor there.
 
     arm: (n,) what the modes do to the joint, rad/s^2.
     """
@@ -267,7 +278,7 @@ def regressed_joint(driven: Driven, arm: Array | None = None) -> tuple[float, fl
     size[2] = 1.0
     wanted = alpha if arm is None else alpha - arm
     factor = np.linalg.lstsq(columns / size, wanted, rcond=1e-4)[0] / size
-    return float(factor[0]), max(float(factor[1]), 0.0), float(factor[3])
+    return float(factor[0]), max(float(factor[1]), 0.0), float(factor[3]), -float(factor[2])
 
 
 def _joint_numbers(driven: Driven) -> dict[str, float]:
@@ -285,18 +296,18 @@ def _joint_numbers(driven: Driven) -> dict[str, float]:
 
 
 def _scale_second_sensors(driven: Driven, numbers: dict[str, float], omega: Array) -> None:
-    if not any(one.kind == "position" for one in driven.outputs):
-        return
+    """Start values of the scales against the first angle."""
+    first = next((one for kind in ("position", "motor") for one in driven.outputs if one.kind == kind), None)
     for one in driven.outputs:
-        if one.kind == "velocity" and not one.stated:
+        if first is None or one is first or not _scale_is_open(one, first):
+            continue
+        if one.kind == "velocity":
             known = np.isfinite(one.values)
-            numbers[f"scale {one.name}"] = float(
-                np.dot(one.values[known], omega[known]) / max(np.dot(omega[known], omega[known]), 1e-12)
-            )
-        if one.kind == "motor" and not one.stated:
-            position = next(other for other in driven.outputs if other.kind == "position")
-            known = np.isfinite(one.values) & np.isfinite(position.values)
-            numbers[f"scale {one.name}"] = float(np.polyfit(position.values[known], one.values[known], 1)[0])
+            size = max(float(np.dot(omega[known], omega[known])), 1e-12)
+            numbers[f"scale {one.name}"] = float(np.dot(one.values[known], omega[known])) / size
+        elif one.kind == "motor":
+            known = np.isfinite(one.values) & np.isfinite(first.values)
+            numbers[f"scale {one.name}"] = float(np.polyfit(first.values[known], one.values[known], 1)[0])
 
 
 def _width(step_s: float) -> int:

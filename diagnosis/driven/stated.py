@@ -48,9 +48,9 @@ def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
         "lag": _or(drive.amplifier_lag_s, 0.0),
         "hub_inertia_kg_m2": hub,
     }
-    for one in driven.outputs:
-        if one.kind == "motor":
-            numbers[f"scale {one.name}"] = _or(drive.gear_ratio, 1.0)
+    for output in driven.outputs:
+        if output.kind == "motor":
+            numbers[f"scale {output.name}"] = _or(drive.gear_ratio, 1.0)
     if drive.input_limit is not msgspec.UNSET:
         numbers["limit"] = drive.input_limit
     bends = any(one.kind == "deflection" for one in driven.outputs)
@@ -63,6 +63,7 @@ def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
     fixed = ("damping", *(f"carries_{i}" for i in range(1, len(heavy) + 1))) if known else ()
     if known and driven.drive_stated:
         fixed += ("gain",)
+    fixed += tuple(f"scale {one.name}" for one in driven.outputs if one.stated)
     if not driven.drive_stated:  # counts of a converter, say: what a unit of them is nobody knows
         del numbers["gain"]
         numbers.pop("limit", None)
