@@ -20,6 +20,7 @@ from stillarm.common.csv_bundle.mapped_data import import_mapped
 from stillarm.common.files.model import Arm, Drive, Mode, Model
 from stillarm.common.user_error import UserError
 from stillarm.diagnosis.diagnose import diagnose
+from stillarm.diagnosis.report.result import Result
 from stillarm.simulation.arm.compiled_laws import laws_of
 from stillarm.simulation.arm.free_run import free_run
 from stillarm.simulation.arm.state import make_arm
@@ -104,6 +105,7 @@ def _ours(pair: Pair) -> tuple[Array, str]:
         span = (pair.test.start / pair.rate_hz, pair.test.stop / pair.rate_hz)
         model = Model(arm=Arm(modes=[Mode(frequency_hz=_peak_hz(pair))]))
         found = diagnose(recording, model, hold_out=[span])
+    assert isinstance(found, Result)  # a pair has no joint of its own
     said = []
     for one in found.table["findings"]:
         values = ", ".join(

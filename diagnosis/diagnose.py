@@ -1,6 +1,7 @@
 """One call: measured data in, diagnosis out. docs/diagnosis.md tells how it decides."""
 
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 
 import msgspec
@@ -14,6 +15,8 @@ from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.reading import read_measured
 from stillarm.diagnosis.decision.budget import Budget, unlimited
 from stillarm.diagnosis.decision.run import Tick, run
+from stillarm.diagnosis.driven.diagnosed import DrivenResult, diagnose_driven
+from stillarm.diagnosis.driven.signals import is_driven
 from stillarm.diagnosis.inference.fitted import refitted_model
 from stillarm.diagnosis.inference.frequency_course import with_resonance_of
 from stillarm.diagnosis.physics.declared_effects import with_found
@@ -40,12 +43,14 @@ def diagnose(
     hold_out: Sequence[tuple[float, float]] = (),
     tick: Tick = lambda done, what: None,
     budget: Budget | None = None,
-) -> Result:
+) -> Result | DrivenResult:
     """Diagnose one recording. Raises UserError where it holds too little."""
     budget = budget or unlimited()
     recording = open_recording(path)
     given = model is not None or bool(recording.header.model.strip())
     model = model or model_of(recording)
+    if is_driven(recording):
+        return _diagnose_driven(recording, model if given else None, hold_out, tick, budget)
     tick(0.02, "reading")
     measured = read_measured(recording, model)
     if measured.pair and measured.cycles < _FEWEST_PAIRS:
@@ -59,6 +64,21 @@ def diagnose(
     if measured.pair and not given:
         model = with_resonance_of(measured, model)
     return diagnose_measured(measured, model, hold_out, tick, budget)
+
+
+def _diagnose_driven(
+    recording: Recording,
+    model: Model | None,
+    hold_out: Sequence[tuple[float, float]],
+    tick: Tick,
+    budget: Budget,
+) -> DrivenResult:
+    def left_s() -> float:
+        return inf if budget.seconds is None else budget.stages_s - budget.used_s
+
+    result = diagnose_driven(recording, model, hold_out, tick, left_s)
+    result.table["looked_at"] |= {"seconds": budget.used_s, "budget_s": budget.seconds}
+    return result
 
 
 def diagnose_measured(

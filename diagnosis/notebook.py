@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stillarm.common.files.model import Model
+    from stillarm.diagnosis.driven.diagnosed import DrivenResult
     from stillarm.diagnosis.report.result import Result
 
 Verdict = Literal["named", "none", "unexplained"]
@@ -51,7 +52,7 @@ class Finding:
 class Diagnosis:
     """What a recording shows that the simulation does not. result: all of it, with the fits (docs/diagnosis.md)."""
 
-    result: "Result"
+    result: "Result | DrivenResult"
 
     @property
     def verdict(self) -> Verdict:
@@ -62,8 +63,11 @@ class Diagnosis:
     @cached_property
     def summary(self) -> tuple[str, str, str]:
         """What is wrong, how sure that is, and what to do about it: a sentence each."""
+        from stillarm.diagnosis.driven import diagnosed, page
         from stillarm.diagnosis.report.summary import summary
 
+        if isinstance(self.result, diagnosed.DrivenResult):
+            return page.sentences(self.result)
         return summary(self.result)
 
     @cached_property
@@ -91,9 +95,12 @@ class Diagnosis:
     def plot(self, finding: int = 0) -> "Figure":
         """The main evidence, as the report draws it: for a finding, by its number, what betrays its cause; where
         nothing has a name, the spectrum of the residual; beside it measured and simulated. Raises IndexError."""
+        from stillarm.diagnosis.driven import diagnosed, page
         from stillarm.diagnosis.report.drawing import figure
         from stillarm.diagnosis.report.picture import main_picture
 
+        if isinstance(self.result, diagnosed.DrivenResult):
+            return page.main_figure(self.result)
         return figure(main_picture(self.result, finding))
 
     def __repr__(self) -> str:

@@ -15,7 +15,7 @@ _PLACES: tuple[Place, ...] = ("arm", "drive", "accelerometer", "camera", "timing
 
 
 def _found() -> dict[str, Cause]:
-    names = [one.name for one in iter_modules(__path__) if one.name not in ("declaration", "page")]
+    names = [one.name for one in iter_modules(__path__) if one.name not in ("declaration", "driven", "page")]
     causes: list[Cause] = [import_module(f"{__name__}.{name}").CAUSE for name in names]
     in_order = sorted(causes, key=lambda cause: (_PLACES.index(cause.place), cause.identifier))
     return {cause.identifier: cause for cause in in_order}
@@ -38,5 +38,6 @@ __all__ = [
     "Value",
     "clock_step",
     "declaration",
+    "driven",
     "experiment_between",
 ]

@@ -33,6 +33,8 @@ class Mode(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     frequency_hz: Annotated[float, Meta(ge=0.01, le=400.0)] = 2.6
     damping_ratio: Annotated[float, Meta(ge=0.0, lt=1.0)] = 0.01
     participation: Signed = 1.14
+    modal_mass_kg: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    """By which it pulls at a joint that is driven by a torque; the mode is clamped-free: that of a hub held still."""
 
     @property
     def angular_frequency(self) -> float:
@@ -50,14 +52,31 @@ class Arm(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Drive(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """The velocity-controlled joint and its limits."""
+    """The joint and its limits. kind: what the command is; of another kind than "velocity" the keys from
+    inertia_kg_m2 on say how the joint follows, all of them referred to the joint, behind the gear.
 
+    inertia_kg_m2: of the joint with the arm rigid. torque_per_input: N m per unit of the command (1 for a torque, the
+    motor constant times the gear ratio for a current, that over the winding's resistance for a voltage, the stiffness
+    of a position loop). back_emf_n_m_s: what the winding brakes with under a voltage. gear_ratio: turns of
+    the motor, which motor_position_rad counts, for one of the joint.
+    """
+
+    kind: Literal["velocity", "torque", "current", "voltage", "position"] = "velocity"
     bandwidth_hz: Positive = 20.0
     dead_time_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.002
     max_velocity_rad_s: Positive = 0.6
     max_acceleration_rad_s2: Positive = 20.0
     min_position_rad: Signed = -1.0
     max_position_rad: Signed = 1.0
+    inertia_kg_m2: Positive | msgspec.UnsetType = msgspec.UNSET
+    viscous_n_m_s: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    coulomb_n_m: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    torque_per_input: Signed | msgspec.UnsetType = msgspec.UNSET
+    back_emf_n_m_s: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    amplifier_lag_s: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    input_limit: Positive | msgspec.UnsetType = msgspec.UNSET
+    gear_play_rad: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    gear_ratio: Signed | msgspec.UnsetType = msgspec.UNSET
 
 
 class Accelerometer(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -137,6 +156,11 @@ def check_model(model: Model, name: str) -> Model:
         raise UserError(
             f"{name}: drive.min_position_rad = {drive.min_position_rad}: "
             f"must lie below drive.max_position_rad = {drive.max_position_rad}"
+        )
+    if drive.kind != "velocity" and drive.inertia_kg_m2 is msgspec.UNSET:
+        raise UserError(
+            f'{name}: drive.inertia_kg_m2: needed where drive.kind = "{drive.kind}", and absent; give the inertia of '
+            "the joint with its arm, kg m^2"
         )
     for key, value in (
         ("accelerometer.scale", model.accelerometer.scale),

@@ -5,6 +5,7 @@ those causes are looked for that need more than their declaration says.
 """
 
 __all__ = [
+    "band_score",
     "baseline",
     "candidates",
     "cause",

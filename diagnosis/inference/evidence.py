@@ -18,28 +18,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaincinv, gammaln
+from scipy.special import gammaincinv
 
 from stillarm.diagnosis.data.channels import FRAME_CHANNELS
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.band_score import SHAPES, Spectra, log_density, nats, spectra
 from stillarm.diagnosis.inference.fitted import THIN, Fit, least_level, thinned
 
 Array = NDArray[np.float64]
 
-_LOWEST_HZ, _WIDTH = 0.3, 1.25  # of the bands: a quarter wide, as a ringing of a few periods is
-_SHAPES = (1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 1e4)
-_TURNS = 30  # of the fixed point that gives S: to 1e-3
-_FEWEST = 12  # samples of a block
 _QUIET, _MOST_COLOUR = 0.25, 4.0  # of the blocks; times the white noise's power
-
-
-@dataclass(frozen=True)
-class Spectra:
-    """A channel's residual by blocks and bands. count, power: (blocks, bands + 1), the mean first; least: variance."""
-
-    count: Array
-    power: Array
-    least: float
 
 
 @dataclass(frozen=True)
@@ -65,9 +53,9 @@ def score(fit: Fit, split: Split) -> Score:
     held, whole = {}, {}
     everywhere = np.ones(len(split.held), bool)
     for name in fit.residuals:
-        spectra = _spectra(fit, name, split)
-        held[name] = _nats(spectra, ~split.held)
-        whole[name] = _nats(spectra, everywhere)
+        by_bands = _spectra(fit, name, split)
+        held[name] = nats(by_bands, ~split.held)
+        whole[name] = nats(by_bands, everywhere)
     return Score(held, whole)
 
 
@@ -76,18 +64,18 @@ def noise_spectrum(fit: Fit, name: str, split: Split, white: float) -> tuple[Arr
 
     What is there in the quietest quarter of the blocks too is taken for the sensor's own noise, up to twice the white
     one's amplitude: sensors' filters colour it by as much. (The quantile is put right for the number of values.)"""
-    spectra = _spectra(fit, name, split)
-    return spectra.count.sum(axis=0), _noise_level(spectra, white)
+    by_bands = _spectra(fit, name, split)
+    return by_bands.count.sum(axis=0), _noise_level(by_bands, white)
 
 
-def _noise_level(spectra: Spectra, white: float) -> Array:
-    count = spectra.count.sum(axis=0)
+def _noise_level(by_bands: Spectra, white: float) -> Array:
+    count = by_bands.count.sum(axis=0)
     seen = count > 0.0
-    there = np.where(spectra.count > 0.0, 1.0, np.nan)[:, seen]
+    there = np.where(by_bands.count > 0.0, 1.0, np.nan)[:, seen]
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = there * spectra.power[:, seen] / spectra.count[:, seen]
-    usual = np.nanmedian(there * spectra.count[:, seen], axis=0)
-    least = max(white**2, spectra.least)
+        mean = there * by_bands.power[:, seen] / by_bands.count[:, seen]
+    usual = np.nanmedian(there * by_bands.count[:, seen], axis=0)
+    least = max(white**2, by_bands.least)
     level = np.full(len(count), least)
     quiet = np.nanquantile(mean, _QUIET, axis=0) / (gammaincinv(usual, _QUIET) / usual)
     level[seen] = np.clip(quiet, least, _MOST_COLOUR * least)
@@ -96,10 +84,10 @@ def _noise_level(spectra: Spectra, white: float) -> Array:
 
 def score_of_noise(fit: Fit, name: str, split: Split, white: float) -> float:
     """What the log score of a channel would be, nats over all blocks, if nothing but its own noise were left."""
-    spectra = _spectra(fit, name, split)
-    level = _noise_level(spectra, white)
-    nats = _log_density(spectra.count, spectra.count * level, level, _SHAPES[-1])
-    return float(np.where(spectra.count > 0.0, nats, 0.0).sum())
+    by_bands = _spectra(fit, name, split)
+    level = _noise_level(by_bands, white)
+    density = log_density(by_bands.count, by_bands.count * level, level, SHAPES[-1])
+    return float(np.where(by_bands.count > 0.0, density, 0.0).sum())
 
 
 def _spectra(fit: Fit, name: str, split: Split) -> Spectra:
@@ -114,49 +102,4 @@ def _spectra(fit: Fit, name: str, split: Split) -> Spectra:
         step *= many
     least = least_level(world, name) / many**0.5
     block = split.blocks_of(time)
-    highest = 0.5 / step
-    bands = max(1, int(np.log(highest / _LOWEST_HZ) / np.log(_WIDTH)))
-    edges = np.geomspace(_LOWEST_HZ, highest * 1.001, bands + 1)
-    edges[0] = 1e-9
-    blocks = len(split.held)
-    count, power = np.zeros((blocks, bands + 1)), np.zeros((blocks, bands + 1))
-    for b in range(blocks):
-        one = residual[block == b]
-        known = np.isfinite(one)
-        if known.sum() < _FEWEST:
-            continue
-        one = np.where(known, one, 0.0)
-        periodogram = np.abs(np.fft.rfft(one)) ** 2 / known.sum()
-        share = known.mean()  # a block tells no more than it has samples, whatever its length
-        band = np.searchsorted(edges, np.fft.rfftfreq(len(one), step)[1:], side="right").clip(1, bands)
-        count[b, 0], power[b, 0] = 0.5, 0.5 * periodogram[0]
-        count[b, 1:] = share * np.bincount(band, minlength=bands + 1)[1:]
-        power[b, 1:] = share * np.bincount(band, periodogram[1:], minlength=bands + 1)[1:]
-    return Spectra(count, power, least**2)
-
-
-def _log_density(count: Array, power: Array, level: Array, shape: Array | float) -> Array:
-    return np.asarray(
-        shape * np.log(shape) + gammaln(count + shape) - gammaln(shape) - count * np.log(level)
-        - (count + shape) * np.log(shape + power / level)
-    )  # fmt: skip
-
-
-def _nats(spectra: Spectra, learnt_on: NDArray[np.bool_]) -> Array:
-    """Log density of each block, by the likeliest level and shape of each band on some blocks."""
-    count, power = spectra.count[learnt_on], spectra.power[learnt_on]
-    total = np.maximum(count.sum(axis=0), 1e-9)
-    first = np.maximum(power.sum(axis=0) / total, spectra.least)
-    level, shape = first.copy(), np.full(len(first), _SHAPES[-1])
-    best = np.full(len(first), -np.inf)
-    for tried in _SHAPES:
-        at = first.copy()
-        for _ in range(_TURNS):
-            size = power / at
-            ratio = ((count + tried) * size / (tried + size)).sum(axis=0) / total
-            at = np.maximum(at * np.clip(ratio, 0.2, 5.0), spectra.least)
-        nats = _log_density(count, power, at, tried).sum(axis=0)
-        better = nats > best
-        level[better], shape[better], best[better] = at[better], tried, nats[better]
-    found = _log_density(spectra.count, spectra.power, level, shape)
-    return np.asarray(np.where(spectra.count > 0.0, found, 0.0).sum(axis=1))
+    return spectra(residual, step, block, len(split.held), least)

@@ -4,4 +4,13 @@ Here belongs what moves by those equations; what sensors and camera make of the 
 the arm comes in by its declaration (stillarm.common.causes), not by a change here. Begin to read at stepper.py.
 """
 
-__all__ = ["ahead", "compiled_laws", "disturbance", "effect_clock", "free_run", "plant", "state"]
+__all__ = [
+    "ahead",
+    "compiled_laws",
+    "disturbance",
+    "effect_clock",
+    "free_run",
+    "plant",
+    "state",
+    "torque_joint",
+]

@@ -64,15 +64,19 @@ def diagnose_one(
     compiling_s = compile_ahead()
     if compiling_s > _LOADED_WITHIN_S:  # once after an installation: no time of this diagnosis
         began_s += compiling_s
-    from stillarm.commands.recordings.diagnose_result import put_to_use, sentence, write
+    from stillarm.commands.recordings.diagnose_result import put_to_use, sentence, write, write_driven
     from stillarm.common.files.output_folder import make_folder
     from stillarm.diagnosis.decision.budget import Budget
     from stillarm.diagnosis.diagnose import diagnose
+    from stillarm.diagnosis.driven.diagnosed import DrivenResult
     from stillarm.diagnosis.report.words import use_sentence
 
     try:
         budget = Budget(job.budget_s, began_s)
         result = diagnose(job.path, job.model, job.hold_out, lambda done, what: progress(0.9 * done), budget)
+        if isinstance(result, DrivenResult):
+            write_driven(result, make_folder(job.folder))
+            return Done(job, sentence(result.table))
         worth = job.use_pairs > 0
         if worth and budget.left_s is not None and budget.left_s < _USE_S:
             result.table["looked_at"]["left_out"].append("use")

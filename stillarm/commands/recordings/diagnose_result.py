@@ -10,6 +10,7 @@ from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
     from stillarm.common.files.model import Model
+    from stillarm.diagnosis.driven.diagnosed import DrivenResult
     from stillarm.diagnosis.report.result import Result
 
 
@@ -28,7 +29,17 @@ def write(result: "Result", folder: Path, await_use: Callable[[], None]) -> None
     (folder / "report.html").write_text(page)
 
 
-def _write_table(result: "Result", folder: Path) -> None:
+def write_driven(result: "DrivenResult", folder: Path) -> None:
+    """The same files of a joint that a torque, a current or a voltage drives."""
+    from stillarm.diagnosis.driven.page import report_page
+    from stillarm.diagnosis.report.extended_model import model_text
+
+    (folder / "extended.toml").write_text(model_text(result.extended))
+    _write_table(result, folder)
+    (folder / "report.html").write_text(report_page(result))
+
+
+def _write_table(result: "Result | DrivenResult", folder: Path) -> None:
     text = json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n"
     (folder / "diagnosis.json").write_text(text)
 

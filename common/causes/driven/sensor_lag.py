@@ -1,0 +1,15 @@
+"""A filter in a sensor."""
+
+from stillarm.common.causes.driven.declaration import DrivenCause
+
+CAUSE = DrivenCause(
+    "sensor_lag",
+    name="a filter in a sensor",
+    sees="one sensor follows the others late and smoothed",
+    equation="lag reading' = value - reading",
+    numbers=("lag",),
+    provoke="drive with a chirp up to the highest frequency.",
+    confused_with={
+        "channel_delay": "drive with a chirp up to the highest frequency: a filter takes off amplitude, a delay not"
+    },
+)

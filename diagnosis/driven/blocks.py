@@ -1,0 +1,23 @@
+"""Which blocks are held out where the input may be periodic: one of every three, at a place that changes.
+
+Laboratories drive their rigs by square waves and periodic multisines. If every third block were held out, a period of
+three blocks would put all of its jumps into the blocks that no fit sees.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from stillarm.diagnosis.data.split import Split, interleaved
+
+_GOLDEN = 0.6180339887498949  # multiples of it are the least periodic
+
+
+def irregular(duration_s: float) -> Split:
+    """Blocks as `interleaved` has them; of each three, one that no period foretells is held out."""
+    split = interleaved(duration_s)
+    groups = len(split.held) // 3
+    place = np.floor(3.0 * (np.arange(1, groups + 1) * _GOLDEN % 1.0)).astype(np.int64)
+    held = np.zeros(len(split.held), bool)
+    held[3 * np.arange(groups) + place] = True
+    return replace(split, held=held)

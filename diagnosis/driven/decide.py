@@ -1,0 +1,166 @@
+"""The verdict on a driven joint: which of what the search took is needed, what else explains it as well, what is left.
+
+The rules are those of docs/diagnosis.md. What was taken early may be made up for by what came later; so each form is
+taken out of the final model once more, and what the others cannot make up for is what it is worth.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from math import exp, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
+from stillarm.diagnosis.driven.quantised import quantised
+from stillarm.diagnosis.driven.search import CONVINCES, PRICE, Searched, Tried, judged
+
+Array = NDArray[np.float64]
+
+NEAR_NATS, NEAR_SHARE = 3.0, 0.02  # within which two causes are a class
+SHARE_TO_NAME = 0.35  # of what all findings gain
+BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
+LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
+MATTERS_OF_NOISE, MATTERS_OF_MOTION = 0.5, 1.0 / 2000.0
+_QUIET = 0.25  # of the blocks
+_FEWEST_BLOCKS = 6
+_MOST_COLOUR = 3.0  # times the white noise, of the quietest blocks
+_MOST_CONFIDENCE = 0.99
+
+
+@dataclass(frozen=True)
+class DrivenFinding:
+    """form: as taken. merit: nats that the final model loses without it, less the price. without: the fit that lacks
+    it. near: other causes that do as well. reduction: of the held-out error in the channel that it mends most."""
+
+    form: Form
+    merit: float
+    without: DrivenFit
+    near: tuple[str, ...]
+    confidence: float
+    channel: str
+    reduction: float
+    own: dict[str, float] = field(default_factory=dict)
+    """Numbers that are none of the simulation's."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What a channel's residual holds beyond its noise, in its unit."""
+
+    channel: str
+    rms: float
+    noise: float
+    band_hz: tuple[float, float]
+    matters: bool
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """verdict: named, none or unexplained. final: the model with what is needed."""
+
+    verdict: str
+    findings: tuple[DrivenFinding, ...]
+    rests: tuple[Rest, ...]
+    final: DrivenFit
+
+
+def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdict:
+    """Judge what the search took."""
+    taken = [one.taken for one in found.rounds]
+    final = found.final
+    needed: list[tuple[Tried, float, DrivenFit]] = []
+    for one in [other for other in taken if other.form.cause != STRUCTURE]:
+        without = _without(final, one.form, taken, found.start.numbers)
+        worth = judged(one.form, final, without).merit if left_s() > 0.0 else one.merit
+        if worth >= CONVINCES and _channel(without, final)[1] >= LEAST_OF_NOISE:
+            needed.append((one, worth, without))
+    needed.sort(key=lambda one: -one[1])
+    needed = [one for one in needed if one[1] >= BESIDE_SHARE * needed[0][1]]
+    rests = tuple(rest_of(final, one.name) for one in final.box.driven.outputs)
+    findings = tuple(_finding(one, worth, without, found, final) for one, worth, without in needed)
+    steps = quantised(final)
+    if steps is not None:
+        form, channel, size, reduction = steps
+        findings += (
+            DrivenFinding(form, CONVINCES, final, (), _MOST_CONFIDENCE, channel, reduction, {"step": size}),
+        )
+    total = sum(one.merit for one in findings)
+    sure = bool(findings) and findings[0].merit >= SHARE_TO_NAME * total and len(findings[0].near) <= 1
+    unnamed = "unexplained" if findings or any(one.matters for one in rests) else "none"
+    verdict = "named" if sure else unnamed
+    return Verdict(verdict, findings, rests, final)
+
+
+def _without(final: DrivenFit, form: Form, taken: list[Tried], start: dict[str, float]) -> DrivenFit:
+    """The final model refitted without a form's numbers, unless another form has them too; they are as at the start."""
+    others = {name for one in taken if one.form is not form for name in one.form.numbers}
+    gone = set(form.numbers) - others
+    numbers = {name: value for name, value in final.numbers.items() if name not in gone}
+    numbers |= {name: start[name] for name in gone if name in start}
+    free = tuple(one for one in final.free if one not in gone or one == "delay")
+    box, states = final.box, final.states
+    if form.play:
+        box, states = replace(box, play=False), states[:, :2]
+    return fit(GreyBox(box.driven, box.split, box.modes, box.play), numbers, free, states, steps=10)
+
+
+def _finding(
+    one: Tried, worth: float, without: DrivenFit, found: Searched, final: DrivenFit
+) -> DrivenFinding:
+    tried = next(each for each in found.rounds if each.taken is one).tried
+    rivals = [other for other in tried if other.form.cause not in (STRUCTURE, one.form.cause)]
+    near, behind = [], inf
+    for rival in rivals:
+        gap = one.merit - rival.merit
+        behind = min(behind, gap)
+        if gap <= max(NEAR_NATS, NEAR_SHARE * one.merit) and rival.form.cause not in near:
+            near.append(rival.form.cause)
+    odds = min(behind, worth - CONVINCES + NEAR_NATS)
+    confidence = min(_MOST_CONFIDENCE, 1.0 / (1.0 + exp(-max(min(odds, 50.0), -50.0) / 3.0)))
+    channel, _, reduction = _channel(without, final)
+    return DrivenFinding(
+        one.form, worth, without, tuple(near), confidence / (1 + len(near)), channel, reduction
+    )
+
+
+def _channel(before: DrivenFit, after: DrivenFit) -> tuple[str, float, float]:
+    """The channel that is mended most: its name, how much is taken away over what is left, and the relative reduction
+    of the held-out error."""
+    best = ("", 0.0, 0.0)
+    for one in before.box.driven.outputs:
+        old, new = before.rms(one.name, True), after.rms(one.name, True)
+        share = float(np.sqrt(max(old**2 - new**2, 0.0))) / max(new, 1e-300)
+        if share > best[1]:
+            best = (one.name, share, 1.0 - new / old)
+    return best
+
+
+def rest_of(fitted: DrivenFit, name: str) -> Rest:
+    """What is left in a channel beside its noise: the white part, or what the quietest quarter of the blocks has."""
+    output = next(one for one in fitted.box.driven.outputs if one.name == name)
+    residual, h = fitted.residuals[name], fitted.box.driven.step_s
+    known = residual[np.isfinite(residual)]
+    white = float(np.sqrt(np.mean(np.diff(known, 2) ** 2) / 6.0))
+    blocks = [residual[fitted.box.block == b] for b in range(len(fitted.states))]
+    levels = [float(np.sqrt(np.nanmean(one**2))) for one in blocks if np.isfinite(one).sum() > 12]
+    quiet = float(np.quantile(levels, _QUIET))
+    noise = max(white, 0.29 * output.step, min(quiet, _MOST_COLOUR * white))
+    usual_blocks = (
+        np.sort(levels)[:-1] if len(levels) > _FEWEST_BLOCKS else np.array(levels)
+    )  # one may be odd
+    rms = float(np.sqrt(max(float(np.mean(usual_blocks**2)) - noise**2, 0.0)))
+    spectrum = np.abs(np.fft.rfft(np.nan_to_num(residual))) ** 2
+    spectrum[0] = 0.0
+    share = np.cumsum(spectrum) / max(spectrum.sum(), 1e-300)
+    hz = np.fft.rfftfreq(len(residual), h)
+    low, high = (min(int(np.searchsorted(share, one)), len(hz) - 1) for one in (0.1, 0.9))
+    band = (float(hz[low]), float(hz[high]))
+    usual = float(np.nanstd(output.values))
+    matters = rms > MATTERS_OF_NOISE * noise and rms > MATTERS_OF_MOTION * usual
+    return Rest(name, rms, noise, band, matters)
+
+
+__all__ = ["PRICE", "DrivenFinding", "Rest", "Verdict", "decide", "rest_of"]

@@ -1,0 +1,304 @@
+"""Fits a grey box to the blocks that train it: Gauss-Newton steps, each block's initial state projected out.
+
+The state of every block enters as its own unknowns; by QR they are removed from the normal equations of the numbers
+that are common to all (variable projection: Golub and Pereyra, SIAM J. Numerical Analysis 10, 1973). A held-out block
+gives its own initial state and nothing else. Derivatives are differences: one simulation for each number, and one for
+each component of the state, of all blocks at once.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.driven.greybox import GreyBox, Run
+from stillarm.diagnosis.inference.band_score import nats, spectra
+
+Array = NDArray[np.float64]
+Simulate = Callable[[dict[str, float], Array], Run]
+
+_DIFFERENCE = 3e-3  # of a number: over less, the corners of friction make a derivative of their own
+_DAMPING, _MOST_DAMPING = 1e-3, 1e7
+_SETTLED = 1e-4  # of the cost, from one step to the next
+_RIDGE = 1e-9
+_MOST_UNEVEN = 0.15  # of the largest share of an output's variation that is left: the least of another
+_ASTRAY = 1e8  # times the deviation: no number any more
+LEAST_ZETA, MOST_ZETA = 1e-5, 0.3  # of an arm that rings
+LONGEST_DELAY_S = 0.5  # of a cause; without one: a sample and a half
+
+
+@dataclass(frozen=True)
+class DrivenFit:
+    """numbers: all of them; free: those fitted; std: of these, by the spread that their residual has.
+
+    residuals: by output, NaN where not measured. blocks: nats of each block, held_out with levels learnt on those that
+    trained; whole, on all.
+    """
+
+    box: GreyBox
+    numbers: dict[str, float]
+    free: tuple[str, ...]
+    states: Array
+    std: dict[str, float]
+    residuals: dict[str, Array]
+    run: Run
+    held_out: Array
+    whole: Array
+
+    def rms(self, name: str, held: bool) -> float:
+        """Of an output's residual, on the blocks that are held out, or those that trained."""
+        inside = self.box.split.held[self.box.block] == held
+        return float(np.sqrt(np.nanmean(self.residuals[name][inside] ** 2)))
+
+
+def fit(
+    box: GreyBox, numbers: dict[str, float], free: Sequence[str], states: Array | None = None, steps: int = 15
+) -> DrivenFit:
+    """The likeliest numbers near those given. States default to what the sensors tell."""
+    free = tuple(free)
+    numbers = dict(numbers)
+    if states is None or states.shape[1] != box.size:
+        guess = box.first_states(numbers)
+        if states is not None:
+            keep = min(states.shape[1], box.size)
+            guess[:, :keep] = states[:, :keep]
+        states = guess
+    sigma = _levels(box)
+    states = _settled(box, numbers, states, sigma)
+    sigma = _levels_of(box, _cost(box, numbers, states, sigma)[1], sigma)
+    cost, errors = _cost(box, numbers, states, sigma)
+    damping = _DAMPING
+    normal = np.eye(len(free))
+    for _ in range(steps):
+        pieces = _derivatives(box, numbers, free, states, sigma, errors)
+        normal, gradient = _normal(box, pieces, len(free))
+        moved = False
+        while damping < _MOST_DAMPING:
+            scaled = normal + damping * np.diag(np.diag(normal)) + _RIDGE * np.eye(len(free))
+            step: Array = np.asarray(np.linalg.solve(scaled, gradient), np.float64)
+            trial = within({**numbers, **{n: numbers[n] + d for n, d in zip(free, step, strict=True)}}, box)
+            # numbers that were brought back within their bounds move the states by what they moved
+            step = np.array([trial[name] - numbers[name] for name in free], np.float64)
+            trial_states = states + _state_steps(pieces, step)
+            trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
+            if trial_cost < cost:
+                moved = True
+                break
+            damping *= 6.0
+        if not moved:
+            break
+        gained = cost - trial_cost
+        numbers, states, errors = trial, trial_states, trial_errors
+        settled = gained < _SETTLED * cost
+        damping = max(damping / 10.0, 1e-7)
+        if settled:
+            break
+        sigma = _levels_of(box, errors, sigma)
+        cost, errors = _cost(box, numbers, states, sigma)
+    return _finished(box, numbers, free, _settled(box, numbers, states, sigma, 3), normal)
+
+
+def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
+    """Numbers inside what physics allows, and a rig's sampling: half a step early, where a sample means an average."""
+    h = box.driven.step_s
+    for name, value in numbers.items():
+        if name.startswith("zeta_"):
+            numbers[name] = min(max(value, LEAST_ZETA), MOST_ZETA)
+        elif name in _NEVER_NEGATIVE or name.startswith("lag"):
+            numbers[name] = max(value, 0.0)
+        elif name.startswith("carries_"):
+            numbers[name] = min(max(value, 0.0), 50.0)
+        elif name == "onset":
+            numbers[name] = min(max(value, 0.0), box.driven.duration_s)
+        elif name == "share":
+            numbers[name] = min(max(value, 0.02), 0.98)
+        elif name == "inertia_step":
+            numbers[name] = min(max(value, -0.8), 10.0)
+        elif name == "delay":
+            late = LONGEST_DELAY_S if numbers.get("late", 0.0) else 1.5 * h
+            numbers[name] = min(max(value, -h), late)
+        elif name.startswith("log_w_"):
+            numbers[name] = min(max(value, -3.0), 8.5)
+    return numbers
+
+
+_NEVER_NEGATIVE = ("coulomb", "dead_zone", "limit", "arm_coulomb", "damping", "gap")
+
+
+def _levels(box: GreyBox) -> dict[str, float]:
+    """A first deviation of each output, by which they are weighed: a share of its variation."""
+    return {one.name: max(0.05 * float(np.nanstd(one.values)), one.step, 1e-12) for one in box.driven.outputs}
+
+
+def _levels_of(box: GreyBox, errors: dict[str, Array], sigma: dict[str, float]) -> dict[str, float]:
+    """The outputs' deviations as they are, but none so small against another's that the fit would give that up."""
+    train = ~box.split.held[box.block]
+    found, share = {}, {}
+    for one in box.driven.outputs:
+        rms = float(np.sqrt(np.nanmean((errors[one.name][train] * sigma[one.name]) ** 2)))
+        usual = float(np.nanstd(one.values))
+        found[one.name] = max(rms, 0.29 * one.step, 1e-9 * usual)
+        share[one.name] = found[one.name] / usual
+    most = max(share.values())
+    return {name: level * max(1.0, _MOST_UNEVEN * most / share[name]) for name, level in found.items()}
+
+
+def _cost(
+    box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float]
+) -> tuple[float, dict[str, Array]]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        run = box.run(numbers, states)
+    train = ~box.split.held[box.block]
+    total, errors = 0.0, {}
+    for one in box.driven.outputs:
+        error = (one.values - run.outputs[one.name]) / sigma[one.name]
+        known = np.isfinite(one.values)
+        error[known & ~(np.abs(error) < _ASTRAY)] = _ASTRAY
+        error[~known] = np.nan
+        errors[one.name] = error
+        total += 0.5 * float(np.nansum(error[train] ** 2))
+    return total, errors
+
+
+Piece = tuple[Array, Array, Array, bool]
+"""Of a block: derivatives by the numbers and by its state, residual, and whether it trains."""
+
+
+def levels_of_fit(fitted: DrivenFit) -> dict[str, float]:
+    """The outputs' deviations, by what the fit leaves where it was trained."""
+    ones = dict.fromkeys(fitted.residuals, 1.0)
+    return _levels_of(fitted.box, fitted.residuals, ones)
+
+
+def linearised(fitted: DrivenFit, sigma: dict[str, float]) -> tuple[list[Piece], list[NDArray[np.int64]]]:
+    """A fit's derivatives and residual by blocks, and which of the stacked samples each block holds."""
+    errors = {name: residual / sigma[name] for name, residual in fitted.residuals.items()}
+    box = fitted.box
+    pieces = _derivatives(box, fitted.numbers, fitted.free, fitted.states, sigma, errors)
+    return pieces, _rows_of_blocks(box, np.concatenate([errors[one.name] for one in box.driven.outputs]))
+
+
+def _derivatives(
+    box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, sigma: dict[str, float],
+    errors: dict[str, Array],
+) -> list[Piece]:  # fmt: skip
+    base = stacked(box, box.run(numbers, states), sigma)
+    columns = []
+    for name in free:
+        step = difference_of(name, numbers[name], box)
+        moved = stacked(box, box.run({**numbers, name: numbers[name] + step}, states), sigma)
+        columns.append((moved - base) / step)
+    scale = np.maximum(np.std(states, axis=0), 1e-3 * np.max(np.abs(states)) + 1e-9)
+    turned = []
+    for place in range(box.size):
+        other = states.copy()
+        other[:, place] += _DIFFERENCE * scale[place]
+        turned.append((stacked(box, box.run(numbers, other), sigma) - base) / (_DIFFERENCE * scale[place]))
+    residual = np.concatenate([errors[one.name] for one in box.driven.outputs])
+    by_numbers, by_state = np.array(columns).T.reshape(len(residual), -1), np.array(turned).T
+    pieces = []
+    for s, rows in enumerate(_rows_of_blocks(box, residual)):
+        j, k, r = by_numbers[rows], by_state[rows], residual[rows]
+        pieces.append((np.nan_to_num(j), np.nan_to_num(k), r, not box.split.held[s]))
+    return pieces
+
+
+def _rows_of_blocks(box: GreyBox, residual: Array) -> list[NDArray[np.int64]]:
+    """Which of the stacked samples each block holds, of those that were measured."""
+    where = np.tile(box.block, len(box.driven.outputs))
+    known = np.isfinite(residual)
+    order = np.flatnonzero(known)[np.argsort(where[known], kind="stable")]
+    blocks = len(box.starts) - 1
+    ends = np.cumsum(np.bincount(where[order], minlength=blocks))
+    return [order[(ends[s - 1] if s else 0) : end] for s, end in enumerate(ends)]
+
+
+def difference_of(name: str, value: float, box: GreyBox) -> float:
+    """By how much a number is moved for its derivative."""
+    if name.startswith(("delay", "lag", "onset")):
+        return 0.02 * box.driven.step_s
+    return _DIFFERENCE * max(abs(value), 1e-3)
+
+
+def stacked(box: GreyBox, run: Run, sigma: dict[str, float]) -> Array:
+    """All outputs one after the other, in deviations."""
+    return np.concatenate([run.outputs[one.name] / sigma[one.name] for one in box.driven.outputs])
+
+
+def _normal(box: GreyBox, pieces: list[Piece], count: int) -> tuple[Array, Array]:
+    normal, gradient = np.zeros((count, count)), np.zeros(count)
+    for j, k, r, trains in pieces:
+        if not trains or not len(r):
+            continue
+        q = orthonormal(k)
+        j_free, r_free = j - q @ (q.T @ j), r - q @ (q.T @ r)
+        normal += j_free.T @ j_free
+        gradient += j_free.T @ r_free
+    return normal, gradient
+
+
+def orthonormal(k: Array) -> Array:
+    """A basis of what the columns span, (n, at most m); without those that the others make up."""
+    size = np.linalg.norm(k, axis=0)
+    q, r = np.linalg.qr(k / np.where(size > 0.0, size, 1.0))
+    kept = np.abs(np.diag(r)) > 1e-7
+    return np.asarray(q[:, kept])
+
+
+def _state_steps(pieces: list[Piece], step: Array) -> Array:
+    rows = []
+    for j, k, r, _ in pieces:
+        size = np.linalg.norm(k, axis=0)
+        size = np.where(size > 0.0, size, 1.0)
+        left = r - j @ step
+        rows.append(np.linalg.lstsq(k / size, left, rcond=1e-6)[0] / size if len(r) else np.zeros(k.shape[1]))
+    return np.array(rows)
+
+
+def _settled(
+    box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float], turns: int = 2
+) -> Array:
+    """The blocks' states for numbers that stay; each block keeps a step that makes it better."""
+    _, errors = _cost(box, numbers, states, sigma)
+    by_block = _by_block(box, errors)
+    for _ in range(turns):
+        pieces = _derivatives(box, numbers, (), states, sigma, errors)
+        trial = states + _state_steps(pieces, np.zeros(0))
+        _, trial_errors = _cost(box, numbers, trial, sigma)
+        better = _by_block(box, trial_errors) < by_block
+        if not better.any():
+            break
+        states = np.where(better[:, None], trial, states)
+        _, errors = _cost(box, numbers, states, sigma)
+        by_block = _by_block(box, errors)
+    return states
+
+
+def _by_block(box: GreyBox, errors: dict[str, Array]) -> Array:
+    """Each block's sum of squares."""
+    total = sum(np.nan_to_num(one) ** 2 for one in errors.values())
+    return np.asarray(np.bincount(box.block, np.asarray(total), minlength=len(box.starts) - 1), np.float64)
+
+
+def _finished(
+    box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, normal: Array
+) -> DrivenFit:
+    run = box.run(numbers, states)
+    residuals, held, whole = {}, np.zeros(len(states)), np.zeros(len(states))
+    everywhere = np.ones(len(states), bool)
+    for one in box.driven.outputs:
+        residual = one.values - run.outputs[one.name]
+        residuals[one.name] = residual
+        least = max(0.29 * one.step, 1e-6 * float(np.nanstd(one.values)))
+        by_bands = spectra(residual, box.driven.step_s, box.block, len(states), least)
+        # a block's own initial state takes its residual's mean away: how exactly says nothing of the model
+        by_bands.count[:, 0], by_bands.power[:, 0] = 0.0, 0.0
+        held += nats(by_bands, ~box.split.held)
+        whole += nats(by_bands, everywhere)
+    try:
+        spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + _RIDGE * np.eye(len(free)))), 0.0))
+    except np.linalg.LinAlgError:
+        spread = np.full(len(free), np.nan)
+    std = dict(zip(free, spread.tolist(), strict=True))
+    return DrivenFit(box, numbers, free, states, std, residuals, run, held, whole)

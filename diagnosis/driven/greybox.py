@@ -1,0 +1,257 @@
+"""The joint with its input and sensors as one simulation of named numbers: what is fitted, and what every cause is in.
+
+The equations of motion are those of stillarm.simulation.arm.torque_joint. The input passes a dead zone, a limit, a
+delay and a lag of first order on its way to the joint. Every number has a neutral value, at which it does nothing; a
+cause is some of them set free. Scales that nobody knows are in `gain` (the input's) and in the arm's numbers (the
+deflection's), so that an unknown unit asks for no number of its own.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import ceil, exp
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.signals import Driven, Output
+from stillarm.simulation.arm.torque_joint import LAWS, LinearJoint, play_run, torque_run, transition
+
+Array = NDArray[np.float64]
+Numbers = Mapping[str, float]
+
+_LONGEST_STEP_S = 0.003
+_MOST_ROOT = 1e4
+_LEAST_FOLLOWS = 1e-12
+_PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
+
+
+def pull_of(numbers: Numbers, mode: int) -> float:
+    """How a mode pulls at the joint, by the inertia that it carries over the hub's, which no sensor's sign changes."""
+    follows = numbers[f"follows_{mode}"]
+    return numbers[f"carries_{mode}"] / follows if abs(follows) > _LEAST_FOLLOWS else 0.0
+
+
+def laws_of(numbers: Numbers) -> Array:
+    """The numbers of the stepper's laws. Friction is told by its mean over both directions and half the difference."""
+    law = {name: numbers.get(name, 0.0) for name in LAWS}
+    mean, half = numbers.get("coulomb", 0.0), numbers.get("coulomb_difference", 0.0)
+    law["coulomb_positive"], law["coulomb_negative"] = max(mean + half, 0.0), max(mean - half, 0.0)
+    law["stribeck_positive"] = law["stribeck_negative"] = numbers.get("stribeck", 0.0)
+    law["stribeck_velocity"] = exp(min(numbers.get("log_stribeck_velocity", 0.0), 10.0))
+    return np.array(list(law.values()))
+
+
+@dataclass(frozen=True)
+class Run:
+    """outputs: by name, (n,). states: (n, 2 + 2 m); forces: (n, 2), see torque_run; drive: (n,) what reaches the joint,
+    in the input's unit; acceleration: theta'', (n,)."""
+
+    outputs: dict[str, Array]
+    states: Array
+    forces: Array
+    drive: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class GreyBox:
+    """A recording with the split by which it is judged: each block is a free run from a state of its own."""
+
+    driven: Driven
+    split: Split
+    modes: int = 0
+    play: bool = False
+    """A motor and a rigid link with play between them: no modes then."""
+
+    @cached_property
+    def starts(self) -> NDArray[np.int64]:
+        """First sample of each block, and the end."""
+        edges = np.rint(self.split.edges_s / self.driven.step_s).astype(np.int64)
+        edges[-1] = self.driven.samples
+        return edges
+
+    @cached_property
+    def block(self) -> NDArray[np.int64]:
+        """Number of each sample's block."""
+        return np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts))
+
+    @property
+    def size(self) -> int:
+        """Length of the state."""
+        return 4 if self.play else 2 + 2 * self.modes
+
+    @property
+    def substeps(self) -> int:
+        """Simulated steps a sample."""
+        return max(1, ceil(self.driven.step_s / _LONGEST_STEP_S))
+
+    def without_arm(self) -> "GreyBox":
+        """The same, judged by the sensors at the joint alone."""
+        return replace(self, driven=self.driven.with_outputs("position", "motor", "velocity"), modes=0)
+
+    def driving(self, numbers: Numbers, parts: int) -> Array:
+        """What reaches the joint at the start and the end of each substep, (n parts, 2), in the input's unit.
+
+        numbers["held"]: 1 where the input stays for a sample, as a converter holds it; 0 where it was measured and is
+        linear between samples.
+        """
+        driven, h = self.driven, self.driven.step_s
+        u = driven.u
+        zone, limit = numbers.get("dead_zone", 0.0), numbers.get("limit", 0.0)
+        if zone > 0.0:
+            u = np.sign(u) * np.maximum(np.abs(u) - zone, 0.0)
+        if limit > 0.0:
+            u = np.clip(u, -limit, limit)
+        step = h / parts
+        fine = np.arange(driven.samples * parts + 1) * step - numbers.get("delay", 0.0)
+        if numbers.get("held", 0.0):
+            # the mean over each substep, wherever the input changes within it
+            passed = np.concatenate([[0.0], np.cumsum(u) * h])
+            whole = np.interp(fine, np.arange(driven.samples + 1) * h, passed) + u[0] * np.minimum(fine, 0.0)
+            begin = end = np.diff(whole) / step
+        else:
+            at = np.interp(fine, np.arange(driven.samples) * h, u)
+            begin, end = at[:-1], at[1:]
+        lag = numbers.get("lag", 0.0)
+        if lag > 1e-3 * step:
+            keep = exp(-step / lag)
+            # exact for an input that is linear over the substep
+            late = 1.0 - lag / step * (1.0 - keep)
+            fed = late * end + (1.0 - keep - late) * begin
+            after = lfilter([1.0], [1.0, -keep], fed - (1.0 - keep) * begin[0]) + begin[0]
+            begin, end = np.concatenate([[begin[0]], after[:-1]]), after
+        return np.ascontiguousarray(np.column_stack([begin, end]))
+
+    def linear(self, numbers: Numbers, factor: float = 1.0) -> LinearJoint:
+        """The linear part; factor: of the inertia that the hub shows."""
+        factor *= 1.0 + numbers.get("inertia_excess", 0.0)
+        modes = tuple(
+            (
+                exp(min(numbers[f"log_w_{i}"], np.log(_MOST_ROOT))),
+                numbers[f"zeta_{i}"],
+                numbers[f"follows_{i}"],
+                pull_of(numbers, i) / factor,
+            )
+            for i in range(1, self.modes + 1)
+        )
+        return LinearJoint(
+            numbers["gain"] / factor,
+            numbers["damping"] / factor,
+            numbers.get("stiffness", 0.0) / factor,
+            modes,
+        )
+
+    def run(self, numbers: Numbers, states: Array) -> Run:
+        """Simulate every block from its own state, (blocks, size)."""
+        driven, parts = self.driven, self.substeps
+        step = driven.step_s / parts
+        factor = 1.0 + numbers.get("inertia_step", 0.0)
+        switch = driven.samples if factor == 1.0 else round(numbers["onset"] / driven.step_s)
+        law = laws_of(numbers)
+        if self.play:
+            return self._with_play(numbers, law, states)
+        steps = [transition(self.linear(numbers), step)]
+        steps.append(steps[0] if factor == 1.0 else transition(self.linear(numbers, max(factor, 0.05)), step))
+        both = np.array([one[0] for one in steps]), np.array([one[1] for one in steps])
+        laws = np.array([law, law])
+        if factor != 1.0:
+            for name in ("coulomb_positive", "coulomb_negative", "gravity_sine", "gravity_cosine", "offset"):
+                laws[1, LAWS.index(name)] /= factor
+        u = self.driving(numbers, parts)
+        out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
+        torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)
+        drive = u[::parts, 0]
+        a, b = self.linear(numbers).equations()
+        theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
+        seen = {one.name: self._seen(one, numbers, out, drive, forces, theta_dd) for one in driven.outputs}
+        return Run(seen, out, forces, drive, theta_dd)
+
+    def _with_play(self, numbers: Numbers, law: Array, states: Array) -> Run:
+        driven, parts = self.driven, self.substeps * _PARTS_OF_PLAY
+        step = driven.step_s / parts
+        u = self.driving(numbers, parts)
+        out = np.empty((driven.samples, 4))
+        share, gap = min(max(numbers["share"], 0.02), 0.98), max(numbers["gap"], 0.0)
+        linear = numbers["gain"], numbers["damping"]
+        play_run(share, *linear, gap, law, u, parts, step, self.starts, states, out)
+        side = 2 if numbers.get("on_motor", 0.0) else 0
+        z = np.ascontiguousarray(out[:, side : side + 2])
+        acceleration = np.gradient(z[:, 1], driven.step_s)
+        forces, at = np.zeros((driven.samples, 2)), u[::parts, 0]
+        plain = replace(self, play=False)
+        seen = {}
+        for one in driven.outputs:
+            ours = np.ascontiguousarray(out[:, 2:]) if one.kind == "motor" else z
+            seen[one.name] = plain._seen(one, numbers, ours, at, forces, acceleration)
+        return Run(seen, out, forces, at, acceleration)
+
+    def _seen(
+        self, output: Output, numbers: Numbers, z: Array, drive: Array, forces: Array, theta_dd: Array
+    ) -> Array:
+        """What a sensor makes of the motion."""
+        name = output.name
+        offset, scale = numbers.get(f"offset {name}", 0.0), numbers.get(f"scale {name}", 1.0)
+        if output.kind in ("position", "motor"):
+            true, slope = z[:, 0], z[:, 1]
+        elif output.kind == "velocity":
+            true, slope = z[:, 1], theta_dd
+        elif output.kind == "deflection":
+            true, slope = z[:, 2::2].sum(axis=1), z[:, 3::2].sum(axis=1)
+        else:
+            a, b = self.linear(numbers).equations()
+            rates = np.arange(3, self.size, 2)
+            bent = z @ a[rates].T + np.outer(drive, b[rates, 0]) + np.outer(forces[:, 0], b[rates, 1])
+            shares = [numbers.get(f"share_{i} {name}", 1.0) for i in range(1, self.modes + 1)]
+            true = numbers.get(f"direct {name}", 0.0) * theta_dd + (
+                bent @ np.array(shares) if shares else 0.0
+            )
+            slope = np.gradient(true, self.driven.step_s)
+        true = self._late(true, slope, numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0))
+        return np.asarray(scale * true + offset)
+
+    def _late(self, true: Array, slope: Array, delay_s: float, lag_s: float) -> Array:
+        """Each block's signal, delayed, and behind a lag of first order; steady in its slope before the block."""
+        if delay_s == 0.0 and lag_s <= 0.0:
+            return true
+        h, late = self.driven.step_s, np.empty_like(true)
+        for a, b in zip(self.starts[:-1], self.starts[1:], strict=True):
+            one, t = true[a:b], np.arange(b - a) * h
+            if delay_s != 0.0:
+                at = t - delay_s
+                shifted = np.interp(at, t, one)
+                shifted[at < 0.0] += slope[a] * at[at < 0.0]
+                shifted[at > t[-1]] += slope[b - 1] * (at[at > t[-1]] - t[-1])
+                one = shifted
+            if lag_s > 1e-3 * h:
+                keep = exp(-h / lag_s)
+                after = 1.0 - lag_s / h * (1.0 - keep)
+                begin = one[0] - lag_s * slope[a]
+                feed = [after, 1.0 - keep - after]
+                # the filter's memory, so that its first value is `begin`
+                one = lfilter(feed, [1.0, -keep], one, zi=[begin - feed[0] * one[0]])[0]
+            late[a:b] = one
+        return late
+
+    def first_states(self, numbers: Numbers) -> Array:
+        """Where the blocks begin as far as the sensors tell: (blocks, size)."""
+        states = np.zeros((len(self.starts) - 1, self.size))
+        h = self.driven.step_s
+        for output in self.driven.outputs if not self.play else ():
+            place = {"position": 0, "motor": 0, "velocity": 1, "deflection": 2}.get(output.kind)
+            if place is None or place >= self.size:
+                continue
+            for s, (a, b) in enumerate(zip(self.starts[:-1], self.starts[1:], strict=True)):
+                head = output.values[a : min(a + max(8, int(0.03 / h)), b)]
+                known = np.flatnonzero(np.isfinite(head))
+                if len(known) < 3:
+                    continue
+                line = np.polyfit(known * h, head[known], 1) / (
+                    numbers.get(f"scale {output.name}", 1.0) or 1.0
+                )
+                states[s, place] = line[1]
+                if place != 1:
+                    states[s, place + 1] = line[0]
+        return states

@@ -1,0 +1,279 @@
+"""What may be wrong with a driven joint: each cause in its forms, as numbers of the grey box that are set free.
+
+A form lists the numbers and the values from which a fit begins. Structure (a lag of the amplifier, a further mode, a
+stiffness of the joint) competes with the causes for what the linear start leaves, and is no finding: nobody has said
+that the rig is without it.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.greybox import pull_of
+from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
+from stillarm.diagnosis.driven.start import STATED, regressed_joint
+
+Array = NDArray[np.float64]
+Starts = Iterator[dict[str, float]]
+STRUCTURE = ""
+_HUNDREDTH = 0.01
+
+
+@dataclass(frozen=True)
+class Form:
+    """cause: identifier, STRUCTURE for none. numbers: set free. starts: from which values, of the fit so far.
+
+    fits: whether the recording can show it."""
+
+    cause: str
+    words: str
+    numbers: tuple[str, ...]
+    starts: Callable[[DrivenFit], Starts]
+    fits: Callable[[DrivenFit], bool] = field(default=lambda fitted: True)
+    play: bool = False
+
+    @property
+    def price(self) -> int:
+        """How many numbers it adds."""
+        return len([one for one in self.numbers if one != "late"])
+
+
+def force_of(fitted: DrivenFit) -> float:
+    """How strongly the joint is usually driven, rad/s^2."""
+    return float(abs(fitted.numbers["gain"]) * np.std(fitted.run.drive))
+
+
+def _speed(fitted: DrivenFit) -> float:
+    return float(np.std(fitted.run.states[:, 1])) + 1e-12
+
+
+def _coulomb(fitted: DrivenFit) -> Starts:
+    for start in _coulomb_by_direction(fitted):
+        yield {name: value for name, value in start.items() if name != "coulomb_difference"}
+
+
+def _coulomb_by_direction(fitted: DrivenFit) -> Starts:
+    numbers, arm = fitted.numbers, np.zeros(fitted.box.driven.samples)
+    for i in range(1, fitted.box.modes + 1):
+        w, zeta = np.exp(numbers[f"log_w_{i}"]), numbers[f"zeta_{i}"]
+        q, v = fitted.run.states[:, 2 * i], fitted.run.states[:, 2 * i + 1]
+        arm += pull_of(numbers, i) * (w * w * q + 2.0 * zeta * w * v)
+    found = regressed_joint(fitted.box.driven, arm)
+    if found is not None and found[2] > 0.0:
+        yield {"gain": found[0], "damping": found[1], "coulomb": found[2], "coulomb_difference": found[3]}
+        yield {
+            "damping": 0.8 * numbers["damping"], "delay": 0.0,
+            "coulomb": 1.5 * found[2], "coulomb_difference": 1.5 * found[3],
+        }  # fmt: skip
+    for share in (0.1, 0.4):
+        mean, slower = share * force_of(fitted), 0.7 * numbers["damping"]
+        yield {"coulomb": mean, "coulomb_difference": 0.0, "damping": slower}
+
+
+def _stribeck(fitted: DrivenFit) -> Starts:
+    begun = fitted.numbers.get("coulomb", 0.0) or 0.15 * force_of(fitted)
+    for speed in (0.05, 0.3):
+        yield {
+            "coulomb": begun,
+            "stribeck": 0.5 * begun,
+            "log_stribeck_velocity": float(np.log(speed * _speed(fitted))),
+        }
+
+
+def _square(fitted: DrivenFit) -> Starts:
+    yield {
+        "viscous_square": 0.1 * force_of(fitted) / _speed(fitted) ** 2,
+        "damping": 0.7 * fitted.numbers["damping"],
+    }
+
+
+def _asymmetry(fitted: DrivenFit) -> Starts:
+    yield {"viscous_asymmetry": 1e-3 * force_of(fitted) / _speed(fitted)}
+
+
+def _ripple(fitted: DrivenFit) -> Starts:
+    for cycles in strongest_waves(fitted):
+        for part in ("ripple_sine", "ripple_cosine"):
+            still = {"ripple_cycles": cycles, "ripple_sine": 0.0, "ripple_cosine": 0.0}
+            yield {**still, part: _HUNDREDTH * force_of(fitted)}
+
+
+def _small(*names: str) -> Callable[[DrivenFit], Starts]:
+    """A hundredth of what usually drives the joint, each by itself: laws of which either sign may be."""
+
+    def starts(fitted: DrivenFit) -> Starts:
+        for name in names:
+            yield {**dict.fromkeys(names, 0.0), name: _HUNDREDTH * force_of(fitted) * _per(name, fitted)}
+
+    return starts
+
+
+def _per(name: str, fitted: DrivenFit) -> float:
+    """What a law's number is multiplied by, in SI, so that it makes a hundredth of the usual force."""
+    travel = float(np.std(fitted.run.states[:, 0])) + 1e-12
+    bent = float(np.std(fitted.run.states[:, 2])) + 1e-12 if fitted.box.modes else 1.0
+    return {"stiffness": 1.0 / travel, "arm_cubic": 1.0 / bent**3}.get(name, 1.0)
+
+
+def _dead_zone(fitted: DrivenFit) -> Starts:
+    for share in (0.05, 0.2, 0.5):
+        yield {"dead_zone": share * float(np.std(fitted.box.driven.u))}
+
+
+def _limit(fitted: DrivenFit) -> Starts:
+    size = np.abs(fitted.box.driven.u)
+    for share in (0.95, 0.8, 0.6):
+        yield {"limit": share * float(np.quantile(size, 0.998))}
+
+
+def _late(fitted: DrivenFit) -> Starts:
+    for samples in (3.0, 10.0):
+        yield {"delay": samples * fitted.box.driven.step_s, "late": 1.0}
+
+
+def _lag(fitted: DrivenFit) -> Starts:
+    for lag in (3.0, 15.0):
+        yield {"lag": lag * fitted.box.driven.step_s}
+
+
+def _onset(fitted: DrivenFit) -> Starts:
+    for part in (0.2, 0.35, 0.5, 0.65, 0.8):
+        for step in (0.3, -0.25):
+            yield {"inertia_step": step, "onset": part * fitted.box.driven.duration_s}
+
+
+def _gap(fitted: DrivenFit) -> Starts:
+    travel = float(np.std(fitted.run.states[:, 0])) + 1e-12
+    for on_motor in (0.0, 1.0):
+        for share in (0.2, 0.6):
+            for gap in (0.01, 0.1):
+                yield {"gap": gap * travel, "share": share, "on_motor": on_motor}
+
+
+def _has(*kinds: str) -> Callable[[DrivenFit], bool]:
+    return lambda fitted: any(one.kind in kinds for one in fitted.box.driven.outputs)
+
+
+_joint = _has("position", "motor", "velocity")
+
+
+def _bends(fitted: DrivenFit) -> bool:
+    return fitted.box.modes > 0 and _has("deflection", "acceleration")(fitted)
+
+
+def _rigid(fitted: DrivenFit) -> bool:
+    return fitted.box.modes == 0 and _joint(fitted)
+
+
+FORMS = (
+    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, _joint),
+    Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction, _joint),
+    Form("joint_stribeck_friction", "larger at rest", ("coulomb", "stribeck", "log_stribeck_velocity"), _stribeck,
+         _joint),
+    Form("joint_viscous_friction", "with the square of velocity", ("viscous_square",), _square, _joint),
+    Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, _joint),
+    Form("torque_ripple", "over the joint's angle", ("ripple_cycles", "ripple_sine", "ripple_cosine"), _ripple, _joint),
+    Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
+    Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
+         _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
+    Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone),
+    Form("drive_saturation", "of the input", ("limit",), _limit),
+    Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
+    Form("gear_backlash", "between motor and joint", ("gap", "share"), _gap, _rigid, play=True),
+    Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
+    Form("coulomb_damping", "of the arm", ("arm_coulomb",),
+         lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
+    Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
+    Form(STRUCTURE, "a lag of the amplifier", ("lag",), _lag),
+    Form(STRUCTURE, "a stiffness of the joint", ("stiffness",), _small("stiffness"), _has("position", "motor")),
+)  # fmt: skip
+
+
+def _arm_force(fitted: DrivenFit) -> float:
+    return float(np.exp(2.0 * fitted.numbers["log_w_1"]) * np.std(fitted.run.states[:, 2]))
+
+
+def forms_for(fitted: DrivenFit) -> list[Form]:
+    """All forms that the recording may show beside what the fit has already."""
+    found = [one for one in FORMS if one.fits(fitted) and not set(one.numbers) <= set(fitted.free)]
+    outputs = fitted.box.driven.outputs
+    positions = [one for one in outputs if one.kind in ("position", "motor")]
+    for one in outputs if len(outputs) > 1 else ():
+        if f"delay {one.name}" not in fitted.free:
+            found.append(Form("channel_delay", f"of {one.name}", (f"delay {one.name}",), _delays(one.name)))
+        if f"lag {one.name}" not in fitted.free:
+            lags = "accelerometer_lag" if one.kind == "acceleration" else "sensor_lag"
+            found.append(Form(lags, f"a filter's lag in {one.name}", (f"lag {one.name}",), _lags(one.name)))
+        scaled = one.kind in ("velocity", "motor") and positions and one is not positions[0] and one.stated
+        known = STATED in fitted.numbers
+        if scaled and not known and f"scale {one.name}" not in fitted.free:
+            found.append(Form("sensor_scale", f"of {one.name}", (f"scale {one.name}",), _scale(one.name)))
+    if STATED in fitted.numbers:
+        found += _against_the_model(fitted)
+    return found
+
+
+def _against_the_model(fitted: DrivenFit) -> list[Form]:
+    """What may be otherwise than the model file states."""
+    forms = [
+        Form("joint_viscous_friction", "against the model", ("damping",), _more("damping")),
+        Form("inertia_change", "against the model", ("inertia_excess",), _fixed("inertia_excess", 0.1)),
+    ]
+    if fitted.box.modes:
+        carried = tuple(f"carries_{i}" for i in range(1, fitted.box.modes + 1))
+        forms.append(Form("inertia_change", "a payload at the tip", carried, _more(*carried)))
+    for one in fitted.box.driven.outputs:
+        if one.stated and one.kind != "acceleration" and f"scale {one.name}" not in fitted.free:
+            forms.append(Form("sensor_scale", f"of {one.name}", (f"scale {one.name}",), _scale(one.name)))
+    return [one for one in forms if not set(one.numbers) <= set(fitted.free)]
+
+
+def _fixed(name: str, value: float) -> Callable[[DrivenFit], Starts]:
+    def starts(fitted: DrivenFit) -> Starts:
+        yield {name: value}
+
+    return starts
+
+
+def _more(*names: str) -> Callable[[DrivenFit], Starts]:
+    def starts(fitted: DrivenFit) -> Starts:
+        yield {name: 1.2 * fitted.numbers[name] + 1e-3 for name in names}
+
+    return starts
+
+
+def _delays(name: str) -> Callable[[DrivenFit], Starts]:
+    def starts(fitted: DrivenFit) -> Starts:
+        for samples in (2.0, -2.0):
+            yield {f"delay {name}": samples * fitted.box.driven.step_s}
+
+    return starts
+
+
+def _lags(name: str) -> Callable[[DrivenFit], Starts]:
+    def starts(fitted: DrivenFit) -> Starts:
+        for samples in (2.0, 10.0):
+            yield {f"lag {name}": samples * fitted.box.driven.step_s}
+
+    return starts
+
+
+def _scale(name: str) -> Callable[[DrivenFit], Starts]:
+    def starts(fitted: DrivenFit) -> Starts:
+        yield {f"scale {name}": 1.05}
+
+    return starts
+
+
+def box_of(form: Form, fitted: DrivenFit) -> DrivenFit:
+    """The fit from which a form's fits begin: with a motor of its own where there is play."""
+    if not form.play or fitted.box.play:
+        return fitted
+    states = np.concatenate([fitted.states, fitted.states], axis=1)
+    return replace(fitted, box=replace(fitted.box, play=True), states=states)
+
+
+__all__ = ["FORMS", "STRUCTURE", "Form", "box_of", "force_of", "forms_for", "missing_force"]

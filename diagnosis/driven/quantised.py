@@ -1,0 +1,29 @@
+"""Whether an encoder's steps are what is left: the simulated angle, rounded to its counts, is then the measured one."""
+
+import numpy as np
+
+from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.mechanisms import Form
+
+COARSE_OF_MOTION = 1.0 / 500.0  # of an angle's variation: a finer step matters to nobody
+MATCHING = 0.88  # of the samples: the noise is then below a seventh of the step, half of what the steps make
+CAUSE = "encoder_quantisation"
+
+
+def quantised(final: DrivenFit) -> tuple[Form, str, float, float] | None:
+    """The form, the channel, its step in the channel's unit, and how much of the held-out error rounding takes away."""
+    inside = final.box.split.held[final.box.block]
+    for one in final.box.driven.outputs:
+        usual = float(np.nanstd(one.values))
+        if one.kind not in ("position", "motor") or one.step < COARSE_OF_MOTION * usual:
+            continue
+        phase = one.values[np.flatnonzero(np.isfinite(one.values))[0]]
+        rounded = phase + one.step * np.rint((final.run.outputs[one.name] - phase) / one.step)
+        left = one.values - rounded
+        known = np.isfinite(left)
+        if np.mean(np.abs(left[known]) < 0.5 * one.step) > MATCHING:
+            before = final.rms(one.name, True)
+            after = float(np.sqrt(np.nanmean(left[inside] ** 2)))
+            form = Form(CAUSE, f"steps of {one.step:.4g} in {one.name}", ("step",), lambda fitted: iter(()))
+            return form, one.name, one.step, 1.0 - after / before
+    return None

@@ -1,0 +1,57 @@
+"""Which starts are worth a fit: how much of the residual one simulation from each would explain, to first order.
+
+The change that a start makes in all channels is one direction. What the fit's own numbers and the blocks' states can
+make of it is projected out; the rest, scaled freely, takes away so much of the squared residual (Rao's score test).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.driven.fitting import DrivenFit, levels_of_fit, linearised, orthonormal, stacked
+
+Array = NDArray[np.float64]
+
+_LEAST_LEFT = 1e-4  # of a direction, once the fit's own are taken out: less is rounding
+
+
+class Screen:
+    """A fit with its derivatives, against which starts are tried."""
+
+    def __init__(self, fitted: DrivenFit) -> None:
+        """Works out the derivatives once."""
+        self._fit = fitted
+        self._sigma = levels_of_fit(fitted)
+        pieces, self._rows = linearised(fitted, self._sigma)
+        self._bases = [orthonormal(k) for _, k, _, _ in pieces]
+        self._trains = [trains for _, _, _, trains in pieces]
+        residual = self._projected([r for _, _, r, _ in pieces])
+        columns = [self._projected([j[:, i] for j, _, _, _ in pieces]) for i in range(len(fitted.free))]
+        self._own = orthonormal(np.array(columns).T) if columns else np.zeros((len(residual), 0))
+        self._residual = residual - self._own @ (self._own.T @ residual)
+        self._base = stacked(fitted.box, fitted.run, self._sigma)
+
+    def share(self, start: dict[str, float]) -> float:
+        """How much of the squared residual a start's direction explains, 0 to 1."""
+        fitted = self._fit
+        with np.errstate(over="ignore", invalid="ignore"):
+            run = fitted.box.run({**fitted.numbers, **start}, fitted.states)
+        change = stacked(fitted.box, run, self._sigma) - self._base
+        if not np.isfinite(change).all():
+            return 0.0
+        moved = self._projected([change[rows] for rows in self._rows])
+        size = float(moved @ moved)
+        moved = moved - self._own @ (self._own.T @ moved)
+        left, total = float(moved @ moved), float(self._residual @ self._residual)
+        if left <= _LEAST_LEFT**2 * size or left == 0.0 or total == 0.0:
+            return 0.0
+        return float((moved @ self._residual) ** 2 / left / total)
+
+    def _projected(self, by_block: list[Array]) -> Array:
+        """Of the blocks that train: without what their states can make of it."""
+        return np.concatenate(
+            [
+                one - basis @ (basis.T @ one)
+                for one, basis, trains in zip(by_block, self._bases, self._trains, strict=True)
+                if trains
+            ]
+        )

@@ -1,0 +1,156 @@
+"""Which causes and which structure the recording asks for, round by round, until nothing gains more than chance.
+
+The starts of all forms are screened, and the best few fitted. What a form is worth, its merit,
+is what it gains in the log score by blocks and frequencies, less 3 nats for each number that it adds; where it gains
+less on the blocks that no fit saw, three times that counts. So that docs/diagnosis.md's scale holds here too.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
+from stillarm.diagnosis.driven.screen import Screen
+from stillarm.diagnosis.driven.signals import Driven
+from stillarm.diagnosis.driven.start import STATED, has_joint, linear_start, with_another_mode
+from stillarm.diagnosis.driven.stated import Stated
+
+Array = NDArray[np.float64]
+Tick = Callable[[float, str], None]
+
+CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
+PRICE = 3.0  # nats for each number
+_MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
+_TRIED_ANYWAY, _MOST_PLAYS = 1.0, 4  # of play no first order tells
+_LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
+_MOST_ROUNDS = 7
+_MOST_MODES = 3
+_CAUSE_FIRST = 0.3  # of what structure gains
+ANOTHER_MODE = Form(
+    STRUCTURE, "a further mode", ("log_w", "zeta", "follows", "carries"), lambda fitted: iter(())
+)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A form with its best fit. merit: nats; held: gained on held-out blocks."""
+
+    form: Form
+    fit: DrivenFit
+    merit: float
+    held: float
+
+
+@dataclass(frozen=True)
+class Round:
+    """What was taken, of all that was tried, best first, and the fit before it."""
+
+    before: DrivenFit
+    tried: tuple[Tried, ...]
+
+    @property
+    def taken(self) -> Tried:
+        """The best."""
+        return self.tried[0]
+
+
+@dataclass(frozen=True)
+class Searched:
+    """start: the linear model; rounds: each with what it took; final: with all of that; last: what was tried in
+    vain at the end."""
+
+    start: DrivenFit
+    rounds: tuple[Round, ...]
+    final: DrivenFit
+    last: tuple[Tried, ...]
+    left_out: tuple[str, ...]
+
+
+def search(
+    driven: Driven,
+    split: Split,
+    tick: Tick,
+    left_s: Callable[[], float] = lambda: inf,
+    stated: Stated | None = None,
+) -> Searched:
+    """Search within the time that `left_s` tells."""
+    tick(0.05, "a start from the data")
+    start = linear_start(driven, split, stated)
+    current = start
+    rounds: list[Round] = []
+    last: tuple[Tried, ...] = ()
+    left_out: list[str] = []
+    begun = left_s()
+    for number in range(_MOST_ROUNDS):
+        tick(0.15 + 0.8 * number / _MOST_ROUNDS, "causes")
+        spare = left_s() if begun == inf else left_s() - 0.1 * begun
+        if spare < 0.0:
+            left_out.append("further rounds")
+            break
+        tried = tried_forms(current, left_s)
+        if not tried or tried[0].merit < CONVINCES:
+            last = tuple(tried)
+            break
+        tried = cause_first(tried)
+        rounds.append(Round(current, tuple(tried)))
+        current = tried[0].fit
+    return Searched(start, tuple(rounds), current, last, tuple(left_out))
+
+
+def cause_first(tried: list[Tried]) -> list[Tried]:
+    """The best cause before structure that gains no more than a few times as much: a further mode without damping can
+    imitate friction, while friction imitates no mode, and what proves needless is taken out in the end."""
+    cause = next((one for one in tried if one.form.cause != STRUCTURE), None)
+    if cause is None or cause.merit < max(CONVINCES, _CAUSE_FIRST * tried[0].merit):
+        return tried
+    return [cause, *(one for one in tried if one is not cause)]
+
+
+def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
+    """Every form beside what there is, best first."""
+    screen = Screen(current)
+    begins: list[tuple[float, Form, dict[str, float]]] = []
+    for form in forms_for(current):
+        for start in form.starts(current):
+            share = _TRIED_ANYWAY if form.play else screen.share(start)
+            begins.append((share, form, start))
+    finished: list[Tried] = []
+    done: dict[tuple[str, str], int] = {}
+    for share, form, start in sorted(begins, key=lambda one: -one[0]):
+        key = (form.cause, form.words)
+        many = _MOST_PLAYS if form.play else _MOST_STARTS
+        fits = len(finished) >= _MOST_FITS and not form.play
+        if left_s() < 0.0 or done.get(key, 0) >= many or fits or share < _LEAST_SHARE:
+            continue
+        done[key] = done.get(key, 0) + 1
+        from_here = box_of(form, current)
+        free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if one != "late"))))
+        kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
+        begun = fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=_STEPS)
+        finished.append(judged(form, begun, current))
+    bends = (
+        current.box.modes < _MOST_MODES and not current.box.play and current.numbers.get(STATED, 0.0) == 0.0
+    )
+    if bends and left_s() > 0.0:
+        bent = with_another_mode(current)
+        if bent is not None:
+            many = len(bent.free) - len(current.free)
+            finished.append(judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current))
+    return sorted(finished, key=lambda one: -one.merit)
+
+
+def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
+    """A form's merit against the fit before it."""
+    gained, held = float((fitted.whole - before.whole).sum()), 0.0
+    inside = fitted.box.split.held
+    held = float((fitted.held_out - before.held_out)[inside].sum())
+    worth = min(gained, 3.0 * held) - PRICE * form.price
+    return Tried(form, fitted, worth if np.isfinite(worth) else -inf, held)
+
+
+__all__ = ["CONVINCES", "Round", "Searched", "Tried", "has_joint", "search"]

@@ -1,0 +1,319 @@
+"""A first model from the data alone: gain and damping of the joint, and the modes, as the recording shows them.
+
+The joint's numbers come from a regression of its acceleration, band-limited by a local cubic, on input and velocity;
+each mode from the frequency at which a resonance that the input drives explains most. What follows fits them.
+"""
+
+from collections.abc import Iterator
+from math import log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter, savgol_filter
+
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.signals import Driven, Output
+from stillarm.diagnosis.driven.stated import Stated
+
+Array = NDArray[np.float64]
+
+_JOINT = ("position", "motor", "velocity")
+_WINDOW_S = 0.05
+_LOWEST_HZ, _TRIED_HZ = 0.4, 48
+_DAMPING_TRIED = 0.02
+STATED = "stated"  # a number of a grey box whose structure a model file states
+_INERTIA_TRIED = (0.1, 1.0)  # of a mode, over the hub's: how much higher it rings on a free hub
+_QUICK = 8
+
+
+def has_joint(driven: Driven) -> bool:
+    """Whether a sensor looks at the joint itself."""
+    return any(one.kind in _JOINT for one in driven.outputs)
+
+
+def needs_mode(driven: Driven) -> bool:
+    """Whether a sensor looks at the arm's bending."""
+    return any(one.kind in ("deflection", "acceleration") for one in driven.outputs)
+
+
+def free_of(box: GreyBox) -> tuple[str, ...]:
+    """The numbers of the linear model that the sensors can show."""
+    driven, free = box.driven, ["gain", "damping", "delay"]
+    bends = any(one.kind == "deflection" for one in driven.outputs)
+    for i in range(1, box.modes + 1):
+        free += [f"log_w_{i}", f"zeta_{i}"]
+        free += [f"follows_{i}"] if bends else []
+        if has_joint(driven):
+            free.append(f"carries_{i}")
+    if not has_joint(driven):
+        free = [one for one in free if one not in ("damping", "gain" if bends else "")]
+    positions = [one for one in driven.outputs if one.kind in ("position", "motor")]
+    for one in driven.outputs:
+        first_position = bool(positions) and one is positions[0]
+        if not first_position:
+            free.append(f"offset {one.name}")
+        if one.kind == "acceleration":
+            free += [f"direct {one.name}"] if has_joint(driven) else []
+            free += [f"share_{i} {one.name}" for i in range(1, box.modes + 1)]
+            if not has_joint(driven) and not bends and box.modes:
+                free.remove("gain")
+        elif (
+            one.kind in ("velocity", "motor")
+            and positions
+            and not first_position
+            and _scale_is_open(one, positions[0])
+        ):
+            free.append(f"scale {one.name}")
+    return tuple(free)
+
+
+def _scale_is_open(output: Output, position: Output) -> bool:
+    """Whether nobody knows an output's scale against the angle: no unit, or a motor's angle before an unknown gear."""
+    return not output.stated or "motor" in {output.kind, position.kind}
+
+
+def linear_start(driven: Driven, split: Split, stated: Stated | None = None) -> DrivenFit:
+    """The best linear start: a joint, with a mode where the arm is measured; or what the model states. The input is
+    held or linear between samples, as foretells more."""
+    begun = _start(driven, split, stated)
+    other = {**begun.numbers, "held": 1.0 - begun.numbers.get("held", 0.0)}
+    held = fit(begun.box, other, begun.free, begun.states)
+    return max(begun, held, key=lambda one: float(one.whole.sum()))
+
+
+def _start(driven: Driven, split: Split, stated: Stated | None) -> DrivenFit:
+    plain = GreyBox(driven, split)
+    if stated is not None:
+        return _from_stated(plain, stated)
+    numbers = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
+    if not needs_mode(driven):
+        return fit(plain, numbers, free_of(plain))
+    box = GreyBox(driven, split, 1)
+    states = None
+    if has_joint(driven):
+        begun = fit(plain.without_arm(), numbers, free_of(plain.without_arm()), steps=_QUICK)
+        numbers, states = {**numbers, **begun.numbers}, begun.states
+    begins = [*regressed_modes(driven, numbers), *modes_to_try(plain, numbers, None)]
+    tried = [fit(box, one, free_of(box), states, steps=_QUICK) for one in begins]
+    best = max(tried, key=lambda one: float(one.whole.sum()))
+    return fit(best.box, best.numbers, best.free, best.states, steps=20)
+
+
+def _from_stated(plain: GreyBox, stated: Stated) -> DrivenFit:
+    """The stated joint, refitted in what may be off without being a cause."""
+    driven = plain.driven
+    box = GreyBox(driven, plain.split, stated.modes)
+    begun = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
+    numbers = {**begun, **stated.numbers, STATED: 1.0}
+    for one in driven.outputs:
+        numbers.setdefault(f"offset {one.name}", 0.0)
+        if one.kind == "acceleration":
+            for i in range(1, stated.modes + 1):
+                numbers.setdefault(f"share_{i} {one.name}", 1.0)
+    free = tuple(one for one in free_of(box) if one not in stated.fixed)
+    return fit(box, numbers, free)
+
+
+def _without_joint(driven: Driven) -> dict[str, float]:
+    return {"gain": 1.0 / _size(driven.u), "damping": 0.0, "delay": 0.0}
+
+
+def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[str, float]]:
+    """Numbers with the first mode as the measured joint shows it: a resonance driven by theta'' answers at its
+    clamped-free frequency, whatever the joint rubs; then theta'' is regressed on input, velocity and mode."""
+    motion = joint_motion(driven)
+    bent = next((one for one in driven.outputs if one.kind == "deflection"), None)
+    if motion is None or bent is None:
+        return
+    _, omega, alpha = motion
+    known = np.isfinite(bent.values)
+    q = np.interp(np.arange(driven.samples), np.flatnonzero(known), bent.values[known])
+    h = driven.step_s
+    width = _width(h)
+    u = savgol_filter(driven.u, width, 3)
+    q_smooth, v_smooth = savgol_filter(q, width, 3), savgol_filter(q, width, 3, deriv=1, delta=h)
+    tried = []
+    for zeta in (0.005, 0.03, 0.15):
+        tried += [(*one, zeta) for one in _resonances(driven, bent.values, bent, alpha, zeta)]
+    for _, hz, response, zeta in sorted(tried, key=lambda one: -one[0])[:2]:
+        w = 2.0 * pi * hz
+        arm = w * w * (q_smooth - q_smooth.mean()) + 2.0 * zeta * w * v_smooth
+        rubs = -np.tanh(omega / max(0.02 * float(np.max(np.abs(omega))), 1e-12))
+        columns = np.column_stack([u, -omega, arm, np.ones_like(u), rubs])
+        size = np.maximum(np.std(columns, axis=0), 1e-12)
+        size[3] = 1.0
+        factor = np.linalg.lstsq(columns / size, alpha, rcond=1e-4)[0] / size
+        yield {
+            **numbers,
+            "gain": float(factor[0]),
+            "damping": max(float(factor[1]), 0.0),
+            "log_w_1": log(w),
+            "zeta_1": zeta,
+            "follows_1": -response,
+            "carries_1": min(max(-float(factor[2]) * response, 0.02), 20.0),
+        }
+
+
+def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
+    """The same with the mode more that explains most of what is left; None where none can be."""
+    box = GreyBox(fitted.box.driven, fitted.box.split, fitted.box.modes + 1)
+    extra = tuple(one for one in fitted.free if one not in free_of(fitted.box))
+    tried = [
+        fit(box, one, free_of(box) + extra, fitted.states, steps=5)
+        for one in modes_to_try(fitted.box, fitted.numbers, fitted)
+    ]
+    if not tried:
+        return None
+    best = max(tried, key=lambda one: float(one.whole.sum()))
+    return fit(box, best.numbers, best.free, best.states)
+
+
+def modes_to_try(
+    box: GreyBox, numbers: dict[str, float], fitted: DrivenFit | None
+) -> Iterator[dict[str, float]]:
+    """Numbers with one mode more, at the frequencies that explain most."""
+    i, driven = box.modes + 1, box.driven
+    output = _looks_at_arm(driven)
+    residual = output.values if fitted is None else fitted.residuals[output.name]
+    bends = output.kind == "deflection"
+    ranked = sorted(_resonances(driven, residual, output, driven.u), key=lambda one: -one[0])[
+        : 2 if fitted is None else 3
+    ]
+    shares = _INERTIA_TRIED if has_joint(driven) else (0.05,)
+    for _, hz, response in ranked:
+        for share in shares:
+            w = 2.0 * pi * hz / np.sqrt(1.0 + share)
+            follows = -response / numbers["gain"] if bends else 1.0
+            new = {
+                **numbers,
+                f"log_w_{i}": log(w),
+                f"zeta_{i}": _DAMPING_TRIED,
+                f"follows_{i}": follows if follows != 0.0 else 1e-3,
+                f"carries_{i}": share,
+            }
+            for one in driven.outputs:
+                if one.kind == "acceleration":
+                    new.setdefault(f"direct {one.name}", 0.0)
+                    new[f"share_{i} {one.name}"] = -response / numbers["gain"]
+                new.setdefault(f"offset {one.name}", 0.0)
+            yield new
+
+
+def _looks_at_arm(driven: Driven) -> Output:
+    order = ("deflection", "acceleration", "velocity", "position", "motor")
+    return min(driven.outputs, key=lambda one: order.index(one.kind))
+
+
+def _resonances(
+    driven: Driven, residual: Array, output: Output, force: Array, zeta: float = _DAMPING_TRIED
+) -> list[tuple[float, float, float]]:
+    """(share of the variance, Hz, response): of a resonance q'' = -w^2 q - 2 zeta w q' + response * force, or what this
+    sensor makes of one."""
+    h = driven.step_s
+    known = np.isfinite(residual)
+    u = force - force.mean()
+    highest = 0.4 / h
+    found = []
+    total = float(np.var(residual[known])) + 1e-300
+    for hz in np.geomspace(max(_LOWEST_HZ, 2.0 / driven.duration_s), highest, _TRIED_HZ):
+        w = 2.0 * pi * hz
+        x = resonance(u, w, zeta, h)
+        if output.kind == "velocity":
+            x = np.gradient(x, h)
+        elif output.kind == "acceleration":
+            x = u - 2.0 * zeta * w * np.gradient(x, h) - w * w * x
+        columns = np.column_stack([x[known], np.gradient(x, h)[known] / w, np.ones(known.sum())])
+        factor, *_ = np.linalg.lstsq(columns, residual[known], rcond=None)
+        left = float(np.var(residual[known] - columns @ factor))
+        found.append((1.0 - left / total, float(hz), float(factor[0])))
+    peaks = [
+        one for k, one in enumerate(found)
+        if one[0] >= max(other[0] for other in found[max(k - 1, 0) : k + 2])
+    ]  # fmt: skip
+    return peaks
+
+
+def resonance(u: Array, w: float, zeta: float, step_s: float) -> Array:
+    """q of q'' + 2 zeta w q' + w^2 q = u, held between samples, from rest."""
+    damped, keep = w * np.sqrt(1.0 - zeta * zeta), np.exp(-zeta * w * step_s)
+    cosine, sine = keep * np.cos(damped * step_s), keep * np.sin(damped * step_s)
+    tilt = zeta * w / damped
+    one = (1.0 - cosine - tilt * sine) / (w * w)
+    two = (keep * keep + tilt * sine - cosine) / (w * w)
+    return np.asarray(lfilter([0.0, one, two], [1.0, -2.0 * cosine, keep * keep], u))
+
+
+def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Array, Array] | None:
+    """theta, theta', theta'' of the joint as measured, by local cubics; None where no sensor looks at it."""
+    sensor = next((one for kind in _JOINT for one in driven.outputs if one.kind == kind), None)
+    if sensor is None:
+        return None
+    h = driven.step_s
+    known = np.isfinite(sensor.values)
+    values = np.interp(np.arange(driven.samples), np.flatnonzero(known), sensor.values[known])
+    width = max(7, 2 * int(0.5 * window_s / h) + 1)
+    order = [savgol_filter(values, width, 3, deriv=d, delta=h) for d in range(3)]
+    if sensor.kind == "velocity":
+        return np.concatenate([[0.0], np.cumsum(order[0][1:] + order[0][:-1]) * 0.5 * h]), order[0], order[1]
+    return order[0], order[1], order[2]
+
+
+def regressed_joint(driven: Driven, arm: Array | None = None) -> tuple[float, float, float, float] | None:
+    """Gain, damping, dry friction of the joint and half its difference by direction, from its measured acceleration;
+    None without a sensor there.
+
+    arm: (n,) what the modes do to the joint, rad/s^2.
+    """
+    motion = joint_motion(driven)
+    if motion is None:
+        return None
+    _, omega, alpha = motion
+    width = _width(driven.step_s)
+    u = savgol_filter(driven.u, width, 3)
+    small = 0.02 * np.max(np.abs(omega))
+    columns = np.column_stack([u, -omega, np.ones_like(u), -np.tanh(omega / max(small, 1e-12))])
+    size = np.maximum(np.std(columns, axis=0), 1e-12)
+    size[2] = 1.0
+    wanted = alpha if arm is None else alpha - arm
+    factor = np.linalg.lstsq(columns / size, wanted, rcond=1e-4)[0] / size
+    return float(factor[0]), max(float(factor[1]), 0.0), float(factor[3]), -float(factor[2])
+
+
+def _joint_numbers(driven: Driven) -> dict[str, float]:
+    motion, found = joint_motion(driven), regressed_joint(driven)
+    assert motion is not None and found is not None
+    _, omega, alpha = motion
+    numbers = {"gain": found[0], "damping": found[1], "delay": 0.0}
+    for one in driven.outputs:
+        numbers[f"offset {one.name}"] = 0.0
+        numbers[f"scale {one.name}"] = 1.0
+        if one.kind == "acceleration":
+            numbers[f"direct {one.name}"] = float(np.nanstd(one.values) / max(float(np.std(alpha)), 1e-12))
+    _scale_second_sensors(driven, numbers, omega)
+    return numbers
+
+
+def _scale_second_sensors(driven: Driven, numbers: dict[str, float], omega: Array) -> None:
+    """Start values of the scales against the first angle."""
+    first = next((one for kind in ("position", "motor") for one in driven.outputs if one.kind == kind), None)
+    for one in driven.outputs:
+        if first is None or one is first or not _scale_is_open(one, first):
+            continue
+        if one.kind == "velocity":
+            known = np.isfinite(one.values)
+            size = max(float(np.dot(omega[known], omega[known])), 1e-12)
+            numbers[f"scale {one.name}"] = float(np.dot(one.values[known], omega[known])) / size
+        elif one.kind == "motor":
+            known = np.isfinite(one.values) & np.isfinite(first.values)
+            numbers[f"scale {one.name}"] = float(np.polyfit(first.values[known], one.values[known], 1)[0])
+
+
+def _width(step_s: float) -> int:
+    """Samples of a local cubic, an odd number."""
+    return max(7, 2 * int(0.5 * _WINDOW_S / step_s) + 1)
+
+
+def _size(values: Array) -> float:
+    return max(float(np.std(values)), 1e-12)

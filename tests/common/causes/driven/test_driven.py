@@ -1,0 +1,26 @@
+"""Every declaration of a driven joint's cause says all there is to say, in the form that its readers rely on."""
+
+import pytest
+
+from stillarm.common.causes import CAUSES
+from stillarm.common.causes.driven import DRIVEN_CAUSES, DrivenCause
+
+CONTRACT = {
+    "joint_coulomb_friction", "joint_viscous_friction", "joint_stribeck_friction", "torque_ripple", "torque_offset",
+    "amplifier_dead_zone", "inertia_change", "encoder_offset", "encoder_quantisation", "sensor_scale", "channel_delay",
+}  # fmt: skip
+
+
+def test_the_contracts_causes_are_there_and_none_has_two_declarations() -> None:
+    assert set(DRIVEN_CAUSES) >= CONTRACT
+    assert not set(DRIVEN_CAUSES) & set(CAUSES)
+
+
+@pytest.mark.parametrize("cause", DRIVEN_CAUSES.values(), ids=lambda cause: cause.identifier)
+def test_the_words_fit_into_the_sentences_that_take_them_up(cause: DrivenCause) -> None:
+    assert DRIVEN_CAUSES[cause.identifier] is cause
+    for words in (cause.name, cause.sees):
+        assert words[0].islower() and not words.endswith("."), words
+    assert cause.provoke.endswith(".") and cause.numbers
+    for other in cause.confused_with:
+        assert other in DRIVEN_CAUSES and cause.identifier not in DRIVEN_CAUSES[other].confused_with
