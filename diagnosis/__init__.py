@@ -5,4 +5,14 @@ stand on inference. Not here: the simulation of rendered images and processes. B
 with notebook.py.
 """
 
-__all__ = ["calibration", "commissioning", "data", "decision", "diagnose", "notebook", "physics", "report"]
+__all__ = [
+    "calibration",
+    "commissioning",
+    "data",
+    "decision",
+    "diagnose",
+    "driven",
+    "notebook",
+    "physics",
+    "report",
+]

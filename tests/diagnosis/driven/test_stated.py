@@ -21,7 +21,7 @@ def test_the_hub_has_what_the_modes_do_not_carry() -> None:
     carried = 0.2 * 1.1**2
     assert found.numbers["gain"] == pytest.approx(1.0 / (0.5 - carried))
     assert found.numbers["carries_1"] == pytest.approx(carried / (0.5 - carried))
-    assert set(found.fixed) == {"gain", "damping", "carries_1"}
+    assert set(found.fixed) == {"gain", "damping", "carries_1", "scale joint_position_rad"}
 
 
 def test_a_raw_input_leaves_the_gain_open() -> None:

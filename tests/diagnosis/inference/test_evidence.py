@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.evidence import _SHAPES, noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.inference.band_score import SHAPES
+from stillarm.diagnosis.inference.evidence import noise_spectrum, score, score_of_noise
 from stillarm.diagnosis.inference.fitted import Fit
 from tests.fixtures.synthetic import fitted, measured
 
@@ -176,4 +177,4 @@ def test_a_gain_is_the_sum_of_all_channels(plain: Fit) -> None:
     assert after.gain_of(before, "acceleration") == pytest.approx(-6000 * log(2.0), rel=2e-3)
     assert float(after.gain(before).sum()) == pytest.approx(after.gain_of(before, "acceleration"))
     assert after.gain(before).shape == after.gain(before, whole=False).shape == (6,)
-    assert max(_SHAPES) == _SHAPES[-1]  # the shape that stands for no spread between blocks
+    assert max(SHAPES) == SHAPES[-1]  # the shape that stands for no spread between blocks
