@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.greybox import pull_of
 from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
+from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
 from stillarm.diagnosis.driven.start import STATED, regressed_joint
 
 Array = NDArray[np.float64]
@@ -157,6 +158,11 @@ def _has(*kinds: str) -> Callable[[DrivenFit], bool]:
     return lambda fitted: any(one.kind in kinds for one in fitted.box.driven.outputs)
 
 
+def _before_amplifier(fitted: DrivenFit) -> bool:
+    """Whether the input is what the amplifier was told: a measured current or torque came out of it."""
+    return fitted.box.driven.drive not in MEASURED_INPUTS
+
+
 _joint = _has("position", "motor", "velocity")
 
 
@@ -179,15 +185,15 @@ FORMS = (
     Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
          _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
-    Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone),
-    Form("drive_saturation", "of the input", ("limit",), _limit),
+    Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, _before_amplifier),
+    Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
     Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
     Form("gear_backlash", "between motor and joint", ("gap", "share"), _gap, _rigid, play=True),
     Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
     Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
-    Form(STRUCTURE, "a lag of the amplifier", ("lag",), _lag),
+    Form(STRUCTURE, "a lag of the amplifier", ("lag",), _lag, _before_amplifier),
     Form(STRUCTURE, "a stiffness of the joint", ("stiffness",), _small("stiffness"), _has("position", "motor")),
 )  # fmt: skip
 

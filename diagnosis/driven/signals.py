@@ -25,6 +25,8 @@ INPUTS = (
     "motor_voltage_v",
 )
 """Roles that drive the joint, the most direct first."""
+MEASURED_INPUTS = ("motor_current_a", "joint_torque_n_m")
+"""Those behind the amplifier: nothing that it does to its command comes between them and the joint."""
 OUTPUTS: dict[str, Kind] = {
     "joint_position_rad": "position",
     "motor_position_rad": "motor",
