@@ -8,7 +8,7 @@ from math import isfinite
 
 from stillarm.common.files.configuration import Controller as ControllerSettings
 from stillarm.common.files.effects import declared
-from stillarm.common.files.model import Model, length_of
+from stillarm.common.files.model import Model, length_of, refuse_other_drives
 from stillarm.controller.command.damping import DampingStatus, JointDamping
 from stillarm.controller.command.dither import STILL, check_dither, dither_on
 from stillarm.controller.command.limits import CommandLimits
@@ -58,6 +58,7 @@ class Controller:
         model = declared(model)
         self._model, self._settings, self._model_name = model, settings, model_name
         self._cycle_s = model.timing.cycle_s
+        refuse_other_drives(model, model_name)
         self._length = length = length_of(model, model_name)
         self._input = PlausibleInput(model, length)
         self._supervision = Supervision(model, settings, length, identified_only=identified_only)

@@ -16,7 +16,7 @@ from stillarm.common.causes import CAUSES
 from stillarm.common.files.beam import tip_slopes_per_m
 from stillarm.common.files.effects import acting, declared, effect_of, laws_at
 from stillarm.common.files.effects_check import check_effects
-from stillarm.common.files.model import Model, length_of
+from stillarm.common.files.model import Model, length_of, refuse_other_drives
 from stillarm.common.user_error import UserError
 from stillarm.simulation.arm.compiled_laws import laws_of
 from stillarm.simulation.arm.effect_clock import EffectClock
@@ -38,6 +38,7 @@ class Plant:
         """
         check_effects(model.effects, name)
         model = declared(model)
+        refuse_other_drives(model, name)
         self._length_m = length_of(model, name)
         self.cycle_s = model.timing.cycle_s
         self.cycle = 0
