@@ -61,13 +61,13 @@ class Drive(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     the motor, which motor_position_rad counts, for one of the joint.
     """
 
-    kind: Literal["velocity", "torque", "current", "voltage", "position"] = "velocity"
     bandwidth_hz: Positive = 20.0
     dead_time_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.002
     max_velocity_rad_s: Positive = 0.6
     max_acceleration_rad_s2: Positive = 20.0
     min_position_rad: Signed = -1.0
     max_position_rad: Signed = 1.0
+    kind: Literal["velocity", "torque", "current", "voltage", "position"] = "velocity"
     inertia_kg_m2: Positive | msgspec.UnsetType = msgspec.UNSET
     viscous_n_m_s: NonNegative | msgspec.UnsetType = msgspec.UNSET
     coulomb_n_m: NonNegative | msgspec.UnsetType = msgspec.UNSET

@@ -12,8 +12,11 @@ from tests.fixtures.imports import ROOT
 from tests.fixtures.pages import PAGES
 
 IMAGES = ROOT / "docs" / "images"
-DRAWN_ELSEWHERE = {"overview.png", "diagnosis-confusion.png", "diagnosis-sizes.png"}
-"""By `make demo` and `stillarm benchmark diagnosis`."""
+DRAWN_ELSEWHERE = {
+    *("overview.png", "diagnosis-confusion.png", "diagnosis-sizes.png"),
+    *("panel-live.png", "panel-recording.png", "panel-diagnosis.png"),
+}
+"""By `make demo` and `stillarm benchmark diagnosis`; the panel's are a browser's screenshots of `demo --panel`."""
 _LARGEST = 2_000_000  # bytes
 
 

@@ -5,6 +5,7 @@ from math import pi
 
 import msgspec
 import numpy as np
+import pytest
 
 from stillarm.common.files.model import Arm, Mode
 from stillarm.diagnosis.data.split import interleaved
@@ -27,11 +28,20 @@ def test_a_mode_that_an_impact_shook_and_nothing_else_shows_is_no_discovery() ->
     impact = {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02, "jump.1.1.v": 0.5}
     data = measured(9.0, 3, impact, impacts=(STRUCK,), model=TWO)
     world = World(data, TWO, impacts=(STRUCK,))
-    marked = make_data(world, SPLIT)
+    marked = make_data(world, replace(SPLIT, lends=False))
     last = fit(marked, world.space.vector(), world.baseline_names())
     struck = unpredictable(marked, last)
     assert struck.tolist() == [block == 4 for block in range(9)]
     assert not laws(marked, last)
+
+
+def test_a_mode_that_the_first_instants_after_an_impact_train_is_predictable() -> None:
+    impact = {"jump.1.0.v": 2.0 * pi * 2.6 * 0.02, "jump.1.1.v": 0.5}
+    world = World(measured(9.0, 3, impact, impacts=(STRUCK,), model=TWO), TWO, impacts=(STRUCK,))
+    marked = make_data(world, SPLIT)
+    last = fit(marked, world.space.vector(), world.baseline_names())
+    assert not unpredictable(marked, last).any()
+    assert last.value("jump.1.1.v") == pytest.approx(0.5, rel=0.1)
 
 
 def test_an_impact_that_is_followed_is_predictable() -> None:
