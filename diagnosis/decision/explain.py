@@ -16,6 +16,7 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
 from stillarm.diagnosis.decision.rest import anything_matters
 from stillarm.diagnosis.inference.candidates import (
+    ALWAYS_THERE,
     MATTERS_OF_NOISE,
     PRICE_NATS,
     Candidate,
@@ -180,7 +181,10 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     ranked = list(best_of.values())
     beside = bool(found.findings)
     convincing = [one for one in ranked if convinces(one, last, beside)]
-    return Stage(screening, ranked, convincing[0] if convincing else None)
+    chosen = convincing[0] if convincing else None
+    if chosen is not None and any(one.cause == ALWAYS_THERE and one.merit > chosen.merit for one in ranked):
+        chosen = None  # what is always there, and too little to be named, explains it better
+    return Stage(screening, ranked, chosen)
 
 
 def _convincing_elsewhere(found: Found) -> set[str]:

@@ -26,9 +26,11 @@ CONVINCING_NATS = 12.0
 LEAST_OF_NOISE = 0.15
 """Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
 
+ALWAYS_THERE = "second_bending_mode"
+"""Every arm has more modes than its model has."""
+
 _TENTHS = 10
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
-_ALWAYS_THERE = "second_bending_mode"  # every arm has more modes than its model has
 _PLAIN = (
     1.0  # times the noise, in the tenth where it shows most: what is always there is named where it is plain
 )
@@ -107,7 +109,7 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
         return True
     if beside:
         return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
-    if one.cause == _ALWAYS_THERE:
+    if one.cause == ALWAYS_THERE:
         return size_in_noise(last, one.fit, _TENTHS) > _PLAIN
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
     return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
