@@ -27,13 +27,10 @@ LEAST_OF_NOISE = 0.15
 """Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
 
 ALWAYS_THERE = "second_bending_mode"
-"""Every arm has more modes than its model has."""
+"""Every arm has more modes than its model has: one is named where it matters in the tenth where it shows most."""
 
 _TENTHS = 10
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
-_PLAIN = (
-    1.0  # times the noise, in the tenth where it shows most: what is always there is named where it is plain
-)
 
 MATTERS_OF_NOISE = 0.5
 """A rest that matters is over this part of a channel's noise (contract.md)."""
@@ -110,7 +107,7 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
     if beside:
         return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
     if one.cause == ALWAYS_THERE:
-        return size_in_noise(last, one.fit, _TENTHS) > _PLAIN
+        return size_in_noise(last, one.fit, _TENTHS) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
     return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
 
