@@ -44,14 +44,19 @@ def anything_matters(last: Fit, split: Split) -> bool:
 
 def rest_of(last: Fit, name: str, split: Split) -> Rest:
     """What a fit leaves in a channel beyond its noise."""
+    rms, noise = _beyond_noise(last, name, split)
+    immaterial = rms < MATTERS_OF_NOISE * noise or rms < least_that_matters(last, name)
+    residual = last.residuals[name]
+    band = _band(residual[np.isfinite(residual)], last.world.step_s(name))
+    return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, band)
+
+
+def _beyond_noise(last: Fit, name: str, split: Split) -> tuple[float, float]:
+    """The rms of what a fit leaves in a channel beyond its noise, and that noise."""
     residual = last.residuals[name]
     known = residual[np.isfinite(residual)]
     noise = noise_of(last, name, split)
-    rms = sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0
-    least = least_that_matters(last, name)
-    immaterial = rms < MATTERS_OF_NOISE * noise or rms < least
-    step = last.world.step_s(name)
-    return Rest(name, rms, rms / noise if noise > 0.0 else 0.0, immaterial, _band(known, step))
+    return sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0, noise
 
 
 def noise_of(last: Fit, name: str, split: Split) -> float:
@@ -78,5 +83,5 @@ def _band(residual: Array, step_s: float) -> tuple[float, float]:
 
 def times_what_matters(last: Fit, name: str, split: Split) -> float:
     """How many times what matters (contract.md) a fit leaves in a channel."""
-    rest = rest_of(last, name, split)
-    return rest.rms / max(MATTERS_OF_NOISE * noise_of(last, name, split), least_that_matters(last, name))
+    rms, noise = _beyond_noise(last, name, split)
+    return rms / max(MATTERS_OF_NOISE * noise, least_that_matters(last, name))

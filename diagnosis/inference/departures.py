@@ -27,9 +27,14 @@ def loud_at(last: Fit, name: str) -> tuple[Array, NDArray[np.bool_]] | None:
     time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
     time, off = time[known], off[known]
     width = max(_LEAST_FRAMES, round(LOUD_OVER_S / last.world.step_s(name)))
+    return time, is_loud(off, width)
+
+
+def is_loud(off: Array, width: int) -> NDArray[np.bool_]:
+    """Where a departure, over so many samples, is by far more than it usually is. off: (n,), none missing."""
     loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
     usual = max(float(np.median(loudness)), white_noise(off))
-    return time, loudness > _LOUD * usual
+    return np.asarray(loudness > _LOUD * usual)
 
 
 def loud_stretch(

@@ -11,9 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch
+from stillarm.diagnosis.inference.departures import LOUD_OVER_S, is_loud, loud_at, loud_stretch
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
@@ -24,7 +23,6 @@ _PULLS_SOUGHT, _PUSHES_SOUGHT = 2, 2
 _FEWEST = 100  # values that tell how much is usual
 # a pull
 _WINDOW_S = 0.2  # over which an image's departure is looked at
-_LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
 _GAP_S, _LEAD_S = 0.15, 0.3  # within a pull; before it shows
 _SHORTEST_S, _LONGEST_S = 0.25, 8.0
 _ONE_SIDED = 0.5  # of the departure's power is its mean's: a swing has none
@@ -137,9 +135,7 @@ def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     time, off = last.world.instants(last.vector)[known], images.off[known]
     rate = 1.0 / last.world.step_s("displacement")
     width = max(3, round(_WINDOW_S * rate))
-    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
-    usual = max(float(np.median(loudness)), white_noise(off))
-    loud = loudness > _LOUD * usual
+    loud = is_loud(off, width)
     spans = []
     cycle_s = last.world.measured.cycle_s
     for cycle in last.world.impacts:

@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from collections.abc import Callable
 
 from stillarm.common.files.configuration import Link
 from stillarm.common.link.link_key import load_key
@@ -36,7 +37,7 @@ class Commands:
         finally:
             socket.close()
 
-    async def _met(self, socket: UdpSocket, packed) -> OperatorSender:  # type: ignore[no-untyped-def]
+    async def _met(self, socket: UdpSocket, packed: Callable[[OperatorSender], bytes]) -> OperatorSender:
         """A sender of a new session, once the controller has answered it."""
         sender = OperatorSender(self._key, new_session())
         deadline = time.monotonic() + _ANSWER_WITHIN_S
@@ -49,7 +50,7 @@ class Commands:
             sender.take(socket.drain(16))
         return sender
 
-    async def hold_damping(self, still_allowed) -> None:  # type: ignore[no-untyped-def]
+    async def hold_damping(self, still_allowed: Callable[[], bool]) -> None:
         """Tell the controller that damping is not allowed, again and again until cancelled.
 
         still_allowed: whether the controller says that damping is allowed. If it does for long, somebody else's command

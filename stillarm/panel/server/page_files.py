@@ -1,5 +1,6 @@
 """The page's own files, read once at the start: nothing that a request names is ever looked up on the disk."""
 
+from collections.abc import Awaitable, Callable
 from importlib.resources import files
 
 from aiohttp import web
@@ -33,7 +34,7 @@ def add_page_files(application: web.Application) -> None:
         application.router.add_get(path, _file_handler(content, content_type))
 
 
-def _file_handler(content: bytes, content_type: str):  # type: ignore[no-untyped-def]
+def _file_handler(content: bytes, content_type: str) -> Callable[[web.Request], Awaitable[web.Response]]:
     async def handler(request: web.Request) -> web.Response:
         return web.Response(body=content, content_type=content_type, charset="utf-8")
 
