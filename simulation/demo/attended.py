@@ -17,7 +17,7 @@ from stillarm.simulation.demo.demo import (
     Progress,
     compile_ahead,
     remove_shared_memory,
-    wait_for_camera,
+    start_all,
 )
 from stillarm.simulation.demo.own_folder import own_folder
 from stillarm.simulation.demo.processes import DemoProcesses
@@ -65,14 +65,7 @@ def attended_demo(
             compile_ahead(path, configuration)
         processes = DemoProcesses(directory)
         try:
-            processes.start("rig", "--config", str(path), "--truth", str(directory / "truth.mcap"))
-            processes.start("supervisor", "--config", str(path))
-            wait_for_camera(configuration.camera.device, processes)
-            processes.start(
-                "controller",
-                *("--config", str(path), "--record", str(directory / "recording.mcap")),
-                "--allow-non-realtime",
-            )
+            start_all(processes, path, configuration.camera.device)
             yield Attended(path, processes.check, processes.process_ids())
         finally:
             processes.stop_all()

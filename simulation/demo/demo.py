@@ -129,14 +129,7 @@ def run_processes(
         compile_ahead(path, configuration)
     processes = DemoProcesses(directory)
     try:
-        processes.start("rig", "--config", str(path), "--truth", str(directory / "truth.mcap"))
-        processes.start("supervisor", "--config", str(path))
-        wait_for_camera(configuration.camera.device, processes)
-        processes.start(
-            "controller",
-            *("--config", str(path), "--record", str(directory / "recording.mcap")),
-            *("--duration-s", str(duration_s), "--allow-non-realtime"),
-        )
+        start_all(processes, path, configuration.camera.device, "--duration-s", str(duration_s))
         controller = processes.process_id("controller")
         # This process, too, keeps off the loop's processor; what goes on beside the run is not its own and may use it.
         with beside(controller), beside_the_loop(), progress("arm, camera, controller") as done:
@@ -169,6 +162,19 @@ def remove_shared_memory(configuration: Configuration) -> None:
     block_path(configuration.drive.mcp4725.bus.removeprefix(MEMORY_PREFIX)).unlink(missing_ok=True)
     for port in (configuration.accelerometer.port, configuration.drive.odrive.port):
         Path(port_path(port)).unlink(missing_ok=True)
+
+
+def start_all(processes: DemoProcesses, path: Path, camera: str, *words: str) -> None:
+    """Rig, supervisor and, once the camera is there, the controller, which record beside the configuration at `path`.
+
+    words: further ones for the controller. Raises UserError where the camera does not come, or a process fails.
+    """
+    folder = path.parent
+    processes.start("rig", "--config", str(path), "--truth", str(folder / "truth.mcap"))
+    processes.start("supervisor", "--config", str(path))
+    wait_for_camera(camera, processes)
+    record = ("--config", str(path), "--record", str(folder / "recording.mcap"))
+    processes.start("controller", *record, *words, "--allow-non-realtime")
 
 
 def wait_for_camera(name: str, processes: DemoProcesses) -> None:
