@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stillarm.benchmarks.live.beside import Floor, company
+from stillarm.benchmarks.live.bound import bound_of
 from stillarm.benchmarks.live.commands import judge_commands
 from stillarm.benchmarks.live.misses import gaps, own_misses
 from stillarm.benchmarks.live.replay_tables import read_estimates
@@ -95,6 +96,7 @@ def _one_run(
     shared = {
         "run": number,
         "seed": seed,
+        "bound_mean": _bound(recorded, truth),
         "settling_time_damped_s": damped_settling_s(truth, recorded.model.arm.modes[0].frequency_hz),
         "frames": len(recorded.frames),
         "frames_lost": frames_lost([frame.frame for frame in recorded.frames if frame.frame >= 0]),
@@ -107,6 +109,12 @@ def _one_run(
     }
     said = read_estimates(directory)
     return [{"method": method, **shared, **score(said[method], truth)} for method in methods]
+
+
+def _bound(recorded: RecordedRun, truth: TrueRun) -> float | None:
+    time_s = np.array([row.time_s for row in recorded.fast])
+    felt = np.array([row.acceleration_m_s2 for row in recorded.fast])
+    return bound_of(truth, time_s, felt, recorded.model.accelerometer.scale)
 
 
 def _commands(recorded: RecordedRun) -> dict[str, float | int]:

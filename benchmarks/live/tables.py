@@ -42,6 +42,7 @@ def by_run(rows: list[Row], method: str = "fused") -> list[Row]:
             "run": run,
             "seed": row["seed"],
             f"{method}, %": _text(np.max, [of_method[run]] if of_method else [], "error_mean", 2, 100.0),
+            "bound, %": _text(np.max, [row], "bound_mean", 2, 100.0),
             "> 2 std, s": _text(np.max, [of_method[run]] if of_method else [], "longest_beyond_2_std_s", 2),
             "settling, s": number(row["settling_time_damped_s"], 2),
             "frames": row["frames"],
@@ -90,6 +91,14 @@ def verdict(rows: list[Row], load: int = 0, method: str = "fused") -> list[Row]:
             lambda row: row["own_deadline_misses"] == 0,
         ),
     ]
+    if any(row.get("bound_mean") is not None for row in rows):
+        asked.insert(
+            1,
+            (
+                "the same of the bound, which the accelerometer's noise leaves to anybody",
+                lambda row: row["bound_mean"] is not None and row["bound_mean"] <= _ERROR_MEAN,
+            ),
+        )
     if rival:
         asked.append(
             (f"{method} better than {_RIVAL}", lambda row: _less(row["error_mean"], rival[row["run"]]))
@@ -109,7 +118,7 @@ def _less(mine: float | None, others: float | None) -> bool:
 def _text(
     how: Callable[[list[float]], float], rows: list[Row], key: str, digits: int, unit: float = 1.0
 ) -> str:
-    values = [row[key] for row in rows if row[key] is not None]
+    values = [row[key] for row in rows if row.get(key) is not None]
     return number(unit * float(how(values)) if values else None, digits)
 
 

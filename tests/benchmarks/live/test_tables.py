@@ -27,6 +27,10 @@ def test_the_tables_take_every_row_and_judge_the_method_that_damps() -> None:
     rows.append({**rows[0], "method": "correlation", "run": 0, "error_mean": 0.02})
     rows.append({**rows[0], "method": "correlation", "run": 1, "error_mean": -1.0})
     assert verdict(rows)[-1] == {"asked": "fused better than correlation", "kept in": "1 of 2 runs"}
+    bounded = [{**row, "bound_mean": 0.012 if row["run"] else 0.006} for row in rows]
+    assert [row["bound, %"] for row in by_run(bounded)] == ["0.60", "1.20"]
+    assert verdict(bounded)[1]["asked"].startswith("the same of the bound")
+    assert verdict(bounded)[1]["kept in"] == "1 of 2 runs"
 
 
 def test_the_arm_is_to_settle_sooner_where_nothing_runs_beside_it() -> None:
