@@ -24,6 +24,7 @@ from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data, refitted_model
 from stillarm.diagnosis.inference.impacts import fit_with_impacts, refit_with
 from stillarm.diagnosis.inference.screen import residual_peaks
+from stillarm.diagnosis.physics.quantities import QUARTZ, SKEW
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
@@ -121,7 +122,7 @@ def _more(world: World) -> tuple[str, ...]:
     if "acceleration" in world.channels and ({"displacement", "deflection"} & set(world.channels) or moved):
         names.append("accelerometer.scale")
     if "arrival" in world.channels and world.frame_clock.counted:
-        names.append("timing.skew_ppm")
+        names.append(SKEW)
     return tuple(names)
 
 
@@ -181,7 +182,7 @@ def _model(model: Model, last: Fit) -> Model:
     timing, camera = found.timing, found.camera
     if (spread := _delay_spread(last)) is not None:
         timing = msgspec.structs.replace(timing, capture_delay_std_s=spread.std_s)
-    if "timing.skew_ppm" in last.free:
+    if SKEW in last.free:
         rate, _ = _frame_rate(last)
         camera = msgspec.structs.replace(
             camera, frame_rate_hz=rate, exposure_s=min(camera.exposure_s, 1.0 / rate)
@@ -201,8 +202,8 @@ def _delay_spread(last: Fit) -> DelaySpread | None:
 def _frame_rate(last: Fit) -> tuple[float, float]:
     """The camera's frame rate on the controller's clock, Hz, and its deviation."""
     counted = last.world.model.camera.frame_rate_hz
-    rate = counted / (1.0 + 1e-6 * last.value("timing.skew_ppm"))
-    return rate, 1e-6 * last.std["timing.skew_ppm"] * rate
+    rate = counted / (1.0 + 1e-6 * (last.value(SKEW) + last.value(QUARTZ)))
+    return rate, 1e-6 * last.std[SKEW] * rate
 
 
 _KEYS = {
@@ -223,7 +224,7 @@ def _parameters(last: Fit) -> dict[str, tuple[float, float]]:
     for name, key in _KEYS.items():
         if name in last.free:
             found[key] = (last.value(name), last.std[name])
-    if "timing.skew_ppm" in last.free:
+    if SKEW in last.free:
         found["camera.frame_rate_hz"] = _frame_rate(last)
     if (spread := _delay_spread(last)) is not None:
         if "timing.capture_delay_s" in found:  # arrivals without an image tell the spread only

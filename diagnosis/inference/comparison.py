@@ -162,8 +162,7 @@ def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun
 
 def free_names(last: Fit, world: World, own: Sequence[str]) -> tuple[str, ...]:
     """What a fit of a further cause frees: the baseline, what earlier findings freed, and its own."""
-    kept = [name for name in last.free if name in world.space.place]
-    return tuple(dict.fromkeys((*world.baseline_names(), *kept, *own)))
+    return world.with_baseline((*(name for name in last.free if name in world.space.place), *own))
 
 
 def refitted(one: Begun, last: Fit, split: Split, slopes: Slopes) -> Fit | None:

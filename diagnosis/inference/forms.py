@@ -7,6 +7,7 @@ form is one more way to fit the same cause; the evidence for the cause is that o
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,14 @@ from stillarm.diagnosis.inference.cause import (
 )
 from stillarm.diagnosis.inference.causes import CAUSES
 from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.physics.quantities import ACCELEROMETER_BEGIN, ARM_BEGIN, CAMERA_BEGIN, DRIVE_BEGIN
+from stillarm.diagnosis.physics.quantities import (
+    ACCELEROMETER_BEGIN,
+    ARM_BEGIN,
+    CAMERA_BEGIN,
+    DRIVE_BEGIN,
+    MOST_DOWN,
+    MOST_UP,
+)
 from stillarm.diagnosis.physics.space import Added, hats
 from stillarm.diagnosis.physics.world import World
 
@@ -90,14 +98,18 @@ def _further(
     needs: Callable[[World], bool] = driven,
     relative: str = "",
     more_free: tuple[str, ...] = (),
+    settle: Mapping[str, float] = MappingProxyType({}),
 ) -> Form:
     """A form with sizes to begin from for each of its quantities, tried one by one. relative: "command", where the
-    sizes are shares of the largest command."""
+    sizes are shares of the largest command; "shown", of the largest acceleration that the accelerometer should show.
+    settle: as in Cause."""
 
     def trials(context: Context) -> list[Trial]:
         unit = context.top_command_rad_s if relative == "command" else 1.0
         if relative == "acceleration":
             unit = context.top_command_rad_s * 2.0 * np.pi * context.value("drive.bandwidth_hz")
+        if relative == "shown":
+            unit = float(np.max(np.abs(_shown(context.fit, "acceleration"))))
         count = max(len(sizes) for sizes in quantities.values())
         return [
             Trial({}, ({q: sizes[i] * unit for q, sizes in quantities.items()},), one_sided=True)
@@ -110,6 +122,7 @@ def _further(
         trials=trials,
         free=free_of(*quantities, *more_free),
         parameters_of=parameters,
+        settle=settle,
     )
     return Form(cause, name)
 
@@ -138,6 +151,10 @@ def _loss(fit: Fit) -> Values:
 
 def _lag(fit: Fit) -> Values:
     return plain(fit, delay_s="accelerometer.lag_s")
+
+
+def _one_limit(quantity: str) -> Callable[[Fit], Values]:
+    return lambda fit: plain(fit, range_m_s2=quantity)
 
 
 def _time_of(fit: Fit, channel: str) -> Array:
@@ -261,10 +278,19 @@ _LIMITS = tuple(
         ("of the velocity the other way", "drive.fastest_down_rad_s", _OF_TOP_COMMAND, "command"),
     )
 )
+_OF_TOP_READING = (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+_ONE_SIDED = tuple(
+    _further(
+        "accelerometer_clipping", name, {quantity: _OF_TOP_READING}, _one_limit(quantity),
+        needs=has("acceleration"), relative="shown", settle={quantity: 0.02},
+    )
+    for name, quantity in (("of what is above", MOST_UP), ("of what is below", MOST_DOWN))
+)  # fmt: skip
 _FURTHER: tuple[Form, ...] = (
     _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),
     _further("drive_dead_time", "on top", {"drive.further_dead_time_s": (0.001, 0.004, 0.012, 0.03)}, _total_dead_time),
     *_LIMITS,
+    *_ONE_SIDED,
     _further(
         "joint_friction", "on the motion", {"drive.friction_rad_s": (0.005, 0.02, 0.08, 0.2)}, _loss,
         relative="command",

@@ -187,7 +187,7 @@ def refit_with(
     """Fit again with these segments, from what is known."""
     world = last.world.changed(impacts=impacts)
     start = carried_over(last, world)
-    free = tuple(dict.fromkeys((*world.baseline_names(), *extra)))
+    free = world.with_baseline(extra)
     data = make_data(world, split)
     return fit(data, start, free, colour=last.colour | colours(data, start), iterations=iterations)
 

@@ -14,7 +14,14 @@ from scipy.signal import lfilter
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.arm_motion import Motion, dead_s
 from stillarm.diagnosis.physics.declared_effects import effects_in, laws_at
-from stillarm.diagnosis.physics.quantities import ACCELEROMETER_BEGIN, OF_ARRIVALS, OF_LAST_JUMP, RANGE
+from stillarm.diagnosis.physics.quantities import (
+    ACCELEROMETER_BEGIN,
+    MOST_DOWN,
+    MOST_UP,
+    OF_ARRIVALS,
+    OF_LAST_JUMP,
+    RANGE,
+)
 from stillarm.diagnosis.physics.space import Space
 from stillarm.simulation.arm.free_run import reads_later
 
@@ -71,7 +78,7 @@ class Accelerometer:
         for law in laws_at(effects, "reading"):
             value = value + law(t, motion.tip_angle)
         most = vector[at[RANGE]]
-        shown: Array = np.clip(value, -most, most)
+        shown: Array = np.clip(value, -min(most, vector[at[MOST_DOWN]]), min(most, vector[at[MOST_UP]]))
         return shown
 
     def _of_arrivals(self, motion: Motion, vector: Array) -> Array:

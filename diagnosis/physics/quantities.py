@@ -17,11 +17,16 @@ HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, 
 ARRIVAL = "drive.arrival_s"  # by which commands come later than the dead time says: a part of a cycle
 _ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth
 RANGE = "accelerometer.range_m_s2"
+MOST_UP, MOST_DOWN = "accelerometer.most_up_m_s2", "accelerometer.most_down_m_s2"
+"""Limits of one side of the reading, beside the range of both."""
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
 OF_LAST_JUMP = "accelerometer.of_last_jump"  # share of a command's jump, beyond what interpolation has of it
 _OF_LAST_JUMP_STD = 0.5  # where within a cycle a late sensor reads, and how sharply, is unknown
 DRIVE_BEGIN, ARM_BEGIN = "drive.begin_s", "arm.begin_s"  # from when on what departs from the model acts there
 ACCELEROMETER_BEGIN, CAMERA_BEGIN = "accelerometer.begin_s", "camera.begin_s"
+SKEW = "timing.skew_ppm"
+QUARTZ, _QUARTZ_PPM = "timing.quartz_ppm", 20.0
+"""By how much two sound clocks differ: crystals are sold to 20 ppm, and a clock within that has nothing wrong."""
 _LOCKING_PX = 0.015  # the most by which a good tracker strays with the place in the pixel
 
 
@@ -101,6 +106,8 @@ class Layout:
             ("accelerometer.rate_m_s3", 0.0, -1e3, 1e3, 1e-5),
             ("accelerometer.rate_per_s", 0.0, -1.0, 1.0, 1e-6),
             (RANGE, sensor.range_m_s2, 1e-3, _UNLIMITED, 1e-3),
+            (MOST_UP, _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
+            (MOST_DOWN, _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
             ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
             ("accelerometer.lag_s", 0.0, 0.0, 0.5, 1e-5),
             (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),
@@ -118,7 +125,8 @@ class Layout:
             ("camera.locking_cos_px", 0.0, -_LOCKING_PX, _LOCKING_PX, 1e-4),
             ("timing.capture_delay_s", timing.capture_delay_s, -0.5, 3.0, 1e-5),
             ("timing.arrival_s", 0.0, -1e4, 1e4, 1e-5),
-            ("timing.skew_ppm", 0.0, -1e4, 1e4, 0.1),
+            (SKEW, 0.0, -1e4, 1e4, 0.1),
+            (QUARTZ, 0.0, -_QUARTZ_PPM, _QUARTZ_PPM, 0.1),
             ("timing.delay_rate", 0.0, -0.1, 0.1, 1e-7),
             ("timing.stale_onset_s", _NEVER_S, 0.0, _NEVER_S, measured.cycle_s),
             ("timing.stale_frames", 0.0, -8.0, 8.0, 1e-3),
@@ -143,6 +151,7 @@ class Layout:
             self.model.camera.scale_px_per_m,
             2.0 * abs(self.model.camera.scale_px_per_m),
         )
+        sets[QUARTZ] = (0.0, 0.5 * _QUARTZ_PPM)
         sets[OF_ARRIVALS] = (0.0, 1.0)
         sets[OF_LAST_JUMP] = (0.0, _OF_LAST_JUMP_STD)
         sets[ARRIVAL] = (0.0, _ARRIVAL_STD * measured.cycle_s)
@@ -200,4 +209,6 @@ class Layout:
                 names += ["camera.locking_sin_px", "camera.locking_cos_px"]
         if "arrival" in has:
             names.append("timing.arrival_s")
+        if has >= {"displacement", "arrival"} and self.clock.counted:
+            names.append(QUARTZ)
         return names

@@ -4,6 +4,7 @@ Channels: acceleration, joint_position, joint_velocity, deflection (on the contr
 arrival (per frame: when it was read, less when it was exposed).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from stillarm.diagnosis.physics.arm_motion import ArmMotion, Motion
 from stillarm.diagnosis.physics.camera import Camera
 from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
 from stillarm.diagnosis.physics.measured_joint import tip_moved, within_reach
-from stillarm.diagnosis.physics.quantities import Layout
+from stillarm.diagnosis.physics.quantities import QUARTZ, SKEW, Layout
 from stillarm.diagnosis.physics.space import Added, Quantity
 
 Array = NDArray[np.float64]
@@ -166,6 +167,13 @@ class World:
     def baseline_names(self) -> list[str]:
         """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
         return self._layout.baseline_names()
+
+    def with_baseline(self, own: Iterable[str]) -> tuple[str, ...]:
+        """What a fit frees that refits the baseline beside its own. A clock that is taken for wrong has one rate."""
+        names = dict.fromkeys((*self.baseline_names(), *own))
+        if SKEW in names:
+            names.pop(QUARTZ, None)
+        return tuple(names)
 
     def step_s(self, channel: str) -> float:
         """Time between a channel's samples, s."""
