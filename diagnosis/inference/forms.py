@@ -26,6 +26,16 @@ from stillarm.diagnosis.inference.cause import (
     plain,
 )
 from stillarm.diagnosis.inference.causes import CAUSES
+from stillarm.diagnosis.inference.courses import (
+    delay_std,
+    image_std,
+    lens_terms,
+    lens_values,
+    of_course,
+    of_terms,
+    shown,
+    swing,
+)
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.physics.quantities import (
     ACCELEROMETER_BEGIN,
@@ -35,7 +45,6 @@ from stillarm.diagnosis.physics.quantities import (
     MOST_DOWN,
     MOST_UP,
 )
-from stillarm.diagnosis.physics.space import Added, hats
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
@@ -50,8 +59,6 @@ BEGINS: dict[Place, str] = {
 
 _NO_ONSET = ("gear_backlash", "payload_change", "stiffness_drift", "second_bending_mode")
 _WHOLLY = (("drive_lag", ""), ("drive_dead_time", ""))  # a key of the model, whose other form has an onset
-_COURSE_KNOTS = 16  # of a course over the whole recording: a knot every few seconds
-_WALK_S = 0.4  # between the knots of a course that wanders
 
 
 def _exponential_rate(fit: Fit) -> Values:
@@ -109,7 +116,7 @@ def _further(
         if relative == "acceleration":
             unit = context.top_command_rad_s * 2.0 * np.pi * context.value("drive.bandwidth_hz")
         if relative == "shown":
-            unit = float(np.max(np.abs(_shown(context.fit, "acceleration"))))
+            unit = float(np.max(np.abs(shown(context.fit, "acceleration"))))
         count = max(len(sizes) for sizes in quantities.values())
         return [
             Trial({}, ({q: sizes[i] * unit for q, sizes in quantities.items()},), one_sided=True)
@@ -157,115 +164,6 @@ def _one_limit(quantity: str) -> Callable[[Fit], Values]:
     return lambda fit: plain(fit, range_m_s2=quantity)
 
 
-def _time_of(fit: Fit, channel: str) -> Array:
-    world = fit.world
-    return world.cycle_times if channel == "acceleration" else world.measured.frames.received_s
-
-
-def _course(
-    channel: str, group: str, scale: Callable[[Fit], Array | float], std: float, walk: bool
-) -> Callable[[Fit], tuple[Added, ...]]:
-    """A course over time of what is added to a channel, in units of `scale`."""
-
-    def added(fit: Fit) -> tuple[Added, ...]:
-        duration = fit.world.measured.duration_s
-        count = max(int(duration / _WALK_S), _COURSE_KNOTS) if walk else _COURSE_KNOTS
-        columns = hats(_time_of(fit, channel), np.linspace(0.0, duration, count + 1))
-        if walk:  # increments: a random walk
-            columns = np.cumsum(columns[:, ::-1], axis=1)[:, ::-1][:, 1:]
-        unit = scale(fit)
-        columns = columns * (unit[:, None] if isinstance(unit, np.ndarray) else unit)
-        return (Added(group, {channel: columns}, std),)
-
-    return added
-
-
-def _of_course(
-    identifier: str,
-    name: str,
-    parameter: str,
-    channel: str,
-    group: str,
-    scale: Callable[[Fit], Array | float],
-    std: float,
-    walk: bool = False,
-) -> Form:
-    """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
-
-    def parameters(fit: Fit) -> Values:
-        one = _group_of(fit, group)
-        amounts = np.array([fit.value(each) for each in one.amounts])
-        course = one.columns[channel] @ amounts
-        time = _time_of(fit, channel)
-        return {parameter: (float(np.polyfit(time, course, 1)[0]), 0.0)}
-
-    return _linear(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
-
-
-def _linear(
-    identifier: str,
-    name: str,
-    channel: str,
-    group: str,
-    parameters: Callable[[Fit], Values],
-    added: Callable[[Fit], tuple[Added, ...]],
-) -> Form:
-    """A form of a group of added terms in one channel."""
-
-    def amounts(world: World) -> tuple[str, ...]:
-        one = world.added_group(group)
-        return () if one is None else one.amounts
-
-    cause = Cause(
-        id=identifier,
-        needs=has(channel),
-        trials=lambda context: [Trial({}, ({},))],
-        free=amounts,
-        parameters_of=parameters,
-    )
-    return Form(cause, name, added)
-
-
-def _group_of(fit: Fit, name: str) -> Added:
-    one = fit.world.added_group(name)
-    assert one is not None
-    return one
-
-
-def _shown(fit: Fit, channel: str) -> Array:
-    """What a channel should show; zeros where it was not measured, of which no form is made."""
-    one = fit.channel(channel)
-    return one.predicted if one is not None else np.zeros(1)
-
-
-def _swing(fit: Fit) -> Array:
-    """What the accelerometer shows of the arm, less its bias."""
-    return np.asarray(_shown(fit, "acceleration") - fit.value("accelerometer.bias_m_s2"))
-
-
-def _image_std(fit: Fit) -> float:
-    seen = fit.world.channels.get("displacement")
-    return float(np.nanstd(seen)) if seen is not None else 1.0
-
-
-def _delay_std(fit: Fit) -> float:
-    return fit.world.model.timing.capture_delay_std_s or 0.005
-
-
-def _lens(fit: Fit) -> tuple[Added, ...]:
-    seen = _shown(fit, "displacement")
-    size = float(np.max(np.abs(seen))) or 1.0
-    about = seen / size
-    return (Added("lens", {"displacement": np.stack([about**2, about**3], axis=1) * size}, 0.3),)
-
-
-def _lens_values(fit: Fit) -> Values:
-    one = _group_of(fit, "lens")
-    size = float(np.max(np.abs(_shown(fit, "displacement")))) or 1.0
-    cubic, std = plain(fit, x=one.amounts[1])["x"]
-    return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
-
-
 _OF_TOP_ACCELERATION = (0.8, 0.5, 0.3, 0.15, 0.07)
 _OF_TOP_COMMAND = (0.97, 0.9, 0.8, 0.6, 0.4)
 _LIMITS = tuple(
@@ -308,16 +206,16 @@ _FURTHER: tuple[Form, ...] = (
         "accelerometer_lag", "of first order", {"accelerometer.lag_s": (0.0005, 0.002, 0.006, 0.02)}, _lag,
         needs=has("acceleration"),
     ),
-    _of_course(
+    of_course(
         "accelerometer_bias_drift", "along a course", "rate_m_s3", "acceleration", "bias", lambda fit: 1.0, 3.0
     ),
-    _of_course(
-        "accelerometer_sensitivity_drift", "along a course", "rate_per_s", "acceleration", "gain", _swing, 1.0
+    of_course(
+        "accelerometer_sensitivity_drift", "along a course", "rate_per_s", "acceleration", "gain", swing, 1.0
     ),
-    _of_course("tracking_drift", "along a course", "rate_px_per_s", "displacement", "drift", _image_std, 1.0),
-    _of_course(
-        "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", _image_std, 0.1, walk=True
+    of_course("tracking_drift", "along a course", "rate_px_per_s", "displacement", "drift", image_std, 1.0),
+    of_course(
+        "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk=True
     ),
-    _of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", _delay_std, 3.0),
-    _linear("lens_distortion", "about a centre", "displacement", "lens", _lens_values, _lens),
+    of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
+    of_terms("lens_distortion", "about a centre", "displacement", "lens", lens_values, lens_terms),
 )  # fmt: skip

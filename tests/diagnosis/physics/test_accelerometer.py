@@ -8,6 +8,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
 from stillarm.diagnosis.physics.accelerometer import without_strikes
+from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP, RANGE
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
@@ -51,3 +52,16 @@ def test_spikes_of_strikes_cost_the_right_play_no_more_than_noise_may() -> None:
     off = data.acceleration - spiked.predicted.channels["acceleration"]
     assert float(np.median(off[struck])) > 500.0 * spiked.sigma["acceleration"]
     assert spiked.train_log_likelihood > quiet.train_log_likelihood - 6.0 * len(struck)
+
+
+def test_a_limit_of_one_side_leaves_the_other_as_it_was() -> None:
+    world = World(measured(4.0, 1, {"jump.0.0.q": 0.02}), MODEL)
+    free = world.predict(world.space.vector()).channels["acceleration"]
+    limit = 0.4 * float(np.max(np.abs(free)))
+    for name, seen in (
+        (MOST_UP, np.minimum(free, limit)),
+        (MOST_DOWN, np.maximum(free, -limit)),
+        (RANGE, np.clip(free, -limit, limit)),
+    ):
+        shown = world.predict(world.space.with_values(world.space.vector(), {name: limit})).channels
+        assert np.array_equal(shown["acceleration"], seen) and not np.array_equal(seen, free)

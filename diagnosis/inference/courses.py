@@ -1,0 +1,125 @@
+"""Forms that add terms to one channel: a course over time, as knots or as a random walk, and a lens about a centre."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.inference.cause import Cause, Form, Trial, Values, has, plain
+from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.physics.space import Added, hats
+from stillarm.diagnosis.physics.world import World
+
+Array = NDArray[np.float64]
+
+_COURSE_KNOTS = 16  # of a course over the whole recording: a knot every few seconds
+_WALK_S = 0.4  # between the knots of a course that wanders
+
+
+def _time_of(fit: Fit, channel: str) -> Array:
+    world = fit.world
+    return world.cycle_times if channel == "acceleration" else world.measured.frames.received_s
+
+
+def _course(
+    channel: str, group: str, scale: Callable[[Fit], Array | float], std: float, walk: bool
+) -> Callable[[Fit], tuple[Added, ...]]:
+    """A course over time of what is added to a channel, in units of `scale`."""
+
+    def added(fit: Fit) -> tuple[Added, ...]:
+        duration = fit.world.measured.duration_s
+        count = max(int(duration / _WALK_S), _COURSE_KNOTS) if walk else _COURSE_KNOTS
+        columns = hats(_time_of(fit, channel), np.linspace(0.0, duration, count + 1))
+        if walk:  # increments: a random walk
+            columns = np.cumsum(columns[:, ::-1], axis=1)[:, ::-1][:, 1:]
+        unit = scale(fit)
+        columns = columns * (unit[:, None] if isinstance(unit, np.ndarray) else unit)
+        return (Added(group, {channel: columns}, std),)
+
+    return added
+
+
+def of_course(
+    identifier: str,
+    name: str,
+    parameter: str,
+    channel: str,
+    group: str,
+    scale: Callable[[Fit], Array | float],
+    std: float,
+    walk: bool = False,
+) -> Form:
+    """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
+
+    def parameters(fit: Fit) -> Values:
+        one = _group_of(fit, group)
+        amounts = np.array([fit.value(each) for each in one.amounts])
+        course = one.columns[channel] @ amounts
+        time = _time_of(fit, channel)
+        return {parameter: (float(np.polyfit(time, course, 1)[0]), 0.0)}
+
+    return of_terms(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
+
+
+def of_terms(
+    identifier: str,
+    name: str,
+    channel: str,
+    group: str,
+    parameters: Callable[[Fit], Values],
+    added: Callable[[Fit], tuple[Added, ...]],
+) -> Form:
+    """A form of a group of added terms in one channel."""
+
+    def amounts(world: World) -> tuple[str, ...]:
+        one = world.added_group(group)
+        return () if one is None else one.amounts
+
+    cause = Cause(
+        id=identifier,
+        needs=has(channel),
+        trials=lambda context: [Trial({}, ({},))],
+        free=amounts,
+        parameters_of=parameters,
+    )
+    return Form(cause, name, added)
+
+
+def _group_of(fit: Fit, name: str) -> Added:
+    one = fit.world.added_group(name)
+    assert one is not None
+    return one
+
+
+def shown(fit: Fit, channel: str) -> Array:
+    """What a channel should show; zeros where it was not measured, of which no form is made."""
+    one = fit.channel(channel)
+    return one.predicted if one is not None else np.zeros(1)
+
+
+def swing(fit: Fit) -> Array:
+    """What the accelerometer shows of the arm, less its bias."""
+    return np.asarray(shown(fit, "acceleration") - fit.value("accelerometer.bias_m_s2"))
+
+
+def image_std(fit: Fit) -> float:
+    seen = fit.world.channels.get("displacement")
+    return float(np.nanstd(seen)) if seen is not None else 1.0
+
+
+def delay_std(fit: Fit) -> float:
+    return fit.world.model.timing.capture_delay_std_s or 0.005
+
+
+def lens_terms(fit: Fit) -> tuple[Added, ...]:
+    seen = shown(fit, "displacement")
+    size = float(np.max(np.abs(seen))) or 1.0
+    about = seen / size
+    return (Added("lens", {"displacement": np.stack([about**2, about**3], axis=1) * size}, 0.3),)
+
+
+def lens_values(fit: Fit) -> Values:
+    one = _group_of(fit, "lens")
+    size = float(np.max(np.abs(shown(fit, "displacement")))) or 1.0
+    cubic, std = plain(fit, x=one.amounts[1])["x"]
+    return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
