@@ -156,6 +156,8 @@ def least_level(world: World, name: str) -> float:
     """Below this a channel's noise level is never taken to be: what the simulation itself may be off."""
     if name == "deflection":
         return 1e-6 * float(np.nanstd(world.channels[name]))
+    if name == "joint_position":  # an encoder may be finer: as much as matters to anybody (contract.md)
+        return min(LEAST[name], float(np.nanstd(world.channels[name])) / 2000.0 or LEAST[name])
     return LEAST[name]
 
 

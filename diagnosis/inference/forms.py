@@ -57,6 +57,7 @@ BEGINS: dict[Place, str] = {
 }
 """By place: the quantity that says from when on what departs from the model acts."""
 
+_SIDE = {"above": 1.0, "below": -1.0}
 _NO_ONSET = ("gear_backlash", "payload_change", "stiffness_drift", "second_bending_mode")
 _WHOLLY = (("drive_lag", ""), ("drive_dead_time", ""))  # a key of the model, whose other form has an onset
 
@@ -108,15 +109,16 @@ def _further(
     settle: Mapping[str, float] = MappingProxyType({}),
 ) -> Form:
     """A form with sizes to begin from for each of its quantities, tried one by one. relative: "command", where the
-    sizes are shares of the largest command; "shown", of the largest acceleration that the accelerometer should show.
+    sizes are shares of the largest command; "acceleration", of the largest acceleration of the joint; "above" or
+    "below", of the largest that the accelerometer should show on that side.
     settle: as in Cause."""
 
     def trials(context: Context) -> list[Trial]:
         unit = context.top_command_rad_s if relative == "command" else 1.0
         if relative == "acceleration":
-            unit = context.top_command_rad_s * 2.0 * np.pi * context.value("drive.bandwidth_hz")
-        if relative == "shown":
-            unit = float(np.max(np.abs(shown(context.fit, "acceleration"))))
+            unit = float(np.max(np.abs(context.fit.predicted.motion.joint[:, 2])))
+        if relative in _SIDE:
+            unit = max(float(np.max(_SIDE[relative] * shown(context.fit, "acceleration"))), 1e-3)
         count = max(len(sizes) for sizes in quantities.values())
         return [
             Trial({}, ({q: sizes[i] * unit for q, sizes in quantities.items()},), one_sided=True)
@@ -180,9 +182,9 @@ _OF_TOP_READING = (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 _ONE_SIDED = tuple(
     _further(
         "accelerometer_clipping", name, {quantity: _OF_TOP_READING}, _one_limit(quantity),
-        needs=has("acceleration"), relative="shown", settle={quantity: 0.02},
+        needs=has("acceleration"), relative=side, settle={quantity: 0.02},
     )
-    for name, quantity in (("of what is above", MOST_UP), ("of what is below", MOST_DOWN))
+    for name, quantity, side in (("of what is above", MOST_UP, "above"), ("of what is below", MOST_DOWN, "below"))
 )  # fmt: skip
 _FURTHER: tuple[Form, ...] = (
     _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),

@@ -15,7 +15,7 @@ from stillarm.diagnosis.inference.fit import jacobian, whitened
 from stillarm.diagnosis.inference.fitted import THIN, Data, Fit, least_level, thinned, thinned_mask
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.physics.computing import side_by_side
-from stillarm.diagnosis.physics.quantities import ARRIVAL
+from stillarm.diagnosis.physics.quantities import ARRIVAL, UNLIMITED
 from stillarm.diagnosis.physics.world import Predicted, World
 
 Array = NDArray[np.float64]
@@ -209,7 +209,8 @@ def _score(white: _Whitened, cause: Cause, trial: Trial, at: tuple[World, Array,
         bounded = min(max(amount, 0.3), 2.5) if trial.one_sided else amount
         for name, value in column.items():
             place = world.space.place[name]
-            shaped[place] = start[place] + bounded * (value - start[place])
+            whole = abs(start[place]) >= UNLIMITED  # no share of the way from no limit to one is a limit
+            shaped[place] = value if whole else start[place] + bounded * (value - start[place])
     if trial.exact or (trial.one_sided and cause.settle):  # a threshold: its value is the trial's own
         shaped = world.space.with_values(shaped, trial.columns[0])
     return Scored(cause, trial, nats, world, world.space.clipped(shaped))

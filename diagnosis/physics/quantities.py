@@ -12,7 +12,7 @@ from stillarm.diagnosis.physics.declared_effects import declared_quantities, own
 from stillarm.diagnosis.physics.space import Quantity, Space
 
 _NEVER_S = 1e9
-_UNLIMITED = 1e9
+UNLIMITED = 1e9
 HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
 ARRIVAL = "drive.arrival_s"  # by which commands come later than the dead time says: a part of a cycle
 _ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth
@@ -73,7 +73,7 @@ class Layout:
             ("drive.bandwidth_hz", drive.bandwidth_hz, 0.1, 2000.0, 1e-3 * drive.bandwidth_hz),
             ("drive.dead_time_s", drive.dead_time_s, 0.0, 1.0, 1e-5),
             (ARRIVAL, 0.0, -_ARRIVAL * measured.cycle_s, _ARRIVAL * measured.cycle_s, 0.01 * measured.cycle_s),
-            ("drive.max_velocity_rad_s", drive.max_velocity_rad_s, 1e-4, _UNLIMITED, 1e-4),
+            ("drive.max_velocity_rad_s", drive.max_velocity_rad_s, 1e-4, UNLIMITED, 1e-4),
             ("drive.deadband_rad_s", 0.0, 0.0, 10.0, 1e-4),
             ("drive.velocity_loss_rad_s", 0.0, 0.0, 10.0, 1e-5),
             ("drive.gap_rad", 0.0, 0.0, 1.0, 1e-5),
@@ -83,11 +83,11 @@ class Layout:
             ("drive.friction_rad_s", 0.0, 0.0, 10.0, 1e-5),
             ("drive.static_friction_rad_s", 0.0, 0.0, 10.0, 1e-5),
             ("drive.friction_one_sided", 0.0, -1.0, 1.0, 1e-3),
-            ("drive.most_rad_s2", _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
-            ("drive.most_up_rad_s2", _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
-            ("drive.most_down_rad_s2", _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
-            ("drive.fastest_up_rad_s", _UNLIMITED, 1e-4, _UNLIMITED, 1e-4),
-            ("drive.fastest_down_rad_s", _UNLIMITED, 1e-4, _UNLIMITED, 1e-4),
+            ("drive.most_rad_s2", UNLIMITED, 1e-3, UNLIMITED, 1e-3),
+            ("drive.most_up_rad_s2", UNLIMITED, 1e-3, UNLIMITED, 1e-3),
+            ("drive.most_down_rad_s2", UNLIMITED, 1e-3, UNLIMITED, 1e-3),
+            ("drive.fastest_up_rad_s", UNLIMITED, 1e-4, UNLIMITED, 1e-4),
+            ("drive.fastest_down_rad_s", UNLIMITED, 1e-4, UNLIMITED, 1e-4),
             (ARM_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
             (ACCELEROMETER_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
             (CAMERA_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
@@ -105,9 +105,9 @@ class Layout:
             ("accelerometer.bias_m_s2", sensor.bias_m_s2, -1e3, 1e3, 1e-4),
             ("accelerometer.rate_m_s3", 0.0, -1e3, 1e3, 1e-5),
             ("accelerometer.rate_per_s", 0.0, -1.0, 1.0, 1e-6),
-            (RANGE, sensor.range_m_s2, 1e-3, _UNLIMITED, 1e-3),
-            (MOST_UP, _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
-            (MOST_DOWN, _UNLIMITED, 1e-3, _UNLIMITED, 1e-3),
+            (RANGE, sensor.range_m_s2, 1e-3, UNLIMITED, 1e-3),
+            (MOST_UP, UNLIMITED, 1e-3, UNLIMITED, 1e-3),
+            (MOST_DOWN, UNLIMITED, 1e-3, UNLIMITED, 1e-3),
             ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
             ("accelerometer.lag_s", 0.0, 0.0, 0.5, 1e-5),
             (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),

@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 from stillarm.common.causes import CAUSES as CATALOGUE
+from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.cause import Context, Form
 from stillarm.diagnosis.inference.causes import CAUSES
-from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.inference.comparison import begun_fits, gain_of, refitted
+from stillarm.diagnosis.inference.fit import slopes_of
+from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.forms import BEGINS, forms, from_an_onset
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.screen import residual_peaks, variant
+from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
@@ -163,3 +167,27 @@ def test_a_joint_that_nobody_drove_has_no_forms_of_its_drive() -> None:
     data = measured(6.0, 1)
     still = World(replace(data, command=np.zeros(6000), reference=np.zeros(6000)), MODEL)
     assert not [one for one in forms(still) if one.name and CATALOGUE[one.id].place == "drive"]
+
+
+LIMITS = [
+    ("drive.most_rad_s2", 6.0),
+    ("drive.most_up_rad_s2", 6.0),
+    ("drive.fastest_down_rad_s", 0.15),
+    (MOST_UP, 3.0),
+    (MOST_DOWN, 3.0),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("quantity", "limit"), LIMITS, ids=[name for name, _ in LIMITS])
+def test_a_limit_where_there_was_none_is_fitted_from_its_trial(quantity: str, limit: float) -> None:
+    """No share of the way from no limit to one is a limit: a fit that begins there never finds it."""
+    last = fitted(measured(12.0, 3, {quantity: limit, "jump.0.0.q": 0.02}))
+    own = [one for one in forms(last.world) if one.cause.free(last.world) == (quantity,)]
+    begun, _ = begun_fits(make_data(last.world, interleaved(12.0)), last, own)
+    values = [float(one.start[one.world.space.place[quantity]]) for one in begun]
+    assert values and all(0.3 * limit < value < 3.0 * limit for value in values)
+    split, slopes = interleaved(12.0), slopes_of(last)
+    fits = [refitted(one, last, split, slopes) for one in begun]
+    best = max((one for one in fits if one is not None), key=lambda one: gain_of(one, last))
+    assert best.value(quantity) == pytest.approx(limit, rel=0.15)
