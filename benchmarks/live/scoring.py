@@ -14,8 +14,10 @@ longest_beyond_2_std_s
             period do not end such a time.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,5 +144,5 @@ def longest_beyond_s(
     return float(np.max(beyond[last] - beyond[first]))
 
 
-def _of(how: object, values: Values) -> float | None:
-    return float(how(values)) if len(values) else None  # type: ignore[operator]
+def _of(how: Callable[[Values], Any], values: Values) -> float | None:
+    return float(how(values)) if len(values) else None

@@ -26,6 +26,12 @@ LEAST = {
     "displacement": 1e-2,  # trackers stray by as much
     "arrival": 2e-5,
 }
+MATTERS_OF_NOISE = 0.5
+"""A rest that matters is over this part of a channel's noise (contract.md)."""
+MATTERS_OF_MOTION = 1.0 / 2000.0
+"""A rest that matters is over this part of its channel's own variation, too (contract.md)."""
+MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
+"""And over this, px and s (contract.md)."""
 _FINE = 0.5  # of the least level
 _SAME = 1e-9  # rad: values that a file's rounding alone tells apart
 _FEWEST = 200

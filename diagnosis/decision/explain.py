@@ -12,12 +12,12 @@ import numpy as np
 
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
+from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
 from stillarm.diagnosis.decision.rest import anything_matters
 from stillarm.diagnosis.inference.candidates import (
     ALWAYS_THERE,
-    MATTERS_OF_NOISE,
     PRICE_NATS,
     Candidate,
     Found,

@@ -6,8 +6,9 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.candidates import MATTERS_OF_NOISE, least_that_matters, white_noise
+from stillarm.diagnosis.inference.candidates import least_that_matters, white_noise
 from stillarm.diagnosis.inference.evidence import noise_spectrum, score, score_of_noise
 from stillarm.diagnosis.inference.fitted import THIN, Fit
 

@@ -11,6 +11,7 @@ from math import exp, inf
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION, MATTERS_OF_NOISE
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
@@ -23,7 +24,6 @@ NEAR_NATS, NEAR_SHARE = 3.0, 0.02  # within which two causes are a class
 SHARE_TO_NAME = 0.35  # of what all findings gain
 BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
-MATTERS_OF_NOISE, MATTERS_OF_MOTION = 0.5, 1.0 / 2000.0
 _QUIET = 0.25  # of the blocks
 _FEWEST_BLOCKS = 6
 _MOST_COLOUR = 3.0  # times the white noise, of the quietest blocks

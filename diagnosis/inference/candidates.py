@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data import robust
+from stillarm.diagnosis.data.noise import MATTERS_AT_LEAST, MATTERS_OF_MOTION, MATTERS_OF_NOISE
 from stillarm.diagnosis.inference.fitted import Fit, least_level
 from stillarm.diagnosis.inference.laws import LawFound
 from stillarm.diagnosis.inference.screen import Scored
@@ -31,16 +32,6 @@ ALWAYS_THERE = "second_bending_mode"
 
 _TENTHS = 10
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
-
-MATTERS_OF_NOISE = 0.5
-"""A rest that matters is over this part of a channel's noise (contract.md)."""
-
-
-MATTERS_OF_MOTION = 1.0 / 2000.0
-"""A rest that matters is over this part of its channel's own variation, too (contract.md)."""
-
-MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
-"""And over this, px and s (contract.md)."""
 
 
 @dataclass(frozen=True, eq=False)  # one is itself only: arrays have no truth
@@ -127,15 +118,7 @@ def _mended(before: Fit, after: Fit, name: str, parts: int) -> float:
 
 def least_that_matters(last: Fit, name: str) -> float:
     """What a rest in a channel has to exceed, beside half the noise, to matter (contract.md), in the channel's unit."""
-    return max(MATTERS_AT_LEAST.get(name, 0.0), MATTERS_OF_MOTION * variation(last, name))
-
-
-def variation(last: Fit, name: str) -> float:
-    """A channel's own variation."""
-    values = last.world.channels[name]
-    if name == "arrival":
-        values = values - last.world.frame_clock.grid_s
-    return float(np.nanstd(values))
+    return max(MATTERS_AT_LEAST.get(name, 0.0), MATTERS_OF_MOTION * last.world.variation(name))
 
 
 def white_noise(last: Fit, name: str) -> float:

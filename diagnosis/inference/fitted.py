@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.channels import FRAME_CHANNELS
-from stillarm.diagnosis.data.noise import LEAST, Colour, InstantUncertainty
+from stillarm.diagnosis.data.noise import LEAST, MATTERS_OF_MOTION, Colour, InstantUncertainty
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.physics.world import Predicted, World
 
@@ -155,9 +155,9 @@ def thinned_mask(name: str, mask: Mask) -> Mask:
 def least_level(world: World, name: str) -> float:
     """Below this a channel's noise level is never taken to be: what the simulation itself may be off."""
     if name == "deflection":
-        return 1e-6 * float(np.nanstd(world.channels[name]))
+        return 1e-6 * world.variation(name)
     if name == "joint_position":  # an encoder may be finer: as much as matters to anybody (contract.md)
-        return min(LEAST[name], float(np.nanstd(world.channels[name])) / 2000.0 or LEAST[name])
+        return min(LEAST[name], MATTERS_OF_MOTION * world.variation(name) or LEAST[name])
     return LEAST[name]
 
 

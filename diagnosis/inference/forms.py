@@ -57,7 +57,6 @@ BEGINS: dict[Place, str] = {
 }
 """By place: the quantity that says from when on what departs from the model acts."""
 
-_SIDE = {"above": 1.0, "below": -1.0}
 _NO_ONSET = ("gear_backlash", "payload_change", "stiffness_drift", "second_bending_mode")
 _WHOLLY = (("drive_lag", ""), ("drive_dead_time", ""))  # a key of the model, whose other form has an onset
 
@@ -104,21 +103,15 @@ def _further(
     quantities: Mapping[str, tuple[float, ...]],
     parameters: Callable[[Fit], Values],
     needs: Callable[[World], bool] = driven,
-    relative: str = "",
+    unit_of: Callable[[Context], float] = lambda context: 1.0,
     more_free: tuple[str, ...] = (),
     settle: Mapping[str, float] = MappingProxyType({}),
 ) -> Form:
-    """A form with sizes to begin from for each of its quantities, tried one by one. relative: "command", where the
-    sizes are shares of the largest command; "acceleration", of the largest acceleration of the joint; "above" or
-    "below", of the largest that the accelerometer should show on that side.
-    settle: as in Cause."""
+    """A form with sizes to begin from for each of its quantities, tried one by one. unit_of: what the sizes
+    are shares of. settle: as in Cause."""
 
     def trials(context: Context) -> list[Trial]:
-        unit = context.top_command_rad_s if relative == "command" else 1.0
-        if relative == "acceleration":
-            unit = float(np.max(np.abs(context.fit.predicted.motion.joint[:, 2])))
-        if relative in _SIDE:
-            unit = max(float(np.max(_SIDE[relative] * shown(context.fit, "acceleration"))), 1e-3)
+        unit = unit_of(context)
         count = max(len(sizes) for sizes in quantities.values())
         return [
             Trial({}, ({q: sizes[i] * unit for q, sizes in quantities.items()},), one_sided=True)
@@ -134,6 +127,20 @@ def _further(
         settle=settle,
     )
     return Form(cause, name)
+
+
+def _top_command(context: Context) -> float:
+    return context.top_command_rad_s
+
+
+def _top_acceleration(context: Context) -> float:
+    """Of the joint, rad/s^2."""
+    return float(np.max(np.abs(context.fit.predicted.motion.joint[:, 2])))
+
+
+def _top_reading(side: int) -> Callable[[Context], float]:
+    """The largest that the accelerometer should show on one side, 1 or -1, m/s^2."""
+    return lambda context: max(float(np.max(side * shown(context.fit, "acceleration"))), 1e-3)
 
 
 def _total_dead_time(fit: Fit) -> Values:
@@ -169,22 +176,27 @@ def _one_limit(quantity: str) -> Callable[[Fit], Values]:
 _OF_TOP_ACCELERATION = (0.8, 0.5, 0.3, 0.15, 0.07)
 _OF_TOP_COMMAND = (0.97, 0.9, 0.8, 0.6, 0.4)
 _LIMITS = tuple(
-    _further("drive_saturation", name, {quantity: sizes}, _fastest, relative=relative)
-    for name, quantity, sizes, relative in (
-        ("of the acceleration", "drive.most_rad_s2", _OF_TOP_ACCELERATION, "acceleration"),
-        ("of the acceleration one way", "drive.most_up_rad_s2", _OF_TOP_ACCELERATION, "acceleration"),
-        ("of the acceleration the other way", "drive.most_down_rad_s2", _OF_TOP_ACCELERATION, "acceleration"),
-        ("of the velocity one way", "drive.fastest_up_rad_s", _OF_TOP_COMMAND, "command"),
-        ("of the velocity the other way", "drive.fastest_down_rad_s", _OF_TOP_COMMAND, "command"),
+    _further("drive_saturation", name, {quantity: sizes}, _fastest, unit_of=unit_of)
+    for name, quantity, sizes, unit_of in (
+        ("of the acceleration", "drive.most_rad_s2", _OF_TOP_ACCELERATION, _top_acceleration),
+        ("of the acceleration one way", "drive.most_up_rad_s2", _OF_TOP_ACCELERATION, _top_acceleration),
+        (
+            "of the acceleration the other way",
+            "drive.most_down_rad_s2",
+            _OF_TOP_ACCELERATION,
+            _top_acceleration,
+        ),
+        ("of the velocity one way", "drive.fastest_up_rad_s", _OF_TOP_COMMAND, _top_command),
+        ("of the velocity the other way", "drive.fastest_down_rad_s", _OF_TOP_COMMAND, _top_command),
     )
 )
 _OF_TOP_READING = (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 _ONE_SIDED = tuple(
     _further(
         "accelerometer_clipping", name, {quantity: _OF_TOP_READING}, _one_limit(quantity),
-        needs=has("acceleration"), relative=side, settle={quantity: 0.02},
+        needs=has("acceleration"), unit_of=_top_reading(side), settle={quantity: 0.02},
     )
-    for name, quantity, side in (("of what is above", MOST_UP, "above"), ("of what is below", MOST_DOWN, "below"))
+    for name, quantity, side in (("of what is above", MOST_UP, 1), ("of what is below", MOST_DOWN, -1))
 )  # fmt: skip
 _FURTHER: tuple[Form, ...] = (
     _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),
@@ -193,16 +205,16 @@ _FURTHER: tuple[Form, ...] = (
     *_ONE_SIDED,
     _further(
         "joint_friction", "on the motion", {"drive.friction_rad_s": (0.005, 0.02, 0.08, 0.2)}, _loss,
-        relative="command",
+        unit_of=_top_command,
     ),
     _further(
         "joint_friction", "on the motion, by direction", {"drive.friction_rad_s": (0.01, 0.05, 0.2)}, _loss,
-        relative="command", more_free=("drive.friction_one_sided",),
+        unit_of=_top_command, more_free=("drive.friction_one_sided",),
     ),
     _further(
         "joint_friction", "on the motion, sticking",
         {"drive.friction_rad_s": (0.01, 0.05, 0.2), "drive.static_friction_rad_s": (0.015, 0.075, 0.3)}, _loss,
-        relative="command",
+        unit_of=_top_command,
     ),
     _further(
         "accelerometer_lag", "of first order", {"accelerometer.lag_s": (0.0005, 0.002, 0.006, 0.02)}, _lag,

@@ -90,6 +90,7 @@ class World:
         for group in added:
             for name in group.amounts:
                 self.space.add(Quantity(name, 0.0, step=1e-3 * group.prior_std, prior_std=group.prior_std))
+        self._variation: dict[str, float] = {}
         none = np.empty(0)
         self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
 
@@ -174,6 +175,14 @@ class World:
         if SKEW in names:
             names.pop(QUARTZ, None)
         return tuple(names)
+
+    def variation(self, channel: str) -> float:
+        """Standard deviation of what a channel measured, in its unit; of the arrivals about the frames' grid."""
+        if channel not in self._variation:
+            values = self.channels[channel]
+            about = self.frame_clock.grid_s if channel == "arrival" else 0.0
+            self._variation[channel] = float(np.nanstd(values - about))
+        return self._variation[channel]
 
     def step_s(self, channel: str) -> float:
         """Time between a channel's samples, s."""

@@ -45,4 +45,6 @@ def test_the_shift_has_the_deviation_of_the_cramer_rao_bound() -> None:
 def test_the_mean_error_is_that_of_the_shift() -> None:
     """A shift of e rad is a mean error of 2 e / pi; averaged over draws, with |e| of a normal law."""
     found = [bound_of(true_run(), *_samples(0.5, seed)) for seed in range(20)]
-    assert 0.0 < float(np.mean(found)) < 2.0 / pi * W * 2e-3  # type: ignore[arg-type]
+    known = [one for one in found if one is not None]
+    assert len(known) == len(found)
+    assert 0.0 < float(np.mean(known)) < 2.0 / pi * W * 2e-3

@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION
 from stillarm.diagnosis.inference.candidates import (
-    MATTERS_OF_MOTION,
     least_that_matters,
     size_in_noise,
-    variation,
     white_noise,
 )
 from stillarm.diagnosis.inference.fitted import Fit
@@ -42,5 +41,5 @@ def test_what_is_mended_is_measured_by_the_noise(plain: Fit) -> None:
 def test_what_matters_is_a_part_of_the_motion_however_little_the_noise(plain: Fit) -> None:
     """An encoder with next to no noise asks for no drive that is as good."""
     least = least_that_matters(plain, "joint_position")
-    assert least == pytest.approx(MATTERS_OF_MOTION * variation(plain, "joint_position"))
+    assert least == pytest.approx(MATTERS_OF_MOTION * plain.world.variation("joint_position"))
     assert least_that_matters(plain, "displacement") >= 0.02
