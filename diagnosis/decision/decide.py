@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.rest import Rest, anything_matters, explainable, rest_of, times_what_matters
 from stillarm.diagnosis.inference.candidates import (
@@ -130,27 +131,38 @@ def share_explained(one: Candidate, before: Fit, split: Split) -> float:
     """What a finding gains, of the nats that a perfect model would gain where it was taken. 1 for a law: it is judged
     by its own channel. before: the fit that it was taken on.
 
-    What goes wrong in a sensor shows in that sensor's channel alone, and is judged there, if nothing larger is left
-    elsewhere; a finding of timing by all channels; any other by all but the arrivals.
+    What goes wrong in a sensor or a drive shows in its own channels alone, and is judged there, if nothing larger is
+    left elsewhere; a finding of timing by all channels; any other by all but the arrivals.
     """
     if one.law is not None:
         return 1.0
     left = explainable(one.fit, split)
-    own = _CHANNEL_OF.get(_place(one))
-    if own in left and _largest_there(before, one.fit, own, split):
-        gained = score(one.fit, split).gain_of(score(before, split), own)
-        return max(gained, 0.0) / max(gained + left[own], 1e-9)
+    own = _own_channels(one, before)
+    if own and _largest_there(before, one.fit, own, split):
+        now, was = score(one.fit, split), score(before, split)
+        gained = sum(now.gain_of(was, name) for name in own)
+        return max(gained, 0.0) / max(gained + sum(left[name] for name in own), 1e-9)
     gained = float(one.nats.sum())
     if _place(one) != "timing":
         left.pop("arrival", None)
     return gained / max(gained + sum(left.values()), 1e-9)
 
 
-def _largest_there(before: Fit, after: Fit, own: str, split: Split) -> bool:
-    """Whether a channel departed from the model by more than any other still does, each by what matters in it."""
-    others = [name for name in after.residuals if name not in (own, "arrival")]
+def _own_channels(one: Candidate, before: Fit) -> tuple[str, ...]:
+    """The measured channels in which alone a finding shows: its sensor's; the joint's, where the arm is moved by the
+    joint as it was measured, whatever moved that."""
+    place = _place(one)
+    if place == "drive" and before.world.joint_hz > 0.0 and DECLARED[one.cause].acts != "force":
+        return tuple(name for name in JOINT_CHANNELS if name in before.residuals)
+    return tuple(name for name in (_CHANNEL_OF.get(place),) if name is not None and name in before.residuals)
+
+
+def _largest_there(before: Fit, after: Fit, own: tuple[str, ...], split: Split) -> bool:
+    """Whether a finding's own channels departed from the model by more than any other still does, each by what matters
+    in it."""
+    others = [name for name in after.residuals if name not in (*own, "arrival")]
     left = max((times_what_matters(after, name, split) for name in others), default=0.0)
-    return times_what_matters(before, own, split) >= left
+    return max(times_what_matters(before, name, split) for name in own) >= left
 
 
 def fit_before(found: Found, one: Candidate) -> Fit:

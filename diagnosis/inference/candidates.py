@@ -28,7 +28,7 @@ LEAST_OF_NOISE = 0.15
 """Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
 
 ALWAYS_THERE = "second_bending_mode"
-"""Every arm has more modes than its model has: one is named where it matters in the tenth where it shows most."""
+"""Every arm has more modes than its model has: one is named where it matters (contract.md)."""
 
 _TENTHS = 10
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
@@ -98,7 +98,7 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
     if beside:
         return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
     if one.cause == ALWAYS_THERE:
-        return size_in_noise(last, one.fit, _TENTHS) > MATTERS_OF_NOISE
+        return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
     return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
 

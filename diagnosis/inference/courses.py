@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.inference.cause import Cause, Form, Trial, Values, has, plain
 from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.physics.camera import expose
 from stillarm.diagnosis.physics.space import Added, hats
 from stillarm.diagnosis.physics.world import World
 
@@ -14,6 +15,7 @@ Array = NDArray[np.float64]
 
 _COURSE_KNOTS = 16  # of a course over the whole recording: a knot every few seconds
 _WALK_S = 0.4  # between the knots of a course that wanders
+_TILT_PX_PER_RAD, _TILT_STD = 100.0, 10.0  # unit of a turn of the image; up to thousands of px a radian
 
 
 def _time_of(fit: Fit, channel: str) -> Array:
@@ -27,16 +29,22 @@ def _course(
     """A course over time of what is added to a channel, in units of `scale`."""
 
     def added(fit: Fit) -> tuple[Added, ...]:
-        duration = fit.world.measured.duration_s
-        count = max(int(duration / _WALK_S), _COURSE_KNOTS) if walk else _COURSE_KNOTS
-        columns = hats(_time_of(fit, channel), np.linspace(0.0, duration, count + 1))
-        if walk:  # increments: a random walk
-            columns = np.cumsum(columns[:, ::-1], axis=1)[:, ::-1][:, 1:]
+        columns = walk_over(fit, channel) if walk else _knots_over(fit, channel, _COURSE_KNOTS)
         unit = scale(fit)
         columns = columns * (unit[:, None] if isinstance(unit, np.ndarray) else unit)
         return (Added(group, {channel: columns}, std),)
 
     return added
+
+
+def _knots_over(fit: Fit, channel: str, count: int) -> Array:
+    return hats(_time_of(fit, channel), np.linspace(0.0, fit.world.measured.duration_s, count + 1))
+
+
+def walk_over(fit: Fit, channel: str) -> Array:
+    """A random walk over a channel's samples: each column is a step at one of its knots, (samples, knots)."""
+    count = max(int(fit.world.measured.duration_s / _WALK_S), _COURSE_KNOTS)
+    return np.cumsum(_knots_over(fit, channel, count)[:, ::-1], axis=1)[:, ::-1][:, 1:]
 
 
 def of_course(
@@ -123,3 +131,25 @@ def lens_values(fit: Fit) -> Values:
     size = float(np.max(np.abs(shown(fit, "displacement")))) or 1.0
     cubic, std = plain(fit, x=one.amounts[1])["x"]
     return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
+
+
+def tilt_terms(fit: Fit) -> tuple[Added, ...]:
+    """An image that moves with the joint's angle, whatever the arm's bend: a camera that the joint carries."""
+    joint = fit.predicted.motion.joint[:, 0]
+    column = imaged(fit, -_TILT_PX_PER_RAD * joint)[:, None]
+    return (Added("tilt", {"displacement": column}, _TILT_STD),)
+
+
+def tilt_values(fit: Fit) -> Values:
+    amount, std = plain(fit, x=_group_of(fit, "tilt").amounts[0])["x"]
+    known = fit.value("camera.rotation_px_per_rad")
+    return {"rotation_px_per_rad": (known + _TILT_PX_PER_RAD * amount, _TILT_PX_PER_RAD * std)}
+
+
+def imaged(fit: Fit, scene: Array) -> Array:
+    """What the camera would make of a motion over the grid, px."""
+    instants = fit.world.instants(fit.vector)
+    value, rate = np.empty(len(instants)), np.empty(len(instants))
+    exposure, step = fit.world.model.camera.exposure_s, fit.world.measured.cycle_s
+    expose(np.ascontiguousarray(scene), instants, exposure, step, value, rate)
+    return value

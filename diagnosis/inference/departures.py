@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import white_noise
+from stillarm.diagnosis.data.robust import std_about_zero, white_noise
 from stillarm.diagnosis.inference.fitted import Fit
 
 Array = NDArray[np.float64]
@@ -12,6 +12,7 @@ LOUD_OVER_S = 0.02
 """Over which the accelerometer's departure is looked at, s."""
 _LEAST_FRAMES = 3  # over which an image's is
 _LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
+_HELD = 4.0  # times the usual mean of a window, in which six of normal ones in a hundred thousand lie
 _FEWEST = 100  # values that tell how much is usual
 _ABOUT_PERIODS = 0.35  # from an impact to where what it has wrong shows
 
@@ -35,6 +36,14 @@ def is_loud(off: Array, width: int) -> NDArray[np.bool_]:
     loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
     usual = max(float(np.median(loudness)), white_noise(off))
     return np.asarray(loudness > _LOUD * usual)
+
+
+def is_one_sided(off: Array, width: int) -> NDArray[np.bool_]:
+    """Where the mean of a departure over so many samples is by far more than it usually is: a force that holds shows in
+    the mean while it is below the noise of one sample. off: (n,), none missing."""
+    mean = np.abs(np.convolve(off, np.full(width, 1.0 / width), "same"))
+    usual = max(std_about_zero(mean), white_noise(off) / width**0.5)
+    return np.asarray(mean > _HELD * usual)
 
 
 def loud_stretch(

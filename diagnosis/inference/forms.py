@@ -35,6 +35,8 @@ from stillarm.diagnosis.inference.courses import (
     of_terms,
     shown,
     swing,
+    tilt_terms,
+    tilt_values,
 )
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.physics.quantities import (
@@ -231,5 +233,6 @@ _FURTHER: tuple[Form, ...] = (
         "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk=True
     ),
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
+    of_terms("camera_tilt_coupling", "with the joint alone", "displacement", "tilt", tilt_values, tilt_terms),
     of_terms("lens_distortion", "about a centre", "displacement", "lens", lens_values, lens_terms),
 )  # fmt: skip

@@ -11,23 +11,26 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.inference.courses import imaged, walk_over
 from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.physics.camera import expose
 from stillarm.diagnosis.physics.linear_modes import answer_of_mode
 from stillarm.diagnosis.physics.space import Added, hats
 
 Array = NDArray[np.float64]
 
 _PIECES = 7  # of a free course over position, velocity or time
+_WANDER = 0.1  # of a scale, from knot to knot: as much as a course of the tracking wanders, of the image's variation
 
 
 @dataclass(frozen=True)
 class Group:
-    """One kind of free-form structure. words: in a sentence; columns: by channel, from a fit; none: not seen here."""
+    """One kind of free-form structure. words: in a sentence; columns: by channel, from a fit; none: not seen here.
+    prior_std: of its amounts, where their columns have a unit of their own."""
 
     name: str
     words: str
     columns: Callable[[Fit], dict[str, Array]]
+    prior_std: float | None = None
 
     def added(self, fit: Fit) -> Added | None:
         """Its terms for a fit, each scaled to the channels' noise; None where the recording cannot show it."""
@@ -39,6 +42,10 @@ class Group:
         seen = largest > 0.0
         if not seen.any():
             return None
+        if self.prior_std is not None:
+            return Added(
+                f"free.{self.name}", {name: one[:, seen] for name, one in columns.items()}, self.prior_std
+            )
         scaled = {name: one[:, seen] / largest[seen] for name, one in columns.items()}
         return Added(f"free.{self.name}", scaled, 100.0)
 
@@ -56,6 +63,7 @@ def groups(peaks_hz: Iterable[float]) -> list[Group]:
         Group("reading", "an accelerometer whose reading is no straight line", _bent_reading),
         Group("image", "an image whose displacement is no straight line", _bent_image),
         Group("scale", "an image scale that changes over time", _scale_over_time),
+        Group("scale_wanders", "an image scale that wanders", _scale_that_wanders, _WANDER),
         Group("turning", "an accelerometer that senses the joint's speed", _turning),
     ]  # fmt: skip
     for k, hz in enumerate(peaks_hz):
@@ -149,18 +157,9 @@ def _force(fit: Fit, force: Array) -> dict[str, Array]:
         found["acceleration"] = fit.value("accelerometer.scale") * second
     if "displacement" in fit.world.channels:
         found["displacement"] = np.stack(
-            [_imaged(fit, -fit.value("camera.scale_px_per_m") * q[:, i]) for i in range(q.shape[1])], axis=1
+            [imaged(fit, -fit.value("camera.scale_px_per_m") * q[:, i]) for i in range(q.shape[1])], axis=1
         )
     return found
-
-
-def _imaged(fit: Fit, scene: Array) -> Array:
-    """What the camera would make of a motion over the grid, px."""
-    instants = fit.world.instants(fit.vector)
-    value, rate = np.empty(len(instants)), np.empty(len(instants))
-    exposure, step = fit.world.model.camera.exposure_s, fit.world.measured.cycle_s
-    expose(np.ascontiguousarray(scene), instants, exposure, step, value, rate)
-    return value
 
 
 def _bent_reading(fit: Fit) -> dict[str, Array]:
@@ -186,6 +185,14 @@ def _scale_over_time(fit: Fit) -> dict[str, Array]:
     return {"displacement": course * _unit(shown - fit.value("camera.offset_px"))[:, None]}
 
 
+def _scale_that_wanders(fit: Fit) -> dict[str, Array]:
+    shown = fit.predicted.channels.get("displacement")
+    if shown is None:
+        return {}
+    swing = shown - fit.value("camera.offset_px")
+    return {"displacement": walk_over(fit, "displacement") * swing[:, None]}
+
+
 def _turning(fit: Fit) -> dict[str, Array]:
     joint = fit.predicted.motion.joint
     omega, theta = _unit(joint[:, 1]), joint[:, 0]
@@ -208,7 +215,7 @@ def _ringing(channel: str, hz: float) -> Callable[[Fit], dict[str, Array]]:
         found.append(np.stack([np.sin(phase), np.cos(phase)], axis=1))
         whole = np.concatenate(found, axis=1)
         if channel == "displacement":
-            whole = np.stack([_imaged(fit, whole[:, i]) for i in range(whole.shape[1])], axis=1)
+            whole = np.stack([imaged(fit, whole[:, i]) for i in range(whole.shape[1])], axis=1)
         return {channel: whole}
 
     return columns

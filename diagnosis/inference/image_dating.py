@@ -45,9 +45,20 @@ def dated(baseline: Fit, split: Split) -> Fit:
         return baseline
     if np.isfinite(started).mean() < 1.0:
         return baseline
-    other = fit_with_impacts(world.with_measured(dated_by_requests(world.measured), ()), split)
+    other = _dated_by_requests(baseline, split)
     mended = (other, _perhaps_stepped(other, split), _perhaps_held_back(other, split))
     return other if max(map(image_nats, mended)) > image_nats(baseline) else baseline
+
+
+def _dated_by_requests(baseline: Fit, split: Split) -> Fit:
+    """The fit with images dated by their requests, with the impacts of the baseline or with those that are found so,
+    whichever is likelier: a search from nothing misses an impact that stands beside a span that is not judged."""
+    measured = dated_by_requests(baseline.world.measured)
+    struck = baseline.world.with_measured(measured, baseline.world.impacts)
+    start = carried_over(baseline, struck)
+    kept = fit(make_data(struck, split), start, struck.baseline_names(), colour=baseline.colour)
+    sought = fit_with_impacts(baseline.world.with_measured(measured, ()), split)
+    return max(kept, sought, key=lambda one: one.train_log_likelihood)
 
 
 def _perhaps_stepped(asked: Fit, split: Split) -> Fit:

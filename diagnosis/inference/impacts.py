@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import std_about_zero
+from stillarm.diagnosis.data.robust import std_about_zero, without_spikes
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fit import colours, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
@@ -49,6 +49,8 @@ def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) 
         known = np.isfinite(values)
         if known.sum() < 50:
             continue
+        if name == "acceleration":
+            values[known] = without_spikes(values[known])
         quiet = std_about_zero(np.diff(values[known])) / np.sqrt(2.0)
         rate = known.sum() / world.measured.duration_s
         choices.append((quiet / np.sqrt(rate), time[known], values[known]))

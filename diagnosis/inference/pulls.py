@@ -11,9 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.departures import LOUD_OVER_S, is_loud, loud_at, loud_stretch
-from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.departures import LOUD_OVER_S, is_one_sided, loud_at, loud_stretch
+from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
 
@@ -25,7 +26,7 @@ _FEWEST = 100  # values that tell how much is usual
 _WINDOW_S = 0.2  # over which an image's departure is looked at
 _GAP_S, _LEAD_S = 0.15, 0.3  # within a pull; before it shows
 _SHORTEST_S, _LONGEST_S = 0.25, 8.0
-_ONE_SIDED = 0.5  # of the departure's power is its mean's: a swing has none
+_ONE_SIDED = 0.5  # of the departure's power beyond the noise is its mean's: a swing has none
 _MOST = 0.3  # of the recording
 
 # a push
@@ -33,6 +34,13 @@ _PUSH_PERIODS = 1.6  # longest: a longer one swings the arm while it lasts, and 
 _BESIDE_PERIODS = 1.0  # before and after it, the model holds
 _WORSE = 1.02  # times the power left
 _HOLDS = 0.1  # of that time may depart from the model
+_SPANS_PERIODS = (
+    (0.5, 0.5),
+    (1.0, 0.5),
+    (0.5, 1.0),
+    (1.0, 1.0),
+)  # before and after an impact in the images alone
+_MOST_TRIED = 6  # impacts
 
 
 def without_pulls(baseline: Fit, split: Split) -> Fit:
@@ -63,7 +71,36 @@ def without_pushes(baseline: Fit, split: Split) -> Fit:
         if not _no_worse(found, baseline):
             break
         baseline = found
+    if baseline.channel("acceleration") is None:
+        baseline = _without_pushes_seen(baseline, split)
     return baseline
+
+
+def _without_pushes_seen(baseline: Fit, split: Split) -> Fit:
+    """The same of images alone, in which the arm rings long after a push as no impact has it: spans about an impact
+    are tried, and the one is left out without which the rest is likeliest. An impact has any state after it already,
+    so that a span left out mends nothing beyond it but what a force within it spoilt."""
+    period = 1.0 / baseline.value("modes.0.frequency_hz")
+    for cycle in baseline.world.impacts[:_MOST_TRIED]:
+        struck = cycle * baseline.world.measured.cycle_s
+        if any(start <= struck <= end for start, end in baseline.world.unjudged_s):
+            continue
+        tried = [
+            _left_out(baseline, [(max(struck - before * period, 0.0), struck + after * period)], split)
+            for before, after in _SPANS_PERIODS
+        ]
+        best = max(tried, key=lambda one: _nats_where_both(one, baseline))
+        if _nats_where_both(best, baseline) > CHANGED_NATS:
+            baseline = best
+    return baseline
+
+
+def _nats_where_both(found: Fit, before: Fit) -> float:
+    """By how much likelier a fit makes the images that both judge, their noise level unknown."""
+    off, was = found.residuals["displacement"], before.residuals["displacement"]
+    both = np.isfinite(off) & np.isfinite(was)
+    power, power_before = float(np.mean(off[both] ** 2)), float(np.mean(was[both] ** 2))
+    return 0.5 * int(both.sum()) * float(np.log(power_before / max(power, 1e-300)))
 
 
 def _left_out(baseline: Fit, spans: Sequence[tuple[float, float]], split: Split) -> Fit:
@@ -93,7 +130,9 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     """Spans in which something pushed the arm, from and to, s: about an impact the sensors depart from the model, and
     before and after it they do not."""
     world, period = last.world, 1.0 / last.value("modes.0.frequency_hz")
-    loud = [one for one in (loud_at(last, "acceleration"), loud_at(last, "displacement")) if one is not None]
+    felt, seen = loud_at(last, "acceleration"), loud_at(last, "displacement")
+    # a force is felt while it acts; an image that is wrong for another reason is loud before it and after it
+    loud = [one for one in ((felt,) if felt is not None else (seen,)) if one is not None]
     spans = []
     struck_s = [cycle * world.measured.cycle_s for cycle in world.impacts]
     ends_s = [end for _, end in world.unjudged_s]  # a pull, or a longer push, may not be over there
@@ -135,7 +174,7 @@ def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     time, off = last.world.instants(last.vector)[known], images.off[known]
     rate = 1.0 / last.world.step_s("displacement")
     width = max(3, round(_WINDOW_S * rate))
-    loud = is_loud(off, width)
+    loud = is_one_sided(off, width)
     spans = []
     cycle_s = last.world.measured.cycle_s
     for cycle in last.world.impacts:
@@ -144,7 +183,8 @@ def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
         if start is None or not _SHORTEST_S < end - start < _LONGEST_S:
             continue
         inside = off[(time >= start) & (time < end)]
-        if len(inside) < 4 or np.mean(inside) ** 2 < _ONE_SIDED * np.mean(inside**2):
+        noise = white_noise(off)
+        if len(inside) < 4 or np.mean(inside) ** 2 < _ONE_SIDED * (np.mean(inside**2) - noise**2):
             continue
         spans.append((max(start - _LEAD_S, 0.0), end))
     if sum(end - start for start, end in spans) > _MOST * last.world.measured.duration_s:
