@@ -17,6 +17,7 @@ from stillarm.diagnosis.data.robust import in_differences, std_about_zero, white
 Array = NDArray[np.float64]
 
 HUBER = 4.0
+_LEVEL_STEPS = 4  # of a fixed-point iteration that gains a digit a step where outliers are few
 _LOG_2PI = log(2.0 * pi)
 LEAST = {
     "acceleration": 1e-3,
@@ -233,6 +234,18 @@ def level(residual: Array, least: float) -> float:
     with np.errstate(over="ignore"):
         short = np.clip(residual, -limit, limit)
         return max(float(np.sqrt(np.mean(short * short))), least, 1e-12)
+
+
+def likeliest_level(residual: Array, begun: float, least: float) -> float:
+    """The deviation at which a residual is likeliest with Huber's tails (`log_likelihood`): s^2 = mean of min(r^2,
+    HUBER s |r|), from `begun` on. residual: (n,), none missing."""
+    if not len(residual):
+        return begun
+    size, now = np.abs(residual), begun
+    with np.errstate(over="ignore"):
+        for _ in range(_LEVEL_STEPS):
+            now = max(float(np.sqrt(np.mean(size * np.minimum(size, HUBER * now)))), least, 1e-12)
+    return now
 
 
 def log_likelihood(u: Array, std: float) -> Array:

@@ -20,8 +20,6 @@ WHOLE = 0.25
 is as near."""
 
 _MAD_TO_STD = 1.4826
-_OFTEN = 0.5  # of a rounded recording's values, at most, are values of their own
-_OF_A_STEP = 0.01  # what arithmetic in double or single precision puts between two rounded values
 _ABOUT_A_SPIKE = 5  # samples, of which a spike of two is the lesser part
 
 
@@ -67,18 +65,6 @@ def without_spikes(values: Array) -> Array:
     middle = np.median(about, axis=1)
     off = values - middle
     return np.where(np.abs(off) > OUTLYING * std_about_zero(np.diff(values)), middle, values)
-
-
-def quantum(values: Array) -> float:
-    """The step of values that a counter has rounded; 0 where they are not all whole numbers of one step, or hardly any
-    value occurs twice. values: (n,), NaN where unknown."""
-    levels = np.unique(values[np.isfinite(values)])
-    if not 1 < len(levels) < _OFTEN * np.isfinite(values).sum():
-        return 0.0
-    apart = np.diff(levels)
-    step = float(apart.min())
-    counts = apart / step
-    return step if np.all(np.abs(counts - np.round(counts)) < _OF_A_STEP * np.maximum(counts, 1.0)) else 0.0
 
 
 def bridged(values: Array) -> Array:

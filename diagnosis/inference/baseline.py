@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import white_noise
+from stillarm.diagnosis.data.robust import white_noise, without_spikes
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.accelerometer_faults import below, ceiling_of
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
@@ -83,6 +83,7 @@ def _at_its_noise(usual: Fit, split: Split) -> bool:
     for one in range(len(split.held)):
         residual = sensor.residual[block == one]
         known = np.isfinite(residual)
+        residual[known] = without_spikes(residual[known])
         power = np.abs(np.fft.rfft(np.where(known, residual, 0.0))) ** 2 / max(int(known.sum()), 1)
         at = np.fft.rfftfreq(len(residual), world.step_s("acceleration"))
         about = (at > _ABOUT[0] * hz) & (at < _ABOUT[1] * hz)

@@ -1,6 +1,7 @@
 """Maximum likelihood in free run: Gauss-Newton with derivatives by differences, noise levels learnt on the way."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from math import inf, sqrt
 
 import numpy as np
@@ -12,6 +13,7 @@ from stillarm.diagnosis.data.noise import (
     InstantUncertainty,
     doubt_colour,
     level,
+    likeliest_level,
     log_likelihood,
     wander_colour,
 )
@@ -33,6 +35,8 @@ WANDER_S = 15.0
 _WANDERS = 2.0  # times the stated deviation: a delay that strays further is no wander of the usual one
 SETTLED_NATS = 0.02
 """A step of a fit that gains less is its last, unless the caller says otherwise."""
+
+_DAMPING, _DAMPED = 1e-4, 6  # at the start; steps tried with ever more of it
 
 CHANGED_NATS = 20.0
 """By so much another structure, of a baseline that is not in question, has to be likelier."""
@@ -57,6 +61,16 @@ def _levels(data: Data, residuals: dict[str, Array]) -> dict[str, float]:
     for name, residual in residuals.items():
         mask = data.train[name]
         found[name] = level(residual[mask], least_level(data.world, name))
+    return found
+
+
+def _likeliest_levels(data: Data, residuals: dict[str, Array]) -> dict[str, float]:
+    """Noise levels at which the channels are likeliest, which a descent goes by: at the robust ones of `_levels` a step
+    that lowers a large residual of one part may make the whole less likely."""
+    found = {}
+    for name, residual in residuals.items():
+        trained, least = residual[data.train[name]], least_level(data.world, name)
+        found[name] = likeliest_level(trained, level(trained, least), least)
     return found
 
 
@@ -148,8 +162,84 @@ def colours(data: Data, vector: Array) -> Colours:
     return found
 
 
+@dataclass(frozen=True)
+class _Point:
+    """A vector, and what it makes of the recording. sigma: the likeliest noise levels; cost: less the log-likelihood at
+    them, with the quantities' prior."""
+
+    vector: Array
+    predicted: Predicted
+    residuals: dict[str, Array]
+    sigma: dict[str, float]
+    cost: float
+
+
+class _Descent:
+    """What stays the same while a fit goes on: the data, the free quantities, their prior, the channels' colour."""
+
+    def __init__(self, data: Data, free: tuple[str, ...], colour: Colours, prior: Array | None) -> None:
+        space = data.world.space
+        self._data, self._colour, self._space = data, colour, space
+        self.places = np.array([space.place[name] for name in free], dtype=np.int64)
+        stds = np.array([space[name].prior_std for name in free])
+        self.precision = np.where(np.isfinite(stds), 1.0 / stds**2, 0.0)
+        self._centre = (space.vector() if prior is None else prior)[self.places]
+
+    def off(self, vector: Array) -> Array:
+        """By how much the free quantities are off their prior's middle."""
+        off: Array = vector[self.places] - self._centre
+        return off
+
+    def point(self, vector: Array) -> _Point | None:
+        """The recording at a vector; None where its simulation runs away."""
+        there = self.begun(vector)
+        return there if all(np.isfinite(one).all() for one in there.predicted.channels.values()) else None
+
+    def begun(self, vector: Array) -> _Point:
+        """The recording at a vector, whatever it comes to."""
+        predicted = self._data.world.predict(vector)
+        residuals = residuals_of(self._data.world, predicted, vector, self._colour)
+        sigma = _likeliest_levels(self._data, residuals)
+        nats = float(_nats(self._data, residuals, sigma)[0].sum())
+        cost = -nats + float(0.5 * np.sum(self.precision * self.off(vector) ** 2))
+        return _Point(vector, predicted, residuals, sigma, cost)
+
+    def normal_equations(self, now: _Point, slopes: dict[str, Array]) -> tuple[Array, Array]:
+        """Of a Gauss-Newton step from a point, outliers weighed down (Huber): matrix and right-hand side."""
+        normal, right = np.diag(self.precision), -self.precision * self.off(now.vector)
+        for name, slope in slopes.items():
+            mask = thinned_mask(name, self._data.train[name])
+            spread = now.sigma[name] / THIN.get(name, 1) ** 0.5
+            residual = thinned(name, now.residuals[name])[mask]
+            size = np.abs(residual) / spread
+            weight = np.sqrt(np.minimum(1.0, HUBER / np.maximum(size, 1e-12))) / spread
+            weighted = slope[mask] * weight[:, None]
+            normal = normal + weighted.T @ weighted
+            right = right + weighted.T @ (residual * weight)
+        return normal, right
+
+    def stepped(
+        self, now: _Point, normal: Array, right: Array, damping: float
+    ) -> tuple[_Point | None, float]:
+        """The first of some ever more damped steps that lowers the cost (Levenberg 1944, Marquardt 1963), None where
+        none does; and the damping that it took."""
+        scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        scaled, size = normal / np.outer(scale, scale), len(scale)
+        for _ in range(_DAMPED):
+            step = np.linalg.solve(scaled + damping * np.eye(size), right / scale) / scale
+            moved = now.vector.copy()
+            moved[self.places] += step
+            moved = self._space.clipped(moved)
+            # not so from a start so far off that its slopes overflow
+            there = self.point(moved) if np.isfinite(moved).all() else None
+            if there is not None and there.cost < now.cost:
+                return there, damping
+            damping = max(10.0 * damping, 1e-3)
+        return None, damping
+
+
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of a trial in which the arm runs away
-def fit(  # noqa: PLR0915  (one loop over what belongs together)
+def fit(
     data: Data,
     start: Array,
     free: Sequence[str],
@@ -168,81 +258,31 @@ def fit(  # noqa: PLR0915  (one loop over what belongs together)
 
     prior: vector about which the quantities' prior deviations count (default: the space's own start values).
     """
-    world = data.world
-    space = world.space
-    free = tuple(free)
-    places = np.array([space.place[name] for name in free], dtype=np.int64)
-    prior_std = np.array([space[name].prior_std for name in free])
-    centre = (space.vector() if prior is None else prior)[places]
-    precision = np.where(np.isfinite(prior_std), 1.0 / prior_std**2, 0.0)
-    vector = space.clipped(start)
-    if colour is None:
-        colour = colours(data, vector)
-    predicted = world.predict(vector)
-    residuals = residuals_of(world, predicted, vector, colour)
-    sigma = _levels(data, residuals)
-    train, held = _nats(data, residuals, sigma)
-
-    def penalty(candidate: Array) -> float:
-        return float(0.5 * np.sum(precision * (candidate[places] - centre) ** 2))
-
-    cost = -float(train.sum()) + penalty(vector)
+    world, free = data.world, tuple(free)
+    vector = world.space.clipped(start)
+    colour = colours(data, vector) if colour is None else colour
+    descent = _Descent(data, free, colour, prior)
+    now, damping = descent.begun(vector), _DAMPING
     normal = np.zeros((len(free), len(free)))
-    damping = 1e-4
-    for _ in range(iterations):
-        if not free:
-            break
-        slopes = jacobian(world, vector, free, predicted, colour, known)
-        normal = np.zeros((len(free), len(free)))
-        right = np.zeros(len(free))
-        for name, slope in slopes.items():
-            mask = thinned_mask(name, data.train[name])
-            spread = sigma[name] / THIN.get(name, 1) ** 0.5
-            residual = thinned(name, residuals[name])[mask]
-            size = np.abs(residual) / spread
-            weight = np.sqrt(np.minimum(1.0, HUBER / np.maximum(size, 1e-12))) / spread
-            weighted = slope[mask] * weight[:, None]
-            normal += weighted.T @ weighted
-            right += weighted.T @ (residual * weight)
-        right -= precision * (vector[places] - centre)
-        normal += np.diag(precision)
+    for _ in range(iterations if free else 0):
+        slopes = jacobian(world, now.vector, free, now.predicted, colour, known)
+        normal, right = descent.normal_equations(now, slopes)
         if not (np.isfinite(normal).all() and np.isfinite(right).all()):
-            normal = np.diag(precision)  # nothing is known of any: its deviations say so
+            normal = np.diag(descent.precision)  # nothing is known of any: its deviations say so
             break
-        scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        scaled = normal / np.outer(scale, scale)
-        improved = False
-        for _ in range(6):
-            step = np.linalg.solve(scaled + damping * np.eye(len(free)), right / scale) / scale
-            moved = vector.copy()
-            moved[places] += step
-            moved = space.clipped(moved)
-            if not np.isfinite(moved).all():  # a start so far off that its slopes overflow
-                damping = max(10.0 * damping, 1e-3)
-                continue
-            new_predicted = world.predict(moved)
-            new_residuals = residuals_of(world, new_predicted, moved, colour)
-            if all(np.isfinite(new_predicted.channels[c]).all() for c in new_predicted.channels):
-                new_sigma = _levels(data, new_residuals)
-                new_train, new_held = _nats(data, new_residuals, new_sigma)
-                new_cost = -float(new_train.sum()) + penalty(moved)
-                if new_cost < cost:
-                    improved = True
-                    break
-            damping = max(10.0 * damping, 1e-3)
+        there, damping = descent.stepped(now, normal, right, damping)
         tick()
-        if not improved:
+        if there is None:
             break
-        gained = cost - new_cost
-        vector, predicted, residuals = moved, new_predicted, new_residuals
-        sigma, train, held, cost = new_sigma, new_train, new_held, new_cost
-        damping = max(damping / 10.0, 1e-9)
+        gained, now, damping = now.cost - there.cost, there, max(damping / 10.0, 1e-9)
         if gained < settled_nats:
             break
     covariance = _covariance(normal)
     std = {name: sqrt(max(covariance[i, i], 0.0)) for i, name in enumerate(free)}
+    sigma = _levels(data, now.residuals)
+    train, held = _nats(data, now.residuals, sigma)
     return Fit(
-        world, vector, free, std, sigma, colour, residuals, predicted, float(train.sum()), held, train,
+        world, now.vector, free, std, sigma, colour, now.residuals, now.predicted, float(train.sum()), held, train,
     )  # fmt: skip
 
 

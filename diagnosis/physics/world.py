@@ -6,6 +6,7 @@ arrival (per frame: when it was read, less when it was exposed).
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.channels import ARM_CHANNELS, FRAME_CHANNELS, present_channels
 from stillarm.diagnosis.data.frame_clock import FrameClock, frame_clock
 from stillarm.diagnosis.data.measured import Measured
-from stillarm.diagnosis.data.robust import quantum
+from stillarm.diagnosis.data.noise import resolution
 from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
 from stillarm.diagnosis.physics.arm_motion import ArmMotion, Motion
 from stillarm.diagnosis.physics.camera import Camera
@@ -92,7 +93,7 @@ class World:
             for name in group.amounts:
                 self.space.add(Quantity(name, 0.0, step=1e-3 * group.prior_std, prior_std=group.prior_std))
         self._variation: dict[str, float] = {}
-        self._quantum: dict[str, float] = {}
+        self._resolution: dict[str, float] = {}
         none = np.empty(0)
         self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
 
@@ -186,11 +187,13 @@ class World:
             self._variation[channel] = float(np.nanstd(values - about))
         return self._variation[channel]
 
-    def quantum(self, channel: str) -> float:
-        """The step to which a channel's values are rounded, in its unit; 0 where they are not."""
-        if channel not in self._quantum:
-            self._quantum[channel] = quantum(self.channels[channel])
-        return self._quantum[channel]
+    def resolution(self, channel: str) -> float:
+        """The step to which a channel's values are rounded, in its unit; next to nothing where they are not."""
+        if channel not in self._resolution:
+            values = self.channels[channel]
+            step = resolution(values[np.isfinite(values)])
+            self._resolution[channel] = step if isfinite(step) else 0.0
+        return self._resolution[channel]
 
     def step_s(self, channel: str) -> float:
         """Time between a channel's samples, s."""
