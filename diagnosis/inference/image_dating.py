@@ -51,13 +51,15 @@ def dated(baseline: Fit, split: Split) -> Fit:
 
 
 def _dated_by_requests(baseline: Fit, split: Split) -> Fit:
-    """The fit with images dated by their requests, with the impacts of the baseline or with those that are found so,
-    whichever is likelier: a search from nothing misses an impact that stands beside a span that is not judged."""
+    """The fit with images dated by their requests, with the impacts that are found so, or those of the baseline, if
+    likelier, where spans are not judged: a search from nothing misses an impact that stands beside one."""
     measured = dated_by_requests(baseline.world.measured)
+    sought = fit_with_impacts(baseline.world.with_measured(measured, ()), split)
+    if not baseline.world.unjudged_s:
+        return sought
     struck = baseline.world.with_measured(measured, baseline.world.impacts)
     start = carried_over(baseline, struck)
     kept = fit(make_data(struck, split), start, struck.baseline_names(), colour=baseline.colour)
-    sought = fit_with_impacts(baseline.world.with_measured(measured, ()), split)
     return max(kept, sought, key=lambda one: one.train_log_likelihood)
 
 

@@ -97,7 +97,10 @@ def _without_pushes_seen(baseline: Fit, split: Split) -> Fit:
 
 def _nats_where_both(found: Fit, before: Fit) -> float:
     """By how much likelier a fit makes the images that both judge, their noise level unknown."""
-    off, was = found.residuals["displacement"], before.residuals["displacement"]
+    now, then = found.channel("displacement"), before.channel("displacement")
+    if now is None or then is None:
+        return 0.0
+    off, was = now.residual, then.residual
     both = np.isfinite(off) & np.isfinite(was)
     power, power_before = float(np.mean(off[both] ** 2)), float(np.mean(was[both] ** 2))
     return 0.5 * int(both.sum()) * float(np.log(power_before / max(power, 1e-300)))
@@ -139,15 +142,15 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     for struck in (*struck_s, *ends_s):
         if any(start <= struck < end for start, end in world.unjudged_s):
             continue
-        found = [
-            span for time, flags in loud if (span := loud_stretch(time, flags, struck, period)) is not None
-        ]
+        found = [(one, span) for one in loud if (span := loud_stretch(*one, struck, period)) is not None]
         if not found:
             continue
-        start, end = min(a for a, _ in found), max(b for _, b in found)
-        if end - start > _PUSH_PERIODS * period:
+        start, end = min(a for _, (a, _) in found), max(b for _, (_, b) in found)
+        (time, flags), (since, until) = found[0]  # an image that is wrong for another reason is loud for long
+        if until - since > _PUSH_PERIODS * period:
             continue
-        if all(_holds_beside(time, flags, (start, end), period) for time, flags in loud):
+        start, end = max(start, since - period), min(end, until + period)
+        if _holds_beside(time, flags, (since, until), period):
             spans.append((max(start - LOUD_OVER_S, 0.0), end + LOUD_OVER_S))
     if sum(end - start for start, end in spans) > _MOST * world.measured.duration_s:
         return ()
