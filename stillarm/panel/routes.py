@@ -125,6 +125,15 @@ def add_recording_routes(application: web.Application, guard: Guard, library: Li
         content = library.series(request.match_info["key"], query.get("topic", ""), from_s, to_s, intervals)
         return web.Response(body=content, content_type="application/octet-stream")
 
+    async def view(request: web.Request) -> web.Response:
+        try:
+            time_s = float(request.query["time"])
+        except (KeyError, ValueError):
+            raise web.HTTPBadRequest(text="time (s) is needed as a number") from None
+        found = library.view(request.match_info["key"], time_s)
+        spans = {"X-Time-S": repr(found.time_s), "X-Until-S": repr(found.until_s)}
+        return web.Response(body=found.message, content_type="application/octet-stream", headers=spans)
+
     async def start(request: web.Request) -> web.Response:
         guard.require_session(request)
         await library.start(request.match_info["what"], request.match_info["key"])
@@ -143,9 +152,10 @@ def add_recording_routes(application: web.Application, guard: Guard, library: Li
     routes.add_get("/api/recordings/{name}", told(opened))
     routes.add_get("/api/opened/{key}", told(about))
     routes.add_get("/api/opened/{key}/series", told(series))
+    routes.add_get("/api/opened/{key}/view", told(view))
     routes.add_get("/api/opened/{key}/report", told(report))
-    routes.add_post("/api/opened/{key}/{what:replay|diagnose}", told(start))
-    routes.add_get("/api/opened/{key}/{what:replay|diagnose}", told(job))
+    routes.add_post("/api/opened/{key}/{what:replay|diagnose|images}", told(start))
+    routes.add_get("/api/opened/{key}/{what:replay|diagnose|images}", told(job))
 
 
 def add_commission_routes(application: web.Application, guard: Guard, bench: Bench, feed: Feed) -> None:

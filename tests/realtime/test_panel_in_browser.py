@@ -21,6 +21,8 @@ from stillarm.common.process.child_process import next_line, start_module, stop_
 from stillarm.common.recording.reader import open_recording
 from stillarm.simulation.demo.attended import attended_demo
 from stillarm.simulation.demo.set_up import free_ports
+from tests.fixtures.recordings import some_fast, written
+from tests.fixtures.tracked_images import PERIOD_S, READ_LATER_S, frames_of, tracked_images
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -58,6 +60,19 @@ class Page(NamedTuple):
         for kind in ("mousePressed", "mouseReleased"):
             event = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1}
             self.browser.execute_cdp_cmd("Input.dispatchMouseEvent", event)
+
+    def open_recording(self, name: str) -> None:
+        self.click("#tab-recordings")
+        entry = f"#rec-list [data-name='{name}']"
+        self.until(f'document.querySelector("{entry}")')
+        time.sleep(0.3)  # the list is laid out anew when the view is shown
+        self.click(entry)
+        self.until(f"document.getElementById('rec-title').textContent === '{name}'")
+
+    def seek(self, time_s: float) -> None:
+        script = """const bar = document.getElementById('rec-time'); bar.value = arguments[0];
+                    bar.dispatchEvent(new Event('input', {bubbles: true}));"""
+        self.browser.execute_script(script, time_s)
 
     def operate(self, action: str, *, confirm: bool) -> None:
         self.click(f"[data-action={action}]")
@@ -120,6 +135,9 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     stop_asked_s: list[float] = []
 
     with attended_demo(folder, 3, lambda label: nullcontext(lambda done: None)) as demo:
+        images = tracked_images()
+        (folder / "images.mcap").write_bytes(written([("/images", one) for one in images]))
+        (folder / "run.mcap").write_bytes(written([*some_fast(300), *frames_of(images)]))
         words = ("--config", str(demo.configuration), "--recordings", str(folder), "--port", str(port))
 
         def start_panel() -> tuple[subprocess.Popen[bytes], str]:
@@ -213,15 +231,10 @@ def test_no_view_violates_the_accessibility_rules(page: Page) -> None:
 
 
 def test_a_recording_is_opened_scrubbed_and_played(page: Page) -> None:
-    page.click("#tab-recordings")
-    page.until("document.querySelector('#rec-list button span')?.textContent.endsWith('.mcap')")
-    names = [e.text for e in page.browser.find_elements("css selector", "#rec-list button span")]
-    page.click(f"#rec-list li:nth-child({names.index('recording.mcap') + 1}) button")
+    page.open_recording("recording.mcap")
     page.until("!document.getElementById('rec-play').disabled")
     shown = "document.getElementById('rec-time-told').textContent"
-    slide = """const bar = document.getElementById('rec-time'); bar.value = 2.5;
-               bar.dispatchEvent(new Event('input', {bubbles: true}));"""
-    page.browser.execute_script(slide)
+    page.seek(2.5)
     assert page.text("rec-time-told") == "2.50 s"
     page.until("document.querySelector('#rec-charts output').textContent !== '-'")
     page.click("#rec-play")
@@ -229,6 +242,25 @@ def test_a_recording_is_opened_scrubbed_and_played(page: Page) -> None:
     page.click("#rec-play")
     page.browser.execute_script(AXE.read_text(encoding="utf-8"))
     assert page.violations() == []
+    page.click("#tab-live")
+
+
+def test_recorded_images_follow_the_cursor_and_the_play(page: Page) -> None:
+    page.open_recording("run.mcap")
+    frame = "document.getElementById('rec-view').dataset.frame"
+    picture = "document.getElementById('rec-view').toDataURL()"
+    page.until(f"{frame} === '0'", 30.0)  # the images are looked for, and tracked again
+    first = page.browser.execute_script(f"return {picture}")
+    page.seek(READ_LATER_S + 5.5 * PERIOD_S)
+    page.until(f"{frame} === '5' && {picture} !== {first!r}", 2.0)
+    assert page.text("rec-view-told") == f"frame 5, read at {READ_LATER_S + 5 * PERIOD_S:.3f} s"
+    page.browser.execute_script("document.getElementById('rec-speed').value = '0.1'")
+    page.click("#rec-play")
+    page.until(f"Number({frame}) > 7", 3.0)
+    page.click("#rec-play")
+    page.open_recording("images.mcap")  # the supervisor's own file: images, and what was tracked in them
+    page.until("document.querySelector('#rec-charts .chart h2').textContent.startsWith('Image displacement')")
+    page.until(f"{frame} === '0'", 30.0)
     page.click("#tab-live")
 
 
