@@ -19,6 +19,7 @@ import pytest
 
 from stillarm.common.process.child_process import next_line, start_module, stop_process
 from stillarm.common.recording.reader import open_recording
+from stillarm.controller.replay.replay import compare_with_live, read_run
 from stillarm.simulation.demo.attended import attended_demo
 from stillarm.simulation.demo.set_up import free_ports
 from tests.fixtures.recordings import some_fast, written
@@ -29,6 +30,7 @@ CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 AXE = Path(__file__).parents[1] / "fixtures" / "axe" / "axe.min.js"
 STANDS_S = 0.5  # a command that has been zero for so long stays zero
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
+ADJUSTED = [("fused", 0.05), ("timestamps", 0.05), ("fused", 0.12)]
 VIEWS = ("live", "recordings", "commission")
 
 pytestmark = [
@@ -160,6 +162,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
                 stop_process(one, 5.0)
     if stop_asked_s:
         judge_stop(folder / "recording.mcap", stop_asked_s[0])
+    judge_adjustments(folder / "recording.mcap")
 
 
 def judge_stop(path: Path, asked_s: float) -> None:
@@ -174,6 +177,20 @@ def judge_stop(path: Path, asked_s: float) -> None:
     pauses = np.flatnonzero(np.diff(moving) > STANDS_S)  # later it is armed again
     zero_s = moving[pauses[0] if pauses.size else -1] - asked_s
     assert zero_s <= 0.2, f"the command was zero {zero_s:.3f} s after the click"
+
+
+def judge_adjustments(path: Path) -> None:
+    """The recording holds what was adjusted from the page, and the replay obeys it, to the last bit."""
+    recording = open_recording(path)
+    told = [
+        (row.method, row.added_damping_ratio)
+        for row in recording.messages("/settings")
+        if row.asked_method or not np.isnan(row.asked_added_damping_ratio)
+    ]
+    assert told == ADJUSTED[: len(told)]
+    if told:
+        compared = compare_with_live(read_run(recording))
+        assert compared.identical, compared.first_difference
 
 
 def test_the_page_opens_and_its_charts_move(page: Page) -> None:
@@ -216,6 +233,38 @@ def test_damping_is_allowed_by_a_click_and_the_amplitude_falls(page: Page) -> No
     page.until("document.getElementById('state').dataset.state === 'damping'")
     time.sleep(2.0)
     assert page.amplitude_mm() < 0.25 * free_mm
+
+
+def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) -> None:
+    asked = "document.getElementById('ask').open"
+    page.until("document.getElementById('state').dataset.state === 'armed'", 20.0)  # the arm has come to rest
+    page.operate("strike", confirm=True)
+    page.until("document.getElementById('state').dataset.state === 'damping'")
+    page.click("[data-action=adjust]")
+    page.until("document.getElementById('adjust').open && document.getElementById('adjust-method').disabled")
+    assert "state is damping; hold the damping, or disarm, first" in page.text("adjust-method-why")
+    assert page.text("adjust-gain-why") == "from 0 to 0.2"
+    page.browser.execute_script("document.getElementById('adjust-gain').value = '0.05'")
+    page.click("#adjust-go")
+    page.until(asked)
+    assert "0.120 becomes 0.050" in page.text("ask-text")
+    page.click("#ask-yes")
+    page.until("document.getElementById('action-told').textContent === 'Method, gain: in force'")
+    page.operate("hold_damping", confirm=False)
+    page.until("document.getElementById('state').dataset.state === 'armed'")
+    for method in ("timestamps", "fused"):
+        page.click("[data-action=adjust]")
+        page.until("document.getElementById('adjust').open")
+        page.browser.execute_script(f"document.getElementById('adjust-method').value = '{method}'")
+        if method == "fused":
+            page.browser.execute_script("document.getElementById('adjust-gain').value = '0.12'")
+        page.click("#adjust-go")
+        page.until(asked)
+        page.browser.execute_script("document.getElementById('action-told').textContent = ''")
+        page.click("#ask-yes")
+        page.until("document.getElementById('action-told').textContent === 'Method, gain: in force'")
+        assert f"method\n{method}" in page.text("health")
+    page.operate("allow_damping", confirm=True)
 
 
 def test_no_view_violates_the_accessibility_rules(page: Page) -> None:

@@ -65,7 +65,10 @@ def asked_adjustment(word: str, value: str | None) -> tuple[str, float]:
     except ValueError:
         ratio = nan
     if not isfinite(ratio):
-        raise UserError(f"operate gain {value or ''}: give an added damping ratio, as in `operate gain 0.1`")
+        given = "" if value is None else f" {value!r}"
+        raise UserError(
+            f"operate gain{given}: give an added damping ratio, as in `stillarm operate gain 0.1`"
+        )
     return "", ratio
 
 
