@@ -89,6 +89,13 @@ class OperatorCommand(Message, frozen=True, tag=7):
     bits: Annotated[int, Meta(gt=0, lt=16), about("stillarm.controller.safety.table.Operator")]
 
 
+class Adjustment(Message, frozen=True, tag=8):
+    """operator to controller (`link.reference_port`): another method or gain, within `controller.adjustable`."""
+
+    method: Annotated[str, Meta(max_length=64), about("as in `controller.method`; empty: as it is")]
+    added_damping_ratio: Annotated[float, about("as in `controller.damping`; NaN: as it is")]
+
+
 MESSAGES: tuple[type[Message], ...] = (
     Timestamp,
     Visual,
@@ -97,4 +104,5 @@ MESSAGES: tuple[type[Message], ...] = (
     Reference,
     Hello,
     OperatorCommand,
+    Adjustment,
 )

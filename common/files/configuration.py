@@ -126,6 +126,17 @@ class Safety(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     emergency_stop_value: Annotated[str, Meta(pattern="^[0-9A-Za-z]$")] = "1"
 
 
+class Adjustable(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """What an operator may change while the controller runs (`stillarm operate gain`, `method`, and the panel).
+
+    methods: that may take the place of controller.method, and back. max_added_damping_ratio: the greatest gain; where
+    the configured one is greater, that one. docs/safety.md says in which states.
+    """
+
+    methods: tuple[str, ...] = ("timestamps", "correlation", "fused")
+    max_added_damping_ratio: Annotated[float, Meta(ge=0.0, le=0.5)] = 0.2
+
+
 class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     """The 1 ms cycle. reference_shaping: how the external reference is shaped so as not to excite the first mode.
 
@@ -144,6 +155,7 @@ class Controller(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     damping: Damping = Damping()
     dither: Dither = Dither()
     safety: Safety = Safety()
+    adjustable: Adjustable = Adjustable()
 
 
 class Tracker(msgspec.Struct, forbid_unknown_fields=True, frozen=True):

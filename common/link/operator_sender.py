@@ -1,15 +1,15 @@
-"""The operator's end: commands (arm, disarm, clear, stop) and references to the controller. Pure: bytes in, bytes out.
+"""The operator's end: commands (arm, disarm, clear, stop), adjustments and references. Pure: bytes in, bytes out.
 
-The controller takes either only from who has heard from it: the first one is answered by a HELLO, and those that
+The controller takes them only from who has heard from it: the first one is answered by a HELLO, and those that
 follow are taken.
 """
 
-from stillarm.common.datagrams.messages import Hello, OperatorCommand, Reference
+from stillarm.common.datagrams.messages import Adjustment, Hello, OperatorCommand, Reference
 from stillarm.common.link.peer import Peer
 
 
 class OperatorSender:
-    """Packs OPERATOR_COMMAND and REFERENCE datagrams, and learns the controller's session from its answers."""
+    """Packs what an operator sends, and learns the controller's session from its answers."""
 
     def __init__(self, key: bytes, session: int) -> None:
         """Sign with `key`; `session` from stillarm.common.link.udp.new_session(), never used before."""
@@ -28,6 +28,10 @@ class OperatorSender:
     def command(self, bits: int) -> bytes:
         """The datagram of a command, bits of stillarm.controller.safety.table.Operator; a repeated one does no harm."""
         return self._peer.encode(OperatorCommand(int(bits)))
+
+    def adjustment(self, method: str, added_damping_ratio: float) -> bytes:
+        """The datagram of another method (empty: as it is) or gain (NaN: as it is); a repeated one does no harm."""
+        return self._peer.encode(Adjustment(method, float(added_damping_ratio)))
 
     def reference(self, velocity_rad_s: float, damping_allowed: bool) -> bytes:
         """The datagram of a joint velocity reference; to be renewed well within 0.1 s."""

@@ -5,7 +5,7 @@ docs/telemetry.md describes the maps. Sent by the recorder's process to telemetr
 
 import msgspec
 
-from stillarm.common.recording.topics import EstimateSample, LogLine
+from stillarm.common.recording.topics import EstimateSample, LogLine, SettingsSample
 
 REPEAT_S = 0.25  # a listener that starts later, or that missed a datagram, knows the words after this time
 _MOST_LINES = 32  # in one datagram; a burst of log lines must fit a UDP datagram
@@ -14,14 +14,15 @@ _ENCODE = msgspec.msgpack.Encoder().encode
 
 
 class PanelStream:
-    """Collects the words of /estimate, on change and at least every REPEAT_S, and the lines of /log."""
+    """Collects words of /estimate and the settings in force, on change and every REPEAT_S, and the lines of /log."""
 
     def __init__(self, origin_monotonic_s: float) -> None:
         """origin_monotonic_s: cycle 0 on the monotonic clock, s, from which a listener computes a sample's age."""
         self._origin_s = origin_monotonic_s
-        self._words: dict[str, str] = {}
+        self._words: dict[str, str | float] = {}
+        self._settings: dict[str, str | float] = {}
         self._time_s = 0.0
-        self._sent: dict[str, str] = {}
+        self._sent: dict[str, str | float] = {}
         self._next_s = float("-inf")
         self._lines: list[dict[str, object]] = []
 
@@ -30,6 +31,7 @@ class PanelStream:
         if isinstance(message, EstimateSample):
             self._time_s = message.time_s
             self._words = {
+                **self._settings,
                 "state": message.state,
                 "reason": message.reason,
                 "damping_status": message.damping_status,
@@ -37,6 +39,11 @@ class PanelStream:
                 "deflection_status": message.deflection_status,
                 "estimate_reason": message.estimate_reason,
                 "trust": message.trust,
+            }
+        elif isinstance(message, SettingsSample):
+            self._settings = {
+                "method": message.method,
+                "added_damping_ratio": message.added_damping_ratio,
             }
         elif isinstance(message, LogLine) and len(self._lines) < _MOST_LINES:
             line = {"level": message.level, "text": message.text[:_LONGEST_TEXT]}

@@ -194,6 +194,20 @@ class ImageSample(msgspec.Struct, frozen=True, gc=False):
     lost: Annotated[int, about("images tracked so far for which the recorder's ring had no room")] = 0
 
 
+class SettingsSample(msgspec.Struct, frozen=True, gc=False):
+    """/settings, at a live run's start and whenever an operator asked for a change: what is in force from then on."""
+
+    time_s: Time
+    cycle: Annotated[int, about("the controller's cycle, which read what was asked")]
+    method: Annotated[str, about("in force")]
+    added_damping_ratio: Annotated[float, about("in force")]
+    asked_method: Annotated[str, about("what the operator asked for; empty: no other one")] = ""
+    asked_added_damping_ratio: Annotated[float, about("what the operator asked for; null: no other one")] = (
+        nan
+    )
+    refused: Annotated[str, about("why it was refused; empty: it was not")] = ""
+
+
 class PairSample(msgspec.Struct, frozen=True, gc=False):
     """/pair: imported data of one input and one output, in their own units."""
 
@@ -253,5 +267,6 @@ TOPICS = (
         "every row, where an imported frames.csv has unknown columns",
         "import",
     ),
+    Topic("/settings", SettingsSample, "at the start, and when an operator asks", "controller"),
 )
 TOPIC_INDEX = {topic.name: index for index, topic in enumerate(TOPICS)}

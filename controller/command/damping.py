@@ -9,6 +9,7 @@ slow part.
 
 from enum import StrEnum
 from math import isfinite
+from typing import NamedTuple
 
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.configuration import Damping
@@ -33,6 +34,14 @@ def most_damping_lag_s(damping_ratio: float, angular_frequency: float) -> float:
     return 2.0 * damping_ratio / (1.0 + 4.0 * damping_ratio * damping_ratio) / angular_frequency
 
 
+class _Law(NamedTuple):
+    """What follows from the added damping ratio. gain: rad/s per metre; lead_s: how far ahead the joint follows."""
+
+    gain: float
+    lead_s: float
+    composite: CompositeControl | None
+
+
 class DampingStatus(StrEnum):
     """Why the joint damps, or does not."""
 
@@ -53,24 +62,52 @@ class JointDamping:
         self._settings = settings
         self._cycle_s = model.timing.cycle_s
         self._w = w
-        length = length_of(model, model_name)
-        self._gain = 2.0 * settings.added_damping_ratio * w / (mode.participation * length)
+        self._model, self._length = model, length_of(model, model_name)
         self._sure_rad_s = _SURE_OF_DRIVE * model.drive.max_velocity_rad_s
         self._decay = 2.0 * mode.damping_ratio * w
-        drive_lead = drive_lead_s(model.drive, w)
-        self.lead_s = drive_lead - most_damping_lag_s(mode.damping_ratio + settings.added_damping_ratio, w)
-        """How far ahead of the present is the deflection that the joint follows."""
         self._weight = 0.0
+        self._next_law: _Law | None = None
         self.at_limit = False
         """Whether the last returned value was limited to settings.max_velocity_rad_s."""
         self._last_measured_s = float("-inf")
         self._commanded = DriveModel(model.drive, model.timing.cycle_s)
         self._anchored = False
         play = effect_of(model, "gear_backlash")
-        self._crossing = PlayCrossing(play["gap_rad"], drive_lead, w, self._cycle_s) if play else None
-        self._composite: CompositeControl | None = None
+        self._crossing = (
+            PlayCrossing(play["gap_rad"], drive_lead_s(model.drive, w), w, self._cycle_s) if play else None
+        )
+        self._use(self._law(settings.added_damping_ratio))
+
+    def _law(self, added_damping_ratio: float) -> _Law:
+        """Raises UserError for a return time that the composite law cannot keep."""
+        model, settings = self._model, self._settings
+        mode = model.arm.modes[0]
+        w = mode.angular_frequency
+        gain = 2.0 * added_damping_ratio * w / (mode.participation * self._length)
+        lag_s = most_damping_lag_s(mode.damping_ratio + added_damping_ratio, w)
+        composite = None
         if settings.law == "composite":
-            self._composite = CompositeControl(model, length, self._gain, settings.return_time_s)
+            composite = CompositeControl(model, self._length, gain, settings.return_time_s)
+        return _Law(gain, drive_lead_s(model.drive, w) - lag_s, composite)
+
+    def _use(self, law: _Law) -> None:
+        self._gain = law.gain
+        self.lead_s = law.lead_s
+        """How far ahead of the present is the deflection that the joint follows."""
+        self._composite = law.composite
+        self._next_law = None
+
+    def adjust(self, added_damping_ratio: float) -> None:
+        """Damp by another ratio: fade out, go over at zero, and fade in, so that the command makes no step."""
+        self._next_law = self._law(added_damping_ratio)
+
+    def _goes_over(self) -> bool:
+        """Whether the damping is on its way to another ratio, and therefore fades out in this cycle."""
+        if self._next_law is None:
+            return False
+        if self._weight == 0.0:
+            self._use(self._next_law)
+        return True
 
     def see_sample(self, time_s: float) -> None:
         """A visual sample with a measurement was read."""
@@ -163,6 +200,7 @@ class JointDamping:
         joint_age_s: age of the drive's report; NaN for a drive that reports nothing. play: between motor and joint.
         """
         self.at_limit = False
+        allowed = not self._goes_over() and allowed
         settings = self._settings
         age = time_s - self._last_measured_s
         fresh = min(1.0, (settings.stale_after_s - age) / settings.fade_s)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from math import nan
 
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.datagrams.visual_sample import VisualSample
 
 
@@ -16,6 +17,7 @@ class CycleInput:
     samples: the visual samples read in this cycle, in order of arrival
     deflection_m: measured directly, for instance by a strain gauge
     operator: the operator's requests, bits of stillarm.controller.safety.table.Operator
+    adjustment: another method or gain that the operator asks for
     """
 
     cycle: int
@@ -28,3 +30,4 @@ class CycleInput:
     samples: list[VisualSample] = field(default_factory=list)
     deflection_m: float = nan
     operator: int = 0
+    adjustment: Adjustment | None = None

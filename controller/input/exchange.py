@@ -5,7 +5,15 @@ from math import nan
 import msgspec
 
 from stillarm.common.datagrams.datagram import kind_of
-from stillarm.common.datagrams.messages import Hello, OperatorCommand, Reference, Timestamp, Visual
+from stillarm.common.datagrams.messages import (
+    Adjustment,
+    Hello,
+    Message,
+    OperatorCommand,
+    Reference,
+    Timestamp,
+    Visual,
+)
 from stillarm.common.datagrams.visual_datagram import link_times, visual_sample
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.model import Model
@@ -95,8 +103,9 @@ class ReferenceExchange:
     def __init__(self, key: bytes, session: int) -> None:
         """Accept references signed with `key` that echo `session`, this process's own."""
         self._peer = Peer(key, (Reference,), session)
-        self._operator = Peer(key, (OperatorCommand,), session)
+        self._operator = Peer(key, (OperatorCommand, Adjustment), session)
         self._asked = 0
+        self._adjustment: Adjustment | None = None
         self._velocity = 0.0
         self._damping = True
         self._time_s = float("-inf")
@@ -115,9 +124,10 @@ class ReferenceExchange:
         """Read what has arrived by a time."""
         for data in datagrams:
             self._peer.greeting = self._operator.greeting = 0
-            if data[_KIND_AT : _KIND_AT + 1] == _OPERATOR:
+            if data[_KIND_AT : _KIND_AT + 1] in _OPERATOR:
                 command = self._operator.receive(data)
-                self._asked |= command.body.bits if command is not None else 0
+                if command is not None:
+                    self._see_operator(command.body)
             elif (datagram := self._peer.receive(data)) is not None:
                 reference = datagram.body
                 self._velocity, self._damping = reference.velocity_rad_s, reference.damping_allowed
@@ -128,6 +138,17 @@ class ReferenceExchange:
         asked, self._asked = self._asked, 0
         return asked
 
+    def _see_operator(self, body: Message) -> None:
+        if isinstance(body, Adjustment):
+            self._adjustment = body
+        elif isinstance(body, OperatorCommand):
+            self._asked |= body.bits
+
+    def adjustment(self) -> Adjustment | None:
+        """The newest adjustment that the operator has asked for since the last call."""
+        asked, self._adjustment = self._adjustment, None
+        return asked
+
     def reference(self, time_s: float) -> tuple[float, bool]:
         """Joint velocity reference, rad/s, and whether damping is allowed; zero and allowed when none is alive."""
         if time_s - self._time_s > self.LAPSE_S:
@@ -136,4 +157,4 @@ class ReferenceExchange:
 
 
 _KIND_AT = 2  # after the array's head and the version, a byte each
-_OPERATOR = bytes((kind_of(OperatorCommand),))
+_OPERATOR = frozenset(bytes((kind_of(message),)) for message in (OperatorCommand, Adjustment))

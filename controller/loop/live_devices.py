@@ -3,7 +3,7 @@
 import time
 from math import nan
 
-from stillarm.common.datagrams.messages import OperatorCommand, Reference, Visual
+from stillarm.common.datagrams.messages import Adjustment, OperatorCommand, Reference, Visual
 from stillarm.common.files.configuration import Configuration
 from stillarm.common.files.model import Model
 from stillarm.common.files.scenario import Scenario, load_scenario
@@ -55,7 +55,9 @@ class LiveDevices:
             UdpSocket((link.controller_host, link.controller_port), "link.controller_port"),
             UdpSocket((link.controller_host, link.reference_port), "link.reference_port"),
         ]
-        for socket, takes in zip(self._sockets, ((Visual,), (Reference, OperatorCommand)), strict=True):
+        for socket, takes in zip(
+            self._sockets, ((Visual,), (Reference, OperatorCommand, Adjustment)), strict=True
+        ):
             socket.guard(takes, self.session, _EXPECTED_PER_CYCLE)
         self._operator.start()
         if self._accelerometer is not None:
@@ -99,7 +101,16 @@ class LiveDevices:
         samples = self._exchange.take(data_socket.drain(self._limit), cycle, time.monotonic())
         operator = self._reference.asked() | self._operator.asked()
         return CycleInput(
-            cycle, acceleration, position, velocity, age, reference, allowed, samples, operator=operator
+            cycle,
+            acceleration,
+            position,
+            velocity,
+            age,
+            reference,
+            allowed,
+            samples,
+            operator=operator,
+            adjustment=self._reference.adjustment(),
         )
 
     def write(self, command_rad_s: float) -> None:

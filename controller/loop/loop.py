@@ -12,9 +12,15 @@ from stillarm.common.recorder.recorder_client import RecorderClient
 from stillarm.common.recording.topics import TOPIC_INDEX, LogLine, LoopSample
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.loop.link_report import LinkReport
-from stillarm.controller.loop.recorded import estimate_sample, fast_sample, frame_sample
+from stillarm.controller.loop.recorded import (
+    estimate_sample,
+    fast_sample,
+    frame_sample,
+    settings_sample,
+)
 from stillarm.controller.loop.schedule import CycleClock
 from stillarm.controller.loop.step import Controller, CycleOutput
+from stillarm.controller.safety.adjusting import Adjusted
 from stillarm.controller.safety.table import GROUND_OF, Event, Operator, State
 from stillarm.controller.statistics.loop_block import LoopBlock
 from stillarm.controller.statistics.overrun import ThreadCounters
@@ -70,6 +76,7 @@ class Loop:
         )
         self._state: State | None = None
         self._reason: Event | None = None
+        self._settings_told = False
 
     def run(self, finished: Callable[[int], bool]) -> None:
         """Cycle until `finished` returns True, then disarm and continue until the command has faded out."""
@@ -124,7 +131,17 @@ class Loop:
         if answered.state is not self._state or answered.reason is not self._reason:
             self._state, self._reason = answered.state, answered.reason
             recorder.put(_LOG, LogLine(cycle * cycle_s, *said_of(answered.state, answered.reason)))
+        if answered.adjusted is not None or not self._settings_told:
+            self._record_settings(recorder, cycle, answered.adjusted)
         self._link.advance(cycle, recorder)
+
+    def _record_settings(self, recorder: RecorderClient, cycle: int, adjusted: Adjusted | None) -> None:
+        """At the start, and when an operator has asked for a change: texts are made here for once."""
+        self._settings_told = True
+        cycle_s = self._cycle_s
+        recorder.put(_SETTINGS, settings_sample(cycle, cycle_s, self._controller.settings, adjusted))
+        if adjusted is not None:
+            recorder.put(_LOG, LogLine(cycle * cycle_s, *adjusted.told))
 
     def _record_end(self, time_s: float) -> None:
         if self._recorder is not None:
@@ -161,4 +178,4 @@ _SAID = {(state, reason): _text(state, reason) for state in State for reason in 
 _DISARM = int(Operator.DISARM)
 _FAST, _FRAMES = TOPIC_INDEX["/fast"], TOPIC_INDEX["/frames"]
 _ESTIMATE, _LOOP = TOPIC_INDEX["/estimate"], TOPIC_INDEX["/loop"]
-_LOG = TOPIC_INDEX["/log"]
+_LOG, _SETTINGS = TOPIC_INDEX["/log"], TOPIC_INDEX["/settings"]

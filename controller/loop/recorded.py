@@ -7,10 +7,13 @@ from typing import NamedTuple
 
 from msgspec import structs
 
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.datagrams.visual_sample import VisualSample
-from stillarm.common.recording.topics import EstimateSample, FastSample, FrameSample
+from stillarm.common.files.configuration import Controller
+from stillarm.common.recording.topics import EstimateSample, FastSample, FrameSample, SettingsSample
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.loop.step import CycleOutput
+from stillarm.controller.safety.adjusting import Adjusted
 
 
 def fast_sample(read: CycleInput, answered: CycleOutput, cycle_s: float) -> FastSample:
@@ -75,6 +78,31 @@ def frame_sample(sample: VisualSample, cycle: int, cycle_s: float) -> FrameSampl
         inliers=sample.inliers,
         restarted=sample.restarted,
     )
+
+
+def settings_sample(
+    cycle: int, cycle_s: float, settings: Controller, adjusted: Adjusted | None
+) -> SettingsSample:
+    """What is in force, and the answer to an adjustment if that is why it is told."""
+    asked = adjusted.asked if adjusted is not None else NOTHING_ASKED
+    return SettingsSample(
+        cycle * cycle_s,
+        cycle,
+        settings.method,
+        settings.damping.added_damping_ratio,
+        asked.method,
+        asked.added_damping_ratio,
+        adjusted.refused if adjusted is not None else "",
+    )
+
+
+def adjustments(settings: Iterable[SettingsSample]) -> dict[int, Adjustment]:
+    """What the operator asked for, by cycle."""
+    asked = {row.cycle: Adjustment(row.asked_method, row.asked_added_damping_ratio) for row in settings}
+    return {cycle: one for cycle, one in asked.items() if one.method or isfinite(one.added_damping_ratio)}
+
+
+NOTHING_ASKED = Adjustment("", nan)
 
 
 def visual_sample(frame: FrameSample) -> VisualSample:

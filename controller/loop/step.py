@@ -6,9 +6,11 @@ It runs live, in virtual time and in replay, and uses no clock, socket, device o
 from dataclasses import dataclass
 from math import isfinite
 
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Controller as ControllerSettings
 from stillarm.common.files.effects import declared
 from stillarm.common.files.model import Model, length_of, refuse_other_drives
+from stillarm.common.user_error import UserError
 from stillarm.controller.command.damping import DampingStatus, JointDamping
 from stillarm.controller.command.dither import STILL, check_dither, dither_on
 from stillarm.controller.command.limits import CommandLimits
@@ -19,6 +21,7 @@ from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.input.plausible_input import PlausibleInput
 from stillarm.controller.joint.joint_motion import JointMotion
+from stillarm.controller.safety.adjusting import Adjusted, Adjusting
 from stillarm.controller.safety.supervision import Supervision
 from stillarm.controller.safety.table import Event, State
 
@@ -29,6 +32,7 @@ class CycleOutput:
 
     predicted_deflection_m: the deflection at the time of the joint's response (the drive's lead after the cycle)
     reason: the missing ground or the cause of the state; None if nothing is wrong
+    adjusted: the answer to an operator's adjustment; None in cycles without one
     """
 
     command_rad_s: float
@@ -38,6 +42,7 @@ class CycleOutput:
     predicted_deflection_m: float
     state: State = State.PREFLIGHT
     reason: Event | None = None
+    adjusted: Adjusted | None = None
 
 
 class Controller:
@@ -56,7 +61,7 @@ class Controller:
         Raises UserError for an unknown method or a model without length.
         """
         model = declared(model)
-        self._model, self._settings, self._model_name = model, settings, model_name
+        self._model, self._model_name = model, model_name
         self._cycle_s = model.timing.cycle_s
         refuse_other_drives(model, model_name)
         self._length = length = length_of(model, model_name)
@@ -64,19 +69,46 @@ class Controller:
         self._supervision = Supervision(model, settings, length, identified_only=identified_only)
         check_dither(settings.dither, model)
         self._dither_settings = settings.dither
+        self._adjusting = Adjusting(settings, self._cycle_s)
         self._limits = CommandLimits(model.drive, self._cycle_s)
         self._begin(0.0)
 
     def _begin(self, joint_position_rad: float) -> None:
         """Start at rest, without measurements. joint_position_rad: position of the joint until it is reported."""
-        model, settings, model_name = self._model, self._settings, self._model_name
+        model, settings = self._model, self._adjusting.settings
         self.joint = JointMotion(model, self._length, joint_position_rad)
-        self.method: Method = MethodAcrossRestarts(
-            lambda: make_method(settings.method, model, settings, model_name)
-        )
-        self._damping = JointDamping(model, settings.damping, model_name)
+        self.method: Method = self._made(settings)
+        self._damping = JointDamping(model, settings.damping, self._model_name)
         self._motion = Motion(model, settings.reference_shaping)
         self._dither = STILL
+
+    def _made(self, settings: ControllerSettings) -> Method:
+        """A new method of the settings' name."""
+        model, name = self._model, self._model_name
+        return MethodAcrossRestarts(lambda: make_method(settings.method, model, settings, name))
+
+    @property
+    def settings(self) -> ControllerSettings:
+        """What is in force: as configured, with what an operator has adjusted."""
+        return self._adjusting.settings
+
+    def _adjusted(self, asked: Adjustment, cycle: int) -> Adjusted | None:
+        """Change method and gain if there are grounds to; the answer, None for a request that only repeats itself."""
+        adjusting = self._adjusting
+        before = adjusting.settings
+        answer = adjusting.judge(asked, cycle, self._supervision.state)
+        if answer is None or answer.refused:
+            return answer
+        settings = answer.settings
+        try:
+            method = self._made(settings) if settings.method != before.method else self.method
+            if settings.damping != before.damping:
+                self._damping.adjust(settings.damping.added_damping_ratio)
+        except UserError as error:
+            return adjusting.refuse(asked, str(error))
+        self.method = method
+        adjusting.settings = settings
+        return answer
 
     @property
     def refused(self) -> list[int]:
@@ -93,6 +125,7 @@ class Controller:
         if begin_anew:
             self._begin(self.joint.position_rad)
             self._supervision.begin_anew(time_s)
+        adjusted = self._adjusted(read.adjustment, read.cycle) if read.adjustment is not None else None
         joint, damping, supervision = self.joint, self._damping, self._supervision
         joint.begin_cycle(read.cycle, read.joint_position_rad)
         estimate = self.method.update(
@@ -144,7 +177,14 @@ class Controller:
             estimate=estimate,
         )
         return CycleOutput(
-            command, velocity, status, estimate, damping.predicted_m(estimate), allowed.state, allowed.reason
+            command,
+            velocity,
+            status,
+            estimate,
+            damping.predicted_m(estimate),
+            allowed.state,
+            allowed.reason,
+            adjusted,
         )
 
     def _dither_rad_s(self, wanted: bool, elapsed: int, may_move: bool) -> float:

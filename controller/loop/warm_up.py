@@ -5,6 +5,7 @@ caches) are then ready before the first real cycle. This takes 60 ms once, befor
 plausible for the model, with late images and an impact half-way, so that fit, impact and damping all run.
 """
 
+import contextlib
 from math import cos, pi
 
 import msgspec
@@ -12,8 +13,10 @@ import msgspec
 from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
 from stillarm.common.files.configuration import Controller as ControllerSettings
 from stillarm.common.files.model import Model
+from stillarm.common.user_error import UserError
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.loop.step import Controller
+from stillarm.controller.safety.adjusting import offered_methods
 
 _CYCLES = 1200  # 60 ms of computing
 _STRUCK_AT = 700  # cycles
@@ -23,10 +26,18 @@ _VARIANCE_PX2 = 0.0025
 
 
 def warm_up(model: Model, settings: ControllerSettings, model_name: str) -> None:
-    """Step a temporary controller through a vibration.
+    """Step a temporary controller of each method that an operator may choose through a vibration.
 
     That controller is always armed: it moves nothing, and must run the same code as an armed one.
     """
+    for method in offered_methods(settings):
+        with contextlib.suppress(
+            UserError
+        ):  # one that this model cannot have is refused when it is asked for
+            _warm(model, msgspec.structs.replace(settings, method=method), model_name)
+
+
+def _warm(model: Model, settings: ControllerSettings, model_name: str) -> None:
     controller = Controller(model, msgspec.structs.replace(settings, arm_at_start=True), model_name)
     mode, cycle_s = model.arm.modes[0], model.timing.cycle_s
     w, late = mode.angular_frequency, round(model.timing.capture_delay_s / cycle_s)

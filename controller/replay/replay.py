@@ -13,7 +13,7 @@ from stillarm.common.files.effects import declared
 from stillarm.common.files.model import Model, check_model, length_of
 from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.reader import Recording
-from stillarm.common.recording.topics import EstimateSample, FastSample, FrameSample
+from stillarm.common.recording.topics import EstimateSample, FastSample, FrameSample, SettingsSample
 from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, Observation
 from stillarm.controller.estimation.methods import MethodFactory, make_method
 from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
@@ -21,6 +21,7 @@ from stillarm.controller.input.plausible_input import PlausibleInput
 from stillarm.controller.joint.joint_motion import JointMotion
 from stillarm.controller.loop.recorded import (
     RecordedCycle,
+    adjustments,
     earliest_cycle,
     estimate_sample,
     fast_sample,
@@ -43,6 +44,7 @@ class RecordedRun:
     fast: list[FastSample]
     frames: list[FrameSample]
     estimates: list[EstimateSample]
+    settings: list[SettingsSample] = field(default_factory=list)
 
     @property
     def cycle_s(self) -> float:
@@ -89,7 +91,8 @@ def read_run(recording: Recording) -> RecordedRun:
     def topic(topic_name: str) -> list[Any]:
         return list(recording.messages(topic_name)) if recording.counts.get(topic_name) else []
 
-    run = RecordedRun(name, configuration, model, topic("/fast"), topic("/frames"), topic("/estimate"))
+    channels = (topic("/fast"), topic("/frames"), topic("/estimate"), topic("/settings"))
+    run = RecordedRun(name, configuration, model, *channels)
     return run if _says_arm_at_start(text) else _with_permission_as_recorded(run)
 
 
@@ -171,7 +174,9 @@ def compare_with_live(run: RecordedRun) -> LiveComparison:
     )
     comparison = LiveComparison()
     recorded = {estimate.cycle: estimate for estimate in run.estimates}
+    asked = adjustments(run.settings)
     for read, _, row, _ in run.cycles():
+        read.adjustment = asked.get(read.cycle)
         answered = controller.step(read)
         if row is None:
             continue

@@ -3,4 +3,4 @@
 Begin with `table.py` and `machine.py`; `supervision.py` is the interface for the step.
 """
 
-__all__ = ["health", "machine", "supervision", "table"]
+__all__ = ["adjusting", "health", "machine", "supervision", "table"]

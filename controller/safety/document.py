@@ -1,6 +1,6 @@
-"""Makes the two tables of docs/safety.md from stillarm.controller.safety.table."""
+"""Makes the three tables of docs/safety.md from stillarm.controller.safety.table."""
 
-from stillarm.controller.safety.table import GROUNDS, TRANSITIONS, Event, State
+from stillarm.controller.safety.table import GROUNDS, MAY_ADJUST, TRANSITIONS, Event, Setting, State
 
 
 def transition_table() -> str:
@@ -10,6 +10,15 @@ def transition_table() -> str:
         nexts = [TRANSITIONS[state, event] for state in State]
         words = ["." if after is state else str(after) for state, after in zip(State, nexts, strict=True)]
         lines.append(f"| {event} | " + " | ".join(words) + " |")
+    return "\n".join(lines)
+
+
+def adjusting_table() -> str:
+    """Rows are settings, columns are states; a dot means that it is refused."""
+    lines = ["| setting | " + " | ".join(State) + " |", "|---" * (len(State) + 1) + "|"]
+    for setting in Setting:
+        words = ["yes" if (setting, state) in MAY_ADJUST else "." for state in State]
+        lines.append(f"| {setting} | " + " | ".join(words) + " |")
     return "\n".join(lines)
 
 

@@ -43,6 +43,11 @@ class Supervision:
         self._refused = 0 if model.identified or not identified_only else _UNCOMMISSIONED
         self._damped = False
 
+    @property
+    def state(self) -> State:
+        """The state after the last cycle."""
+        return self._machine.state
+
     def begin_anew(self, time_s: float) -> None:
         """Forget the previous cycles. State and permission remain: only the operator clears a fault."""
         self._health = self._make_health(time_s if self._health.sampled else float("-inf"))

@@ -176,5 +176,37 @@ def _parse(table: str) -> dict[tuple[State, Event], State]:
 
 
 TRANSITIONS = _parse(_TABLE)
+
+
+class Setting(StrEnum):
+    """What an operator may adjust while the controller runs."""
+
+    GAIN = "gain"
+    METHOD = "method"
+
+
+_ADJUSTING = """
+setting  preflight  idle  armed  damping  degraded  fault
+gain     yes        yes   yes    yes      .         yes
+method   yes        yes   yes    .        .         yes
+"""
+
+
+def _parse_adjusting(table: str) -> frozenset[tuple[Setting, State]]:
+    """Where a setting may be adjusted, from the table's text."""
+    head, *rows = (line.split() for line in table.strip().splitlines())
+    states = [State(word) for word in head[1:]]
+    return frozenset(
+        (Setting(setting), state)
+        for setting, *words in rows
+        for state, word in zip(states, words, strict=True)
+        if word == "yes"
+    )
+
+
+MAY_ADJUST = _parse_adjusting(_ADJUSTING)
+"""The settings and the states in which they may be adjusted. The gain goes over at zero damping, faded out and in; a
+method has to find the delay anew, so that nothing may be damped by it meanwhile.
+"""
 MOVING = frozenset({State.ARMED, State.DAMPING, State.DEGRADED})
 """The states in which the command may be non-zero."""

@@ -8,6 +8,7 @@ from typing import Any
 from aiohttp import web
 
 from stillarm.common.files.configuration import Configuration
+from stillarm.controller.safety.adjusting import max_added_damping_ratio, offered_methods
 from stillarm.panel.commission.bench import Bench
 from stillarm.panel.live.feed import Feed, text
 from stillarm.panel.live.packing import KINDS
@@ -85,8 +86,8 @@ def _about(configuration: Configuration) -> dict[str, Any]:
             for action, meaning in MEANINGS.items()
         },
         "read_only": READ_ONLY,
-        "method": controller.method,
-        "added_damping_ratio": controller.damping.added_damping_ratio,
+        "methods": offered_methods(controller),
+        "max_added_damping_ratio": max_added_damping_ratio(controller),
         "max_damping_rad_s": controller.damping.max_velocity_rad_s,
         "view_rate_hz": configuration.telemetry.view_rate_hz,
     }

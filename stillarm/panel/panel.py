@@ -17,7 +17,7 @@ from stillarm.common.user_error import UserError, reason_of
 from stillarm.panel.application import make_application
 from stillarm.panel.commission.bench import Bench
 from stillarm.panel.live.feed import Feed
-from stillarm.panel.live.foxglove_bridge import FoxgloveBridge
+from stillarm.panel.live.foxglove_bridge import FoxgloveBridge, PemFiles
 from stillarm.panel.live.listener import listen
 from stillarm.panel.operate.desk import Desk
 from stillarm.panel.recordings.library import Library
@@ -126,8 +126,12 @@ async def _open(runner: web.AppRunner, settings: Settings, tls: ssl.SSLContext |
 def _bridge(settings: Settings, say: Callable[[str], None]) -> FoxgloveBridge | None:
     if settings.foxglove_port is None:
         return None
-    bridge = FoxgloveBridge(settings.host, settings.foxglove_port)
-    say(f"Foxglove: open connection, ws://{_name(settings.host)}:{bridge.port}")
+    certificate, tls = settings.certificate, None
+    if certificate is not None:  # _tls() has read both
+        tls = PemFiles(certificate.read_bytes(), (settings.key or certificate).read_bytes())
+    bridge = FoxgloveBridge(settings.host, settings.foxglove_port, tls)
+    scheme = "ws" if tls is None else "wss"
+    say(f"Foxglove: open connection, {scheme}://{_name(settings.host)}:{bridge.port}")
     return bridge
 
 

@@ -2,11 +2,13 @@
 
 import time
 from collections.abc import Awaitable, Callable
-from typing import Any, Protocol
+from math import nan
+from typing import Annotated, Any, Protocol
 
 import msgspec
 from aiohttp import web
 
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.user_error import UserError
 from stillarm.panel.commission.bench import Bench
 from stillarm.panel.live.feed import Feed
@@ -28,6 +30,14 @@ class _Token(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class _Asked(msgspec.Struct, forbid_unknown_fields=True):
+    confirmed: bool = False
+
+
+class _Adjustment(msgspec.Struct, forbid_unknown_fields=True):
+    """A method or a gain, or both; null: as it is."""
+
+    method: Annotated[str, msgspec.Meta(max_length=64)] | None = None
+    added_damping_ratio: float | None = None
     confirmed: bool = False
 
 
@@ -99,6 +109,17 @@ def add_operate_routes(application: web.Application, guard: Guard, desk: Desk, f
         feed.tell_status()
         return web.json_response({"sent": action})
 
+    async def adjust(request: web.Request) -> web.Response:
+        guard.require_session(request)
+        asked = await _body(request, _Adjustment)
+        if not asked.confirmed:
+            return error_response(409, "the damping would change: confirm it in the page")
+        ratio = nan if asked.added_damping_ratio is None else asked.added_damping_ratio
+        await desk.adjust(Adjustment(asked.method or "", ratio), feed.known, time.monotonic())
+        feed.tell_status()
+        return web.json_response({"sent": "adjustment"})
+
+    application.router.add_post("/api/adjust", told(adjust))
     application.router.add_post("/api/operate/{action}", told(operate))
 
 
@@ -125,6 +146,15 @@ def add_recording_routes(application: web.Application, guard: Guard, library: Li
         content = library.series(request.match_info["key"], query.get("topic", ""), from_s, to_s, intervals)
         return web.Response(body=content, content_type="application/octet-stream")
 
+    async def view(request: web.Request) -> web.Response:
+        try:
+            time_s = float(request.query["time"])
+        except (KeyError, ValueError):
+            raise web.HTTPBadRequest(text="time (s) is needed as a number") from None
+        found = library.view(request.match_info["key"], time_s)
+        spans = {"X-Time-S": repr(found.time_s), "X-Until-S": repr(found.until_s)}
+        return web.Response(body=found.message, content_type="application/octet-stream", headers=spans)
+
     async def start(request: web.Request) -> web.Response:
         guard.require_session(request)
         await library.start(request.match_info["what"], request.match_info["key"])
@@ -143,9 +173,10 @@ def add_recording_routes(application: web.Application, guard: Guard, library: Li
     routes.add_get("/api/recordings/{name}", told(opened))
     routes.add_get("/api/opened/{key}", told(about))
     routes.add_get("/api/opened/{key}/series", told(series))
+    routes.add_get("/api/opened/{key}/view", told(view))
     routes.add_get("/api/opened/{key}/report", told(report))
-    routes.add_post("/api/opened/{key}/{what:replay|diagnose}", told(start))
-    routes.add_get("/api/opened/{key}/{what:replay|diagnose}", told(job))
+    routes.add_post("/api/opened/{key}/{what:replay|diagnose|images}", told(start))
+    routes.add_get("/api/opened/{key}/{what:replay|diagnose|images}", told(job))
 
 
 def add_commission_routes(application: web.Application, guard: Guard, bench: Bench, feed: Feed) -> None:

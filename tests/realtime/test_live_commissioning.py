@@ -10,48 +10,19 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
-import tomli_w
 
-from stillarm.common.files.configuration import Configuration
-from stillarm.common.memory.shared_memory import block_path
 from stillarm.common.recording.reader import open_recording
-from stillarm.simulation.demo.set_up import write_demo_configuration
+from tests.fixtures.quiet_rig import quiet_rig, start, wait_until
 
 pytestmark = pytest.mark.realtime
 
 
-def start(folder: Path, name: str, *words: str) -> subprocess.Popen[bytes]:
-    log = (folder / f"{name}.log").open("ab")
-    return subprocess.Popen([sys.executable, "-m", "stillarm", name, *words], stdout=log, stderr=log)
-
-
-def wait_until(condition: object, seconds: float = 150.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not condition():  # type: ignore[operator]
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-
-
 @pytest.fixture
-def rig(tmp_path: Path) -> Iterator[tuple[Path, Configuration]]:
-    """The rig, untouched, and its supervisor."""
-    path, configuration, _ = write_demo_configuration(tmp_path, 20.0, 4)
-    replace = msgspec.structs.replace
-    configuration = replace(configuration, controller=replace(configuration.controller, schedule=""))
-    path.write_text(tomli_w.dumps(msgspec.to_builtins(configuration)))
-    words = ("--config", str(path))
-    running = [start(tmp_path, "rig", *words, "--scenario", "quiet", "--truth", str(tmp_path / "truth.mcap"))]
-    wait_until(lambda: block_path(configuration.camera.device).exists())
-    running.append(start(tmp_path, "supervisor", *words))
-    try:
-        yield path, configuration
-    finally:
-        for process in reversed(running):
-            process.send_signal(signal.SIGTERM)
-            process.wait(20.0)
+def rig(tmp_path: Path) -> Iterator[Path]:
+    with quiet_rig(tmp_path) as path:
+        yield path
 
 
 def commission(path: Path) -> subprocess.Popen[bytes]:
@@ -75,9 +46,9 @@ def skip_where_images_starve(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("how", ["interrupt", "stop"])
-def test_an_interruption_leaves_the_joint_still(rig: tuple[Path, Configuration], how: str) -> None:
+def test_an_interruption_leaves_the_joint_still(rig: Path, how: str) -> None:
     """Ctrl-C, or the operator's emergency stop: the command ends, one line says so, no model is written."""
-    path, _ = rig
+    path = rig
     process = commission(path)
     if how == "interrupt":
         process.send_signal(signal.SIGINT)

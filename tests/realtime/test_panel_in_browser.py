@@ -5,143 +5,79 @@ cases, in their order: the later ones kill what the earlier ones need.
 """
 
 import os
-import shutil
 import signal
-import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 
-from stillarm.common.process.child_process import next_line, start_module, stop_process
+from stillarm.common.process.child_process import stop_process
 from stillarm.common.recording.reader import open_recording
+from stillarm.controller.replay.replay import compare_with_live, read_run
 from stillarm.simulation.demo.attended import attended_demo
 from stillarm.simulation.demo.set_up import free_ports
+from tests.fixtures.recordings import some_fast, written
+from tests.fixtures.shown_page import (
+    AXE,
+    CHROMIUM,
+    DRIVER,
+    NO_BROWSER,
+    ShownPage,
+    opened_browser,
+    start_panel,
+)
+from tests.fixtures.tracked_images import PERIOD_S, READ_LATER_S, frames_of, tracked_images
 
-webdriver = pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-AXE = Path(__file__).parents[1] / "fixtures" / "axe" / "axe.min.js"
+pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
 STANDS_S = 0.5  # a command that has been zero for so long stays zero
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
 VIEWS = ("live", "recordings", "commission")
 
 pytestmark = [
     pytest.mark.realtime,
-    pytest.mark.skipif(
-        CHROMIUM is None or DRIVER is None, reason="no browser: `apt-get install chromium chromium-driver`"
-    ),
+    pytest.mark.skipif(CHROMIUM is None or DRIVER is None, reason=NO_BROWSER),
 ]
 
 
-class Page(NamedTuple):
-    """browser: with the panel's page open. The rest is of the demo behind it."""
+class Page(ShownPage):
+    """The panel's page, and the demo behind it."""
 
-    browser: Any
-    folder: Path
-    process_ids: dict[str, int]
-    panel: list[subprocess.Popen[bytes]]
-    start_panel: Any
-    stop_asked_s: list[float]
+    def __init__(self, browser: Any, process_ids: dict[str, int], words: tuple[str, ...]) -> None:
+        super().__init__(browser)
+        self.process_ids, self._words = process_ids, words
+        self.panel, self.address = start_panel(*words)
+        self.stop_asked_s: list[float] = []
+        self.adjusted: list[tuple[str, float]] = []
 
-    def text(self, name: str) -> str:
-        return str(self.browser.find_element("id", name).text)
-
-    def click(self, selector: str) -> None:
-        """A press of the mouse on its middle: chromedriver's own click waits for a page that never rests."""
-        script = """const e = document.querySelector(arguments[0]); e.scrollIntoView({block: 'center'});
-                    const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2];"""
-        x, y = self.browser.execute_script(script, selector)
-        for kind in ("mousePressed", "mouseReleased"):
-            event = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1}
-            self.browser.execute_cdp_cmd("Input.dispatchMouseEvent", event)
-
-    def operate(self, action: str, *, confirm: bool) -> None:
-        self.click(f"[data-action={action}]")
-        if confirm:
-            self.until("document.getElementById('ask').open")
-            self.click("#ask-yes")
-        self.until("document.getElementById('action-told').textContent.endsWith('sent')")
-
-    def state(self) -> str:
-        return str(self.browser.execute_script("return document.getElementById('state').dataset.state"))
-
-    def until(self, condition: str, within_s: float = 10.0) -> float:
-        """Wait until an expression holds in the page; how long that took, s."""
-        began = time.monotonic()
-        while not self.browser.execute_script(f"return Boolean({condition})"):
-            assert time.monotonic() < began + within_s, f"not within {within_s} s: {condition}"
-            time.sleep(0.01)
-        return time.monotonic() - began
-
-    def monotonic_s(self, page_ms: str) -> float:
-        """A time of the page's own clock on the monotonic clock, s: by the quickest of twenty looks at both."""
-        looks = []
-        for _ in range(20):
-            began = time.monotonic()
-            now_ms = float(self.browser.execute_script("return performance.now()"))
-            ended = time.monotonic()
-            looks.append((ended - began, (began + ended) / 2.0 - now_ms * 1e-3))
-        return min(looks)[1] + float(self.browser.execute_script(f"return {page_ms}")) * 1e-3
-
-    def amplitude_mm(self, seconds: float = 0.8) -> float:
-        """The greatest deflection that the page shows beside its chart's title in that time."""
-        script = """
-            const done = arguments[1], end = performance.now() + 1000 * arguments[0]; let most = 0;
-            const look = () => {
-              const shown = document.querySelector('#live-charts output').textContent;
-              most = Math.max(most, Math.abs(parseFloat(shown)) || 0);
-              performance.now() < end ? requestAnimationFrame(look) : done(most);
-            }; look();"""
-        return float(self.browser.execute_async_script(script, seconds))
-
-    def violations(self) -> list[str]:
-        """What axe-core finds wrong with what is shown."""
-        script = "const done = arguments[0]; axe.run().then((found) => done(found.violations));"
-        found = self.browser.execute_async_script(script)
-        return [f"{one['id']}: {[node['html'][:120] for node in one['nodes']]}" for one in found]
-
-
-def browser(width: int = 1280, height: int = 720) -> Any:
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for word in ("--headless=new", "--no-sandbox", "--disable-gpu", f"--window-size={width},{height}"):
-        options.add_argument(word)
-    return webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    def restart_panel(self) -> None:
+        self.panel, _ = start_panel(*self._words)
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     folder = tmp_path_factory.mktemp("panel") / "demo"
     (port,) = free_ports(1)
-    stop_asked_s: list[float] = []
-
     with attended_demo(folder, 3, lambda label: nullcontext(lambda done: None)) as demo:
+        images = tracked_images()
+        (folder / "images.mcap").write_bytes(written([("/images", one) for one in images]))
+        (folder / "run.mcap").write_bytes(written([*some_fast(300), *frames_of(images)]))
         words = ("--config", str(demo.configuration), "--recordings", str(folder), "--port", str(port))
-
-        def start_panel() -> tuple[subprocess.Popen[bytes], str]:
-            panel = start_module("stillarm", "panel", *words, "--hold-damping", stdout=subprocess.PIPE)
-            line = next_line(panel, 20.0)
-            assert line is not None and line.startswith("stillarm panel: http://127.0.0.1")
-            return panel, line.split()[-1]
-
-        panel, address = start_panel()
-        panels = [panel]
-        shown = browser()
-        try:
-            shown.get(address)
-            page = Page(shown, folder, demo.process_ids, panels, start_panel, stop_asked_s)
-            page.until("document.getElementById('state').dataset.state === 'armed'", STARTS_WITHIN_S)
-            yield page
-        finally:
-            shown.quit()
-            for one in panels:
-                stop_process(one, 5.0)
-    if stop_asked_s:
-        judge_stop(folder / "recording.mcap", stop_asked_s[0])
+        with opened_browser() as browser:
+            page = Page(browser, demo.process_ids, (*words, "--hold-damping"))
+            try:
+                browser.get(page.address)
+                page.until("document.getElementById('state').dataset.state === 'armed'", STARTS_WITHIN_S)
+                yield page
+            finally:
+                stop_process(page.panel, 5.0)
+    for asked_s in page.stop_asked_s:
+        judge_stop(folder / "recording.mcap", asked_s)
+    if page.adjusted:
+        judge_adjustments(folder / "recording.mcap", page.adjusted)
 
 
 def judge_stop(path: Path, asked_s: float) -> None:
@@ -156,6 +92,19 @@ def judge_stop(path: Path, asked_s: float) -> None:
     pauses = np.flatnonzero(np.diff(moving) > STANDS_S)  # later it is armed again
     zero_s = moving[pauses[0] if pauses.size else -1] - asked_s
     assert zero_s <= 0.2, f"the command was zero {zero_s:.3f} s after the click"
+
+
+def judge_adjustments(path: Path, adjusted: list[tuple[str, float]]) -> None:
+    """The recording holds what was adjusted from the page, and the replay obeys it, to the last bit."""
+    recording = open_recording(path)
+    told = [
+        (row.method, row.added_damping_ratio)
+        for row in recording.messages("/settings")
+        if row.asked_method or not np.isnan(row.asked_added_damping_ratio)
+    ]
+    assert told == adjusted
+    compared = compare_with_live(read_run(recording))
+    assert compared.identical, compared.first_difference
 
 
 def test_the_page_opens_and_its_charts_move(page: Page) -> None:
@@ -200,6 +149,38 @@ def test_damping_is_allowed_by_a_click_and_the_amplitude_falls(page: Page) -> No
     assert page.amplitude_mm() < 0.25 * free_mm
 
 
+def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) -> None:
+    asked = "document.getElementById('ask').open"
+    page.until("document.getElementById('state').dataset.state === 'damping'")
+    page.click("[data-action=adjust]")
+    page.until("document.getElementById('adjust').open && document.getElementById('adjust-method').disabled")
+    assert "state is damping; hold the damping, or disarm, first" in page.text("adjust-method-why")
+    assert page.text("adjust-gain-why") == "from 0 to 0.2"
+    page.browser.execute_script("document.getElementById('adjust-gain').value = '0.05'")
+    page.click("#adjust-go")
+    page.until(asked)
+    assert "0.120 becomes 0.050" in page.text("ask-text")
+    page.click("#ask-yes")
+    page.until("document.getElementById('action-told').textContent === 'Method, gain: in force'")
+    page.adjusted.append(("fused", 0.05))
+    page.operate("hold_damping", confirm=False)
+    page.until("document.getElementById('state').dataset.state === 'armed'")
+    for method in ("timestamps", "fused"):
+        page.click("[data-action=adjust]")
+        page.until("document.getElementById('adjust').open")
+        page.browser.execute_script(f"document.getElementById('adjust-method').value = '{method}'")
+        if method == "fused":
+            page.browser.execute_script("document.getElementById('adjust-gain').value = '0.12'")
+        page.click("#adjust-go")
+        page.until(asked)
+        page.browser.execute_script("document.getElementById('action-told').textContent = ''")
+        page.click("#ask-yes")
+        page.until("document.getElementById('action-told').textContent === 'Method, gain: in force'")
+        page.adjusted.append((method, 0.12 if method == "fused" else 0.05))
+        assert f"method\n{method}" in page.text("health")
+    page.operate("allow_damping", confirm=True)
+
+
 def test_no_view_violates_the_accessibility_rules(page: Page) -> None:
     page.browser.execute_script(AXE.read_text(encoding="utf-8"))
     for scheme in ("light", "dark"):
@@ -213,15 +194,10 @@ def test_no_view_violates_the_accessibility_rules(page: Page) -> None:
 
 
 def test_a_recording_is_opened_scrubbed_and_played(page: Page) -> None:
-    page.click("#tab-recordings")
-    page.until("document.querySelector('#rec-list button span')?.textContent.endsWith('.mcap')")
-    names = [e.text for e in page.browser.find_elements("css selector", "#rec-list button span")]
-    page.click(f"#rec-list li:nth-child({names.index('recording.mcap') + 1}) button")
+    page.open_recording("recording.mcap")
     page.until("!document.getElementById('rec-play').disabled")
     shown = "document.getElementById('rec-time-told').textContent"
-    slide = """const bar = document.getElementById('rec-time'); bar.value = 2.5;
-               bar.dispatchEvent(new Event('input', {bubbles: true}));"""
-    page.browser.execute_script(slide)
+    page.seek(2.5)
     assert page.text("rec-time-told") == "2.50 s"
     page.until("document.querySelector('#rec-charts output').textContent !== '-'")
     page.click("#rec-play")
@@ -229,6 +205,25 @@ def test_a_recording_is_opened_scrubbed_and_played(page: Page) -> None:
     page.click("#rec-play")
     page.browser.execute_script(AXE.read_text(encoding="utf-8"))
     assert page.violations() == []
+    page.click("#tab-live")
+
+
+def test_recorded_images_follow_the_cursor_and_the_play(page: Page) -> None:
+    page.open_recording("run.mcap")
+    frame = "document.getElementById('rec-view').dataset.frame"
+    picture = "document.getElementById('rec-view').toDataURL()"
+    page.until(f"{frame} === '0'", 30.0)  # the images are looked for, and tracked again
+    first = page.browser.execute_script(f"return {picture}")
+    page.seek(READ_LATER_S + 5.5 * PERIOD_S)
+    page.until(f"{frame} === '5' && {picture} !== {first!r}", 2.0)
+    assert page.text("rec-view-told") == f"frame 5, read at {READ_LATER_S + 5 * PERIOD_S:.3f} s"
+    page.browser.execute_script("document.getElementById('rec-speed').value = '0.1'")
+    page.click("#rec-play")
+    page.until(f"Number({frame}) > 7", 3.0)
+    page.click("#rec-play")
+    page.open_recording("images.mcap")  # the supervisor's own file: images, and what was tracked in them
+    page.until("document.querySelector('#rec-charts .chart h2').textContent.startsWith('Image displacement')")
+    page.until(f"{frame} === '0'", 30.0)
     page.click("#tab-live")
 
 
@@ -281,7 +276,7 @@ def test_a_killed_supervisor_shows_within_half_a_second(page: Page) -> None:
 
 
 def test_a_restarted_server_is_found_again(page: Page) -> None:
-    stop_process(page.panel.pop(), 5.0)
+    stop_process(page.panel, 5.0)
     page.until("document.getElementById('state-word').textContent === 'No connection'", 3.0)
-    page.panel.append(page.start_panel()[0])
+    page.restart_panel()
     page.until("document.getElementById('state').dataset.state === 'degraded'", 5.0)

@@ -6,34 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace as with_fields
 
-from stillarm.common.files.configuration import Configuration, Tracker
-from stillarm.common.files.typed_toml import parse_toml
+from stillarm.common.files.configuration import Tracker
 from stillarm.common.recording.reader import Recording, open_recording
 from stillarm.common.recording.topics import ImageSample
 from stillarm.common.user_error import UserError
 from stillarm.drivers.cameras.camera import Frame
 from stillarm.supervisor.recorded_images import compare_with_live, image_sample, recorded_frame
 from stillarm.supervisor.step import Supervisor
-from tests.fixtures.recordings import HEADER, written
-from tests.fixtures.sinusoid_scene import SinusoidScene, photographed
-
-SHAPE = (96, 128)
-COUNT = 12
-
-
-def tracked(lost_from: int = COUNT) -> list[ImageSample]:
-    """A supervisor's messages of a scene that moves; from image `lost_from` on one is lost."""
-    scene, random = SinusoidScene(1), np.random.default_rng(0)
-    tracker = parse_toml(HEADER.configuration, Configuration, "x").supervisor.tracker
-    assert tracker == Tracker()
-    supervisor, messages = Supervisor(tracker), []
-    for i in range(COUNT):
-        image = photographed(scene.at(0.4 * i, 0.1 * i, shape=SHAPE), random)
-        frame = Frame(image, i, None if i % 2 else 0.02 * i, 0.004)
-        sample = supervisor.step(frame, 20 * i)
-        if i != lost_from:
-            messages.append(image_sample(0.02 * i, frame, sample, int(i > lost_from)))
-    return messages
+from tests.fixtures.recordings import written
+from tests.fixtures.tracked_images import COUNT, tracked_images
 
 
 def recording_of(messages: list[ImageSample], folder) -> Recording:
@@ -43,12 +24,12 @@ def recording_of(messages: list[ImageSample], folder) -> Recording:
 
 
 def test_a_complete_recording_gives_the_same_numbers(tmp_path):
-    comparison = compare_with_live(recording_of(tracked(), tmp_path))
+    comparison = compare_with_live(recording_of(tracked_images(), tmp_path))
     assert (comparison.frames, comparison.different, comparison.not_compared) == (COUNT, 0, 0)
 
 
 def test_a_number_that_differs_is_told(tmp_path):
-    messages = tracked()
+    messages = tracked_images()
     messages[5] = with_fields(messages[5], displacement_px=messages[5].displacement_px + 1e-12)
     comparison = compare_with_live(recording_of(messages, tmp_path))
     assert comparison.different == 1
@@ -58,7 +39,7 @@ def test_a_number_that_differs_is_told(tmp_path):
 
 def test_after_a_lost_image_nothing_is_compared(tmp_path):
     """The tracker remembers an image that the recording does not hold."""
-    comparison = compare_with_live(recording_of(tracked(lost_from=7), tmp_path))
+    comparison = compare_with_live(recording_of(tracked_images(lost_from=7), tmp_path))
     assert (comparison.frames, comparison.different, comparison.not_compared) == (7, 0, COUNT - 8)
 
 
@@ -74,6 +55,6 @@ def test_a_frame_comes_back_as_it_was(seed, counter, stamp_s):
 
 
 def test_a_damaged_image_is_one_clear_line():
-    damaged = with_fields(tracked()[3], data="AAAA")
+    damaged = with_fields(tracked_images()[3], data="AAAA")
     with pytest.raises(UserError, match=r"/images at 0\.06 s: the image cannot be decoded"):
         recorded_frame(damaged)

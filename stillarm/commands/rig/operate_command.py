@@ -1,7 +1,9 @@
-"""`stillarm operate`: arm, disarm, clear a fault or stop a running controller, by signed datagram."""
+"""`stillarm operate`: arm, disarm, clear a fault, stop, or adjust a running controller, by signed datagram."""
 
 import argparse
 import time
+from collections.abc import Callable
+from math import isfinite, nan
 from pathlib import Path
 
 from stillarm.common.files.configuration import Configuration, load_configuration
@@ -16,14 +18,21 @@ _WORDS = {
     "clear": "a fault is acknowledged; `arm` is needed next",
     "stop": "emergency stop: the command is zero at once, until `clear` and `arm`",
 }
+_VALUE_WORDS = {
+    "gain": "added damping ratio VALUE, at once where nothing is damped, else faded out and in",
+    "method": "method VALUE; refused while damping",
+}
 _ANSWER_WITHIN_S = 1.0
 _REPEATS, _PAUSE_S = 3, 0.01
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    words = "; ".join(f"{word}: {meaning}" for word, meaning in _WORDS.items())
-    parser.add_argument("word", choices=tuple(_WORDS), metavar="WORD", help=words)
+    words = "; ".join(f"{word}: {meaning}" for word, meaning in (_WORDS | _VALUE_WORDS).items())
+    parser.add_argument("word", choices=(*_WORDS, *_VALUE_WORDS), metavar="WORD", help=words)
+    parser.add_argument(
+        "value", nargs="?", metavar="VALUE", help="of gain and method; controller.adjustable bounds it"
+    )
     parser.add_argument(
         "--config", type=Path, required=True, metavar="FILE", help="the controller's configuration file"
     )
@@ -31,10 +40,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Send the command, and report it."""
+    word, value = arguments.word, arguments.value
     configuration = load_configuration(arguments.config)
-    where = operate(configuration, arguments.word)
-    print(f"{arguments.word}: sent to the controller at {where}: {_WORDS[arguments.word]}")
+    if word in _VALUE_WORDS:
+        method, ratio = asked_adjustment(word, value)
+        where = adjust(configuration, method, ratio)
+        print(f"{word} {value}: sent to the controller at {where}, whose log says what became of it")
+        return 0
+    if value is not None:
+        raise UserError(f"operate {word}: takes no value; leave out {value!r}")
+    where = operate(configuration, word)
+    print(f"{word}: sent to the controller at {where}: {_WORDS[word]}")
     return 0
+
+
+def asked_adjustment(word: str, value: str | None) -> tuple[str, float]:
+    """Method (empty: as it is) and added damping ratio (NaN: as it is). Raises UserError."""
+    if word == "method":
+        if not value:
+            raise UserError("operate method: name one, as in `stillarm operate method fused`")
+        return value, nan
+    try:
+        ratio = float(value or "")
+    except ValueError:
+        ratio = nan
+    if not isfinite(ratio):
+        given = "" if value is None else f" {value!r}"
+        raise UserError(
+            f"operate gain{given}: give an added damping ratio, as in `stillarm operate gain 0.1`"
+        )
+    return "", ratio
 
 
 def operate(configuration: Configuration, word: str) -> str:
@@ -42,6 +77,26 @@ def operate(configuration: Configuration, word: str) -> str:
     from stillarm.controller.safety.table import Operator
 
     bits = Operator.EMERGENCY_STOP if word == "stop" else Operator[word.upper()]
+    return _sent(configuration, lambda sender: sender.command(bits))
+
+
+def adjust(configuration: Configuration, method: str, added_damping_ratio: float) -> str:
+    """Ask the running controller for another method or gain; returns its address.
+
+    Raises UserError where the configuration does not allow it, or no controller answers. The state is for the
+    controller to judge.
+    """
+    from stillarm.common.datagrams.messages import Adjustment
+    from stillarm.controller.safety.adjusting import adjustment_refusal
+
+    asked = Adjustment(method, added_damping_ratio)
+    if why := adjustment_refusal(asked, configuration.controller, None):
+        raise UserError(f"operate: {why}")
+    return _sent(configuration, lambda sender: sender.adjustment(method, added_damping_ratio))
+
+
+def _sent(configuration: Configuration, packed: Callable[[OperatorSender], bytes]) -> str:
+    """Meet the controller, and send what `packed` makes; returns the address."""
     link = configuration.link
     controller = (link.controller_host, link.reference_port)
     sender = OperatorSender(load_key(link), new_session())
@@ -56,11 +111,11 @@ def operate(configuration: Configuration, word: str) -> str:
                     f"operate: no controller answers at {controller[0]}:{controller[1]}; start it, or name the "
                     "configuration that it uses (link.reference_port, link.key_file)"
                 )
-            socket.send(sender.command(bits), controller)
+            socket.send(packed(sender), controller)
             time.sleep(_PAUSE_S)
             sender.take(socket.drain(16))
         for _ in range(_REPEATS):
-            socket.send(sender.command(bits), controller)
+            socket.send(packed(sender), controller)
             time.sleep(_PAUSE_S)
     finally:
         socket.close()

@@ -5,7 +5,7 @@ Messages are made only while somebody subscribes to their channel. The server ta
 
 import logging
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 
@@ -49,21 +49,35 @@ def _plain(kind: Any) -> object:
     return getattr(kind, "__origin__", kind)
 
 
+class PemFiles(NamedTuple):
+    """The contents of a certificate's file and of its private key's (PKCS#8)."""
+
+    certificate: bytes
+    key: bytes
+
+
 class FoxgloveBridge:
     """A server of the protocol, fed with the telemetry's datagrams."""
 
-    def __init__(self, host: str, port: int) -> None:
-        """Listen on host:port; port 0: a free one. Raises UserError without the SDK, or where the port is taken."""
+    def __init__(self, host: str, port: int, tls: PemFiles | None = None) -> None:
+        """Listen on host:port; port 0: a free one. tls: for wss.
+
+        Raises UserError without the SDK, where the port is taken, or the files cannot be used.
+        """
         foxglove = require_foxglove()
         self._context = context = foxglove.Context()  # kept: the channels end with it
         self._channels = {
             topic: foxglove.Channel(f"/{topic}", schema=schema_of(topic), context=context) for topic in SENT
         }
         try:
-            self._server = foxglove.start_server(name="stillarm", host=host, port=port, context=context)
-        except (OSError, RuntimeError) as error:
+            secured = {} if tls is None else {"tls_cert": tls.certificate, "tls_key": tls.key}
+            self._server = foxglove.start_server(
+                name="stillarm", host=host, port=port, context=context, **secured
+            )
+        except (OSError, RuntimeError, ValueError) as error:
             raise UserError(
                 f"--foxglove-port {port}: cannot listen on {host} ({error}); choose another port"
+                + (", or give --key in PKCS#8 form (BEGIN PRIVATE KEY)" if tls is not None else "")
             ) from None
 
     @property

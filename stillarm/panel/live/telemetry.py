@@ -36,7 +36,7 @@ class Visual(msgspec.Struct, frozen=True, gc=False):
 
 
 class Words(msgspec.Struct, frozen=True):
-    """The texts of /estimate, and cycle 0 on the controller's monotonic clock, s."""
+    """The texts of /estimate, the settings in force, and cycle 0 on the controller's monotonic clock, s."""
 
     state: str = ""
     reason: str = ""
@@ -45,6 +45,8 @@ class Words(msgspec.Struct, frozen=True):
     deflection_status: str = ""
     estimate_reason: str = ""
     trust: str = ""
+    method: str = ""
+    added_damping_ratio: float = nan
     origin_monotonic_s: float = nan
 
 

@@ -2,15 +2,26 @@
 
 import asyncio
 import contextlib
+from math import isfinite, isnan
 from typing import Any
 
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Configuration, is_simulated_rig
 from stillarm.common.user_error import UserError
+from stillarm.controller.safety.adjusting import adjustment_refusal
+from stillarm.controller.safety.table import Setting
 from stillarm.panel.live.known import Known
 from stillarm.panel.operate.actions import COMMANDS, MEANINGS, Action
-from stillarm.panel.operate.permitted import Situation, refusal, words_of
+from stillarm.panel.operate.permitted import Situation, refusal, setting_refusal, words_of
 from stillarm.panel.operate.sender import Commands
 from stillarm.simulation.rig.strike_requests import request_strike
+
+_IN_FORCE_WITHIN_S, _LOOK_EVERY_S = 1.5, 0.05
+
+
+def _in_force(asked: Adjustment, known: Known) -> bool:
+    words, ratio = known.words, asked.added_damping_ratio
+    return asked.method in {"", words.method} and (isnan(ratio) or words.added_damping_ratio == ratio)
 
 
 class Desk:
@@ -62,9 +73,38 @@ class Desk:
             "damping_allowed": known.damping_allowed,
             "held": now.held,
             "actions": {action: refusal(action, now) for action in Action},
+            "settings": self._settings(known, now),
             "origin_s": round(origin_s, 4) if origin_s < 1e300 else None,
             "origin_exact": exact,
         }
+
+    def _settings(self, known: Known, now: Situation) -> dict[str, Any]:
+        """What is in force, null where the controller has not said it; why it may not be adjusted now."""
+        ratio = known.words.added_damping_ratio
+        return {
+            "method": known.words.method or None,
+            "added_damping_ratio": ratio if isfinite(ratio) else None,
+            "refusals": {setting: setting_refusal(setting, now) for setting in Setting},
+        }
+
+    async def adjust(self, asked: Adjustment, known: Known, now_s: float) -> None:
+        """Ask for another method or gain, and wait until it is in force.
+
+        Raises UserError with the reason where it is refused, nobody answers, or the controller does not obey.
+        """
+        now = self.situation(known, now_s, signed_in=True)
+        wanted = [Setting.METHOD] * bool(asked.method) + [Setting.GAIN] * (
+            not isnan(asked.added_damping_ratio)
+        )
+        why = next((why for setting in wanted if (why := setting_refusal(setting, now))), "")
+        if why := why or adjustment_refusal(asked, self._configuration.controller, None):
+            raise UserError(why)
+        await self._commands.adjust(asked)
+        for _ in range(round(_IN_FORCE_WITHIN_S / _LOOK_EVERY_S)):
+            if _in_force(asked, known):
+                return
+            await asyncio.sleep(_LOOK_EVERY_S)
+        raise UserError("the controller did not take it; its log below says why")
 
     def asks(self, action: Action) -> bool:
         """Whether the page must ask before it: something moves."""

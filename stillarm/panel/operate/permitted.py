@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from stillarm.controller.safety.table import GROUND_OF, MOVING, TRANSITIONS, Event, State
+from stillarm.controller.safety.adjusting import state_refusal
+from stillarm.controller.safety.table import GROUND_OF, MOVING, TRANSITIONS, Event, Setting, State
 from stillarm.panel.operate.actions import COMMANDS, Action
 
 
@@ -33,9 +34,20 @@ def refusal(action: Action, now: Situation) -> str:
         return READ_ONLY
     if action is Action.STOP:
         return ""  # always sent: what is not heard may still move
-    if now.silent or now.state not in {str(state) for state in State}:
+    if _unheard(now):
         return NO_CONTROLLER
     return _WITHOUT_EVENT[action](now) if action in _WITHOUT_EVENT else _no_event(COMMANDS[action][1], now)
+
+
+def setting_refusal(setting: Setting, now: Situation) -> str:
+    """Why a setting may not be adjusted now; empty where it may."""
+    if not now.signed_in:
+        return READ_ONLY
+    return NO_CONTROLLER if _unheard(now) else state_refusal(setting, State(now.state))
+
+
+def _unheard(now: Situation) -> bool:
+    return now.silent or now.state not in {str(state) for state in State}
 
 
 def _no_allowing(now: Situation) -> str:

@@ -4,6 +4,7 @@ import asyncio
 import time
 from collections.abc import Callable
 
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Link
 from stillarm.common.link.link_key import load_key
 from stillarm.common.link.operator_sender import OperatorSender
@@ -28,11 +29,18 @@ class Commands:
 
     async def send(self, bits: int) -> None:
         """Send a command, bits of stillarm.controller.safety.table.Operator. Raises UserError when nobody answers."""
+        await self._send(lambda sender: sender.command(bits))
+
+    async def adjust(self, asked: Adjustment) -> None:
+        """Ask for another method or gain. Raises UserError when nobody answers."""
+        await self._send(lambda sender: sender.adjustment(asked.method, asked.added_damping_ratio))
+
+    async def _send(self, packed: Callable[[OperatorSender], bytes]) -> None:
         socket = UdpSocket((self._local, 0), "panel")
         try:
-            sender = await self._met(socket, lambda sender: sender.command(bits))
+            sender = await self._met(socket, packed)
             for _ in range(_REPEATS):
-                socket.send(sender.command(bits), self._controller)
+                socket.send(packed(sender), self._controller)
                 await asyncio.sleep(_ASK_EVERY_S)
         finally:
             socket.close()

@@ -1,16 +1,13 @@
-// The newest reduced image with its tracked points (stillarm/panel/live/view.py).
-
-import { byId } from "/page/dom.js";
+// A reduced image with its tracked points (stillarm/panel/live/view.py).
 
 const HEAD_AT = 4;
 
-export async function drawView(buffer) {
+// Returns the number of the frame.
+export async function drawView(buffer, canvas) {
   const length = new DataView(buffer).getUint16(2, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, HEAD_AT, length)));
   const image = await createImageBitmap(new Blob([new Uint8Array(buffer, HEAD_AT + length)], { type: "image/jpeg" }));
-  const canvas = byId("camera-view");
   canvas.hidden = false;
-  byId("camera-none").textContent = "";
   canvas.width = image.width;
   canvas.height = image.height;
   const context = canvas.getContext("2d");
@@ -22,4 +19,5 @@ export async function drawView(buffer) {
     context.strokeStyle = "#ffd21f";
     context.strokeRect(x - 2.5, y - 2.5, 5, 5);
   }
+  return head.frame;
 }

@@ -29,14 +29,23 @@ export const CHARTS = [
   },
 ];
 
+// Of a recording that holds images and nothing else.
+export const IMAGE_CHARTS = [
+  {
+    title: "Image displacement", unit: "px", scale: 1, digits: 2, least: 1,
+    curves: [{ topic: "frames", column: "displacement_px", label: "tracked" }],
+  },
+];
+
 const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 // Overlays beside the curves of `topics`: { label, topics: {topic: Samples}, offset (s), colour, charts (indices) }.
 export class ChartStack {
+  // charts: what to draw.
   // settled: whether the range of y may narrow slowly only, as a live picture needs.
   // onSelect(from, to): a stretch of time was drawn with the pointer; onReset: a double click.
-  constructor(place, topics, { onSelect, onReset, settled = true }) {
-    Object.assign(this, { place, topics, onSelect, onReset, settled, overlays: [], markers: [], changes: [], cursor: NaN });
+  constructor(place, topics, { onSelect, onReset, settled = true, charts = CHARTS }) {
+    Object.assign(this, { place, topics, abouts: charts, onSelect, onReset, settled, overlays: [], markers: [], changes: [], cursor: NaN });
     this.watched = new ResizeObserver(() => this.resize());
     this.build();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.build());
@@ -49,7 +58,7 @@ export class ChartStack {
 
   build() {
     this.destroy();
-    this.charts = CHARTS.map((about, index) => this.chart(about, index));
+    this.charts = this.abouts.map((about, index) => this.chart(about, index));
     this.resize();
   }
 

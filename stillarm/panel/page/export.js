@@ -3,7 +3,8 @@
 import { save } from "/page/dom.js";
 
 export function saveCsv(name, topics, from, to, markers = []) {
-  const present = Object.entries(topics).filter(([topic]) => topic === "fast" || topic === "estimate");
+  const everyCycle = Object.entries(topics).filter(([topic]) => topic === "fast" || topic === "estimate");
+  const present = everyCycle.length ? everyCycle : Object.entries(topics);
   const rows = new Map();
   const names = [];
   for (const [, samples] of present) {

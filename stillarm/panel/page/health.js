@@ -23,7 +23,7 @@ export class Health {
     if (!open) this.state("no connection", "the panel's server does not answer; the loop goes on without it");
   }
 
-  status({ silent, words, ground, damping_allowed: allowed, held }) {
+  status({ silent, words, ground, damping_allowed: allowed, held, settings }) {
     this.heard ||= !silent;
     if (silent) return this.state("no telemetry", "no controller is heard");
     this.state(words.state || "unknown", ground.message || "nothing is missing");
@@ -31,6 +31,8 @@ export class Health {
     facts(byId("health"), [
       ["damping", words.damping_status || "-"],
       ["damping allowed", allowed ? "yes" : held ? "no, held by this panel" : "no"],
+      ["method", settings.method ?? "-"],
+      ["added damping ratio", settings.added_damping_ratio === null ? "-" : number(settings.added_damping_ratio, 3)],
       ["capture delay", words.delay_status || "-"],
       ["deflection", words.deflection_status || "-"],
       ["trust", [words.trust, words.estimate_reason].filter(Boolean).join(": ") || "-"],

@@ -37,9 +37,14 @@ export class Live {
   }
 
   binary(buffer) {
-    if (new DataView(buffer).getUint8(0) === VIEW_KIND) return void drawView(buffer);
+    if (new DataView(buffer).getUint8(0) === VIEW_KIND) return void this.view(buffer);
     const { kind, times, values } = unpack(buffer);
     this.topics[this.kinds[kind]?.topic]?.add(times, values);
+  }
+
+  async view(buffer) {
+    await drawView(buffer, byId("camera-view"));
+    byId("camera-none").textContent = "";
   }
 
   newest() {

@@ -39,7 +39,7 @@ const takers = {
   },
   status: (message) => {
     live.status(message);
-    operate.status(message.actions);
+    operate.status(message);
     health.status(message);
   },
   loop_second: (message) => health.loop(message),

@@ -1,6 +1,7 @@
 // The operator's buttons. The server decides what is possible; a button that is not says why, and stays reachable.
 
 import { ask, byId, element } from "/page/dom.js";
+import { Adjust } from "/page/adjust.js";
 import { post } from "/page/server.js";
 
 const ORDER = ["arm", "disarm", "allow_damping", "hold_damping", "clear", "strike"];
@@ -9,19 +10,16 @@ export class Operate {
   constructor() {
     this.buttons = {};
     this.refusals = {};
+    this.adjust = new Adjust((text) => this.tell(text));
     byId("stop").addEventListener("click", () => this.act("stop"));
     addEventListener("keydown", (event) => event.key === "Escape" && !event.repeat && this.act("stop"), { capture: true });
   }
 
-  hello({ meanings, signed_in: signedIn, read_only: readOnly, added_damping_ratio: ratio, method }) {
+  hello(message) {
+    const { meanings, signed_in: signedIn, read_only: readOnly } = message;
     Object.assign(this, { meanings, signedIn, readOnly });
     this.buttons = Object.fromEntries(ORDER.map((action) => [action, this.button(action)]));
-    const fixed = `read at the controller's start (method ${method}, added damping ratio ${ratio}): change the configuration, and restart it`;
-    const settings = element("button", { textContent: "Method, gain" });
-    settings.setAttribute("aria-disabled", "true");
-    settings.title = fixed;
-    settings.onclick = () => this.tell(`Method and gain are ${fixed}`);
-    byId("actions").replaceChildren(...Object.values(this.buttons), settings);
+    byId("actions").replaceChildren(...Object.values(this.buttons), this.adjust.hello(message));
     byId("access").textContent = signedIn ? "" : readOnly;
   }
 
@@ -33,7 +31,8 @@ export class Operate {
     return button;
   }
 
-  status(actions) {
+  status({ actions, settings }) {
+    this.adjust.status(settings, this.signedIn ? "" : this.readOnly);
     this.refusals = this.signedIn ? actions : Object.fromEntries(Object.keys(actions).map((action) => [action, this.readOnly]));
     for (const [action, button] of [...Object.entries(this.buttons), ["stop", byId("stop")]]) {
       const why = this.refusals[action];

@@ -1,8 +1,9 @@
 // Recordings: the list, a recording's charts with scrubbing and playing, methods, diagnosis, and comparison.
 
-import { ChartStack } from "/page/charts.js";
+import { CHARTS, ChartStack, IMAGE_CHARTS } from "/page/charts.js";
 import { byId, element, facts, number } from "/page/dom.js";
 import { saveCsv, savePng } from "/page/export.js";
+import { RecordedImages } from "/page/recorded_images.js";
 import { Samples, unpack } from "/page/samples.js";
 import { get, post } from "/page/server.js";
 
@@ -38,6 +39,7 @@ async function load(name) {
 export class Recordings {
   constructor() {
     Object.assign(this, { open: null, time: 0, playing: false, last: 0, methods: new Map(), other: null, zoomed: null });
+    this.images = new RecordedImages();
     byId("rec-play").onclick = () => this.play(!this.playing);
     byId("rec-time").oninput = ({ target }) => this.seek(Number(target.value));
     byId("rec-window").onchange = () => (this.zoomed = null);
@@ -69,6 +71,7 @@ export class Recordings {
   entry({ name, bytes, changed_s: changed }) {
     const size = `${number(bytes / 1e6, 1)} MB`;
     const button = element("button", { title: new Date(changed * 1000).toLocaleString() }, element("span", { textContent: name }), element("small", { textContent: size }));
+    button.dataset.name = name;
     button.onclick = () => this.choose(name);
     button.setAttribute("aria-pressed", String(this.open?.about.name === name));
     return element("li", {}, button);
@@ -89,6 +92,7 @@ export class Recordings {
       onSelect: (from, to) => (this.zoomed = [from, to]),
       onReset: () => (this.zoomed = null),
       settled: false,
+      charts: topics.fast || topics.estimate ? CHARTS : IMAGE_CHARTS,
     });
     this.stack.changes = about.changes;
     const slider = byId("rec-time");
@@ -96,8 +100,40 @@ export class Recordings {
     for (const id of ["rec-play", "rec-csv", "rec-png"]) byId(id).disabled = false;
     this.seek(about.begin_s);
     this.describe();
+    this.findImages();
     this.tell(about.end_s - about.begin_s > MOST_S ? `only the first ${MOST_S / 60} min are drawn` : "");
     await this.list();
+  }
+
+  // The server looks for the recording's images and tracks them again; that takes the computer's time.
+  async findImages() {
+    const { about } = this.open;
+    const say = (text) => (byId("rec-view-told").textContent = text);
+    this.images.close();
+    byId("rec-images-card").hidden = !about.topics.frames;
+    if (!about.topics.frames) return;
+    try {
+      if (!about.images) await this.finished("images", about.key, (job) => this.open.about.key === about.key && say(`looking for images: ${number(100 * job.done, 0)} %`));
+      if (this.open.about.key !== about.key) return;
+      say("");
+      this.images.open(path(about.key, "/view"));
+    } catch (error) {
+      if (this.open.about.key === about.key) say(error.message);
+    }
+  }
+
+  // Starts a job and waits for its good end; throws with its last line otherwise. tell(job): its progress.
+  async finished(what, key, tell) {
+    await post(path(key, `/${what}`));
+    for (;;) {
+      const { job } = await get(path(key, `/${what}`));
+      tell(job);
+      if (!job.running) {
+        if (!job.good) throw new Error(job.lines.at(-1) ?? `${what} failed`);
+        return;
+      }
+      await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    }
   }
 
   describe() {
@@ -170,18 +206,10 @@ export class Recordings {
     byId("rec-job").hidden = false;
     byId("rec-progress").value = 0;
     try {
-      await post(path(key, `/${what}`));
-      for (;;) {
-        const { job } = await get(path(key, `/${what}`));
-        byId("rec-progress").value = job.done;
+      await this.finished(what, key, (job) => {
+        byId("rec-progress").value = job.running ? job.done : 1;
         say(job.running ? `${job.label || what}: ${number(100 * job.done, 0)} %` : job.lines.at(-1) ?? "");
-        if (!job.running) {
-          byId("rec-progress").value = 1;
-          if (!job.good) throw new Error(job.lines.at(-1) ?? `${what} failed`);
-          break;
-        }
-        await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-      }
+      });
       if (this.open.about.key !== key) return;
       this.open.about = await get(path(key));
       this.describe();
@@ -229,6 +257,7 @@ export class Recordings {
       if (this.time >= this.open.about.end_s) this.play(false);
     }
     this.last = now;
+    this.images.follow(this.time);
     this.stack.cursor = this.time;
     const key = JSON.stringify([this.span(), this.time, this.stack.charts.map(({ range }) => range)]);
     if (key === this.stack.shown) return;

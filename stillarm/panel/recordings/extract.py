@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stillarm.common.process.stop_signal import StopSignal
 from stillarm.common.recording.reader import Recording, open_recording
 from stillarm.common.user_error import UserError
-from stillarm.panel.live.packing import KINDS
+from stillarm.panel.live.packing import FRAME_COLUMNS, KINDS
 
 _MOST_CHANGES = 1000
 _MOST_LINES = 200
@@ -37,13 +38,29 @@ def extract(path: Path, folder: Path) -> None:
         begin, end = min(begin, float(times[0])), max(end, float(times[-1]))
         if topic == "estimate":
             about["changes"] = _changes(times, columns["state"], columns["reason"])
+    if not topics and recording.counts.get("/images"):
+        rows = _tracked(recording)
+        np.save(folder / "frames.npy", rows)
+        topics["frames"] = list(FRAME_COLUMNS)
+        begin, end = float(rows[0, 0]), float(rows[0, -1])
     if not topics:
-        raise UserError(f"{path}: nothing that the page could draw; it needs /fast, /estimate or /frames")
+        raise UserError(
+            f"{path}: nothing that the page could draw; it needs /fast, /estimate, /frames or /images"
+        )
     about["lines"] = _log_lines(recording)
     header = recording.header
     about |= {"topics": topics, "begin_s": begin, "end_s": end, "method": header.method, "kind": header.kind}
     about["program_version"] = header.program_version
     (folder / "about.json").write_text(json.dumps(about))
+
+
+def _tracked(recording: Recording) -> NDArray[np.float64]:
+    """The rows of /frames that the supervisor's own recording holds beside its images, one image in memory."""
+    found = [
+        (image.time_s, image.displacement_px, image.features, image.inliers, image.status)
+        for image in recording.messages("/images")
+    ]
+    return np.array(found, np.float64).T
 
 
 def _changes(times: Any, states: Any, reasons: Any) -> list[list[Any]]:

@@ -11,6 +11,7 @@ from stillarm.common.user_error import UserError
 from stillarm.panel.live.packing import MOST_ROWS, packed
 from stillarm.panel.recordings.decimation import min_max
 from stillarm.panel.recordings.jobs import Jobs
+from stillarm.panel.recordings.view_files import RecordedView, has_views, view_at
 from stillarm.panel.server.paths import confined
 
 SUFFIXES = (".mcap",)
@@ -79,6 +80,7 @@ class Library:
         methods = cache / "replay" / "methods.json"
         told["key"] = key
         told["methods"] = json.loads(methods.read_text()) if methods.exists() else []
+        told["images"] = has_views(cache / "images")
         told["diagnosed"] = (cache / "diagnosis" / "report.html").exists()
         return told
 
@@ -98,14 +100,23 @@ class Library:
         times, columns = min_max(cut[0], cut[1:], min(max(intervals, 1), _MOST_INTERVALS))
         return packed(0, times.tolist(), [column.tolist() for column in columns])
 
+    def view(self, key: str, time_s: float) -> RecordedView:
+        """The newest image at a time of the recording; the first one before that. Raises UserError."""
+        self._path(key)
+        return view_at(self._cache / key / "images", time_s)
+
     async def start(self, what: str, key: str) -> None:
-        """Start `replay` (with all methods) or `diagnose`. Raises UserError."""
+        """Start `replay` (with all methods), `diagnose` or `images`. Raises UserError."""
         path = str(self._path(key))
         cache = self._cache / key
-        words = ["diagnose", path, "--out", str(cache / "diagnosis")]
-        module = "stillarm"
-        if what == "replay":
-            words, module = [path, str(cache / "replay")], "stillarm.panel.recordings.replay_all"
+        words, module = {
+            "replay": ([path, str(cache / "replay")], "stillarm.panel.recordings.replay_all"),
+            "diagnose": (["diagnose", path, "--out", str(cache / "diagnosis")], "stillarm"),
+            "images": ([path, str(self._folder), str(cache / "images")], "stillarm.panel.recordings.images"),
+        }[what]
+        job = self._jobs.get(f"{what} {key}")
+        if what == "images" and job is not None and job.running:
+            return  # another page has asked for the same
         await self._jobs.start(f"{what} {key}", *words, module=module)
 
     def job(self, what: str, key: str) -> dict[str, Any] | None:

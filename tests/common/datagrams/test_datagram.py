@@ -41,6 +41,7 @@ def messages(draw: st.DrawFn) -> Message:
         else st.floats(),
         int: st.integers(1, int(largest)),
         bool: st.booleans(),
+        str: st.text(max_size=64),
     }
     return message(*(draw(drawn[plain]) for plain in plain_types(message).values()))
 

@@ -11,6 +11,7 @@ from stillarm.common.datagrams.datagram import Datagram, decode, encode, kind_of
 from stillarm.common.datagrams.fields import plain_types
 from stillarm.common.datagrams.messages import (
     MESSAGES,
+    Adjustment,
     DriveCommand,
     DriveState,
     Hello,
@@ -58,6 +59,11 @@ RECORDED: list[tuple[Message, str]] = [  # by the program as it was before this 
         OperatorCommand(8),
         "960207cf4000000000000005cf4000000000000009ce000111700864154ea1c4466fcfecd4bf34b2124a88",
     ),
+    (  # younger than the table: by tests/reference/plain_datagram.py
+        Adjustment("fused", 0.15),
+        "970208cf4000000000000005cf4000000000000009ce00011170a56675736564cb3fc3333333333333"
+        "aed06c15cf8e5cbe62265e2e10fa0658",
+    ),
 ]
 
 
@@ -77,7 +83,8 @@ def test_every_message_is_in_the_table_with_a_number_of_its_own() -> None:
 def test_a_value_of_another_type_or_out_of_its_bounds_is_malformed(message: Message, recorded: str) -> None:
     body = msgspec.structs.astuple(message)
     for at, plain in enumerate(plain_types(type(message)).values()):
-        for wrong in (None, "1", [], {}, b"", 2 if plain is bool else True, 1.0 if plain is int else "x"):
+        text = 1 if plain is str else "1"
+        for wrong in (None, text, [], {}, b"", 2 if plain is bool else True, "x" if plain is float else 1.0):
             changed = (*body[:at], wrong, *body[at + 1 :])
             data = plain_datagram(KEY, kind_of(type(message)), SESSION, 1, changed)
             assert decode(KEY, data) == ("malformed",), (message, at, wrong)
@@ -93,6 +100,7 @@ def test_a_value_of_another_type_or_out_of_its_bounds_is_malformed(message: Mess
         (7, (0,)),
         (7, (16,)),
         (7, (-1,)),
+        (8, ("x" * 65, 0.1)),
     ],
 )
 def test_bounds(kind: int, body: tuple[object, ...]) -> None:

@@ -3,7 +3,7 @@
 import msgpack
 
 from stillarm.common.recorder.panel_stream import REPEAT_S, PanelStream
-from stillarm.common.recording.topics import EstimateSample, FastSample, LogLine
+from stillarm.common.recording.topics import EstimateSample, FastSample, LogLine, SettingsSample
 
 
 def estimate(time_s: float, state: str, reason: str = "") -> EstimateSample:
@@ -33,6 +33,18 @@ def test_words_are_sent_on_change_and_repeated() -> None:
     assert stream.due(0.02 + 0.9 * REPEAT_S) == []
     (again,) = maps(stream.due(0.02 + REPEAT_S))
     assert again["words"] == changed["words"]
+
+
+def test_the_words_hold_the_settings_in_force() -> None:
+    stream = PanelStream(0.0)
+    stream.take(SettingsSample(0.0, 0, "fused", 0.12))
+    stream.take(estimate(0.001, "armed"))
+    (first,) = maps(stream.due(0.0))
+    assert (first["words"]["method"], first["words"]["added_damping_ratio"]) == ("fused", 0.12)  # type: ignore[index]
+    stream.take(SettingsSample(0.002, 2, "timestamps", 0.05, "timestamps", 0.05))
+    stream.take(estimate(0.002, "armed"))
+    (changed,) = maps(stream.due(0.01))  # a change is sent at once
+    assert (changed["words"]["method"], changed["words"]["added_damping_ratio"]) == ("timestamps", 0.05)  # type: ignore[index]
 
 
 def test_log_lines_are_sent_once_and_a_burst_fits_a_datagram() -> None:

@@ -25,7 +25,14 @@ def test_every_field_has_its_meaning_and_every_quantity_its_unit() -> None:
             assert unit or kind not in ("float", "list[float]") or name in UNITLESS, name
 
 
-UNITLESS = ("`supervisor_clock_skew`", "`input`", "`output`", "`strain`")
+UNITLESS = (
+    "`supervisor_clock_skew`",
+    "`input`",
+    "`output`",
+    "`strain`",
+    "`added_damping_ratio`",
+    "`asked_added_damping_ratio`",
+)
 
 
 def test_the_header_s_keys_are_all_there() -> None:

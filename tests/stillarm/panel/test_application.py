@@ -85,7 +85,10 @@ def served(folder: Path, check: Callable[[Panel], Awaitable[None]]) -> None:
 
 
 def armed(cycle: int = 1) -> bytes:
-    words = {"state": "armed", "reason": "", "damping_status": "off", "origin_monotonic_s": 0.0}
+    words = {
+        **{"state": "armed", "reason": "", "damping_status": "off", "origin_monotonic_s": 0.0},
+        **{"method": "fused", "added_damping_ratio": 0.12},
+    }
     return msgpack.packb(
         [
             {"time_s": cycle * 1e-3, "fast": {"acceleration_m_s2": 1.0, "damping_allowed": True}},
@@ -173,6 +176,34 @@ def test_what_the_state_forbids_is_refused_with_its_reason(tmp_path: Path) -> No
         status, why = await panel.post("/api/operate/stop")
         assert status == 409 and "no controller answers at 127.0.0.1:9" in why
         assert (await panel.post("/api/operate/explode"))[0] == 404
+
+    served(tmp_path, check)
+
+
+@pytest.mark.slow
+def test_an_adjustment_outside_its_grounds_is_refused_with_the_reason(tmp_path: Path) -> None:
+    async def check(panel: Panel) -> None:
+        async def refusal(**asked: object) -> str:
+            status, why = await panel.post("/api/adjust", asked)
+            assert status in {400, 409}, (status, why)
+            return why
+
+        assert (await panel.post("/api/adjust", {"method": "fused", "confirmed": True}))[0] == 403
+        await panel.sign_in()
+        assert "confirm" in await refusal(method="timestamps")
+        assert "no controller is heard" in await refusal(method="timestamps", confirmed=True)
+        panel.feed.take(armed())
+        assert panel.feed.status()["settings"] == {
+            "method": "fused",
+            "added_damping_ratio": 0.12,
+            "refusals": {"gain": "", "method": ""},
+        }
+        assert "from 0 to 0.2" in await refusal(added_damping_ratio=0.3, confirmed=True)
+        assert "one of fused, timestamps, correlation" in await refusal(method="x", confirmed=True)
+        assert "nothing was asked for" in await refusal(confirmed=True)
+        assert "reload" in await refusal(method="x" * 65, confirmed=True)
+        panel.feed.take(armed())
+        assert "no controller answers" in await refusal(added_damping_ratio=0.1, confirmed=True)
 
     served(tmp_path, check)
 

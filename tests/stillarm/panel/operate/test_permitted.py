@@ -5,9 +5,16 @@ from itertools import product
 import pytest
 
 from stillarm.controller.safety.machine import StateMachine
-from stillarm.controller.safety.table import GROUNDS, MOVING, Event, State
+from stillarm.controller.safety.table import GROUNDS, MAY_ADJUST, MOVING, Event, Setting, State
 from stillarm.panel.operate.actions import COMMANDS, MEANINGS, Action
-from stillarm.panel.operate.permitted import NO_CONTROLLER, READ_ONLY, Situation, refusal, words_of
+from stillarm.panel.operate.permitted import (
+    NO_CONTROLLER,
+    READ_ONLY,
+    Situation,
+    refusal,
+    setting_refusal,
+    words_of,
+)
 
 
 def now(state: State, reason: str = "", **other: bool) -> Situation:
@@ -52,6 +59,14 @@ def test_damping_is_held_and_allowed_in_turn() -> None:
     assert refusal(Action.HOLD_DAMPING, free) == "" and refusal(Action.ALLOW_DAMPING, free) != ""
     assert refusal(Action.HOLD_DAMPING, held) != "" and refusal(Action.ALLOW_DAMPING, held) == ""
     assert "configuration" in refusal(Action.ALLOW_DAMPING, now(State.ARMED, damping_allowed=False))
+
+
+@pytest.mark.parametrize("state", list(State))
+def test_a_setting_is_offered_where_the_controllers_table_has_it(state: State) -> None:
+    for setting in Setting:
+        assert (setting_refusal(setting, now(state)) == "") == ((setting, state) in MAY_ADJUST)
+        assert setting_refusal(setting, now(state, signed_in=False)) == READ_ONLY
+        assert setting_refusal(setting, now(state, silent=True)) == NO_CONTROLLER
 
 
 def test_only_a_simulated_rig_is_struck() -> None:

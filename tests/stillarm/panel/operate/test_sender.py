@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 import pytest
 
 from stillarm.common.datagrams.datagram import DEMO_KEY
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Link
 from stillarm.common.link.udp import UdpSocket, new_session
 from stillarm.common.user_error import UserError
@@ -71,6 +72,16 @@ def test_a_command_is_taken_once_its_sender_is_known(port: int) -> None:
             return made.asked
 
     assert asyncio.run(run()) == Operator.DISARM
+
+
+def test_an_adjustment_reaches_the_controller(port: int) -> None:
+    async def run() -> Adjustment | None:
+        async with controller(port) as made:
+            await Commands(Link(reference_port=port)).adjust(Adjustment("fused", 0.1))
+            await asyncio.sleep(0.01)
+            return made.exchange.adjustment()
+
+    assert asyncio.run(run()) == Adjustment("fused", 0.1)
 
 
 def test_damping_is_held_until_cancelled_and_lapses_then(port: int) -> None:
