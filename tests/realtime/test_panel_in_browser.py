@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from stillarm.common.link.free_ports import free_ports
 from stillarm.common.process.child_process import next_line, start_module, stop_process
 from stillarm.common.recording.reader import open_recording
 from stillarm.simulation.demo.attended import attended_demo
-from stillarm.simulation.demo.set_up import free_ports
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
