@@ -13,7 +13,6 @@ from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.loop.live_devices import LiveDevices
 from stillarm.controller.loop.schedule import CycleClock
 
-
 _TRIES = 20
 
 
