@@ -5,4 +5,4 @@ Not here: what a datagram holds (common/datagrams), and what the controller and 
 Begin with peer.py, then udp.py.
 """
 
-__all__ = ["clock_offset", "link_key", "operator_sender", "peer", "udp"]
+__all__ = ["clock_offset", "free_ports", "link_key", "operator_sender", "peer", "udp"]

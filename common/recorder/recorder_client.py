@@ -52,9 +52,10 @@ class RecorderClient:
         self._put = ring.put
 
     @classmethod
-    def launch(cls, *, ring_bytes: int = _RING_BYTES) -> "RecorderClient":
+    def launch(cls, *, ring_bytes: int = _RING_BYTES, stderr: int | None = None) -> "RecorderClient":
         """Start the recorder's process, and do not wait: it loads and warms up meanwhile. begin() gives it its file.
 
+        stderr: where /log is printed, as subprocess.Popen takes it; None: where this process prints.
         Raises UserError when there is no shared memory for the ring.
         """
         name = f"recorder-{os.getpid()}-{secrets.token_hex(4)}"
@@ -66,6 +67,7 @@ class RecorderClient:
                 str(os.getpid()),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
+                stderr=stderr,
                 start_new_session=True,  # where neither Ctrl-C nor a hang-up of the terminal reaches it
             )
         except BaseException:

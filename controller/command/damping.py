@@ -140,6 +140,9 @@ class JointDamping:
         if not self._anchored:
             self.anchor(joint_position_rad)
             return
+        if cycles == 1:
+            self._commanded.advance(reference_rad_s)
+            return
         for _ in range(min(cycles, STEPWISE_CYCLES)):
             self._commanded.advance(reference_rad_s)
         if cycles > STEPWISE_CYCLES:
@@ -203,12 +206,13 @@ class JointDamping:
         allowed = not self._goes_over() and allowed
         settings = self._settings
         age = time_s - self._last_measured_s
-        fresh = min(1.0, (settings.stale_after_s - age) / settings.fade_s)
+        fresh = (settings.stale_after_s - age) / settings.fade_s
+        fresh = fresh if fresh < 1.0 else 1.0
         predicted = self.predicted_m(estimate)
         # following a static deflection would make the joint creep and damp nothing
         vibration = predicted - estimate.static_m
         grounds = True
-        if not isfinite(predicted) or estimate.status in {Status.INVALID, Status.UNESTIMATED}:
+        if not isfinite(predicted) or estimate.status is _INVALID or estimate.status is _UNESTIMATED:
             status, grounds = DampingStatus.NO_PREDICTION, False
         elif fresh <= 0.0:
             status, grounds = DampingStatus.VISION_STALE, False
@@ -219,7 +223,7 @@ class JointDamping:
         elif not allowed:
             status = DampingStatus.OFF
         else:
-            status = DampingStatus.ACTIVE
+            status = _ACTIVE
         if not grounds:
             self._weight = 0.0
             return 0.0, status
@@ -239,4 +243,8 @@ class JointDamping:
             return 0.0, DampingStatus.NO_PREDICTION
         wanted, most = both * self._weight * fresh, settings.max_velocity_rad_s
         self.at_limit = not -most <= wanted <= most
-        return min(max(wanted, -most), most), status
+        return (min(max(wanted, -most), most) if self.at_limit else wanted), status
+
+
+_INVALID, _UNESTIMATED = Status.INVALID, Status.UNESTIMATED
+_ACTIVE = DampingStatus.ACTIVE  # looked up once: to read an enumeration's member costs as much as a call

@@ -120,7 +120,7 @@ class PlausibleInput:
             changes["acceleration_m_s2"] = self._refuse(Field.ACCELERATION)
         position = read.joint_position_rad
         self._position_steps.moved = False
-        if not _missing(position) and not self._placed(position, time_s):
+        if not self._placed(position, time_s) and not _missing(position):
             changes["joint_position_rad"] = self._refuse(Field.JOINT_POSITION)
         velocity = read.joint_velocity_rad_s
         if not -self._velocity <= velocity <= self._velocity and not _missing(velocity):

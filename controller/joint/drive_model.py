@@ -63,7 +63,9 @@ class DriveModel:
             self._stop_at_the_end()
         limit = drive.max_acceleration_rad_s2
         acceleration = self._rate * (arriving - self.velocity_rad_s)
-        self.acceleration_rad_s2 = limit if acceleration > limit else max(acceleration, -limit)
+        self.acceleration_rad_s2 = (
+            limit if acceleration > limit else -limit if acceleration < -limit else acceleration
+        )
 
     def advance_many(self, cycles: int, command_rad_s: float) -> None:
         """Advance by many cycles at once, with `command_rad_s` arriving throughout: the rest of a pause that is longer

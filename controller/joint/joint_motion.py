@@ -70,18 +70,18 @@ class JointMotion:
         if not self._started:
             self._started = True
             self._cycle = cycle - 1
-        elapsed = cycle - self._cycle
+        elapsed, drive, response = cycle - self._cycle, self._drive, self._response
         for _ in range(min(elapsed, STEPWISE_CYCLES)):
-            self._drive.advance(self._command)
-            self._response.advance(self._drive.mean_acceleration_rad_s2)
+            drive.advance(self._command)
+            response.advance(drive.mean_acceleration_rad_s2)
         if elapsed > STEPWISE_CYCLES:
-            self._drive.advance_many(elapsed - STEPWISE_CYCLES, self._command)
-            self._response.advance_many(elapsed - STEPWISE_CYCLES, self._drive.mean_acceleration_rad_s2)
+            drive.advance_many(elapsed - STEPWISE_CYCLES, self._command)
+            response.advance_many(elapsed - STEPWISE_CYCLES, drive.mean_acceleration_rad_s2)
         self._cycle = cycle
         if isfinite(reported_position_rad):
-            self._drive.report(reported_position_rad)
-        self._position.write(cycle, self._drive.position_rad)
-        self._forced.write(cycle, self._response.deflection_m)
+            drive.report(reported_position_rad)
+        self._position.write(cycle, drive.position_rad)
+        self._forced.write(cycle, response.deflection_m)
 
     def send(self, command_rad_s: float) -> None:
         """Store the command of this cycle; a missing one (an import without commands) counts as zero."""

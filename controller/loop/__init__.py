@@ -3,4 +3,4 @@
 Not here: what the step is made of (the packages beside this one). Begin with step.py; daemon.py is the process.
 """
 
-__all__ = ["daemon", "realtime", "recorded", "schedule", "step", "warm_up"]
+__all__ = ["daemon", "live_devices", "loop", "realtime", "recorded", "schedule", "step", "warm_up"]

@@ -19,6 +19,8 @@ from stillarm.drivers.drives.udp_gateway_drive import UdpGatewayDrive
 
 _EXPECTED_PER_CYCLE = 2  # datagrams of a peer that means well
 _MOST_QUEUED = 10_000  # datagrams, more than a buffer holds: a flood must not keep the start from ending
+Sensed = tuple[float, float, float, float]
+"""Acceleration, m/s^2; the joint's position, rad, velocity, rad/s, and age, s. NaN where there is no such device."""
 _OLDEST_S = 1e6  # a drive that never reported: an infinite age would not survive a recording
 
 
@@ -80,14 +82,23 @@ class LiveDevices:
 
     def read(self, cycle: int) -> CycleInput:
         """Open a cycle: send its timestamp, then read the accelerometer, the drive and what came by UDP."""
-        data_socket, reference_socket = self._sockets
-        data_socket.send(self._exchange.timestamp(cycle, time.monotonic()), self._supervisor)
-        time_s = cycle * self._cycle_s
+        return self.receive(cycle, self.sense(cycle))
+
+    def sense(self, cycle: int) -> Sensed:
+        """The first half of read(): send the timestamp, then read the accelerometer and the drive."""
+        timestamp = self._exchange.timestamp(cycle, time.monotonic())
+        self._sockets[0].send(timestamp, self._supervisor)
         acceleration = self._accelerometer.read() if self._accelerometer is not None else nan
-        position = velocity = age = nan
-        if self._drive is not None:
-            position, velocity, age = self._drive.state()
-            age = min(age, _OLDEST_S)
+        if self._drive is None:
+            return acceleration, nan, nan, nan
+        position, velocity, age = self._drive.state()
+        return acceleration, position, velocity, min(age, _OLDEST_S)
+
+    def receive(self, cycle: int, sensed: Sensed) -> CycleInput:
+        """The second half of read(): take what came by UDP, and what an operator asks."""
+        data_socket, reference_socket = self._sockets
+        time_s = cycle * self._cycle_s
+        acceleration, position, velocity, age = sensed
         for data, sender in reference_socket.drain_with_senders(self._limit):
             self._reference.take([data], time_s)
             if answer := self._reference.hello():

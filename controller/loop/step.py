@@ -161,17 +161,17 @@ class Controller:
         wanted = reference + velocity
         if self._dither_settings.enabled:
             wanted += self._dither_rad_s(
-                estimate.accelerometer_lost and status is DampingStatus.ACTIVE, elapsed, allowed.may_move
+                estimate.accelerometer_lost and status is _ACTIVE, elapsed, allowed.may_move
             )
         command = self._limits.bound(wanted, joint.position_rad)
         joint.send(command)
-        moved = read.joint_velocity_rad_s
+        moved, active = read.joint_velocity_rad_s, status is _ACTIVE
         supervision.end_cycle(
             elapsed,
             acceleration_m_s2=read.acceleration_m_s2,
             joint_velocity_rad_s=moved if isfinite(moved) else joint.velocity_rad_s,
             reference_rad_s=reference,
-            active=status is DampingStatus.ACTIVE,
+            active=active,
             full=damping.full,
             at_limit=damping.at_limit or command != wanted,
             estimate=estimate,
@@ -196,3 +196,6 @@ class Controller:
             self._dither, wanted, elapsed * self._cycle_s, self._dither_settings
         )
         return velocity
+
+
+_ACTIVE = DampingStatus.ACTIVE  # looked up once: to read an enumeration's member costs as much as a call

@@ -139,7 +139,8 @@ class GrowthTest:
         """Process the amplitude. Returns True if it has grown steadily while the damping acted."""
         if not isfinite(amplitude_m):
             return False
-        self._greatest_m = max(self._greatest_m, amplitude_m)
+        if amplitude_m > self._greatest_m:  # noqa: PLR1730 - max() would cost a call in every cycle
+            self._greatest_m = amplitude_m
         self._passed_s += passed_s
         if self._passed_s < self._every_s:
             return False

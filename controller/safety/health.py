@@ -82,11 +82,12 @@ class Health:
 
 def _sane(estimate: Estimate) -> bool:
     """Whether the estimate is finite wherever its status claims a value."""
-    if estimate.status is Status.ESTIMATED or estimate.status is Status.HELD:
+    if estimate.status is _ESTIMATED or estimate.status is _HELD:
         return isfinite(estimate.deflection_m + estimate.deflection_rate_m_s)
     return True
 
 
+_ESTIMATED, _HELD = Status.ESTIMATED, Status.HELD
 _DRIVE_SILENT, _DRIVE_LOST = BIT_OF[Event.DRIVE_SILENT], BIT_OF[Event.DRIVE_LOST]
 _ACCELEROMETER_DEAD, _VISION_STALE = BIT_OF[Event.ACCELEROMETER_DEAD], BIT_OF[Event.VISION_STALE]
 _NON_FINITE, _LOOP_STALLED = BIT_OF[Event.NON_FINITE], BIT_OF[Event.LOOP_STALLED]

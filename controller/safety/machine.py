@@ -43,7 +43,7 @@ class StateMachine:
 
     def _unsettled(self, damping: bool) -> bool:
         """Whether a cycle without missing grounds or requests can change the state."""
-        return self.state is not (State.DAMPING if damping else State.ARMED)
+        return self.state is not (_DAMPING if damping else _ARMED)
 
     def _walk(self, elapsed: int, missing: int, operator: int, ready: bool, damping: bool) -> None:
         if operator & Operator.EMERGENCY_STOP:
@@ -110,6 +110,7 @@ def _mask(*grounds: Ground) -> int:
 
 
 _BITS = tuple((ground, BIT_OF[ground.event]) for ground in GROUNDS)
+_DAMPING, _ARMED = State.DAMPING, State.ARMED
 _EMERGENCY_STOP = BIT_OF[Event.EMERGENCY_STOP]
 _WHOLE = _mask(*(ground for ground in GROUNDS if ground.whole))
 _STOPS_DAMPING = _mask(*(ground for ground in GROUNDS if ground.reaction is not Reaction.HOLD))

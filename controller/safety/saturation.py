@@ -14,6 +14,7 @@ class SaturationTest:
     def __init__(self, cycle_s: float) -> None:
         """Nothing seen so far."""
         self._cycle_s = cycle_s
+        self._gain = 1.0 - exp(-cycle_s / _OVER_S)
         self.restart()
 
     def restart(self) -> None:
@@ -26,7 +27,8 @@ class SaturationTest:
         fallen by a tenth from one check to the next, every 1.5 s.
         """
         passed = elapsed * self._cycle_s
-        self._share += (1.0 - exp(-passed / _OVER_S)) * ((1.0 if at_limit else 0.0) - self._share)
+        gain = self._gain if elapsed == 1 else 1.0 - exp(-passed / _OVER_S)
+        self._share += gain * ((1.0 if at_limit else 0.0) - self._share)
         if self._share < _SHARE:
             self._passed_s, self._before_m, self._greatest_m = 0.0, None, 0.0
             return False

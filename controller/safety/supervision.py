@@ -14,7 +14,8 @@ from stillarm.controller.safety.table import BIT_OF, Event, State
 
 _POSITION_SLACK_RAD = 0.01  # rad: a joint at its limit may be slightly beyond it
 _QUIET_RAD_S = 1e-4
-_AT_REST = frozenset({State.PREFLIGHT, State.IDLE})
+# looked up once: to read an enumeration's member costs as much as a call
+_IDLE, _PREFLIGHT, _FAULT = State.IDLE, State.PREFLIGHT, State.FAULT
 
 
 class Supervision:
@@ -78,9 +79,10 @@ class Supervision:
             | self._refused
         )
         before = machine.state
-        ready = before in _AT_REST and self._ready(missing, joint_position_rad)
+        at_rest = before is _IDLE or before is _PREFLIGHT
+        ready = at_rest and self._ready(missing, joint_position_rad)
         machine.step(elapsed, missing, operator, ready=ready, damping=self._damped)
-        if before is State.FAULT and machine.state is not before:
+        if before is _FAULT and machine.state is not before:
             self._energy.restart()
             self._saturation.restart()
         return machine

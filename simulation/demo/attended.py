@@ -13,6 +13,7 @@ import msgspec
 import tomli_w
 
 from stillarm.common.files.scenario import Scenario, Strike
+from stillarm.common.link.free_ports import free_ports
 from stillarm.simulation.demo.demo import (
     Progress,
     compile_ahead,
@@ -21,7 +22,7 @@ from stillarm.simulation.demo.demo import (
 )
 from stillarm.simulation.demo.own_folder import own_folder
 from stillarm.simulation.demo.processes import DemoProcesses
-from stillarm.simulation.demo.set_up import STRUCK_M, free_ports, write_demo_configuration
+from stillarm.simulation.demo.set_up import STRUCK_M, write_demo_configuration
 
 _LONG_S = 24 * 3600.0  # of the scenario; what is struck after the first blow is on request
 _FIRST_STRIKE_S = 3.0

@@ -1,7 +1,6 @@
 """The demo's own configuration: free ports, names of its own, its scenario; written to the output folder."""
 
 import secrets
-import socket
 import tomllib
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from stillarm.common.files.configuration import (
 from stillarm.common.files.model import load_model
 from stillarm.common.files.scenario import Scenario, Strike, Window
 from stillarm.common.files.typed_toml import convert_tree
+from stillarm.common.link.free_ports import free_ports
 from stillarm.common.user_error import UserError
 from stillarm.drivers.emulation.emulated_accelerometer import emulated_driver
 from stillarm.simulation.demo.hidden_effect import draw_effect, revealing_moves
@@ -155,15 +155,3 @@ def _emulated_drive(
         DriveDevice,
         "--drive",
     )
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports that nobody listens on now; all are held until all are known, so that they differ."""
-    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
-    try:
-        for held in sockets:
-            held.bind(("127.0.0.1", 0))
-        return [int(held.getsockname()[1]) for held in sockets]
-    finally:
-        for held in sockets:
-            held.close()

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from stillarm.common.link.free_ports import free_ports
 from stillarm.common.process.child_process import stop_process
 from stillarm.common.recording.reader import open_recording
 from stillarm.controller.replay.replay import compare_with_live, read_run
 from stillarm.simulation.demo.attended import attended_demo
-from stillarm.simulation.demo.set_up import free_ports
 from tests.fixtures.recordings import some_fast, written
 from tests.fixtures.shown_page import (
     AXE,

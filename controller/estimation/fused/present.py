@@ -53,19 +53,23 @@ class Present:
 
     def expected(self, turn: list[complex]) -> float:
         """What the accelerometer should show, as deflection of the first mode, m, where exp(i w t) is `turn`."""
-        total = self.bias
+        total, gain = self.bias, self.gain
         for i, z in enumerate(self.z):
-            total += (z * self.gain[i] * turn[i]).real
+            total += (z * gain[i] * turn[i]).real
         return total
 
     def uncertain(self, std_m: float) -> bool:
         """Whether what the accelerometer should show is less well known than std_m."""
-        return sum([self.p[i][i] for i in range(2 * len(self.z))]) > std_m * std_m
+        total, p = 0.0, self.p
+        for i in range(2 * len(self.z)):
+            total += p[i][i]
+        return total > std_m * std_m
 
     def advance(self, increment: list[complex]) -> None:
         """One cycle on, in which the joint adds `increment` to the phasors."""
+        z, turn_cycle = self.z, self.turn_cycle
         for i, more in enumerate(increment):
-            self.z[i] = self.z[i] * self.turn_cycle[i] + more
+            z[i] = z[i] * turn_cycle[i] + more
 
     def take_block(
         self, block: Block, variance: float, shown: tuple[float, float] | None, *, at_end: bool
@@ -155,13 +159,13 @@ class Present:
             one = z * turn[i]
             q += one.real
             v += (one * (self.slow[i] + 1j * self._w[i])).real
-        if len(self.p) == 2:
+        p = self.p
+        if len(p) == 2:
             c, s = turn[0].real, turn[0].imag
-            p = self.p
             variance = c * c * p[0][0] + 2.0 * c * s * p[0][1] + s * s * p[1][1]
         else:
             row = [part for one in turn for part in (one.real, one.imag)]
-            if len(self.p) > len(row):
+            if len(p) > len(row):
                 row.append(1.0)
-            variance = quadratic_form(row, self.p)
-        return q, v, sqrt(max(variance, 0.0))
+            variance = quadratic_form(row, p)
+        return q, v, 0.0 if variance < 0.0 else sqrt(variance)

@@ -62,9 +62,9 @@ class SampleIntake:
         if not self._measure_impact(observation.cycle, scatter):
             value = expected + health.bounded(scatter, self._allowance * abs(present.z[0]))
             scatter = health.scatter(scatter)
-        forced = 0.0
+        forced, sums, start_sums, gains = 0.0, self._joint_input.sum, history.start_sum, self._nominal_gain
         for i, one in enumerate(turn):
-            forced += ((self._joint_input.sum[i] - history.start_sum[i]) * one * self._nominal_gain[i]).real
+            forced += ((sums[i] - start_sums[i]) * one * gains[i]).real
         history.sums.add(value, turn, observation.time_s - sensor.delay_s, forced, scatter)
 
     @property

@@ -3,7 +3,7 @@
 Implements Eqs. 60, 61 of docs/fused.md.
 """
 
-from math import hypot, isfinite, sqrt
+from math import hypot, inf, isfinite, sqrt
 
 from stillarm.common.files.configuration import Fused
 from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, FrameDelay, Status, Trust
@@ -13,6 +13,9 @@ from stillarm.controller.estimation.fused.present import Present
 
 _DOUBTFUL = "images lie further from what is predicted than the stated deviation allows"
 _SCALE_DRIFTS = "images and accelerometer drift apart: the scene's depth, or the accelerometer's gain"
+# Looked up once: to read an enumeration's member costs as much as a call.
+_UNESTIMATED, _ESTIMATED, _HELD = Status.UNESTIMATED, Status.ESTIMATED, Status.HELD
+_STARTING, _SETTLED, _DOUBTFUL_TRUST = Trust.STARTING, Trust.SETTLED, Trust.DOUBTFUL
 OUT_OF_RANGE = "numbers out of range: started again"
 
 
@@ -30,28 +33,32 @@ class StatedEstimate:
 
     def say(self, turn: list[complex], time_s: float) -> Estimate | None:
         """The estimate at time_s, where exp(i w t) is `turn`; None where its numbers are out of range."""
-        deflection, rate, std = self._present.deflection(turn)
-        fusion = self._fusion
+        present, fusion = self._present, self._fusion
+        deflection, rate, std = present.deflection(turn)
         state, consistency = fusion.state, fusion.consistency
-        std = hypot(std, rate * state.sampled_s) * consistency.factor
+        factor = consistency.factor
+        std = hypot(std, rate * state.sampled_s) * factor
         if not isfinite(deflection + rate + std):
             return None
-        amplitude = sqrt(sum(abs(one) ** 2 for one in self._present.z))
-        delay_std_s = state.delay_std_s * consistency.factor
+        square = 0.0
+        for one in present.z:
+            square += abs(one) ** 2
+        amplitude = sqrt(square)
+        delay_std_s = state.delay_std_s * factor
         suspected = abs(state.date_watch.suspected_rad)
         if suspected:  # by so much all of it may be off
             std = hypot(std, suspected * amplitude)
             delay_std_s = hypot(delay_std_s, suspected / self._w_first)
         status = self._status(delay_std_s, amplitude, std, time_s)
         delay = DelayEstimate(state.delay_s, delay_std_s, status)
-        last_frame_s = self._frame.last_frame_s
-        of_deflection = Status.UNESTIMATED if last_frame_s == float("-inf") else Status.ESTIMATED
-        trust = Trust.SETTLED if self._known else Trust.STARTING
+        frame = self._frame
+        of_deflection = _UNESTIMATED if frame.last_frame_s == -inf else _ESTIMATED
+        trust = _SETTLED if self._known else _STARTING
         if consistency.doubtful or suspected or fusion.recovery.dates_doubted:
-            trust, self.reason = Trust.DOUBTFUL, self.reason or _DOUBTFUL
+            trust, self.reason = _DOUBTFUL_TRUST, self.reason or _DOUBTFUL
         return Estimate(
             delay, deflection, rate, std, of_deflection, self.reason, state.blind,
-            self._dated(status) if self._frame.dated else (), self._present.force, trust,
+            self._dated(status) if frame.dated else (), present.force, trust,
         )  # fmt: skip
 
     def out_of_range(self) -> Estimate:
@@ -67,10 +74,11 @@ class StatedEstimate:
         health = state.health
         self.reason = health.reason or (_SCALE_DRIFTS if state.scale_watch.drifts else "")
         known = delay_std_s <= settings.known_within_s
-        self._known = self._known or known
-        if not self._known:
+        if known:
+            self._known = True
+        elif not self._known:
             self.reason = "too little vibration seen yet"
-            return Status.UNESTIMATED
+            return _UNESTIMATED
         if not known:
             self.reason = health.reason or "the delay can no longer be seen"
         elif amplitude_m < max(settings.min_amplitude_m, self._assumed.delay_shown_stds * std_m):
@@ -78,8 +86,8 @@ class StatedEstimate:
         elif time_s - self._frame.last_frame_s > self._assumed.no_images_s:
             self.reason = "no images"
         else:
-            return Status.ESTIMATED
-        return Status.HELD
+            return _ESTIMATED
+        return _HELD
 
     def _dated(self, status: Status) -> tuple[FrameDelay, ...]:
         """The frames whose delay was told in this cycle."""

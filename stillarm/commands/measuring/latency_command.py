@@ -1,7 +1,8 @@
-"""`stillarm latency`: wake-up latency and computing time of the loop on this machine, compared with a floor."""
+"""`stillarm latency`: wake-up latency, computing time and sections of the loop on this machine, beside their floor."""
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     for missing in result["missing"]:
         print(f"not real-time: {missing}")
     print_latency(result)
+    print_sections(result["sections"])
     if arguments.json is not None:
         try:
             arguments.json.write_text(json.dumps(result, indent=2) + "\n")
@@ -48,6 +50,24 @@ def print_latency(result: dict[str, Any]) -> None:
             row = result[key]
             print(_line(name, row["wakeup_latency_us"]) + f"{row['deadline_misses']:>8}{row['cycles']:>9}")
     print(_line("loop computes", result["compute_us"]))
+
+
+def print_sections(sections: dict[str, Any]) -> None:
+    """Print a line for each section of a cycle: duration, floor, calls and allocations."""
+    print(
+        f"\n{'a cycle, us':<16}{'p50':>8}{'p99':>8}{'floor p50':>11}{'floor p99':>11}{'calls':>8}{'allocations':>13}"
+    )
+    for name, row in sections.items():
+        floor = row["floor_us"] or ("-", "-")
+        kept = "-" if row["allocations"] is None else row["allocations"]
+        print(f"{name:<16}" + _numbers((*row["us"], *floor, row["calls"], kept), (8, 8, 11, 11, 8, 13)))
+
+
+def _numbers(values: Sequence[float | str], widths: Sequence[int]) -> str:
+    return "".join(
+        f"{value:>{width}}" if isinstance(value, str) else f"{value:>{width}.0f}"
+        for value, width in zip(values, widths, strict=True)
+    )
 
 
 def _line(name: str, values: dict[str, float]) -> str:

@@ -21,7 +21,9 @@ from tests.fixtures.synthetic import MODEL, fitted, measured
 
 WORLD = World(measured(6.0, 1), MODEL)
 ALL = forms(WORLD)
-COURSES = [one for one in ALL if one.added is not None and one.id not in ("lens_distortion", "camera_tilt_coupling")]
+COURSES = [
+    one for one in ALL if one.added is not None and one.id not in ("lens_distortion", "camera_tilt_coupling")
+]
 
 
 def titled(one: Form) -> str:

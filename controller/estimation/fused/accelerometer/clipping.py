@@ -48,33 +48,33 @@ class _Side:
 
 
 class Clipping:
-    """Both sides of a signal. low, high: where it is cut off, in its own unit; infinite where it is not."""
+    """Both sides of a signal. low, high: where it is cut off, in its own unit: the range's ends where nothing is found.
+
+    found: whether a limit within the configured range has been found.
+    """
 
     def __init__(self, limit: float, assumed: Assumptions = ASSUMPTIONS) -> None:
         """limit: end of the range as it is configured."""
-        self._assumed = assumed.samples
         self._limit = limit
         self._upper, self._lower = _Side(assumed), _Side(assumed)
+        self._levels = (self._upper.level, self._lower.level)
+        self._place()
 
-    @property
-    def high(self) -> float:
-        """The upper limit."""
-        return min(self._limit, self._upper.level)
-
-    @property
-    def low(self) -> float:
-        """The lower limit."""
-        return max(-self._limit, -self._lower.level)
-
-    @property
-    def found(self) -> bool:
-        """Whether a limit within the configured range has been found."""
-        return self._upper.level < self._limit or self._lower.level < self._limit
+    def _place(self) -> None:
+        """What follows from both sides' levels."""
+        upper, lower = self._levels
+        self.high = min(self._limit, upper)
+        self.low = max(-self._limit, -lower)
+        self.found = upper < self._limit or lower < self._limit
 
     def see(self, value: float) -> None:
         """Process a sample that is not simply the last one held over."""
-        self._upper.see(value)
-        self._lower.see(-value)
+        upper, lower = self._upper, self._lower
+        upper.see(value)
+        lower.see(-value)
+        if self._levels != (upper.level, lower.level):  # seldom
+            self._levels = (upper.level, lower.level)
+            self._place()
 
     def near(self, expected: float, margin: float) -> bool:
         """Whether a sample expected there is likely to be cut off: using those that are not would be a bias."""

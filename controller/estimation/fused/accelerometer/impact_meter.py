@@ -78,17 +78,18 @@ class ImpactMeter:
         return impact
 
     def _watch(self, cycle: int, share: float) -> None:
-        bounded = min(max(share, -self._assumed.most_of_one_stds), self._assumed.most_of_one_stds)
-        self._up += bounded - self._assumed.drift_stds
-        self._down -= bounded + self._assumed.drift_stds
-        if self._up <= 0.0:
-            self._up, self._up_since = 0.0, cycle + 1
-        if self._down <= 0.0:
-            self._down, self._down_since = 0.0, cycle + 1
-        if self._up > self._assumed.alarm_stds or self._down > self._assumed.alarm_stds:
-            self._sign, self.since = (
-                (1.0, self._up_since) if self._up > self._assumed.alarm_stds else (-1.0, self._down_since)
-            )
+        assumed = self._assumed
+        most = assumed.most_of_one_stds
+        bounded = most if share > most else -most if share < -most else share
+        up, down = self._up + (bounded - assumed.drift_stds), self._down - (bounded + assumed.drift_stds)
+        if up <= 0.0:
+            up, self._up_since = 0.0, cycle + 1
+        if down <= 0.0:
+            down, self._down_since = 0.0, cycle + 1
+        self._up, self._down = up, down
+        if up > assumed.alarm_stds or down > assumed.alarm_stds:
+            rising = up > assumed.alarm_stds
+            self._sign, self.since = (1.0, self._up_since) if rising else (-1.0, self._down_since)
             self._last_over, self.open = cycle, True
 
     def _step(self, std_m: float) -> ForceStep | None:

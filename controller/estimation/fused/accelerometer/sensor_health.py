@@ -62,28 +62,32 @@ class AccelerometerHealth:
         self._same = 0
         self._last = acceleration_m_s2
         clipping.see(acceleration_m_s2)
-        margin = self._assumed.likely_cut * sqrt(self.variance) / self._m_per_m_s2
         inside = clipping.low < acceleration_m_s2 < clipping.high
-        if inside and (not clipping.found or not clipping.near(expected_m_s2, margin)):
-            self._cut = max(0, self._cut - 1)
+        if inside and not (clipping.found and clipping.near(expected_m_s2, self._likely_cut_m_s2())):
+            if self._cut:
+                self._cut -= 1
             return True
         self._cut = min(self._assumed.stuck_cycles, self._cut + 2)
         return False
 
+    def _likely_cut_m_s2(self) -> float:
+        """How near to a limit a sample is likely to be cut off, m/s^2."""
+        return self._assumed.likely_cut * sqrt(self.variance) / self._m_per_m_s2
+
     def bounded(self, residual_m: float, allowed_m: float) -> float:
         """A residual bounded as Huber has it, allowing for allowed_m of vibration; learns the variance from it."""
-        limit = self._assumed.huber * sqrt(self.variance)
-        short = min(max(residual_m, -limit), limit)
-        self.variance += (short * short - self.variance) / self._assumed.noise_cycles
-        kept = min(max(residual_m, -limit - allowed_m), limit + allowed_m)
-        self.variance = max(self.variance, self._least)
-        self._spikes += (float(kept != residual_m) - self._spikes) / self._assumed.spikes_cycles
+        assumed, variance = self._assumed, self.variance
+        limit = assumed.huber * sqrt(variance)
+        short = _within(residual_m, limit)
+        variance += (short * short - variance) / assumed.noise_cycles
+        self.variance = self._least if self._least > variance else variance
+        kept = _within(residual_m, limit + allowed_m)
+        self._spikes += ((0.0 if kept == residual_m else 1.0) - self._spikes) / assumed.spikes_cycles
         return kept
 
     def scatter(self, residual_m: float) -> float:
         """A residual as it counts in its block's scatter: wider than `bounded`, so that sudden noise shows at once."""
-        limit = self._assumed.scatter * sqrt(self.variance)
-        return min(max(residual_m, -limit), limit)
+        return _within(residual_m, self._assumed.scatter * sqrt(self.variance))
 
     def compare(self, value_m: float, expected_m: float, variance: float) -> float:
         """A block's mean, without bias, against what images say of its time; variance: of the difference, m^2.
@@ -135,18 +139,28 @@ class AccelerometerHealth:
         return not contradicts and self._alarms < self._images.most_alarms
 
     @property
-    def reason(self) -> str:
+    def reason(self) -> str:  # noqa: PLR0911 - one for each fault, in order
         """What is wrong with the sensor, the gravest first; empty for nothing."""
-        for there, name in (
-            (self._missing > self._assumed.stuck_cycles, "accelerometer silent"),
-            (self._same > self._assumed.stuck_cycles, "accelerometer stuck"),
-            (self.mute, "accelerometer does not show the vibration"),
-            (self._cut >= self._assumed.stuck_cycles // 2, "accelerometer clipped"),
-            (self._against.strain > self._images.strained, "accelerometer contradicts the images"),
-            (self._drifting > 0.5, "accelerometer's bias drifts"),
-            (self._spikes > self._assumed.spiking, "accelerometer spiking"),
-            (self.variance > self._assumed.noisy * self._stated, "accelerometer noisy"),
-        ):
-            if there:
-                return name
+        assumed = self._assumed
+        if self._missing > assumed.stuck_cycles:
+            return "accelerometer silent"
+        if self._same > assumed.stuck_cycles:
+            return "accelerometer stuck"
+        if self.mute:
+            return "accelerometer does not show the vibration"
+        if self._cut >= assumed.stuck_cycles // 2:
+            return "accelerometer clipped"
+        if self._against.strain > self._images.strained:
+            return "accelerometer contradicts the images"
+        if self._drifting > 0.5:
+            return "accelerometer's bias drifts"
+        if self._spikes > assumed.spiking:
+            return "accelerometer spiking"
+        if self.variance > assumed.noisy * self._stated:
+            return "accelerometer noisy"
         return ""
+
+
+def _within(value: float, limit: float) -> float:
+    """The number nearest to `value` that is at most `limit` from zero."""
+    return limit if value > limit else -limit if value < -limit else value

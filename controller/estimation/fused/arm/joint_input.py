@@ -55,17 +55,13 @@ class JointInput:
             self._recent.extend([position_rad] * (2 * self._reach))
         skipped = 0 if self._cycle is None else min(cycle - self._cycle - 1, self._cycles)
         self._cycle = cycle
-        recent, position, rates = self._recent, self._position, self._rate
+        recent = self._recent
         for back in range(skipped, -1, -1):
             here = cycle - back
             recent.append(position_rad)
             if not skipped:
                 self._learn_noise()
-            rate = (position_rad - recent[0]) * self._per_s
-            position[here % self._cycles] = position_rad
-            rates[here % self._cycles] = rate  # for want of what comes after it
-            rates[(here - self._reach) % self._cycles] = rate
-            self._see_rest(here, position_rad)
+            self._place(here, position_rad)
         for i, one in enumerate(turn):
             step = self._gain[i] * mean_acceleration_rad_s2 * one.conjugate() * self._half_back[i]
             for back in range(skipped, 0, -1):  # cycles that never came: the same load at their own phase
@@ -75,18 +71,20 @@ class JointInput:
             self.increment[i] = step
             self._held[cycle % self._cycles, i] = self.sum[i]
 
-    def _see_rest(self, cycle: int, position_rad: float) -> None:
+    def _place(self, cycle: int, position_rad: float) -> None:
         """A joint at rest stands where it is held; what it did while that was being noticed is written anew."""
-        joint = self._joint
+        joint, cycles = self._joint, self._cycles
         changed = joint.see(position_rad, self._noise)
+        position, rate = position_rad, (position_rad - self._recent[0]) * self._per_s
         if not joint.resting:
             self._moved_cycle = cycle
+        elif not changed:
+            position, rate = joint.held_rad, 0.0
+        self._position[cycle % cycles] = position
+        self._rate[cycle % cycles] = rate  # for want of what comes after it
+        self._rate[(cycle - self._reach) % cycles] = rate
         if changed:
             self._rewrite(cycle)
-        elif joint.resting:
-            self._position[cycle % self._cycles] = joint.held_rad
-            for back in (0, self._reach):
-                self._rate[(cycle - back) % self._cycles] = 0.0
 
     def _rewrite(self, cycle: int) -> None:
         joint, recent = self._joint, list(self._joint.recent)
@@ -101,12 +99,13 @@ class JointInput:
 
     def _learn_noise(self) -> None:
         """The encoder's noise, from third differences: a drive's own motion has next to none over a few cycles."""
-        if len(self._recent) < 4:
+        recent, assumed = self._recent, self._assumed
+        if len(recent) < 4:
             return
-        a, b, c, d = self._recent[-4], self._recent[-3], self._recent[-2], self._recent[-1]
-        third = d - a + 3.0 * (b - c)
-        self._noise_count = min(self._noise_count + 1.0, self._assumed.noise_cycles)
-        self._noise += (third * third / self._assumed.third_difference - self._noise) / self._noise_count
+        third = recent[-1] - recent[-4] + 3.0 * (recent[-3] - recent[-2])
+        if self._noise_count < assumed.noise_cycles:
+            self._noise_count = min(self._noise_count + 1.0, assumed.noise_cycles)
+        self._noise += (third * third / assumed.third_difference - self._noise) / self._noise_count
 
     @property
     def position_variance(self) -> float:

@@ -33,29 +33,30 @@ class RestingJoint:
 
     def see(self, position_rad: float, noise_variance: float) -> bool:
         """Process a cycle's position, with the variance of the encoder's noise, rad^2; whether rest began or ended."""
-        recent = self.recent
-        if len(recent) == self._assumed.rest_cycles:
+        recent, assumed = self.recent, self._assumed
+        count, long, short = len(recent), assumed.rest_cycles, assumed.short_cycles
+        if count == long:
             self._long_sum -= recent[0]
-        if len(recent) >= self._assumed.short_cycles:
-            self._short_sum -= recent[-self._assumed.short_cycles]
+        if count >= short:
+            self._short_sum -= recent[-short]
         recent.append(position_rad)
         self._short_sum += position_rad
         self._long_sum += position_rad
-        if len(recent) < self._assumed.rest_cycles:
+        if count + 1 < long:
             return False
-        place = self.held_rad if self.resting else self._long_sum / self._assumed.rest_cycles
-        departure = self._short_sum / self._assumed.short_cycles - place
+        place = self.held_rad if self.resting else self._long_sum / long
+        departure = self._short_sum / short - place
         if (
             abs(departure)
-            > self._assumed.moved_stds * sqrt(noise_variance * self._of_departure) + self._assumed.least_rad
+            > assumed.moved_stds * sqrt(noise_variance * self._of_departure) + assumed.least_rad
         ):
             was, self.resting, self._calm = self.resting, False, 0
             return was
-        self._calm = min(self._calm + 1, self._assumed.rest_cycles)
         if self.resting:
-            self.held_rad += self._assumed.slow_share * departure
+            self.held_rad += assumed.slow_share * departure
             return False
-        self.resting = self._calm >= self._assumed.rest_cycles
+        self._calm += 1
+        self.resting = self._calm >= long
         if self.resting:
-            self.held_rad = self._long_sum / self._assumed.rest_cycles
+            self.held_rad = self._long_sum / long
         return self.resting
