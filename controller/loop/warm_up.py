@@ -5,6 +5,7 @@ caches) are then ready before the first real cycle. This takes 60 ms once, befor
 plausible for the model, with late images and an impact half-way, so that fit, impact and damping all run.
 """
 
+from collections.abc import Iterator
 from math import cos, pi
 
 import msgspec
@@ -28,6 +29,12 @@ def warm_up(model: Model, settings: ControllerSettings, model_name: str) -> None
     That controller is always armed: it moves nothing, and must run the same code as an armed one.
     """
     controller = Controller(model, msgspec.structs.replace(settings, arm_at_start=True), model_name)
+    for read in vibration_cycles(model, _CYCLES):
+        controller.step(read)
+
+
+def vibration_cycles(model: Model, cycles: int) -> Iterator[CycleInput]:
+    """What a controller reads of that vibration, from its first cycle on. The joint stands still."""
     mode, cycle_s = model.arm.modes[0], model.timing.cycle_s
     w, late = mode.angular_frequency, round(model.timing.capture_delay_s / cycle_s)
 
@@ -35,7 +42,7 @@ def warm_up(model: Model, settings: ControllerSettings, model_name: str) -> None
         grown = 2.0 if cycle >= _STRUCK_AT else 1.0
         return grown * _AMPLITUDE_M * cos(w * cycle * cycle_s + 0.5 * pi * (cycle >= _STRUCK_AT))
 
-    for cycle in range(_CYCLES):
+    for cycle in range(cycles):
         samples = []
         if cycle % _CYCLES_A_FRAME == 0 and cycle >= late:
             samples.append(
@@ -49,4 +56,4 @@ def warm_up(model: Model, settings: ControllerSettings, model_name: str) -> None
                 )
             )
         acceleration = -model.accelerometer.scale * w * w * deflection_m(cycle)
-        controller.step(CycleInput(cycle, acceleration, 0.0, 0.0, 0.0, 0.0, True, samples))
+        yield CycleInput(cycle, acceleration, 0.0, 0.0, 0.0, 0.0, True, samples)
