@@ -23,6 +23,13 @@ class PlausibleSteps:
     def accepts(self, value: float, time_s: float) -> bool:
         """Whether to use a finite value. time_s must not be before that of the last call."""
         last, self.moved = self._last, False
+        if (
+            not self._agreeing
+            and last is not None
+            and abs(value - last[0]) <= self._slack + self._per_s * (time_s - last[1])
+        ):  # nearly always
+            self._last = value, time_s
+            return True
         agrees = self._agreeing > 0 and self._near(self._refused, value, time_s)
         if last is None or self._near(last, value, time_s):
             nearer = agrees and last is not None and abs(value - self._refused[0]) < abs(value - last[0])

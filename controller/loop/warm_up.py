@@ -6,6 +6,7 @@ plausible for the model, with late images and an impact half-way, so that fit, i
 """
 
 import contextlib
+from collections.abc import Iterator
 from math import cos, pi
 
 import msgspec
@@ -39,6 +40,12 @@ def warm_up(model: Model, settings: ControllerSettings, model_name: str) -> None
 
 def _warm(model: Model, settings: ControllerSettings, model_name: str) -> None:
     controller = Controller(model, msgspec.structs.replace(settings, arm_at_start=True), model_name)
+    for read in vibration_cycles(model, _CYCLES):
+        controller.step(read)
+
+
+def vibration_cycles(model: Model, cycles: int) -> Iterator[CycleInput]:
+    """What a controller reads of that vibration, from its first cycle on. The joint stands still."""
     mode, cycle_s = model.arm.modes[0], model.timing.cycle_s
     w, late = mode.angular_frequency, round(model.timing.capture_delay_s / cycle_s)
 
@@ -46,7 +53,7 @@ def _warm(model: Model, settings: ControllerSettings, model_name: str) -> None:
         grown = 2.0 if cycle >= _STRUCK_AT else 1.0
         return grown * _AMPLITUDE_M * cos(w * cycle * cycle_s + 0.5 * pi * (cycle >= _STRUCK_AT))
 
-    for cycle in range(_CYCLES):
+    for cycle in range(cycles):
         samples = []
         if cycle % _CYCLES_A_FRAME == 0 and cycle >= late:
             samples.append(
@@ -60,4 +67,4 @@ def _warm(model: Model, settings: ControllerSettings, model_name: str) -> None:
                 )
             )
         acceleration = -model.accelerometer.scale * w * w * deflection_m(cycle)
-        controller.step(CycleInput(cycle, acceleration, 0.0, 0.0, 0.0, 0.0, True, samples))
+        yield CycleInput(cycle, acceleration, 0.0, 0.0, 0.0, 0.0, True, samples)

@@ -4,7 +4,12 @@ from collections.abc import Iterator
 from math import nan
 from pathlib import Path
 
-from stillarm.common.files.configuration import Configuration, load_assumed_model, load_configuration
+from stillarm.common.files.configuration import (
+    Configuration,
+    load_assumed_model,
+    load_configuration,
+    model_path,
+)
 from stillarm.common.files.model import Model
 from stillarm.common.user_error import UserError
 from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerometer
@@ -24,6 +29,7 @@ from stillarm.preflight.link import (
 )
 from stillarm.preflight.machine import judge_machine, look_at_machine
 from stillarm.preflight.sensor import could_not_start, declared_bus_hz, judge_bus, judge_sensor, read_sensor
+from stillarm.preflight.step_time import check_step
 from stillarm.preflight.verdict import Verdict, fail, ok, warn
 
 SENSOR_S, CAMERA_S, LINK_S, DRIVE_S = 0.6, 1.5, 1.5, 0.3
@@ -37,6 +43,8 @@ def walk(path: Path) -> Iterator[Verdict]:
     link = configuration.link
     controls, sees = is_here(link.controller_host), is_here(link.supervisor_host)
     busy = controls and not port_is_free(link.controller_host, link.controller_port)
+    if controls and not busy:
+        yield check_step(model, configuration.controller, str(model_path(configuration, path)))
     if busy:  # setting up the sensor would disturb the controller
         yield warn("sensor", "not checked while a controller runs (see link)")
     elif controls:

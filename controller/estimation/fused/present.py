@@ -99,6 +99,9 @@ class Present:
         self, rows: list[float], residual: float, noise: float, shown: tuple[float, float] | None
     ) -> None:
         p = self.p
+        if len(p) == 2:
+            self._update_one_mode(rows, residual, noise, shown)
+            return
         ph = [sum([a * b for a, b in zip(line, rows, strict=True)]) for line in p]
         total = noise + sum([a * b for a, b in zip(ph, rows, strict=True)])
         if shown is not None:
@@ -113,6 +116,22 @@ class Present:
             self.z[i] += complex(ph[2 * i] * weight, -ph[2 * i + 1] * weight)
         if len(ph) > 2 * len(self.z):
             self.force += ph[-1] * weight
+
+    def _update_one_mode(
+        self, rows: list[float], residual: float, noise: float, shown: tuple[float, float] | None
+    ) -> None:
+        """The same of one mode without a force, written out: it runs for each block and each frame."""
+        (cc, cs), (sc, ss) = self.p
+        c, s = rows
+        at_c, at_s = cc * c + cs * s, sc * c + ss * s
+        total = noise + (at_c * c + at_s * s)
+        if shown is not None:
+            at_c += shown[0]
+            at_s += shown[1]
+        weight, share_c, share_s = residual / total, at_c / total, at_s / total
+        self.p[0][:] = cc - share_c * at_c, cs - share_c * at_s
+        self.p[1][:] = sc - share_s * at_c, ss - share_s * at_s
+        self.z[0] += complex(at_c * weight, -at_s * weight)
 
     def move_on(self, block: Block) -> None:
         """From a block's start to its end."""

@@ -135,8 +135,15 @@ class JointInput:
                 self._held[cycle % self._cycles, i] += more
 
     def position_at(self, time_s: float) -> float:
-        """theta at an instant of the last second, rad."""
-        return float(self.seen_from(time_s, np.array((time_s,)))[0][0])
+        """theta at an instant of the last second, rad: as seen_from, of which it is a tenth of the cost."""
+        newest = 0 if self._cycle is None else self._cycle
+        place, oldest, latest = time_s / self._cycle_s, max(newest - self._cycles + 2.0, 0.0), newest - 1e-9
+        if not place > oldest:  # NaN, too
+            place = oldest
+        place = min(place, latest)
+        low = int(place)
+        before = float(self._position[low % self._cycles])
+        return before + (place - low) * (float(self._position[(low + 1) % self._cycles]) - before)
 
     def seen_from(self, edge_s: float, times_s: Array) -> tuple[Array, Array, ComplexArray]:
         """At k instants of the last second: theta, rad, theta', rad/s, and what G has grown by since edge_s.

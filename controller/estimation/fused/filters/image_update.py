@@ -37,6 +37,7 @@ class Seen:
     ph: Array  # covariance times the slope of the image's value by the state, (filters, n)
     nis: Array  # normalised innovation squared
     phasor: Array  # variance of the first mode's phasor, m^2, the mean of its parts'
+    known_rate2: Array  # square of the image's rate, at this instant and on average, m^2/s^2
 
 
 def turned_to(bank: FilterBank, times_s: Array) -> ComplexArray:
@@ -89,24 +90,25 @@ def look_at_image(
     slope[:, at.force] = scale
     phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
     rate_variance = w2 * phasor + joint_rate_variance
-    untold = p[:, at.shift, at.shift] > bank.assumed.update.shift_untold * bank.first[:, at.shift]
-    unseen = untold & (rate_variance > bank.assumed.update.insignificant * _known_rate2(bank, rate))
+    shift, rate2 = p[:, at.shift, at.shift], rate * rate
+    known_rate2 = _known_rate2(bank, rate2)
+    untold = shift > bank.assumed.update.shift_untold * bank.first[:, at.shift]
+    unseen = untold & (rate_variance > bank.assumed.update.insignificant * known_rate2)
     if unseen.any():
         slope[unseen, at.shift] = 0.0
     residual = value_m - scale * tip - bank.x[:, at.offset]
     # second order: products of two uncertain quantities, and a large shift bends the sinusoid
-    unknown = bank.jitter + p[:, at.shift, at.shift]
-    rate2 = rate * rate
+    unknown = bank.jitter + shift
     products = (
         p[:, at.scale, at.scale] * (phasor + rate2 * unknown)
         + (bank.assumed.update.model_floor * deflection) ** 2
     )
     bend = 0.5 * (w2 * deflection * unknown) ** 2
-    extra = noise + rate2 * (bank.jitter + unseen * p[:, at.shift, at.shift])
+    extra = noise + rate2 * (bank.jitter + unseen * shift)
     extra += rate_variance * unknown + bend + products
     ph = np.matvec(p, slope)
     variance = np.vecdot(ph, slope) + extra
-    return Seen(residual, variance, rate, ph, residual * residual / variance, phasor)
+    return Seen(residual, variance, rate, ph, residual * residual / variance, phasor, known_rate2)
 
 
 def take_image(
@@ -146,14 +148,14 @@ def _vague(bank: FilterBank, seen: Seen) -> NDArray[np.bool_]:
     seem to tell them apart; the dating then is a consider parameter (Schmidt, 1966): its doubt counts, but it
     stays.
     """
-    result: NDArray[np.bool_] = seen.phasor > (bank.assumed.update.vague / bank.at.w_first**2) * _known_rate2(
-        bank, seen.rate
+    result: NDArray[np.bool_] = (
+        seen.phasor > (bank.assumed.update.vague / bank.at.w_first**2) * seen.known_rate2
     )
     return result
 
 
-def _known_rate2(bank: FilterBank, rate: Array) -> Array:
-    """Square of the image's rate as each filter has it, at this instant and on average, m^2/s^2, (filters,)."""
+def _known_rate2(bank: FilterBank, rate2: Array) -> Array:
+    """Square of the image's rate as each filter has it, at this instant (rate2) and on average, m^2/s^2, (filters,)."""
     a, b = bank.x[:, 0], bank.x[:, 1]
-    result: Array = (0.5 * bank.at.w_first**2) * (a * a + b * b) + rate * rate
+    result: Array = (0.5 * bank.at.w_first**2) * (a * a + b * b) + rate2
     return result

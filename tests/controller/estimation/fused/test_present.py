@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from stillarm.benchmarks.estimators.trial import assumed_model
 from stillarm.benchmarks.estimators.world.regimes import REGIMES
 from stillarm.common.files.configuration import Fused
-from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
+from stillarm.controller.estimation.fused.accelerometer.blocks import Block, Jump
 from stillarm.controller.estimation.fused.arm.layout import Layout
 from stillarm.controller.estimation.fused.filters import start
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
@@ -84,3 +84,31 @@ def test_the_accelerometer_moves_a_force_only_so_far_as_it_is_correlated_with_th
     present._update([1.0, 0.0, 0.0], 0.001, 1e-6, None)
     assert present.force == pytest.approx(-(present.z[0] - before).real, rel=0.02)
     assert present.force < -0.0005
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(
+    share=st.floats(-0.9, 0.9),
+    phase=st.floats(0.0, 6.3),
+    value_m=st.floats(-0.01, 0.01),
+    shown=st.none() | st.tuples(st.floats(-1e-7, 1e-7), st.floats(-1e-7, 1e-7)),
+)
+def test_a_block_says_of_one_mode_what_it_says_beside_a_force_that_is_known(
+    share: float, phase: float, value_m: float, shown: tuple[float, float] | None
+) -> None:
+    """Two states written out, and three of which the last has no variance: phasor and covariance are the same."""
+    w = 2.0 * pi * 2.6
+    turn = complex_exp(1j * phase)
+    block = Block(1.0, 1.016, 16, value_m, (turn,), 1.008, 0.0, 1e-7, (0j,))
+    presents = []
+    for states in (2, 3):
+        p = [[0.0] * states for _ in range(states)]
+        p[0][0], p[1][1], p[0][1], p[1][0] = 4e-6, 1e-6, share * 2e-6, share * 2e-6
+        present = Present([w], [0.16], w)
+        present.restart([0.004 + 0.003j], p, [-0.16 + 0.1j], 0.0, 0.0, 0.0, 0.001)
+        present.take_block(block, 1e-6, shown, at_end=False)
+        presents.append(present)
+    one, beside = presents
+    assert one.z[0] == pytest.approx(beside.z[0], abs=1e-15)
+    assert np.allclose(one.p, np.array(beside.p)[:2, :2], rtol=1e-12, atol=1e-20)
+    assert one.z[0] != 0.004 + 0.003j and beside.force == 0.0

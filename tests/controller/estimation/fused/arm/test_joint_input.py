@@ -86,3 +86,19 @@ def test_instants_that_are_no_numbers_return_what_is_held() -> None:
     theta, rate, grown = joint.seen_from(float("nan"), np.array((float("nan"), float("inf"), -1e300)))
     assert theta.tolist() == [0.25] * 3 and rate.tolist() == [0.0] * 3
     assert np.all(np.isfinite(grown))
+
+
+@pytest.mark.parametrize("cycles", (1, 2, 40, 1500))
+def test_one_instant_is_read_as_many_are(cycles: int) -> None:
+    """To the bit, before the first cycle and after the newest, too, and where the time is no number."""
+    joint = JointInput([16.0], [1.0], 0.001)
+    for cycle in range(cycles):
+        joint.advance(cycle, [1.0 + 0j], 0.0, 0.3 * sin(0.02 * cycle))
+    instants = [
+        *np.random.default_rng(1).uniform(-0.1, 0.001 * cycles + 0.1, 200),
+        float("nan"),
+        1e300,
+        -1e300,
+    ]
+    for time_s in instants:
+        assert joint.position_at(time_s) == joint.seen_from(0.0, np.array((time_s,)))[0][0]
