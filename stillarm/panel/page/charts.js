@@ -162,14 +162,15 @@ export class ChartStack {
     this.shown = null;
   }
 
-  // Draw a window of time, s; the values at `at` stand beside the titles.
-  draw(from, to, at) {
+  // Draw a window of time, s; the values at `at` stand beside the titles, and are written anew if `tell` says so: each
+  // new text makes the browser lay out the page.
+  draw(from, to, at, tell = true) {
     Object.assign(this, { from, to });
     for (const chart of this.charts) {
       const { data, value, lines } = this.data(chart, at);
       chart.range = nextRange(this.settled ? chart.range : null, lines, chart.about.least) ?? chart.range;
       const shown = `${number(value * chart.about.scale, chart.about.digits)} ${chart.about.unit}`;
-      if (chart.value.textContent !== shown) chart.value.textContent = shown;
+      if (tell && chart.value.textContent !== shown) chart.value.textContent = shown;
       chart.plot.setData(data, false);
       chart.plot.setScale("x", { min: from, max: to });
     }
