@@ -49,6 +49,7 @@ class Bench:
             "commission",
             *("commission", "--config", str(self._path), "-o", str(self._model_out)),
             *("--out", str(self._folder), "--yes", "--allow-non-realtime"),
+            moves=True,
         )
 
     async def stop(self) -> None:

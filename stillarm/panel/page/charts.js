@@ -58,6 +58,8 @@ export class ChartStack {
 
   build() {
     this.destroy();
+    // read once: to ask for a style in each frame makes the browser work out all of them anew
+    this.ink = Object.fromEntries(["ink", "quiet"].map((name) => [name, token(`--${name}`)]));
     this.charts = this.abouts.map((about, index) => this.chart(about, index));
     this.resize();
   }
@@ -147,30 +149,35 @@ export class ChartStack {
       if (chart.index === 0 && text) ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
       ctx.restore();
     };
-    this.changes.forEach(([time, state]) => line(time, token("--quiet"), state, [3, 4]));
-    this.markers.forEach((time, i) => line(time, token("--ink"), `${i + 1}`, []));
-    line(this.cursor, token("--ink"), "", []);
+    this.changes.forEach(([time, state]) => line(time, this.ink.quiet, state, [3, 4]));
+    this.markers.forEach((time, i) => line(time, this.ink.ink, `${i + 1}`, []));
+    line(this.cursor, this.ink.ink, "", []);
   }
 
   resize() {
-    for (const { plot, place } of this.charts) plot.setSize({ width: place.clientWidth, height: Math.max(60, place.clientHeight) });
+    for (const chart of this.charts) {
+      chart.width = chart.place.clientWidth; // kept: to ask in each frame makes the browser lay the page out
+      chart.plot.setSize({ width: chart.width, height: Math.max(60, chart.place.clientHeight) });
+    }
     this.shown = null;
   }
 
-  // Draw a window of time, s; the values at `at` stand beside the titles.
-  draw(from, to, at) {
+  // Draw a window of time, s; the values at `at` stand beside the titles, and are written anew if `tell` says so: each
+  // new text makes the browser lay out the page.
+  draw(from, to, at, tell = true) {
     Object.assign(this, { from, to });
     for (const chart of this.charts) {
       const { data, value, lines } = this.data(chart, at);
       chart.range = nextRange(this.settled ? chart.range : null, lines, chart.about.least) ?? chart.range;
-      chart.value.textContent = `${number(value * chart.about.scale, chart.about.digits)} ${chart.about.unit}`;
+      const shown = `${number(value * chart.about.scale, chart.about.digits)} ${chart.about.unit}`;
+      if (tell && chart.value.textContent !== shown) chart.value.textContent = shown;
       chart.plot.setData(data, false);
       chart.plot.setScale("x", { min: from, max: to });
     }
   }
 
   data(chart, at) {
-    const groups = Math.max(100, chart.place.clientWidth / 2);
+    const groups = Math.max(100, chart.width / 2);
     const tables = [];
     const lines = []; // the curves without their bands, which may be much wider
     const { scale, curves } = chart.about;

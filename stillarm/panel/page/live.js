@@ -10,6 +10,7 @@ const KEPT_S = 300;
 const ROWS = { fast: 310_000, estimate: 310_000, frames: 80_000 };
 const VIEW_KIND = 255;
 const OLD_MS = 300;
+const TOLD_EVERY = 6; // pictures: ten numbers a second are as many as can be read
 
 export class Live {
   constructor(socket) {
@@ -90,8 +91,9 @@ export class Live {
   // Once a frame of the screen.
   draw() {
     const end = this.end();
-    if (Number.isFinite(end)) this.stack.draw(end - this.window, end, end);
-    if (this.drawn++ % 6 === 0 && this.paused !== null) this.tellBack();
+    const tell = this.drawn++ % TOLD_EVERY === 0;
+    if (Number.isFinite(end)) this.stack.draw(end - this.window, end, end, tell);
+    if (tell && this.paused !== null) this.tellBack();
   }
 
   ageMs() {

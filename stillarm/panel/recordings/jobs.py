@@ -19,13 +19,13 @@ _ENDS_WITHIN_S = 10.0
 _NICENESS = 10
 
 
-def _beginning() -> Callable[[], None]:
-    """For the child: it ends with the panel, and gives way to everything else on this computer."""
+def _beginning(niceness: int) -> Callable[[], None]:
+    """For the child: it ends with the panel, and gives way by its niceness."""
     ask = ended_with_parent()
 
     def begin() -> None:
         ask()
-        os.nice(_NICENESS)
+        os.nice(niceness)
 
     return begin
 
@@ -108,8 +108,11 @@ class Jobs:
         """The newest job of that name."""
         return self._jobs.get(name)
 
-    async def start(self, name: str, *arguments: str, module: str = "stillarm") -> Job:
-        """Run `python -m MODULE ARGUMENTS`. Raises UserError where it runs already, or too many others do."""
+    async def start(self, name: str, *arguments: str, module: str = "stillarm", moves: bool = False) -> Job:
+        """Run `python -m MODULE ARGUMENTS`. moves: it moves the arm, and gives way to nothing on this computer.
+
+        Raises UserError where it runs already, or too many others do.
+        """
         running = [job.name for job in self._jobs.values() if job.running]
         if name in running:
             raise UserError(f"{name} is running already; wait for its end")
@@ -122,7 +125,7 @@ class Jobs:
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
             env=environment | {"STILLARM_PROGRESS": "lines"},
-            preexec_fn=_beginning(),
+            preexec_fn=_beginning(0 if moves else _NICENESS),
         )
         self._jobs[name] = Job(name, process)
         return self._jobs[name]

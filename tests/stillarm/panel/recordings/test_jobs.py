@@ -25,6 +25,17 @@ def test_a_job_tells_its_end_and_its_last_line() -> None:
     asyncio.run(run())
 
 
+def test_a_job_gives_way_unless_it_moves_the_arm() -> None:
+    async def niceness(moves: bool) -> int:
+        job = await Jobs().start("x", "-n1", "import time; time.sleep(9.0)", module="timeit", moves=moves)
+        try:
+            return os.getpriority(os.PRIO_PROCESS, job._process.pid) - os.getpriority(os.PRIO_PROCESS, 0)
+        finally:
+            await job.stop()
+
+    assert [asyncio.run(niceness(moves)) for moves in (True, False)] == [0, 10]
+
+
 def test_progress_lines_are_taken_and_others_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     async def run() -> None:
         job = await Jobs().start("x", "-h", module="timeit")
