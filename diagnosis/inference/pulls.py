@@ -133,9 +133,7 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     """Spans in which something pushed the arm, from and to, s: about an impact the sensors depart from the model, and
     before and after it they do not."""
     world, period = last.world, 1.0 / last.value("modes.0.frequency_hz")
-    felt, seen = loud_at(last, "acceleration"), loud_at(last, "displacement")
-    # a force is felt while it acts; an image that is wrong for another reason is loud before it and after it
-    loud = [one for one in ((felt,) if felt is not None else (seen,)) if one is not None]
+    loud = [one for one in (loud_at(last, "acceleration"), loud_at(last, "displacement")) if one is not None]
     spans = []
     struck_s = [cycle * world.measured.cycle_s for cycle in world.impacts]
     ends_s = [end for _, end in world.unjudged_s]  # a pull, or a longer push, may not be over there
