@@ -25,7 +25,7 @@ _WHERE = "machine"
 _AT_ONCE, _PACED = 690, 220  # cycles: until the method has settled; measured, from just before an impact on
 _TIMES = 2
 _PACE_S = 0.001
-REST = 1.2
+REST = 1.3
 """Of a step's median: what a cycle computes beside it. By `stillarm latency` (docs/realtime.md), the other sections'
 99th percentiles add up to so much. A transfer on a real bus comes on top: the check of the bus judges it."""
 
