@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from stillarm.common.process.blas_threads import one_blas_thread
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -13,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print one line for each check. Returns 1 if a check fails."""
+    one_blas_thread()  # as in the controller, whose step is measured
     from stillarm.preflight.verdict import Level
     from stillarm.preflight.walk import walk
 

@@ -11,7 +11,7 @@ from stillarm.controller.estimation.methods import METHODS
 from stillarm.preflight.step_time import REST, StepFacts, check_step, judge_step, measure_step
 from stillarm.preflight.verdict import Level
 
-FAST, SLOW = StepFacts("correlation", 20e-6, 100e-6), StepFacts("fused", 400e-6, 1500e-6)
+FAST, SLOW = StepFacts("correlation", 20e-6, 100e-6), StepFacts("fused", 300e-6, 1500e-6)
 MODEL = Model(arm=Arm(length_m=2.0))
 
 
@@ -29,15 +29,15 @@ class Slow:
 
 
 def test_the_rate_follows_from_the_busiest_cycle() -> None:
-    """1.5 ms and 1.2 * 0.4 ms: 505 Hz."""
-    assert SLOW.busiest_s == pytest.approx(1.5e-3 + REST * 0.4e-3)
+    """1.5 ms and 1.3 * 0.3 ms: 529 Hz."""
+    assert SLOW.busiest_s == pytest.approx(1.5e-3 + REST * 0.3e-3)
     assert SLOW.fastest_hz == 500.0
 
 
 def test_a_method_that_is_kept_is_told_with_the_others() -> None:
     verdict = judge_step([FAST, SLOW], 0.001)
     assert verdict.level is Level.OK
-    assert "1000 Hz is kept, and up to 8000 Hz (fused 500)" in verdict.text
+    assert "1000 Hz is kept, and up to 7000 Hz (fused 500)" in verdict.text
 
 
 def test_a_method_that_is_too_slow_names_both_remedies() -> None:
