@@ -72,7 +72,9 @@ export class ChartStack {
 
   chart(about, index) {
     const value = element("output", { textContent: "-" });
-    const keys = about.curves.map((curve) => this.key(curve.label, curve.second ? "--accent-2" : "--accent-1", curve.second));
+    // live, topics come later; of a recording, all are there from the start
+    const recorded = ({ topic }) => this.settled || this.topics[topic] !== undefined;
+    const keys = about.curves.map((curve) => this.key(recorded(curve) ? curve.label : `${curve.label}: not recorded`, curve.second ? "--accent-2" : "--accent-1", curve.second));
     const over = this.overlays.filter((overlay) => overlay.charts.includes(index));
     keys.push(...over.map((overlay) => this.key(overlay.label, overlay.colour, true)));
     const unit = element("span", { className: "unit", textContent: about.unit });

@@ -2,7 +2,7 @@
 // slow answer is followed by the image of the time that it then is.
 
 import { drawView } from "/page/camera.js";
-import { byId, number } from "/page/dom.js";
+import { byId, number, plain } from "/page/dom.js";
 
 export class RecordedImages {
   constructor() {
@@ -28,7 +28,7 @@ export class RecordedImages {
     this.show(this.address, time)
       .catch((error) => {
         this.close();
-        byId("rec-view-told").textContent = error.message;
+        byId("rec-view-told").textContent = plain(error.message);
       })
       .finally(() => (this.asking = false));
   }
