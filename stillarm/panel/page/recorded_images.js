@@ -4,8 +4,11 @@
 import { drawView } from "/page/camera.js";
 import { byId, number, plain } from "/page/dom.js";
 
+const EVERY_MS = 40; // 25 images a second, well below the server's limit for an address with several pages
+
 export class RecordedImages {
   constructor() {
+    this.askedMs = -Infinity;
     this.close();
   }
 
@@ -24,6 +27,8 @@ export class RecordedImages {
   // Once a frame of the screen.
   follow(time) {
     if (this.address === null || this.asking || (time >= this.from && time < this.until)) return;
+    if (performance.now() - this.askedMs < EVERY_MS) return;
+    this.askedMs = performance.now();
     this.asking = true;
     this.show(this.address, time)
       .catch((error) => {
