@@ -135,6 +135,7 @@ export class ChartStack {
 
   drawMarks(plot, chart) {
     const { ctx, bbox } = plot;
+    let free = -Infinity; // where the last text ended: what would lie over it is left out
     const line = (time, colour, text, dash) => {
       if (time < this.from || time > this.to) return;
       const x = Math.round(plot.valToPos(time, "x", true)) + 0.5;
@@ -148,7 +149,10 @@ export class ChartStack {
       ctx.lineTo(x, bbox.top + bbox.height);
       ctx.stroke();
       ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
-      if (chart.index === 0 && text) ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
+      if (chart.index === 0 && text && x > free) {
+        ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
+        free = x + 8 + ctx.measureText(text).width;
+      }
       ctx.restore();
     };
     this.changes.forEach(([time, state]) => line(time, this.ink.quiet, state, [3, 4]));
