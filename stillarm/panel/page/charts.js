@@ -135,7 +135,7 @@ export class ChartStack {
 
   drawMarks(plot, chart) {
     const { ctx, bbox } = plot;
-    let free = -Infinity; // where the last text ended: what would lie over it is left out
+    let free = -Infinity; // where the last text ended: a state that would lie over it has no text
     const line = (time, colour, text, dash) => {
       if (time < this.from || time > this.to) return;
       const x = Math.round(plot.valToPos(time, "x", true)) + 0.5;
@@ -149,7 +149,7 @@ export class ChartStack {
       ctx.lineTo(x, bbox.top + bbox.height);
       ctx.stroke();
       ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
-      if (chart.index === 0 && text && x > free) {
+      if (chart.index === 0 && text && (x > free || dash.length === 0)) {
         ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
         free = x + 8 + ctx.measureText(text).width;
       }
