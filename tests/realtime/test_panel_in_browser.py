@@ -35,6 +35,7 @@ from tests.fixtures.tracked_images import PERIOD_S, READ_LATER_S, frames_of, tra
 pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
 STANDS_S = 0.5  # a command that has been zero for so long stays zero
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
+SCREENS = ((1280, 720), (1920, 1080), (820, 1180))
 VIEWS = ("live", "recordings", "commission")
 
 pytestmark = [
@@ -184,12 +185,28 @@ def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) ->
 def test_no_view_violates_the_accessibility_rules(page: Page) -> None:
     page.browser.execute_script(AXE.read_text(encoding="utf-8"))
     for scheme in ("light", "dark"):
-        media = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-        page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
+        page.look(*SCREENS[0], scheme)
         for view in VIEWS:
             page.click(f"#tab-{view}")
             time.sleep(0.2)
             assert page.violations() == [], f"{view}, {scheme}"
+    page.click("#tab-live")
+
+
+def test_every_view_fits_a_small_screen_a_large_one_and_a_tablet(page: Page) -> None:
+    """Nothing scrolls sideways, and the stop button is in view; STILLARM_SCREENSHOTS=DIR keeps what is seen."""
+    fits = """const stop = document.getElementById('stop').getBoundingClientRect();
+              return document.documentElement.scrollWidth <= innerWidth
+                && stop.left >= 0 && stop.right <= innerWidth && stop.top >= 0 && stop.bottom <= innerHeight;"""
+    for width, height in SCREENS:
+        for scheme in ("light", "dark"):
+            page.look(width, height, scheme)
+            for view in VIEWS:
+                page.click(f"#tab-{view}")
+                time.sleep(0.3)
+                page.keep(f"{view}-{width}x{height}-{scheme}")
+                assert page.browser.execute_script(fits), f"{view} at {width}x{height}"
+    page.look(*SCREENS[0], "light")
     page.click("#tab-live")
 
 

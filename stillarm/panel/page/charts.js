@@ -72,7 +72,9 @@ export class ChartStack {
 
   chart(about, index) {
     const value = element("output", { textContent: "-" });
-    const keys = about.curves.map((curve) => this.key(curve.label, curve.second ? "--accent-2" : "--accent-1", curve.second));
+    // live, topics come later; of a recording, all are there from the start
+    const recorded = ({ topic }) => this.settled || this.topics[topic] !== undefined;
+    const keys = about.curves.map((curve) => this.key(recorded(curve) ? curve.label : `${curve.label}: not recorded`, curve.second ? "--accent-2" : "--accent-1", curve.second));
     const over = this.overlays.filter((overlay) => overlay.charts.includes(index));
     keys.push(...over.map((overlay) => this.key(overlay.label, overlay.colour, true)));
     const unit = element("span", { className: "unit", textContent: about.unit });
@@ -133,6 +135,7 @@ export class ChartStack {
 
   drawMarks(plot, chart) {
     const { ctx, bbox } = plot;
+    let free = -Infinity; // where the last text ended: a state that would lie over it has no text
     const line = (time, colour, text, dash) => {
       if (time < this.from || time > this.to) return;
       const x = Math.round(plot.valToPos(time, "x", true)) + 0.5;
@@ -146,7 +149,10 @@ export class ChartStack {
       ctx.lineTo(x, bbox.top + bbox.height);
       ctx.stroke();
       ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
-      if (chart.index === 0 && text) ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
+      if (chart.index === 0 && text && (x > free || dash.length === 0)) {
+        ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
+        free = x + 8 + ctx.measureText(text).width;
+      }
       ctx.restore();
     };
     this.changes.forEach(([time, state]) => line(time, this.ink.quiet, state, [3, 4]));

@@ -1,6 +1,6 @@
 // Commissioning: the steps with what will move and how far, the check, and the moves after they were asked for twice.
 
-import { ask, byId, element } from "/page/dom.js";
+import { ask, byId, element, plain } from "/page/dom.js";
 import { get, post } from "/page/server.js";
 
 const POLL_MS = 500;
@@ -14,7 +14,7 @@ export class Commission {
   }
 
   tell(text) {
-    byId("commission-told").textContent = text;
+    byId("commission-told").textContent = plain(text);
   }
 
   async go() {
@@ -50,7 +50,7 @@ export class Commission {
 
   draw({ steps, jobs, picture, model_out: modelOut }) {
     this.steps = steps;
-    const row = ({ name, does, moves }) => element("li", {}, element("strong", { textContent: name }), element("span", { textContent: does }), element("span", { className: "moves", textContent: moves }));
+    const row = ({ name, does, moves }) => element("li", {}, element("strong", { textContent: name }), element("span", { textContent: plain(does) }), element("span", { className: "moves", textContent: moves }));
     byId("steps").replaceChildren(...steps.map(row));
     const job = jobs.commission ?? jobs.check;
     const moving = jobs.commission?.running === true;

@@ -16,6 +16,9 @@ export function number(value, digits) {
   return Number(text) === 0 ? (0).toFixed(digits) : text; // no negative zero
 }
 
+// The program's texts mark commands with backticks, as for a terminal.
+export const plain = (text) => (text ?? "").replaceAll("`", "");
+
 export function facts(list, rows) {
   list.replaceChildren(...rows.flatMap(([name, value]) => [element("dt", { textContent: name }), element("dd", { textContent: value })]));
 }

@@ -1,6 +1,6 @@
 // State, grounds, health, deadlines, camera and log as words and numbers.
 
-import { byId, element, facts, number } from "/page/dom.js";
+import { byId, element, facts, number, plain } from "/page/dom.js";
 
 const LOG_LINES = 100;
 const TRACKING = ["measured", "no image", "few features"];
@@ -27,7 +27,7 @@ export class Health {
     this.heard ||= !silent;
     if (silent) return this.state("no telemetry", "no controller is heard");
     this.state(words.state || "unknown", ground.message || "nothing is missing");
-    byId("remedy").textContent = ground.remedy && `To do: ${ground.remedy}.`;
+    byId("remedy").textContent = ground.remedy && `To do: ${plain(ground.remedy)}.`;
     facts(byId("health"), [
       ["damping", words.damping_status || "-"],
       ["damping allowed", allowed ? "yes" : held ? "no, held by this panel" : "no"],
@@ -72,7 +72,7 @@ export class Health {
   }
 
   log({ time_s: time, level, text }) {
-    const line = element("li", { className: level }, element("time", { textContent: `${number(time, 1)} s` }), text);
+    const line = element("li", { className: level }, element("time", { textContent: `${number(time, 1)} s` }), plain(text));
     const place = byId("log");
     place.prepend(line);
     while (place.children.length > LOG_LINES) place.lastChild.remove();

@@ -1,6 +1,6 @@
 // The operator's buttons. The server decides what is possible; a button that is not says why, and stays reachable.
 
-import { ask, byId, element } from "/page/dom.js";
+import { ask, byId, element, plain } from "/page/dom.js";
 import { Adjust } from "/page/adjust.js";
 import { post } from "/page/server.js";
 
@@ -37,7 +37,7 @@ export class Operate {
     for (const [action, button] of [...Object.entries(this.buttons), ["stop", byId("stop")]]) {
       const why = this.refusals[action];
       button.setAttribute("aria-disabled", why ? "true" : "false");
-      button.title = why || this.meanings[action].does;
+      button.title = plain(why) || this.meanings[action].does;
     }
   }
 
@@ -56,6 +56,6 @@ export class Operate {
   }
 
   tell(text) {
-    byId("action-told").textContent = text;
+    byId("action-told").textContent = plain(text);
   }
 }

@@ -2,10 +2,13 @@
 // slow answer is followed by the image of the time that it then is.
 
 import { drawView } from "/page/camera.js";
-import { byId, number } from "/page/dom.js";
+import { byId, number, plain } from "/page/dom.js";
+
+const EVERY_MS = 40; // 25 images a second, well below the server's limit for an address with several pages
 
 export class RecordedImages {
   constructor() {
+    this.askedMs = -Infinity;
     this.close();
   }
 
@@ -24,11 +27,13 @@ export class RecordedImages {
   // Once a frame of the screen.
   follow(time) {
     if (this.address === null || this.asking || (time >= this.from && time < this.until)) return;
+    if (performance.now() - this.askedMs < EVERY_MS) return;
+    this.askedMs = performance.now();
     this.asking = true;
     this.show(this.address, time)
       .catch((error) => {
         this.close();
-        byId("rec-view-told").textContent = error.message;
+        byId("rec-view-told").textContent = plain(error.message);
       })
       .finally(() => (this.asking = false));
   }

@@ -1,7 +1,7 @@
 // Recordings: the list, a recording's charts with scrubbing and playing, methods, diagnosis, and comparison.
 
 import { CHARTS, ChartStack, IMAGE_CHARTS } from "/page/charts.js";
-import { byId, element, facts, number } from "/page/dom.js";
+import { byId, element, facts, number, plain } from "/page/dom.js";
 import { saveCsv, savePng } from "/page/export.js";
 import { RecordedImages } from "/page/recorded_images.js";
 import { Samples, unpack } from "/page/samples.js";
@@ -53,7 +53,7 @@ export class Recordings {
   }
 
   tell(text) {
-    byId("rec-told").textContent = text;
+    byId("rec-told").textContent = plain(text);
   }
 
   async list() {
@@ -69,7 +69,7 @@ export class Recordings {
   }
 
   entry({ name, bytes, changed_s: changed }) {
-    const size = `${number(bytes / 1e6, 1)} MB`;
+    const size = bytes < 1e5 ? `${number(bytes / 1e3, 1)} kB` : `${number(bytes / 1e6, 1)} MB`;
     const button = element("button", { title: new Date(changed * 1000).toLocaleString() }, element("span", { textContent: name }), element("small", { textContent: size }));
     button.dataset.name = name;
     button.onclick = () => this.choose(name);
@@ -108,7 +108,7 @@ export class Recordings {
   // The server looks for the recording's images and tracks them again; that takes the computer's time.
   async findImages() {
     const { about } = this.open;
-    const say = (text) => (byId("rec-view-told").textContent = text);
+    const say = (text) => (byId("rec-view-told").textContent = plain(text));
     this.images.close();
     byId("rec-images-card").hidden = !about.topics.frames;
     if (!about.topics.frames) return;
