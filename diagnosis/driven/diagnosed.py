@@ -52,7 +52,20 @@ def diagnose_driven(
     little. model: None where nobody knows one. left_s: how much time there is."""
     driven = read_driven(recording)
     split = stated(hold_out, driven.origin_s, driven.duration_s) if hold_out else irregular(driven.duration_s)
-    known = stated_by(model, driven, f"{recording.path} (its model)") if model is not None else None
+    return diagnose_read(driven, split, model, f"{recording.path} (its model)", tick, left_s)
+
+
+def diagnose_read(
+    driven: Driven,
+    split: Split,
+    model: Model | None,
+    model_name: str,
+    tick: Tick,
+    left_s: Callable[[], float],
+) -> DrivenResult:
+    """Diagnose what was read: one recording, or several of one rig that were joined. Raises UserError for a model that
+    no rig can have."""
+    known = stated_by(model, driven, model_name) if model is not None else None
     whole_s = left_s()
     searched = search(
         driven, split, tick, lambda: left_s() - (1.0 - _SEARCH_SHARE) * min(whole_s, 1e9), known
@@ -78,7 +91,7 @@ def table_of(
     return {
         "verdict": verdict.verdict,
         "channels": {
-            name_of(driven, rest.channel): _channel_row(driven, searched.start, verdict.final, rest)
+            name_of(driven, rest.channel): channel_row(driven, searched.start, verdict.final, rest)
             for rest in verdict.rests
         },
         "findings": [_finding_row(driven, one, verdict.final) for one in verdict.findings],
@@ -120,7 +133,8 @@ def name_of(driven: Driven, output: str) -> str:
     return _CHANNELS.get(kind, output.removesuffix("_m_s2").removesuffix("_m"))
 
 
-def _channel_row(driven: Driven, start: DrivenFit, final: DrivenFit, rest: Rest) -> dict[str, Any]:
+def channel_row(driven: Driven, start: DrivenFit, final: DrivenFit, rest: Rest) -> dict[str, Any]:
+    """A channel's row in the contract's table."""
     values = next(one.values for one in driven.outputs if one.name == rest.channel)
     usual = float(np.nanstd(values))
     return {

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.simulation.arm.torque_joint import LAWS, LinearJoint, play_run, torque_run, transition
 
@@ -144,8 +145,33 @@ class GreyBox:
             modes,
         )
 
+    @cached_property
+    def parts(self) -> tuple["GreyBox", ...]:
+        """The recordings each by itself, with the blocks that are theirs."""
+        edges = np.array([0, *self.driven.joins, self.driven.samples])
+        first = np.searchsorted(self.starts, edges)
+        found = []
+        for k in range(self.driven.recordings):
+            a, b = first[k], first[k + 1]
+            begins_s = edges[k] * self.driven.step_s
+            split = Split(self.split.edges_s[a : b + 1] - begins_s, self.split.held[a:b])
+            found.append(replace(self, driven=self.driven.part(k), split=split))
+        return tuple(found)
+
+    @cached_property
+    def recording(self) -> NDArray[np.int64]:
+        """Number of each block's recording."""
+        return np.repeat(np.arange(len(self.parts)), [len(one.split.held) for one in self.parts])
+
     def run(self, numbers: Numbers, states: Array) -> Run:
         """Simulate every block from its own state, (blocks, size)."""
+        if self.driven.joins:
+            return _joined(
+                [
+                    one.run(numbers_in(numbers, k), np.ascontiguousarray(states[self.recording == k]))
+                    for k, one in enumerate(self.parts)
+                ]
+            )
         driven, parts = self.driven, self.substeps
         step = driven.step_s / parts
         factor = 1.0 + numbers.get("inertia_step", 0.0)
@@ -255,3 +281,14 @@ class GreyBox:
                 if place != 1:
                     states[s, place + 1] = line[0]
         return states
+
+
+def _joined(runs: list[Run]) -> Run:
+    """Runs of recordings, one after the other."""
+    return Run(
+        {name: np.concatenate([one.outputs[name] for one in runs]) for name in runs[0].outputs},
+        np.concatenate([one.states for one in runs]),
+        np.concatenate([one.forces for one in runs]),
+        np.concatenate([one.drive for one in runs]),
+        np.concatenate([one.acceleration for one in runs]),
+    )

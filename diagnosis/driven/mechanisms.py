@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.greybox import pull_of
 from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
+from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
 from stillarm.diagnosis.driven.start import STATED, regressed_joint
 
@@ -39,7 +40,7 @@ class Form:
     @property
     def price(self) -> int:
         """How many numbers it adds."""
-        return len([one for one in self.numbers if one != "late"])
+        return len([one for one in self.numbers if base_of(one) != "late"])
 
 
 def force_of(fitted: DrivenFit) -> float:

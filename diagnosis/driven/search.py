@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
+from stillarm.diagnosis.driven.own import base_of, recording_of
 from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
 from stillarm.diagnosis.driven.start import STATED, has_joint, linear_start, with_another_mode
 from stillarm.diagnosis.driven.stated import Stated
+from stillarm.diagnosis.driven.together.forms import forms_of_all
 
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
@@ -96,10 +98,29 @@ def search(
         if not tried or tried[0].merit < CONVINCES:
             last = tuple(tried)
             break
-        tried = cause_first(tried)
+        tried = plainer_first(cause_first(tried))
         rounds.append(Round(current, tuple(tried)))
         current = tried[0].fit
     return Searched(start, tuple(rounds), current, last, tuple(left_out))
+
+
+def holds_in(plain: Form, rich: Form) -> bool:
+    """Whether a form is another with further numbers: that does as well by itself, and says no more until it wins its
+    odds."""
+    return set(plain.numbers) < set(rich.numbers)
+
+
+def plainer_first(tried: list[Tried]) -> list[Tried]:
+    """The plainest form of those that the best one holds, where the best does not win its odds against it."""
+    plainer = [
+        one
+        for one in tried
+        if holds_in(one.form, tried[0].form) and one.merit >= max(CONVINCES, tried[0].merit - CONVINCES)
+    ]
+    if not plainer:
+        return tried
+    best = min(plainer, key=lambda one: (one.form.price, -one.merit))
+    return [best, *(one for one in tried if one is not best)]
 
 
 def cause_first(tried: list[Tried]) -> list[Tried]:
@@ -115,21 +136,21 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     """Every form beside what there is, best first."""
     screen = Screen(current)
     begins: list[tuple[float, Form, dict[str, float]]] = []
-    for form in forms_for(current):
+    for form in (forms_for if not current.box.driven.joins else forms_of_all)(current):
         for start in form.starts(current):
             share = _TRIED_ANYWAY if form.play else screen.share(start)
             begins.append((share, form, start))
     finished: list[Tried] = []
-    done: dict[tuple[str, str], int] = {}
+    done: dict[tuple[str, str, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
-        key = (form.cause, form.words)
-        many = _MOST_PLAYS if form.play else _MOST_STARTS
+        key = (form.cause, form.words, recording_of(form.numbers[0]))
+        many = _MOST_PLAYS if form.play else _MOST_STARTS if recording_of(form.numbers[0]) is None else 1
         fits = len(finished) >= _MOST_FITS and not form.play
         if left_s() < 0.0 or done.get(key, 0) >= many or fits or share < _LEAST_SHARE:
             continue
         done[key] = done.get(key, 0) + 1
         from_here = box_of(form, current)
-        free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if one != "late"))))
+        free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
         kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
         begun = fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=_STEPS)
         finished.append(judged(form, begun, current))

@@ -14,6 +14,7 @@ from scipy.signal import lfilter, savgol_filter
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.own import named_in
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.stated import Stated
 
@@ -66,6 +67,8 @@ def free_of(box: GreyBox) -> tuple[str, ...]:
             and _scale_is_open(one, positions[0])
         ):
             free.append(f"scale {one.name}")
+    offsets = [one for one in free if one.startswith("offset ")]
+    free += [named_in(one, k) for k in range(1, driven.recordings) for one in offsets]
     return tuple(free)
 
 
@@ -247,6 +250,18 @@ def resonance(u: Array, w: float, zeta: float, step_s: float) -> Array:
 
 def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Array, Array] | None:
     """theta, theta', theta'' of the joint as measured, by local cubics; None where no sensor looks at it."""
+    if driven.joins:
+        each = [joint_motion(driven.part(k), window_s) for k in range(driven.recordings)]
+        there = [one for one in each if one is not None]
+        return (
+            None
+            if len(there) < len(each)
+            else (
+                np.concatenate([one[0] for one in there]),
+                np.concatenate([one[1] for one in there]),
+                np.concatenate([one[2] for one in there]),
+            )
+        )
     sensor = next((one for kind in _JOINT for one in driven.outputs if one.kind == kind), None)
     if sensor is None:
         return None
