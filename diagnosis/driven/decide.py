@@ -16,6 +16,7 @@ from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.own import recording_of
+from stillarm.diagnosis.driven.plainest import plainest
 from stillarm.diagnosis.driven.quantised import quantised
 from stillarm.diagnosis.driven.search import CONVINCES, PRICE, Searched, Tried, holds_in, judged
 
@@ -70,6 +71,7 @@ class Verdict:
 
 def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdict:
     """Judge what the search took."""
+    found = plainest(found, left_s)
     taken = [one.taken for one in found.rounds]
     final = found.final
     needed: list[tuple[Tried, float, DrivenFit]] = []

@@ -26,6 +26,10 @@ Numbers = Mapping[str, float]
 _LONGEST_STEP_S = 0.003
 _MOST_ROOT = 1e4
 _LEAST_FOLLOWS = 1e-12
+_OF_ARM = ("arm_cubic", "arm_coulomb")
+_NO_TORQUE = ("stribeck_velocity", "ripple_cycles", *_OF_ARM)
+_OF_JOINT = [k for k, name in enumerate(LAWS) if name not in _NO_TORQUE]
+"""Torques at the joint over its inertia: another inertia leaves the torque as it is."""
 _PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
 
 
@@ -182,10 +186,9 @@ class GreyBox:
         steps = [transition(self.linear(numbers), step)]
         steps.append(steps[0] if factor == 1.0 else transition(self.linear(numbers, max(factor, 0.05)), step))
         both = np.array([one[0] for one in steps]), np.array([one[1] for one in steps])
+        law[_OF_JOINT] /= 1.0 + numbers.get("inertia_excess", 0.0)
         laws = np.array([law, law])
-        if factor != 1.0:
-            for name in ("coulomb_positive", "coulomb_negative", "gravity_sine", "gravity_cosine", "offset"):
-                laws[1, LAWS.index(name)] /= factor
+        laws[1, _OF_JOINT] /= factor
         u = self.driving(numbers, parts)
         out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
         torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
 from stillarm.diagnosis.driven.own import base_of, recording_of
@@ -20,7 +21,6 @@ from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
 from stillarm.diagnosis.driven.start import STATED, has_joint, linear_start, with_another_mode
 from stillarm.diagnosis.driven.stated import Stated
-from stillarm.diagnosis.driven.together.forms import forms_of_all
 
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
