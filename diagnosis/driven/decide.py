@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION, MATTERS_OF_NOISE
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.own import recording_of
 from stillarm.diagnosis.driven.plainest import plainest
@@ -111,7 +110,7 @@ def _without(final: DrivenFit, form: Form, taken: list[Tried], start: dict[str, 
     box, states = final.box, final.states
     if form.play:
         box, states = replace(box, play=False), states[:, :2]
-    return fit(GreyBox(box.driven, box.split, box.modes, box.play), numbers, free, states, steps=10)
+    return fit(box, numbers, free, states, steps=10)
 
 
 def _finding(

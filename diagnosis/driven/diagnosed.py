@@ -12,6 +12,7 @@ from stillarm.common.recording.reader import Recording
 from stillarm.diagnosis.data.split import Split, stated
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, Verdict, decide
+from stillarm.diagnosis.driven.declared import declared_numbers, with_findings
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.search import Searched, search
 from stillarm.diagnosis.driven.signals import Driven, read_driven
@@ -32,7 +33,8 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class DrivenResult:
-    """`table` is what diagnosis.json holds; the rest is for the report. model: as given, or none known."""
+    """`table` is what diagnosis.json holds; the rest is for the report. extended: the model as given, or none known,
+    with the causes that were found."""
 
     table: dict[str, Any]
     driven: Driven
@@ -66,9 +68,10 @@ def diagnose_read(
     """Diagnose what was read: one recording, or several of one rig that were joined. Raises UserError for a model that
     no rig can have."""
     known = stated_by(model, driven, model_name) if model is not None else None
+    causes = declared_numbers(model, driven) if model is not None else {}
     whole_s = left_s()
     searched = search(
-        driven, split, tick, lambda: left_s() - (1.0 - _SEARCH_SHARE) * min(whole_s, 1e9), known
+        driven, split, tick, lambda: left_s() - (1.0 - _SEARCH_SHARE) * min(whole_s, 1e9), known, causes
     )
     tick(0.9, "verdict")
     verdict = decide(searched, left_s)
@@ -77,7 +80,7 @@ def diagnose_read(
         driven,
         searched,
         verdict,
-        model or Model(),
+        with_findings(model or Model(), verdict.findings, verdict.final.numbers),
     )
 
 

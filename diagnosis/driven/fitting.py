@@ -19,7 +19,7 @@ from stillarm.diagnosis.inference.band_score import nats, spectra
 Array = NDArray[np.float64]
 Simulate = Callable[[dict[str, float], Array], Run]
 
-_DIFFERENCE = 3e-3  # of a number: over less, the corners of friction make a derivative of their own
+_DIFFERENCE = 1e-3  # of a number: over much less, the corners of friction make a derivative of their own
 _DAMPING, _MOST_DAMPING = 1e-3, 1e7
 _SETTLED = 1e-4  # of the cost, from one step to the next
 _RIDGE = 1e-9
@@ -100,6 +100,11 @@ def fit(
             step = np.array([trial[name] - numbers[name] for name in free], np.float64)
             trial_states = states + _state_steps(pieces, step)
             trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
+            if not trial_cost < cost:
+                # a block's own step is not damped: where it goes astray, at a corner of friction, its state stays
+                astray = _by_block(box, trial_errors) > _by_block(box, errors)
+                trial_states = np.where(astray[:, None], states, trial_states)
+                trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
             if trial_cost < cost:
                 moved = True
                 break

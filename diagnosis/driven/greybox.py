@@ -7,7 +7,7 @@ deflection's), so that an unknown unit asks for no number of its own.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, exp
 
@@ -43,6 +43,7 @@ def laws_of(numbers: Numbers) -> Array:
     """The numbers of the stepper's laws. Friction is told by its mean over both directions and half the difference."""
     law = {name: numbers.get(name, 0.0) for name in LAWS}
     mean, half = numbers.get("coulomb", 0.0), numbers.get("coulomb_difference", 0.0)
+    law["arm_cubic"] += numbers.get("arm_cubic_over_w2", 0.0) * exp(2.0 * numbers.get("log_w_1", 0.0))
     law["coulomb_positive"], law["coulomb_negative"] = max(mean + half, 0.0), max(mean - half, 0.0)
     law["stribeck_positive"] = law["stribeck_negative"] = numbers.get("stribeck", 0.0)
     law["stribeck_velocity"] = exp(min(numbers.get("log_stribeck_velocity", 0.0), 10.0))
@@ -70,6 +71,8 @@ class GreyBox:
     modes: int = 0
     play: bool = False
     """A motor and a rigid link with play between them: no modes then."""
+    declared: Mapping[str, float] = field(default_factory=dict, hash=False)
+    """Numbers that a model file declares: they hold where a fit has none of its own, and no baseline sets them free."""
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
@@ -176,6 +179,7 @@ class GreyBox:
                     for k, one in enumerate(self.parts)
                 ]
             )
+        numbers = {**self.declared, **numbers}
         driven, parts = self.driven, self.substeps
         step = driven.step_s / parts
         factor = 1.0 + numbers.get("inertia_step", 0.0)

@@ -18,6 +18,8 @@ def quantised(final: DrivenFit) -> tuple[Form, str, float, float] | None:
     inside = final.box.split.held[final.box.block]
     for one in final.box.driven.outputs:
         usual = float(np.nanstd(one.values))
+        if f"step {one.name}" in final.box.declared:
+            continue
         if one.kind not in ("position", "motor") or one.step < COARSE_OF_MOTION * usual:
             continue
         phase = one.values[np.flatnonzero(np.isfinite(one.values))[0]]

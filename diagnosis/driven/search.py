@@ -5,7 +5,7 @@ is what it gains in the log score by blocks and frequencies, less 3 nats for eac
 less on the blocks that no fit saw, three times that counts. So that docs/diagnosis.md's scale holds here too.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -79,10 +79,11 @@ def search(
     tick: Tick,
     left_s: Callable[[], float] = lambda: inf,
     stated: Stated | None = None,
+    declared: Mapping[str, float] | None = None,
 ) -> Searched:
-    """Search within the time that `left_s` tells."""
+    """Search within the time that `left_s` tells. stated, declared: what a model file says of joint and causes."""
     tick(0.05, "a start from the data")
-    start = linear_start(driven, split, stated)
+    start = linear_start(driven, split, stated, declared)
     current = start
     rounds: list[Round] = []
     last: tuple[Tried, ...] = ()
@@ -100,8 +101,14 @@ def search(
             break
         tried = plainer_first(cause_first(tried))
         rounds.append(Round(current, tuple(tried)))
-        current = tried[0].fit
+        current = settled(tried[0].fit)
     return Searched(start, tuple(rounds), current, last, tuple(left_out))
+
+
+def settled(taken: DrivenFit) -> DrivenFit:
+    """The fit that was taken, fitted on: what is left of a cause's own error would pass for another cause."""
+    again = fit(taken.box, taken.numbers, taken.free, taken.states, steps=_STEPS)
+    return max(taken, again, key=lambda one: float(one.whole.sum()))
 
 
 def holds_in(plain: Form, rich: Form) -> bool:

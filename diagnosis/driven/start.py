@@ -4,7 +4,8 @@ The joint's numbers come from a regression of its acceleration, band-limited by 
 each mode from the frequency at which a resonance that the input drives explains most. What follows fits them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import log, pi
 
 import numpy as np
@@ -27,6 +28,7 @@ _DAMPING_TRIED = 0.02
 STATED = "stated"  # a number of a grey box whose structure a model file states
 _INERTIA_TRIED = (0.1, 1.0)  # of a mode, over the hub's: how much higher it rings on a free hub
 _QUICK = 8
+_SHARES_TRIED = (0.2, 0.6)  # of the motor in the inertia, where there is play
 
 
 def has_joint(driven: Driven) -> bool:
@@ -68,6 +70,7 @@ def free_of(box: GreyBox) -> tuple[str, ...]:
         ):
             free.append(f"scale {one.name}")
     offsets = [one for one in free if one.startswith("offset ")]
+    free = [one for one in free if one not in box.declared]
     free += [named_in(one, k) for k in range(1, driven.recordings) for one in offsets]
     return tuple(free)
 
@@ -77,39 +80,59 @@ def _scale_is_open(output: Output, position: Output) -> bool:
     return not output.stated or "motor" in {output.kind, position.kind}
 
 
-def linear_start(driven: Driven, split: Split, stated: Stated | None = None) -> DrivenFit:
+def linear_start(
+    driven: Driven, split: Split, stated: Stated | None = None, declared: Mapping[str, float] | None = None
+) -> DrivenFit:
     """The best linear start: a joint, with a mode where the arm is measured; or what the model states. The input is
-    held or linear between samples, as foretells more."""
-    begun = _start(driven, split, stated)
+    held or linear between samples, as foretells more. declared: numbers of causes that a model file has."""
+    begun = _start(GreyBox(driven, split, declared=declared or {}), stated)
     other = {**begun.numbers, "held": 1.0 - begun.numbers.get("held", 0.0)}
     held = fit(begun.box, other, begun.free, begun.states)
     return max(begun, held, key=lambda one: float(one.whole.sum()))
 
 
-def _start(driven: Driven, split: Split, stated: Stated | None) -> DrivenFit:
-    plain = GreyBox(driven, split)
+def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
+    driven, declared = plain.driven, plain.declared
     if stated is not None:
         return _from_stated(plain, stated)
-    numbers = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
+    numbers = {**(_joint_numbers(driven) if has_joint(driven) else _without_joint(driven)), **declared}
+    if "gap" in declared:
+        return _start_with_play(plain, numbers)
     if not needs_mode(driven):
         return fit(plain, numbers, free_of(plain))
-    box = GreyBox(driven, split, 1)
+    box = replace(plain, modes=1)
     states = None
     if has_joint(driven):
         begun = fit(plain.without_arm(), numbers, free_of(plain.without_arm()), steps=_QUICK)
         numbers, states = {**numbers, **begun.numbers}, begun.states
     begins = [*regressed_modes(driven, numbers), *modes_to_try(plain, numbers, None)]
+    begins = [{**one, **declared} for one in begins]
     tried = [fit(box, one, free_of(box), states, steps=_QUICK) for one in begins]
     best = max(tried, key=lambda one: float(one.whole.sum()))
     return fit(best.box, best.numbers, best.free, best.states, steps=20)
 
 
+def _start_with_play(plain: GreyBox, numbers: dict[str, float]) -> DrivenFit:
+    """With declared play, whose side and inertias the recording tells."""
+    box = replace(plain, play=True, modes=0)
+    tried = [
+        fit(box, {**numbers, "share": share, "on_motor": on_motor}, (*free_of(box), "share"))
+        for share in _SHARES_TRIED
+        for on_motor in (0.0, 1.0)
+    ]
+    return max(tried, key=lambda one: float(one.whole.sum()))
+
+
 def _from_stated(plain: GreyBox, stated: Stated) -> DrivenFit:
     """The stated joint, refitted in what may be off without being a cause."""
     driven = plain.driven
-    box = GreyBox(driven, plain.split, stated.modes)
+    box = replace(plain, modes=stated.modes)
     begun = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
-    numbers = {**begun, **stated.numbers, STATED: 1.0}
+    first = next((kind for kind in _JOINT if any(one.kind == kind for one in driven.outputs)), "")
+    if first == "motor":  # the regression is of the motor's angle, the model of the joint's
+        turns = next(stated.numbers[f"scale {one.name}"] for one in driven.outputs if one.kind == "motor")
+        begun["gain"] /= turns
+    numbers = {**begun, **stated.numbers, STATED: 1.0, **plain.declared}
     for one in driven.outputs:
         numbers.setdefault(f"offset {one.name}", 0.0)
         if one.kind == "acceleration":
@@ -161,7 +184,7 @@ def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[
 
 def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
     """The same with the mode more that explains most of what is left; None where none can be."""
-    box = GreyBox(fitted.box.driven, fitted.box.split, fitted.box.modes + 1)
+    box = replace(fitted.box, modes=fitted.box.modes + 1)
     extra = tuple(one for one in fitted.free if one not in free_of(fitted.box))
     tried = [
         fit(box, one, free_of(box) + extra, fitted.states, steps=5)

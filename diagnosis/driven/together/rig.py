@@ -7,6 +7,7 @@ from typing import Any
 
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, rest_of
+from stillarm.diagnosis.driven.declared import with_findings
 from stillarm.diagnosis.driven.diagnosed import DrivenResult, Tick, channel_row, diagnose_read, name_of
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of
@@ -22,10 +23,11 @@ _PROOF_SHARE = 0.15  # of the time
 @dataclass(frozen=True)
 class RigResult:
     """rig: of all recordings together; its table has a row for each under "recordings". views: each recording's own
-    table, in the same form."""
+    table, in the same form; extended: its own model, with the causes that hold there."""
 
     rig: DrivenResult
     views: tuple[dict[str, Any], ...]
+    extended: tuple[Model, ...]
 
 
 def diagnose_rig(
@@ -50,7 +52,14 @@ def diagnose_rig(
     table["recordings"] = [_recording_row(result, label, k, proven[k]) for k, label in enumerate(labels)]
     if verdict.findings and None in proven:
         table["looked_at"]["left_out"].append("proof of each recording by the others")
-    return RigResult(result, tuple(_view(table, k) for k in range(driven.recordings)))
+    return RigResult(
+        result,
+        tuple(_view(table, k) for k in range(driven.recordings)),
+        tuple(
+            with_findings(model or Model(), verdict.findings, verdict.final.numbers, k)
+            for k in range(driven.recordings)
+        ),
+    )
 
 
 def _by_cause(

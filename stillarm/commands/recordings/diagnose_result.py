@@ -39,8 +39,11 @@ def write_driven(result: "DrivenResult", folder: Path) -> None:
     (folder / "report.html").write_text(report_page(result))
 
 
-def write_view(table: dict[str, Any], folder: Path) -> None:
-    """diagnosis.json of one of a rig's recordings, which were diagnosed together."""
+def write_view(table: dict[str, Any], extended: "Model", folder: Path) -> None:
+    """diagnosis.json and extended.toml of one of a rig's recordings, which were diagnosed together."""
+    from stillarm.diagnosis.report.extended_model import model_text
+
+    (folder / "extended.toml").write_text(model_text(extended))
     _write(table, folder)
 
 

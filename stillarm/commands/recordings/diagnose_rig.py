@@ -71,8 +71,8 @@ def diagnose_together(jobs: Sequence[Job], folder: Path) -> list[Done]:
         result = diagnose_rig(drivens, labels, model, good[0].hold_out, left_s=left_s)
         result.rig.table["looked_at"] |= {"seconds": budget.used_s, "budget_s": budget.seconds}
         write_driven(result.rig, make_folder(folder))
-        for job, view in zip(good, result.views, strict=True):
-            write_view(view, make_folder(job.folder))
+        for job, view, extended in zip(good, result.views, result.extended, strict=True):
+            write_view(view, extended, make_folder(job.folder))
     except UserError as error:
         return [*failed, *(Done(job, str(error), failed=True) for job in good)]
     whole = Done(

@@ -1,4 +1,4 @@
-"""A recording of a driven joint, from its import to its verdict; tests/fixtures/driven_joint.py simulates it."""
+"""A recording of a driven joint, from its import to its verdict; tests/fixtures.current_joint.py simulates it."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,7 @@ from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
 from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.page import sentences
-from tests.fixtures.driven_joint import GAIN, write_recording
+from tests.fixtures.current_joint import GAIN, write_recording
 
 
 def _diagnosed(folder: Path, coulomb: float = 0.0, offset: float = 0.0) -> DrivenResult:

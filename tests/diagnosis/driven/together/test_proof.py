@@ -10,7 +10,7 @@ from stillarm.diagnosis.driven.signals import read_driven
 from stillarm.diagnosis.driven.start import linear_start
 from stillarm.diagnosis.driven.together.joining import joined, joined_split
 from stillarm.diagnosis.driven.together.proof import proofs
-from tests.fixtures.driven_joint import write_recording
+from tests.fixtures.current_joint import write_recording
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 from stillarm.common.recording.reader import open_recording
 from stillarm.diagnosis.driven.signals import read_driven
 from stillarm.diagnosis.driven.together.rig import RigResult, diagnose_rig
-from tests.fixtures.driven_joint import write_recording
+from tests.fixtures.current_joint import write_recording
 
 LABELS = ("a", "b", "c")
 

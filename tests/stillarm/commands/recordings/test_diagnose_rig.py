@@ -7,7 +7,7 @@ import pytest
 
 from stillarm.commands.recordings import diagnose_many
 from stillarm.main import main
-from tests.fixtures.driven_joint import write_recording
+from tests.fixtures.current_joint import write_recording
 from tests.stillarm.commands.recordings.test_diagnose_many import threads
 
 
