@@ -270,7 +270,7 @@ def _lags(name: str) -> Callable[[DrivenFit], Starts]:
 
 def _scale(name: str) -> Callable[[DrivenFit], Starts]:
     def starts(fitted: DrivenFit) -> Starts:
-        yield {f"scale {name}": 1.05}
+        yield {f"scale {name}": 1.05 * fitted.numbers.get(f"scale {name}", 1.0)}
 
     return starts
 

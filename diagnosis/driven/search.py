@@ -29,6 +29,9 @@ CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
 _TRIED_ANYWAY, _MOST_PLAYS = 1.0, 4  # of play no first order tells
+_LEAST_PART, _MOST_PART = 0.003, 3.0
+_NO_DIRECTION = ("limit", "gap", "onset")  # no small part of these is a small effect of the same kind
+_SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
 _MOST_ROUNDS = 7
 _MOST_MODES = 3
@@ -145,8 +148,8 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     begins: list[tuple[float, Form, dict[str, float]]] = []
     for form in (forms_for if not current.box.driven.joins else forms_of_all)(current):
         for start in form.starts(current):
-            share = _TRIED_ANYWAY if form.play else screen.share(start)
-            begins.append((share, form, start))
+            share, along = (_TRIED_ANYWAY, 1.0) if form.play else screen.share(start)
+            begins.append((share, form, moved_along(current, start, along)))
     finished: list[Tried] = []
     done: dict[tuple[str, str, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
@@ -170,6 +173,22 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             many = len(bent.free) - len(current.free)
             finished.append(judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current))
     return sorted(finished, key=lambda one: -one.merit)
+
+
+def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> dict[str, float]:
+    """A start, as far along its direction as explains most to first order. A start far beyond that leaves the valley in
+    which the fit is; numbers that give an effect its shape, not its size, stay."""
+    if along <= 0.0 or any(base_of(name) in _NO_DIRECTION for name in start):
+        return start
+    part = min(max(along, _LEAST_PART), _MOST_PART)
+    held = {**current.box.declared, **current.numbers}
+    moved = {}
+    for name, value in start.items():
+        neutral = 1.0 if name.startswith("scale") else 0.0
+        before = held.get(name, held.get(base_of(name), neutral))
+        shape = base_of(name).startswith(_SHAPES)
+        moved[name] = value if shape else before + part * (value - before)
+    return moved
 
 
 def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:

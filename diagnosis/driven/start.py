@@ -139,7 +139,23 @@ def _from_stated(plain: GreyBox, stated: Stated) -> DrivenFit:
             for i in range(1, stated.modes + 1):
                 numbers.setdefault(f"share_{i} {one.name}", 1.0)
     free = tuple(one for one in free_of(box) if one not in stated.fixed)
-    return fit(box, numbers, free)
+    return fit(box, _with_bending_scaled(box, numbers), free)
+
+
+def _with_bending_scaled(box: GreyBox, numbers: dict[str, float]) -> dict[str, float]:
+    """The numbers with a scale for a bending whose unit nobody knows: what the stated arm, from rest, makes of the
+    input, against what was measured."""
+    bent = next((one for one in box.driven.outputs if one.kind == "deflection" and not one.stated), None)
+    if bent is None or not box.modes:
+        return numbers
+    simulated = box.run(numbers, np.zeros((len(box.split.held), box.size))).outputs[bent.name]
+    known = np.isfinite(bent.values)
+    columns = np.column_stack([simulated[known], np.ones(known.sum())])
+    scale = float(np.linalg.lstsq(columns, bent.values[known], rcond=None)[0][0])
+    if scale == 0.0:
+        return numbers
+    follows = [f"follows_{i}" for i in range(1, box.modes + 1)]
+    return {**numbers, **{name: scale * numbers[name] for name in follows}}
 
 
 def _without_joint(driven: Driven) -> dict[str, float]:
