@@ -10,12 +10,17 @@ import numpy as np
 
 from stillarm.diagnosis.data.split import Split, interleaved
 
+_MOST_BLOCKS, _SHORTEST_S = (
+    15,
+    0.8,
+)  # each has a state of its own, which takes away what is slower than the block
 _GOLDEN = 0.6180339887498949  # multiples of it are the least periodic
 
 
 def irregular(duration_s: float) -> Split:
     """Blocks as `interleaved` has them; of each three, one that no period foretells is held out."""
-    split = interleaved(duration_s)
+    split = interleaved(min(duration_s, _MOST_BLOCKS * _SHORTEST_S))
+    split = replace(split, edges_s=np.linspace(0.0, duration_s, len(split.edges_s)))
     groups = len(split.held) // 3
     place = np.floor(3.0 * (np.arange(1, groups + 1) * _GOLDEN % 1.0)).astype(np.int64)
     held = np.zeros(len(split.held), bool)

@@ -148,7 +148,7 @@ def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
     return numbers
 
 
-_NEVER_NEGATIVE = ("coulomb", "stribeck", "dead_zone", "limit", "arm_coulomb", "damping", "gap")
+_NEVER_NEGATIVE = ("coulomb", "stribeck", "dead_zone", "dead_cut", "limit", "arm_coulomb", "damping", "gap")
 
 
 def _levels(box: GreyBox) -> dict[str, float]:

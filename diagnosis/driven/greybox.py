@@ -23,6 +23,7 @@ from stillarm.simulation.arm.torque_joint import LAWS, LinearJoint, play_run, to
 Array = NDArray[np.float64]
 Numbers = Mapping[str, float]
 
+_CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivative by the width is one
 _LONGEST_STEP_S = 0.003
 _MOST_ROOT = 1e4
 _LEAST_FOLLOWS = 1e-12
@@ -111,6 +112,9 @@ class GreyBox:
         zone, limit = numbers.get("dead_zone", 0.0), numbers.get("limit", 0.0)
         if zone > 0.0:
             u = np.sign(u) * np.maximum(np.abs(u) - zone, 0.0)
+        cut = numbers.get("dead_cut", 0.0)
+        if cut > 0.0:
+            u = u * np.clip((np.abs(u) - cut) / (_CUT_OVER * cut) + 0.5, 0.0, 1.0)
         if limit > 0.0:
             u = np.clip(u, -limit, limit)
         step = h / parts

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.extents import forms_of_all
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import LEAST_ZETA, MOST_ZETA, DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
 from stillarm.diagnosis.driven.own import base_of, recording_of
 from stillarm.diagnosis.driven.screen import Screen
@@ -30,12 +30,27 @@ PRICE = 3.0  # nats for each number
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
 _TRIED_ANYWAY, _MOST_PLAYS = 1.0, 4  # of play no first order tells
 _LEAST_PART, _MOST_PART = 0.003, 3.0
-_NO_DIRECTION = ("limit", "gap", "onset")  # no small part of these is a small effect of the same kind
+_NO_DIRECTION = (
+    "limit",
+    "gap",
+    "onset",
+    "dead_cut",
+)  # no small part of these is a small effect of the same kind
+_ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
 _SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
 _MOST_ROUNDS = 7
 _MOST_MODES = 3
-_CAUSE_FIRST = 0.3  # of what structure gains
+_CAUSE_FIRST, _LINEAR_FIRST = 0.3, 0.7  # of what structure gains
+_OF_NO_ARM = 0.1  # of what a mode gains counts, that is none of an arm
+_LINEAR = (
+    "channel_delay",
+    "sensor_lag",
+    "accelerometer_lag",
+    "gravity_load",
+    "sensor_scale",
+    "inertia_change",
+)
 ANOTHER_MODE = Form(
     STRUCTURE, "a further mode", ("log_w", "zeta", "follows", "carries"), lambda fitted: iter(())
 )
@@ -134,12 +149,23 @@ def plainer_first(tried: list[Tried]) -> list[Tried]:
 
 
 def cause_first(tried: list[Tried]) -> list[Tried]:
-    """The best cause before structure that gains no more than a few times as much: a further mode without damping can
-    imitate friction, while friction imitates no mode, and what proves needless is taken out in the end."""
-    cause = next((one for one in tried if one.form.cause != STRUCTURE), None)
-    if cause is None or cause.merit < max(CONVINCES, _CAUSE_FIRST * tried[0].merit):
-        return tried
-    return [cause, *(one for one in tried if one is not cause)]
+    """The best cause before structure that gains no more than some times as much, and what proves needless is taken out
+    in the end. A further mode without damping can imitate friction and all else that is not linear, while no friction
+    imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers."""
+    most = tried[0].merit
+    if tried[0].form.words == ANOTHER_MODE.words and _at_a_bound(tried[0].fit):
+        most *= _OF_NO_ARM
+    for one in tried:
+        lead = _LINEAR_FIRST if one.form.cause in _LINEAR else _CAUSE_FIRST
+        if one.form.cause != STRUCTURE and one.merit >= max(CONVINCES, lead * most):
+            return [one, *(other for other in tried if other is not one)]
+    return tried
+
+
+def _at_a_bound(fitted: DrivenFit) -> bool:
+    """Whether the last mode has the least or the most damping that a fit may give: an arm has neither."""
+    zeta = fitted.numbers[f"zeta_{fitted.box.modes}"]
+    return not 2.0 * LEAST_ZETA < zeta < 0.99 * MOST_ZETA
 
 
 def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
@@ -148,8 +174,9 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     begins: list[tuple[float, Form, dict[str, float]]] = []
     for form in (forms_for if not current.box.driven.joins else forms_of_all)(current):
         for start in form.starts(current):
-            share, along = (_TRIED_ANYWAY, 1.0) if form.play else screen.share(start)
-            begins.append((share, form, moved_along(current, start, along)))
+            share, along = (_TRIED_ANYWAY, 1.0) if form.play or form.hidden else screen.share(start)
+            here = start if form.hidden else moved_along(current, start, along)
+            begins.append((share, form, here))
     finished: list[Tried] = []
     done: dict[tuple[str, str, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
@@ -178,9 +205,11 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
 def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> dict[str, float]:
     """A start, as far along its direction as explains most to first order. A start far beyond that leaves the valley in
     which the fit is; numbers that give an effect its shape, not its size, stay."""
-    if along <= 0.0 or any(base_of(name) in _NO_DIRECTION for name in start):
+    if any(base_of(name) in _NO_DIRECTION for name in start):
         return start
-    part = min(max(along, _LEAST_PART), _MOST_PART)
+    part = min(max(abs(along), _LEAST_PART), _MOST_PART)
+    if along < 0.0:  # the other way, where that can be: no friction drives a joint on
+        part = _LEAST_PART if any(base_of(name).startswith(_ONE_SIDED) for name in start) else -part
     held = {**current.box.declared, **current.numbers}
     moved = {}
     for name, value in start.items():
