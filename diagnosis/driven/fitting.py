@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.driven.bounds import within
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
-from stillarm.diagnosis.driven.own import base_of, named_in, numbers_in, recording_of, with_own
+from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of, with_own
 from stillarm.diagnosis.inference.band_score import nats, spectra
 
 Array = NDArray[np.float64]
@@ -25,8 +26,6 @@ _SETTLED = 1e-4  # of the cost, from one step to the next
 _RIDGE = 1e-9
 _MOST_UNEVEN = 0.15  # of the largest share of an output's variation that is left: the least of another
 _ASTRAY = 1e8  # times the deviation: no number any more
-LEAST_ZETA, MOST_ZETA = 1e-5, 0.3  # of an arm that rings
-LONGEST_DELAY_S = 0.5  # of a cause; without one: a sample and a half
 
 
 @dataclass(frozen=True)
@@ -120,35 +119,6 @@ def fit(
         sigma = _levels_of(box, errors, sigma)
         cost, errors = _cost(box, numbers, states, sigma)
     return _finished(box, numbers, free, _settled(box, numbers, states, sigma, 3), normal)
-
-
-def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
-    """Numbers inside what physics allows, and a rig's sampling: half a step early, where a sample means an average."""
-    h = box.driven.step_s
-    for marked, value in numbers.items():
-        name, recording = base_of(marked), recording_of(marked)
-        if name.startswith("zeta_"):
-            numbers[marked] = min(max(value, LEAST_ZETA), MOST_ZETA)
-        elif name in _NEVER_NEGATIVE or name.startswith("lag"):
-            numbers[marked] = max(value, 0.0)
-        elif name.startswith("carries_"):
-            numbers[marked] = min(max(value, 0.0), 50.0)
-        elif name == "onset":
-            numbers[marked] = min(max(value, 0.0), box.driven.duration_s)
-        elif name == "share":
-            numbers[marked] = min(max(value, 0.02), 0.98)
-        elif name in ("inertia_step", "inertia_excess"):
-            numbers[marked] = min(max(value, -0.8), 10.0)
-        elif name == "delay":
-            cause = "late" if recording is None else named_in("late", recording)
-            late = LONGEST_DELAY_S if numbers.get(cause, 0.0) else 1.5 * h
-            numbers[marked] = min(max(value, -h), late)
-        elif name.startswith("log_w_"):
-            numbers[marked] = min(max(value, -3.0), 8.5)
-    return numbers
-
-
-_NEVER_NEGATIVE = ("coulomb", "stribeck", "dead_zone", "dead_cut", "limit", "arm_coulomb", "damping", "gap")
 
 
 def _levels(box: GreyBox) -> dict[str, float]:

@@ -16,39 +16,17 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.signals import Driven, Output
-from stillarm.simulation.arm.torque_joint import LAWS, LinearJoint, play_run, torque_run, transition
+from stillarm.simulation.arm.torque_joint import LinearJoint, play_run, torque_run, transition
 
 Array = NDArray[np.float64]
-Numbers = Mapping[str, float]
 
 _CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivative by the width is one
 _LONGEST_STEP_S = 0.003
 _MOST_ROOT = 1e4
-_LEAST_FOLLOWS = 1e-12
-_OF_ARM = ("arm_cubic", "arm_coulomb")
-_NO_TORQUE = ("stribeck_velocity", "ripple_cycles", *_OF_ARM)
-_OF_JOINT = [k for k, name in enumerate(LAWS) if name not in _NO_TORQUE]
-"""Torques at the joint over its inertia: another inertia leaves the torque as it is."""
 _PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
-
-
-def pull_of(numbers: Numbers, mode: int) -> float:
-    """How a mode pulls at the joint, by the inertia that it carries over the hub's, which no sensor's sign changes."""
-    follows = numbers[f"follows_{mode}"]
-    return numbers[f"carries_{mode}"] / follows if abs(follows) > _LEAST_FOLLOWS else 0.0
-
-
-def laws_of(numbers: Numbers) -> Array:
-    """The numbers of the stepper's laws. Friction is told by its mean over both directions and half the difference."""
-    law = {name: numbers.get(name, 0.0) for name in LAWS}
-    mean, half = numbers.get("coulomb", 0.0), numbers.get("coulomb_difference", 0.0)
-    law["arm_cubic"] += numbers.get("arm_cubic_over_w2", 0.0) * exp(2.0 * numbers.get("log_w_1", 0.0))
-    law["coulomb_positive"], law["coulomb_negative"] = max(mean + half, 0.0), max(mean - half, 0.0)
-    law["stribeck_positive"] = law["stribeck_negative"] = numbers.get("stribeck", 0.0)
-    law["stribeck_velocity"] = exp(min(numbers.get("log_stribeck_velocity", 0.0), 10.0))
-    return np.array(list(law.values()))
 
 
 @dataclass(frozen=True)
@@ -194,9 +172,9 @@ class GreyBox:
         steps = [transition(self.linear(numbers), step)]
         steps.append(steps[0] if factor == 1.0 else transition(self.linear(numbers, max(factor, 0.05)), step))
         both = np.array([one[0] for one in steps]), np.array([one[1] for one in steps])
-        law[_OF_JOINT] /= 1.0 + numbers.get("inertia_excess", 0.0)
+        law[OF_JOINT] /= 1.0 + numbers.get("inertia_excess", 0.0)
         laws = np.array([law, law])
-        laws[1, _OF_JOINT] /= factor
+        laws[1, OF_JOINT] /= factor
         u = self.driving(numbers, parts)
         out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
         torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.greybox import pull_of
+from stillarm.diagnosis.driven.laws import pull_of
 from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
 from stillarm.diagnosis.driven.own import base_of
+from stillarm.diagnosis.driven.regression import regressed_joint
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
-from stillarm.diagnosis.driven.start import STATED, regressed_joint
+from stillarm.diagnosis.driven.start import STATED
 
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]

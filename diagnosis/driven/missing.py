@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.greybox import pull_of
-from stillarm.diagnosis.driven.start import joint_motion
+from stillarm.diagnosis.driven.laws import pull_of
+from stillarm.diagnosis.driven.regression import joint_motion
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
 from stillarm.diagnosis.driven.extents import forms_of_all
-from stillarm.diagnosis.driven.fitting import LEAST_ZETA, MOST_ZETA, DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
 from stillarm.diagnosis.driven.own import base_of, recording_of
 from stillarm.diagnosis.driven.screen import Screen

@@ -10,19 +10,26 @@ from math import log, pi
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter, savgol_filter
+from scipy.signal import savgol_filter
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.own import named_in
+from stillarm.diagnosis.driven.regression import (
+    JOINT,
+    joint_motion,
+    joint_numbers,
+    resonance,
+    scale_is_open,
+    size_of,
+    width_of,
+)
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.stated import Stated
 
 Array = NDArray[np.float64]
 
-_JOINT = ("position", "motor", "velocity")
-_WINDOW_S = 0.05
 _LOWEST_HZ, _TRIED_HZ = 0.4, 48
 _DAMPING_TRIED = 0.02
 STATED = "stated"  # a number of a grey box whose structure a model file states
@@ -33,7 +40,7 @@ _SHARES_TRIED = (0.2, 0.6)  # of the motor in the inertia, where there is play
 
 def has_joint(driven: Driven) -> bool:
     """Whether a sensor looks at the joint itself."""
-    return any(one.kind in _JOINT for one in driven.outputs)
+    return any(one.kind in JOINT for one in driven.outputs)
 
 
 def needs_mode(driven: Driven) -> bool:
@@ -66,18 +73,13 @@ def free_of(box: GreyBox) -> tuple[str, ...]:
             one.kind in ("velocity", "motor")
             and positions
             and not first_position
-            and _scale_is_open(one, positions[0])
+            and scale_is_open(one, positions[0])
         ):
             free.append(f"scale {one.name}")
     offsets = [one for one in free if one.startswith("offset ")]
     free = [one for one in free if one not in box.declared]
     free += [named_in(one, k) for k in range(1, driven.recordings) for one in offsets]
     return tuple(free)
-
-
-def _scale_is_open(output: Output, position: Output) -> bool:
-    """Whether nobody knows an output's scale against the angle: no unit, or a motor's angle before an unknown gear."""
-    return not output.stated or "motor" in {output.kind, position.kind}
 
 
 def linear_start(
@@ -95,7 +97,7 @@ def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
     driven, declared = plain.driven, plain.declared
     if stated is not None:
         return _from_stated(plain, stated)
-    numbers = {**(_joint_numbers(driven) if has_joint(driven) else _without_joint(driven)), **declared}
+    numbers = {**(joint_numbers(driven) if has_joint(driven) else _without_joint(driven)), **declared}
     if "gap" in declared:
         return _start_with_play(plain, numbers)
     if not needs_mode(driven):
@@ -127,8 +129,8 @@ def _from_stated(plain: GreyBox, stated: Stated) -> DrivenFit:
     """The stated joint, refitted in what may be off without being a cause."""
     driven = plain.driven
     box = replace(plain, modes=stated.modes)
-    begun = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
-    first = next((kind for kind in _JOINT if any(one.kind == kind for one in driven.outputs)), "")
+    begun = joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
+    first = next((kind for kind in JOINT if any(one.kind == kind for one in driven.outputs)), "")
     if first == "motor":  # the regression is of the motor's angle, the model of the joint's
         turns = next(stated.numbers[f"scale {one.name}"] for one in driven.outputs if one.kind == "motor")
         begun["gain"] /= turns
@@ -159,7 +161,7 @@ def _with_bending_scaled(box: GreyBox, numbers: dict[str, float]) -> dict[str, f
 
 
 def _without_joint(driven: Driven) -> dict[str, float]:
-    return {"gain": 1.0 / _size(driven.u), "damping": 0.0, "delay": 0.0}
+    return {"gain": 1.0 / size_of(driven.u), "damping": 0.0, "delay": 0.0}
 
 
 def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[str, float]]:
@@ -173,7 +175,7 @@ def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[
     known = np.isfinite(bent.values)
     q = np.interp(np.arange(driven.samples), np.flatnonzero(known), bent.values[known])
     h = driven.step_s
-    width = _width(h)
+    width = width_of(h)
     u = savgol_filter(driven.u, width, 3)
     q_smooth, v_smooth = savgol_filter(q, width, 3), savgol_filter(q, width, 3, deriv=1, delta=h)
     tried = []
@@ -275,99 +277,3 @@ def _resonances(
         if one[0] >= max(other[0] for other in found[max(k - 1, 0) : k + 2])
     ]  # fmt: skip
     return peaks
-
-
-def resonance(u: Array, w: float, zeta: float, step_s: float) -> Array:
-    """q of q'' + 2 zeta w q' + w^2 q = u, held between samples, from rest."""
-    damped, keep = w * np.sqrt(1.0 - zeta * zeta), np.exp(-zeta * w * step_s)
-    cosine, sine = keep * np.cos(damped * step_s), keep * np.sin(damped * step_s)
-    tilt = zeta * w / damped
-    one = (1.0 - cosine - tilt * sine) / (w * w)
-    two = (keep * keep + tilt * sine - cosine) / (w * w)
-    return np.asarray(lfilter([0.0, one, two], [1.0, -2.0 * cosine, keep * keep], u))
-
-
-def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Array, Array] | None:
-    """theta, theta', theta'' of the joint as measured, by local cubics; None where no sensor looks at it."""
-    if driven.joins:
-        each = [joint_motion(driven.part(k), window_s) for k in range(driven.recordings)]
-        there = [one for one in each if one is not None]
-        return (
-            None
-            if len(there) < len(each)
-            else (
-                np.concatenate([one[0] for one in there]),
-                np.concatenate([one[1] for one in there]),
-                np.concatenate([one[2] for one in there]),
-            )
-        )
-    sensor = next((one for kind in _JOINT for one in driven.outputs if one.kind == kind), None)
-    if sensor is None:
-        return None
-    h = driven.step_s
-    known = np.isfinite(sensor.values)
-    values = np.interp(np.arange(driven.samples), np.flatnonzero(known), sensor.values[known])
-    width = max(7, 2 * int(0.5 * window_s / h) + 1)
-    order = [savgol_filter(values, width, 3, deriv=d, delta=h) for d in range(3)]
-    if sensor.kind == "velocity":
-        return np.concatenate([[0.0], np.cumsum(order[0][1:] + order[0][:-1]) * 0.5 * h]), order[0], order[1]
-    return order[0], order[1], order[2]
-
-
-def regressed_joint(driven: Driven, arm: Array | None = None) -> tuple[float, float, float, float] | None:
-    """Gain, damping, dry friction of the joint and half its difference by direction, from its measured acceleration;
-    None without a sensor there.
-
-    arm: (n,) what the modes do to the joint, rad/s^2.
-    """
-    motion = joint_motion(driven)
-    if motion is None:
-        return None
-    _, omega, alpha = motion
-    width = _width(driven.step_s)
-    u = savgol_filter(driven.u, width, 3)
-    small = 0.02 * np.max(np.abs(omega))
-    columns = np.column_stack([u, -omega, np.ones_like(u), -np.tanh(omega / max(small, 1e-12))])
-    size = np.maximum(np.std(columns, axis=0), 1e-12)
-    size[2] = 1.0
-    wanted = alpha if arm is None else alpha - arm
-    factor = np.linalg.lstsq(columns / size, wanted, rcond=1e-4)[0] / size
-    return float(factor[0]), max(float(factor[1]), 0.0), float(factor[3]), -float(factor[2])
-
-
-def _joint_numbers(driven: Driven) -> dict[str, float]:
-    motion, found = joint_motion(driven), regressed_joint(driven)
-    assert motion is not None and found is not None
-    _, omega, alpha = motion
-    numbers = {"gain": found[0], "damping": found[1], "delay": 0.0}
-    for one in driven.outputs:
-        numbers[f"offset {one.name}"] = 0.0
-        numbers[f"scale {one.name}"] = 1.0
-        if one.kind == "acceleration":
-            numbers[f"direct {one.name}"] = float(np.nanstd(one.values) / max(float(np.std(alpha)), 1e-12))
-    _scale_second_sensors(driven, numbers, omega)
-    return numbers
-
-
-def _scale_second_sensors(driven: Driven, numbers: dict[str, float], omega: Array) -> None:
-    """Start values of the scales against the first angle."""
-    first = next((one for kind in ("position", "motor") for one in driven.outputs if one.kind == kind), None)
-    for one in driven.outputs:
-        if first is None or one is first or not _scale_is_open(one, first):
-            continue
-        if one.kind == "velocity":
-            known = np.isfinite(one.values)
-            size = max(float(np.dot(omega[known], omega[known])), 1e-12)
-            numbers[f"scale {one.name}"] = float(np.dot(one.values[known], omega[known])) / size
-        elif one.kind == "motor":
-            known = np.isfinite(one.values) & np.isfinite(first.values)
-            numbers[f"scale {one.name}"] = float(np.polyfit(first.values[known], one.values[known], 1)[0])
-
-
-def _width(step_s: float) -> int:
-    """Samples of a local cubic, an odd number."""
-    return max(7, 2 * int(0.5 * _WINDOW_S / step_s) + 1)
-
-
-def _size(values: Array) -> float:
-    return max(float(np.std(values)), 1e-12)
