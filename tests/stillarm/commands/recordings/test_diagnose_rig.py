@@ -27,6 +27,6 @@ def test_two_of_one_rig_have_one_answer_and_a_bad_file_stops_neither(
     rig = json.loads((out / "diagnosis.json").read_text())
     assert rig["findings"][0]["holds_in"] == ["0", "1"]
     assert [row["recording"] for row in rig["recordings"]] == ["0", "1"]
-    assert (out / "report.html").exists() and not (out / "bad").exists()
+    assert "<h2>Recordings</h2>" in (out / "report.html").read_text() and not (out / "bad").exists()
     for name in ("0", "1"):
         assert json.loads((out / name / "diagnosis.json").read_text())["rig"] == "../diagnosis.json"
