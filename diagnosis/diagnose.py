@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 
 from stillarm.common.files.effects import declared
-from stillarm.common.files.model import Model, check_model
+from stillarm.common.files.model import Model, check_model, refuse_driven_effects
 from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.reader import Recording, open_recording
 from stillarm.common.user_error import UserError
@@ -51,6 +51,7 @@ def diagnose(
     model = model or model_of(recording)
     if is_driven(recording):
         return _diagnose_driven(recording, model if given else None, hold_out, tick, budget)
+    refuse_driven_effects(model, f"{path} (its model)")
     tick(0.02, "reading")
     measured = read_measured(recording, model)
     if measured.pair and measured.cycles < _FEWEST_PAIRS:

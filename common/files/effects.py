@@ -53,7 +53,8 @@ def declared(model: Model) -> Model:
     """
     remaining = []
     for effect in model.effects:
-        key = CAUSES[str(effect["cause"])].key
+        cause = CAUSES.get(str(effect["cause"]))  # None: of a driven joint, which only its diagnosis obeys
+        key = cause.key if cause else ""
         if not key:
             remaining.append(effect)
         else:

@@ -4,6 +4,7 @@ import difflib
 from collections.abc import Mapping, Sequence
 
 from stillarm.common.causes import CAUSES, Cause, Parameter
+from stillarm.common.causes.driven import DRIVEN_CAUSES, DrivenCause
 from stillarm.common.user_error import UserError
 
 EffectValue = str | float | int | bool
@@ -18,9 +19,9 @@ def check_effects(effects: Sequence[Mapping[str, EffectValue]], name: str) -> No
         identifier = effect.get("cause")
         if not isinstance(identifier, str):
             raise UserError(f'{place}.cause: a cause\'s name is needed, such as "cubic_stiffness"')
-        cause = CAUSES.get(identifier)
+        cause = CAUSES.get(identifier) or DRIVEN_CAUSES.get(identifier)
         if cause is None:
-            near = difflib.get_close_matches(identifier, CAUSES, n=1, cutoff=0.0)[0]
+            near = difflib.get_close_matches(identifier, [*CAUSES, *DRIVEN_CAUSES], n=1, cutoff=0.0)[0]
             raise UserError(
                 f"{place}.cause = {identifier!r}: no such cause; the nearest is {near!r}, "
                 "and `stillarm causes` lists all"
@@ -33,7 +34,7 @@ def check_effects(effects: Sequence[Mapping[str, EffectValue]], name: str) -> No
         _check_parameters(effect, cause, place)
 
 
-def _check_parameters(effect: Mapping[str, EffectValue], cause: Cause, place: str) -> None:
+def _check_parameters(effect: Mapping[str, EffectValue], cause: Cause | DrivenCause, place: str) -> None:
     known = {parameter.name: parameter for parameter in cause.parameters}
     for key, value in effect.items():
         if key == "cause":

@@ -16,6 +16,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from stillarm.common.causes.driven import DRIVEN_CAUSES
 from stillarm.common.files.effects_check import EffectValue, check_effects
 from stillarm.common.files.typed_toml import load_toml
 from stillarm.common.user_error import UserError
@@ -204,3 +205,14 @@ def refuse_other_drives(model: Model, name: str) -> None:
             f'{name}: drive.kind = "{model.drive.kind}": only `stillarm diagnose` knows such a joint; the '
             'controller and the simulation need "velocity": close a velocity loop in the drive'
         )
+    refuse_driven_effects(model, name)
+
+
+def refuse_driven_effects(model: Model, name: str) -> None:
+    """Raise UserError for an effect that only a joint has that a torque, a current or a voltage drives."""
+    for index, effect in enumerate(model.effects):
+        if effect.get("cause") in DRIVEN_CAUSES:
+            raise UserError(
+                f"{name}: effects[{index}].cause = {effect['cause']!r}: a cause of joints that a torque, a current or "
+                "a voltage drives, which only `stillarm diagnose` of such a recording obeys; remove it"
+            )

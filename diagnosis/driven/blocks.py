@@ -7,17 +7,37 @@ three blocks would put all of its jumps into the blocks that no fit sees.
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split, interleaved
 
+_MOST_BLOCKS, _SHORTEST_S = (
+    15,
+    0.8,
+)  # each has a state of its own, which takes away what is slower than the block
+_LONGEST_PERIOD, _SHIFTS = 7, 50  # blocks; where few blocks are, not every beginning avoids every period
 _GOLDEN = 0.6180339887498949  # multiples of it are the least periodic
 
 
 def irregular(duration_s: float) -> Split:
     """Blocks as `interleaved` has them; of each three, one that no period foretells is held out."""
-    split = interleaved(duration_s)
-    groups = len(split.held) // 3
-    place = np.floor(3.0 * (np.arange(1, groups + 1) * _GOLDEN % 1.0)).astype(np.int64)
-    held = np.zeros(len(split.held), bool)
+    split = interleaved(min(duration_s, _MOST_BLOCKS * _SHORTEST_S))
+    split = replace(split, edges_s=np.linspace(0.0, duration_s, len(split.edges_s)))
+    tried = [_held(len(split.held), shift) for shift in range(_SHIFTS)]
+    return replace(split, held=next((one for one in tried if not _has_a_period(one)), tried[0]))
+
+
+def _held(blocks: int, shift: int) -> NDArray[np.bool_]:
+    """One of each three; shift: where in the multiples of the golden section it begins."""
+    groups = blocks // 3
+    place = np.floor(3.0 * ((np.arange(1, groups + 1) + shift) * _GOLDEN % 1.0)).astype(np.int64)
+    held = np.zeros(blocks, bool)
     held[3 * np.arange(groups) + place] = True
-    return replace(split, held=held)
+    return held
+
+
+def _has_a_period(held: NDArray[np.bool_]) -> bool:
+    """Whether all blocks of one phase of a short period are held out."""
+    return any(
+        held[phase::period].all() for period in range(2, _LONGEST_PERIOD + 1) for phase in range(period)
+    )

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION, MATTERS_OF_NOISE
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
+from stillarm.diagnosis.driven.own import recording_of
+from stillarm.diagnosis.driven.plainest import plainest
 from stillarm.diagnosis.driven.quantised import quantised
-from stillarm.diagnosis.driven.search import CONVINCES, PRICE, Searched, Tried, judged
+from stillarm.diagnosis.driven.search import CONVINCES, PRICE, Searched, Tried, holds_in, judged
 
 Array = NDArray[np.float64]
 
@@ -69,16 +70,20 @@ class Verdict:
 
 def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdict:
     """Judge what the search took."""
+    found = plainest(found, left_s)
     taken = [one.taken for one in found.rounds]
     final = found.final
     needed: list[tuple[Tried, float, DrivenFit]] = []
     for one in [other for other in taken if other.form.cause != STRUCTURE]:
         without = _without(final, one.form, taken, found.start.numbers)
         worth = judged(one.form, final, without).merit if left_s() > 0.0 else one.merit
-        if worth >= CONVINCES and _channel(without, final)[1] >= LEAST_OF_NOISE:
+        if worth >= CONVINCES and _channel(*_where(one.form, without, final))[1] >= LEAST_OF_NOISE:
             needed.append((one, worth, without))
-    needed.sort(key=lambda one: -one[1])
-    needed = [one for one in needed if one[1] >= BESIDE_SHARE * needed[0][1]]
+    of_cause = {one.form.cause: 0.0 for one, _, _ in needed}
+    for one, worth, _ in needed:
+        of_cause[one.form.cause] += worth
+    needed.sort(key=lambda one: (-of_cause[one[0].form.cause], -one[1]))
+    needed = [one for one in needed if one[1] >= BESIDE_SHARE * max(other[1] for other in needed)]
     rests = tuple(rest_of(final, one.name) for one in final.box.driven.outputs)
     findings = tuple(_finding(one, worth, without, found, final) for one, worth, without in needed)
     steps = quantised(final)
@@ -88,7 +93,8 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
             DrivenFinding(form, CONVINCES, final, (), _MOST_CONFIDENCE, channel, reduction, {"step": size}),
         )
     total = sum(one.merit for one in findings)
-    sure = bool(findings) and findings[0].merit >= SHARE_TO_NAME * total and len(findings[0].near) <= 1
+    first = sum(one.merit for one in findings if one.form.cause == findings[0].form.cause)
+    sure = bool(findings) and first >= SHARE_TO_NAME * total and len(findings[0].near) <= 1
     unnamed = "unexplained" if findings or any(one.matters for one in rests) else "none"
     verdict = "named" if sure else unnamed
     return Verdict(verdict, findings, rests, final)
@@ -104,14 +110,18 @@ def _without(final: DrivenFit, form: Form, taken: list[Tried], start: dict[str, 
     box, states = final.box, final.states
     if form.play:
         box, states = replace(box, play=False), states[:, :2]
-    return fit(GreyBox(box.driven, box.split, box.modes, box.play), numbers, free, states, steps=10)
+    return fit(box, numbers, free, states, steps=10)
 
 
 def _finding(
     one: Tried, worth: float, without: DrivenFit, found: Searched, final: DrivenFit
 ) -> DrivenFinding:
     tried = next(each for each in found.rounds if each.taken is one).tried
-    rivals = [other for other in tried if other.form.cause not in (STRUCTURE, one.form.cause)]
+    rivals = [
+        other
+        for other in tried
+        if other.form.cause not in (STRUCTURE, one.form.cause) and not holds_in(one.form, other.form)
+    ]
     near, behind = [], inf
     for rival in rivals:
         gap = one.merit - rival.merit
@@ -120,10 +130,16 @@ def _finding(
             near.append(rival.form.cause)
     odds = min(behind, worth - CONVINCES + NEAR_NATS)
     confidence = min(_MOST_CONFIDENCE, 1.0 / (1.0 + exp(-max(min(odds, 50.0), -50.0) / 3.0)))
-    channel, _, reduction = _channel(without, final)
+    channel, _, reduction = _channel(*_where(one.form, without, final))
     return DrivenFinding(
         one.form, worth, without, tuple(near), confidence / (1 + len(near)), channel, reduction
     )
+
+
+def _where(form: Form, *fits: DrivenFit) -> tuple[DrivenFit, ...]:
+    """The fits where a form holds: of several recordings the one that has its numbers for itself."""
+    recording = recording_of(form.numbers[0])
+    return fits if recording is None else tuple(one.part(recording) for one in fits)
 
 
 def _channel(before: DrivenFit, after: DrivenFit) -> tuple[str, float, float]:

@@ -12,6 +12,7 @@ from stillarm.common.recording.reader import Recording
 from stillarm.diagnosis.data.split import Split, stated
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, Verdict, decide
+from stillarm.diagnosis.driven.declared import declared_numbers, with_findings
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.search import Searched, search
 from stillarm.diagnosis.driven.signals import Driven, read_driven
@@ -32,7 +33,8 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class DrivenResult:
-    """`table` is what diagnosis.json holds; the rest is for the report. model: as given, or none known."""
+    """`table` is what diagnosis.json holds; the rest is for the report. extended: the model as given, or none known,
+    with the causes that were found."""
 
     table: dict[str, Any]
     driven: Driven
@@ -52,10 +54,24 @@ def diagnose_driven(
     little. model: None where nobody knows one. left_s: how much time there is."""
     driven = read_driven(recording)
     split = stated(hold_out, driven.origin_s, driven.duration_s) if hold_out else irregular(driven.duration_s)
-    known = stated_by(model, driven, f"{recording.path} (its model)") if model is not None else None
+    return diagnose_read(driven, split, model, f"{recording.path} (its model)", tick, left_s)
+
+
+def diagnose_read(
+    driven: Driven,
+    split: Split,
+    model: Model | None,
+    model_name: str,
+    tick: Tick,
+    left_s: Callable[[], float],
+) -> DrivenResult:
+    """Diagnose what was read: one recording, or several of one rig that were joined. Raises UserError for a model that
+    no rig can have."""
+    known = stated_by(model, driven, model_name) if model is not None else None
+    causes = declared_numbers(model, driven) if model is not None else {}
     whole_s = left_s()
     searched = search(
-        driven, split, tick, lambda: left_s() - (1.0 - _SEARCH_SHARE) * min(whole_s, 1e9), known
+        driven, split, tick, lambda: left_s() - (1.0 - _SEARCH_SHARE) * min(whole_s, 1e9), known, causes
     )
     tick(0.9, "verdict")
     verdict = decide(searched, left_s)
@@ -64,7 +80,7 @@ def diagnose_driven(
         driven,
         searched,
         verdict,
-        model or Model(),
+        with_findings(model or Model(), verdict.findings, verdict.final.numbers),
     )
 
 
@@ -78,7 +94,7 @@ def table_of(
     return {
         "verdict": verdict.verdict,
         "channels": {
-            name_of(driven, rest.channel): _channel_row(driven, searched.start, verdict.final, rest)
+            name_of(driven, rest.channel): channel_row(driven, searched.start, verdict.final, rest)
             for rest in verdict.rests
         },
         "findings": [_finding_row(driven, one, verdict.final) for one in verdict.findings],
@@ -120,7 +136,8 @@ def name_of(driven: Driven, output: str) -> str:
     return _CHANNELS.get(kind, output.removesuffix("_m_s2").removesuffix("_m"))
 
 
-def _channel_row(driven: Driven, start: DrivenFit, final: DrivenFit, rest: Rest) -> dict[str, Any]:
+def channel_row(driven: Driven, start: DrivenFit, final: DrivenFit, rest: Rest) -> dict[str, Any]:
+    """A channel's row in the contract's table."""
     values = next(one.values for one in driven.outputs if one.name == rest.channel)
     usual = float(np.nanstd(values))
     return {

@@ -12,20 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.driven.bounds import within
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
+from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of, with_own
 from stillarm.diagnosis.inference.band_score import nats, spectra
 
 Array = NDArray[np.float64]
 Simulate = Callable[[dict[str, float], Array], Run]
 
-_DIFFERENCE = 3e-3  # of a number: over less, the corners of friction make a derivative of their own
+_DIFFERENCE = 1e-3  # of a number: over much less, the corners of friction make a derivative of their own
 _DAMPING, _MOST_DAMPING = 1e-3, 1e7
 _SETTLED = 1e-4  # of the cost, from one step to the next
 _RIDGE = 1e-9
 _MOST_UNEVEN = 0.15  # of the largest share of an output's variation that is left: the least of another
 _ASTRAY = 1e8  # times the deviation: no number any more
-LEAST_ZETA, MOST_ZETA = 1e-5, 0.3  # of an arm that rings
-LONGEST_DELAY_S = 0.5  # of a cause; without one: a sample and a half
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,30 @@ class DrivenFit:
         inside = self.box.split.held[self.box.block] == held
         return float(np.sqrt(np.nanmean(self.residuals[name][inside] ** 2)))
 
+    def part(self, recording: int) -> "DrivenFit":
+        """The fit as one of several recordings sees it. free: what that recording has for itself alone."""
+        box = self.box.parts[recording]
+        blocks = self.box.recording == recording
+        rows = blocks[self.box.block]
+        run = self.run
+        seen = Run(
+            {name: values[rows] for name, values in run.outputs.items()},
+            run.states[rows], run.forces[rows], run.drive[rows], run.acceleration[rows],
+        )  # fmt: skip
+        own = tuple(base_of(name) for name in self.free if recording_of(name) == recording)
+        return DrivenFit(
+            box, numbers_in(self.numbers, recording), own, self.states[blocks],
+            numbers_in(self.std, recording), {name: one[rows] for name, one in self.residuals.items()},
+            seen, self.held_out[blocks], self.whole[blocks],
+        )  # fmt: skip
+
 
 def fit(
     box: GreyBox, numbers: dict[str, float], free: Sequence[str], states: Array | None = None, steps: int = 15
 ) -> DrivenFit:
     """The likeliest numbers near those given. States default to what the sensors tell."""
     free = tuple(free)
-    numbers = dict(numbers)
+    numbers = with_own(numbers, free)
     if states is None or states.shape[1] != box.size:
         guess = box.first_states(numbers)
         if states is not None:
@@ -82,6 +99,11 @@ def fit(
             step = np.array([trial[name] - numbers[name] for name in free], np.float64)
             trial_states = states + _state_steps(pieces, step)
             trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
+            if not trial_cost < cost:
+                # a block's own step is not damped: where it goes astray, at a corner of friction, its state stays
+                astray = _by_block(box, trial_errors) > _by_block(box, errors)
+                trial_states = np.where(astray[:, None], states, trial_states)
+                trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
             if trial_cost < cost:
                 moved = True
                 break
@@ -97,33 +119,6 @@ def fit(
         sigma = _levels_of(box, errors, sigma)
         cost, errors = _cost(box, numbers, states, sigma)
     return _finished(box, numbers, free, _settled(box, numbers, states, sigma, 3), normal)
-
-
-def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
-    """Numbers inside what physics allows, and a rig's sampling: half a step early, where a sample means an average."""
-    h = box.driven.step_s
-    for name, value in numbers.items():
-        if name.startswith("zeta_"):
-            numbers[name] = min(max(value, LEAST_ZETA), MOST_ZETA)
-        elif name in _NEVER_NEGATIVE or name.startswith("lag"):
-            numbers[name] = max(value, 0.0)
-        elif name.startswith("carries_"):
-            numbers[name] = min(max(value, 0.0), 50.0)
-        elif name == "onset":
-            numbers[name] = min(max(value, 0.0), box.driven.duration_s)
-        elif name == "share":
-            numbers[name] = min(max(value, 0.02), 0.98)
-        elif name == "inertia_step":
-            numbers[name] = min(max(value, -0.8), 10.0)
-        elif name == "delay":
-            late = LONGEST_DELAY_S if numbers.get("late", 0.0) else 1.5 * h
-            numbers[name] = min(max(value, -h), late)
-        elif name.startswith("log_w_"):
-            numbers[name] = min(max(value, -3.0), 8.5)
-    return numbers
-
-
-_NEVER_NEGATIVE = ("coulomb", "dead_zone", "limit", "arm_coulomb", "damping", "gap")
 
 
 def _levels(box: GreyBox) -> dict[str, float]:
@@ -281,21 +276,30 @@ def _by_block(box: GreyBox, errors: dict[str, Array]) -> Array:
     return np.asarray(np.bincount(box.block, np.asarray(total), minlength=len(box.starts) - 1), np.float64)
 
 
+def _scored(part: GreyBox, residuals: dict[str, Array], rows: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Nats of a recording's blocks, by levels of those that trained, and of all."""
+    count = len(part.split.held)
+    held, whole = np.zeros(count), np.zeros(count)
+    for one in part.driven.outputs:
+        least = max(0.29 * one.step, 1e-6 * float(np.nanstd(one.values)))
+        by_bands = spectra(residuals[one.name][rows], part.driven.step_s, part.block, count, least)
+        # a block's own initial state takes its residual's mean away: how exactly says nothing of the model
+        by_bands.count[:, 0], by_bands.power[:, 0] = 0.0, 0.0
+        if not part.split.held.all():
+            held += nats(by_bands, ~part.split.held)
+        whole += nats(by_bands, np.ones(count, bool))
+    return held, whole
+
+
 def _finished(
     box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, normal: Array
 ) -> DrivenFit:
     run = box.run(numbers, states)
-    residuals, held, whole = {}, np.zeros(len(states)), np.zeros(len(states))
-    everywhere = np.ones(len(states), bool)
-    for one in box.driven.outputs:
-        residual = one.values - run.outputs[one.name]
-        residuals[one.name] = residual
-        least = max(0.29 * one.step, 1e-6 * float(np.nanstd(one.values)))
-        by_bands = spectra(residual, box.driven.step_s, box.block, len(states), least)
-        # a block's own initial state takes its residual's mean away: how exactly says nothing of the model
-        by_bands.count[:, 0], by_bands.power[:, 0] = 0.0, 0.0
-        held += nats(by_bands, ~box.split.held)
-        whole += nats(by_bands, everywhere)
+    residuals = {one.name: one.values - run.outputs[one.name] for one in box.driven.outputs}
+    held, whole = np.zeros(len(states)), np.zeros(len(states))
+    for k in range(box.driven.recordings):  # each has noise of its own
+        blocks = box.recording == k
+        held[blocks], whole[blocks] = _scored(box.parts[k], residuals, blocks[box.block])
     try:
         spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + _RIDGE * np.eye(len(free)))), 0.0))
     except np.linalg.LinAlgError:

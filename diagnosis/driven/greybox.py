@@ -7,7 +7,7 @@ deflection's), so that an unknown unit asks for no number of its own.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, exp
 
@@ -16,32 +16,17 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
+from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.signals import Driven, Output
-from stillarm.simulation.arm.torque_joint import LAWS, LinearJoint, play_run, torque_run, transition
+from stillarm.simulation.arm.torque_joint import LinearJoint, play_run, torque_run, transition
 
 Array = NDArray[np.float64]
-Numbers = Mapping[str, float]
 
+_CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivative by the width is one
 _LONGEST_STEP_S = 0.003
 _MOST_ROOT = 1e4
-_LEAST_FOLLOWS = 1e-12
 _PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
-
-
-def pull_of(numbers: Numbers, mode: int) -> float:
-    """How a mode pulls at the joint, by the inertia that it carries over the hub's, which no sensor's sign changes."""
-    follows = numbers[f"follows_{mode}"]
-    return numbers[f"carries_{mode}"] / follows if abs(follows) > _LEAST_FOLLOWS else 0.0
-
-
-def laws_of(numbers: Numbers) -> Array:
-    """The numbers of the stepper's laws. Friction is told by its mean over both directions and half the difference."""
-    law = {name: numbers.get(name, 0.0) for name in LAWS}
-    mean, half = numbers.get("coulomb", 0.0), numbers.get("coulomb_difference", 0.0)
-    law["coulomb_positive"], law["coulomb_negative"] = max(mean + half, 0.0), max(mean - half, 0.0)
-    law["stribeck_positive"] = law["stribeck_negative"] = numbers.get("stribeck", 0.0)
-    law["stribeck_velocity"] = exp(min(numbers.get("log_stribeck_velocity", 0.0), 10.0))
-    return np.array(list(law.values()))
 
 
 @dataclass(frozen=True)
@@ -65,6 +50,8 @@ class GreyBox:
     modes: int = 0
     play: bool = False
     """A motor and a rigid link with play between them: no modes then."""
+    declared: Mapping[str, float] = field(default_factory=dict, hash=False)
+    """Numbers that a model file declares: they hold where a fit has none of its own, and no baseline sets them free."""
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
@@ -103,6 +90,9 @@ class GreyBox:
         zone, limit = numbers.get("dead_zone", 0.0), numbers.get("limit", 0.0)
         if zone > 0.0:
             u = np.sign(u) * np.maximum(np.abs(u) - zone, 0.0)
+        cut = numbers.get("dead_cut", 0.0)
+        if cut > 0.0:
+            u = u * np.clip((np.abs(u) - cut) / (_CUT_OVER * cut) + 0.5, 0.0, 1.0)
         if limit > 0.0:
             u = np.clip(u, -limit, limit)
         step = h / parts
@@ -144,8 +134,34 @@ class GreyBox:
             modes,
         )
 
+    @cached_property
+    def parts(self) -> tuple["GreyBox", ...]:
+        """The recordings each by itself, with the blocks that are theirs."""
+        edges = np.array([0, *self.driven.joins, self.driven.samples])
+        first = np.searchsorted(self.starts, edges)
+        found = []
+        for k in range(self.driven.recordings):
+            a, b = first[k], first[k + 1]
+            begins_s = edges[k] * self.driven.step_s
+            split = Split(self.split.edges_s[a : b + 1] - begins_s, self.split.held[a:b])
+            found.append(replace(self, driven=self.driven.part(k), split=split))
+        return tuple(found)
+
+    @cached_property
+    def recording(self) -> NDArray[np.int64]:
+        """Number of each block's recording."""
+        return np.repeat(np.arange(len(self.parts)), [len(one.split.held) for one in self.parts])
+
     def run(self, numbers: Numbers, states: Array) -> Run:
         """Simulate every block from its own state, (blocks, size)."""
+        if self.driven.joins:
+            return _joined(
+                [
+                    one.run(numbers_in(numbers, k), np.ascontiguousarray(states[self.recording == k]))
+                    for k, one in enumerate(self.parts)
+                ]
+            )
+        numbers = {**self.declared, **numbers}
         driven, parts = self.driven, self.substeps
         step = driven.step_s / parts
         factor = 1.0 + numbers.get("inertia_step", 0.0)
@@ -156,10 +172,9 @@ class GreyBox:
         steps = [transition(self.linear(numbers), step)]
         steps.append(steps[0] if factor == 1.0 else transition(self.linear(numbers, max(factor, 0.05)), step))
         both = np.array([one[0] for one in steps]), np.array([one[1] for one in steps])
+        law[OF_JOINT] /= 1.0 + numbers.get("inertia_excess", 0.0)
         laws = np.array([law, law])
-        if factor != 1.0:
-            for name in ("coulomb_positive", "coulomb_negative", "gravity_sine", "gravity_cosine", "offset"):
-                laws[1, LAWS.index(name)] /= factor
+        laws[1, OF_JOINT] /= factor
         u = self.driving(numbers, parts)
         out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
         torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)
@@ -255,3 +270,14 @@ class GreyBox:
                 if place != 1:
                     states[s, place + 1] = line[0]
         return states
+
+
+def _joined(runs: list[Run]) -> Run:
+    """Runs of recordings, one after the other."""
+    return Run(
+        {name: np.concatenate([one.outputs[name] for one in runs]) for name in runs[0].outputs},
+        np.concatenate([one.states for one in runs]),
+        np.concatenate([one.forces for one in runs]),
+        np.concatenate([one.drive for one in runs]),
+        np.concatenate([one.acceleration for one in runs]),
+    )

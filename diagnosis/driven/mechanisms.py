@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.greybox import pull_of
+from stillarm.diagnosis.driven.laws import pull_of
 from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
+from stillarm.diagnosis.driven.own import base_of
+from stillarm.diagnosis.driven.regression import regressed_joint
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
-from stillarm.diagnosis.driven.start import STATED, regressed_joint
+from stillarm.diagnosis.driven.start import STATED
 
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
@@ -27,7 +29,8 @@ _HUNDREDTH = 0.01
 class Form:
     """cause: identifier, STRUCTURE for none. numbers: set free. starts: from which values, of the fit so far.
 
-    fits: whether the recording can show it."""
+    fits: whether the recording can show it. hidden: whether no first order tells, as the fit's own numbers make it up.
+    """
 
     cause: str
     words: str
@@ -35,11 +38,12 @@ class Form:
     starts: Callable[[DrivenFit], Starts]
     fits: Callable[[DrivenFit], bool] = field(default=lambda fitted: True)
     play: bool = False
+    hidden: bool = False
 
     @property
     def price(self) -> int:
         """How many numbers it adds."""
-        return len([one for one in self.numbers if one != "late"])
+        return len([one for one in self.numbers if base_of(one) != "late"])
 
 
 def force_of(fitted: DrivenFit) -> float:
@@ -124,6 +128,11 @@ def _dead_zone(fitted: DrivenFit) -> Starts:
         yield {"dead_zone": share * float(np.std(fitted.box.driven.u))}
 
 
+def _dead_cut(fitted: DrivenFit) -> Starts:
+    for share in (0.02, 0.1, 0.4):
+        yield {"dead_cut": share * float(np.std(fitted.box.driven.u))}
+
+
 def _limit(fitted: DrivenFit) -> Starts:
     size = np.abs(fitted.box.driven.u)
     for share in (0.95, 0.8, 0.6):
@@ -136,8 +145,10 @@ def _late(fitted: DrivenFit) -> Starts:
 
 
 def _lag(fitted: DrivenFit) -> Starts:
-    for lag in (3.0, 15.0):
-        yield {"lag": lag * fitted.box.driven.step_s}
+    """In place of the delay, which is the same to first order."""
+    step_s = fitted.box.driven.step_s
+    for more in (0.5, 5.0):
+        yield {"lag": max(fitted.numbers["delay"], 0.0) + more * step_s, "delay": 0.0}
 
 
 def _onset(fitted: DrivenFit) -> Starts:
@@ -186,6 +197,7 @@ FORMS = (
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
          _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
     Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, _before_amplifier),
+    Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
     Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
     Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
     Form("gear_backlash", "between motor and joint", ("gap", "share"), _gap, _rigid, play=True),
@@ -193,7 +205,7 @@ FORMS = (
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
     Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
-    Form(STRUCTURE, "a lag of the amplifier", ("lag",), _lag, _before_amplifier),
+    Form(STRUCTURE, "a lag of the amplifier", ("lag",), _lag, _before_amplifier, hidden=True),
     Form(STRUCTURE, "a stiffness of the joint", ("stiffness",), _small("stiffness"), _has("position", "motor")),
 )  # fmt: skip
 
@@ -269,7 +281,7 @@ def _lags(name: str) -> Callable[[DrivenFit], Starts]:
 
 def _scale(name: str) -> Callable[[DrivenFit], Starts]:
     def starts(fitted: DrivenFit) -> Starts:
-        yield {f"scale {name}": 1.05}
+        yield {f"scale {name}": 1.05 * fitted.numbers.get(f"scale {name}", 1.0)}
 
     return starts
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.greybox import pull_of
-from stillarm.diagnosis.driven.start import joint_motion
+from stillarm.diagnosis.driven.laws import pull_of
+from stillarm.diagnosis.driven.regression import joint_motion
 
 Array = NDArray[np.float64]
 
@@ -21,6 +21,7 @@ _WINDOW_S = 0.06
 _BINS = 24
 _FEWEST = 12  # samples of a bin
 _WAVES = 3
+_FEWEST_PERIODS = 1.25  # over the travel: about one is a slope or a bow, as of gravity or a cable
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def strongest_waves(fitted: DrivenFit) -> list[float]:
     flat = found.force - np.interp(found.omega, found.over_velocity.at, found.over_velocity.mean)
     many = max(1, len(flat) // 6000)
     theta, flat = found.theta[::many], flat[::many]
-    waves = np.arange(1.0, 160.0, 0.25) * 2.0 * np.pi / travel
+    waves = np.arange(_FEWEST_PERIODS, 160.0, 0.25) * 2.0 * np.pi / travel
     power = np.array([abs(np.dot(np.exp(1j * wave * theta), flat)) ** 2 for wave in waves])
     peaks = [k for k in range(1, len(waves) - 1) if power[k] >= power[k - 1] and power[k] > power[k + 1]]
     best = sorted(peaks, key=lambda k: -power[k])[:_WAVES]

@@ -45,7 +45,8 @@ def sentences(result: DrivenResult) -> tuple[str, str, str]:
     first = table["findings"][0]
     both = " or ".join(names_of(one) for one in (first["cause"], *first["indistinguishable_from"]))
     cut = 100.0 * first["held_out"]["reduction"]
-    wrong = f"The joint has {both} ({first['form']}): the held-out error falls by {cut:.0f} %."
+    where = f" in {', '.join(first['only_in'])} only" if "only_in" in first else ""
+    wrong = f"The joint has {both} ({first['form']}){where}: the held-out error falls by {cut:.0f} %."
     if table["verdict"] == "unexplained":
         wrong = f"No single cause explains most of it; the nearest is {both} ({first['form']})."
     do = (
@@ -140,7 +141,7 @@ def report_page(result: DrivenResult) -> str:
         f"<p class=about>Diagnosis of {escape(about)}</p></header>"
         f"<h2>The force that is missing</h2><figure>{svg(picture)}</figure>"
         f"<h2>Findings</h2>{_findings(result.table)}<h2>Channels</h2>{_channels(result.table)}"
-        f"<h2>The joint as fitted</h2>{_start(result.table)}"
+        f"{_recordings(result.table)}<h2>The joint as fitted</h2>{_start(result.table)}"
         "<footer>Written by <code>stillarm diagnose</code>. docs/measured-rigs.md tells how it decides; "
         "diagnosis.json holds the same numbers.</footer></main></body></html>\n"
     )
@@ -167,6 +168,29 @@ def _channels(table: dict[str, Any]) -> str:
         for name, one in table["channels"].items()
     ]
     return _rows(("channel", "held-out error, linear", "with the causes", "noise"), rows)
+
+
+def _recordings(table: dict[str, Any]) -> str:
+    """Of several recordings of one rig: each foretold by the others, without and with the causes."""
+    if "recordings" not in table:
+        return ""
+    rows = []
+    for one in table["recordings"]:
+        foretold = one["foretold_by_the_others"] or {}
+        errors = ", ".join(
+            f"{name} {each['nrmse_before']:.4f} to {each['nrmse_after']:.4f}"
+            for name, each in foretold.items()
+        )
+        holds = [each["cause"] for each in table["findings"] if one["recording"] in each["holds_in"]]
+        said = {None: "not proven", True: "worse", False: "not worse"}[one["worse"]]
+        rows.append((one["recording"], ", ".join(holds) or "none", errors or "-", said))
+    head = (
+        "recording",
+        "causes that hold there",
+        "error foretold by the others, linear to extended",
+        "extended model",
+    )
+    return f"<h2>Recordings</h2>{_rows(head, rows)}"
 
 
 def _start(table: dict[str, Any]) -> str:

@@ -30,21 +30,23 @@ class Screen:
         self._residual = residual - self._own @ (self._own.T @ residual)
         self._base = stacked(fitted.box, fitted.run, self._sigma)
 
-    def share(self, start: dict[str, float]) -> float:
-        """How much of the squared residual a start's direction explains, 0 to 1."""
+    def share(self, start: dict[str, float]) -> tuple[float, float]:
+        """How much of the squared residual a start's direction explains, 0 to 1, and how far along it that is: 1 at the
+        start itself."""
         fitted = self._fit
         with np.errstate(over="ignore", invalid="ignore"):
             run = fitted.box.run({**fitted.numbers, **start}, fitted.states)
         change = stacked(fitted.box, run, self._sigma) - self._base
         if not np.isfinite(change).all():
-            return 0.0
+            return 0.0, 1.0
         moved = self._projected([change[rows] for rows in self._rows])
         size = float(moved @ moved)
         moved = moved - self._own @ (self._own.T @ moved)
         left, total = float(moved @ moved), float(self._residual @ self._residual)
         if left <= _LEAST_LEFT**2 * size or left == 0.0 or total == 0.0:
-            return 0.0
-        return float((moved @ self._residual) ** 2 / left / total)
+            return 0.0, 1.0
+        along = float(moved @ self._residual)
+        return along**2 / left / total, along / left
 
     def _projected(self, by_block: list[Array]) -> Array:
         """Of the blocks that train: without what their states can make of it."""

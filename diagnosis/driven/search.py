@@ -5,7 +5,7 @@ is what it gains in the log score by blocks and frequencies, less 3 nats for eac
 less on the blocks that no fit saw, three times that counts. So that docs/diagnosis.md's scale holds here too.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -13,8 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
+from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
+from stillarm.diagnosis.driven.own import base_of, recording_of
 from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
 from stillarm.diagnosis.driven.start import STATED, has_joint, linear_start, with_another_mode
@@ -27,10 +30,28 @@ CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
 _TRIED_ANYWAY, _MOST_PLAYS = 1.0, 4  # of play no first order tells
+_LEAST_PART, _MOST_PART = 0.003, 3.0
+_NO_DIRECTION = (
+    "limit",
+    "gap",
+    "onset",
+    "dead_cut",
+)  # no small part of these is a small effect of the same kind
+_ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
+_SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
 _MOST_ROUNDS = 7
 _MOST_MODES = 3
-_CAUSE_FIRST = 0.3  # of what structure gains
+_CAUSE_FIRST, _LINEAR_FIRST = 0.3, 0.7  # of what structure gains
+_OF_NO_ARM = 0.1  # of what a mode gains counts, that is none of an arm
+_LINEAR = (
+    "channel_delay",
+    "sensor_lag",
+    "accelerometer_lag",
+    "gravity_load",
+    "sensor_scale",
+    "inertia_change",
+)
 ANOTHER_MODE = Form(
     STRUCTURE, "a further mode", ("log_w", "zeta", "follows", "carries"), lambda fitted: iter(())
 )
@@ -77,10 +98,11 @@ def search(
     tick: Tick,
     left_s: Callable[[], float] = lambda: inf,
     stated: Stated | None = None,
+    declared: Mapping[str, float] | None = None,
 ) -> Searched:
-    """Search within the time that `left_s` tells."""
+    """Search within the time that `left_s` tells. stated, declared: what a model file says of joint and causes."""
     tick(0.05, "a start from the data")
-    start = linear_start(driven, split, stated)
+    start = linear_start(driven, split, stated, declared)
     current = start
     rounds: list[Round] = []
     last: tuple[Tried, ...] = ()
@@ -96,40 +118,77 @@ def search(
         if not tried or tried[0].merit < CONVINCES:
             last = tuple(tried)
             break
-        tried = cause_first(tried)
+        tried = plainer_first(cause_first(tried))
         rounds.append(Round(current, tuple(tried)))
-        current = tried[0].fit
+        current = settled(tried[0].fit)
     return Searched(start, tuple(rounds), current, last, tuple(left_out))
 
 
-def cause_first(tried: list[Tried]) -> list[Tried]:
-    """The best cause before structure that gains no more than a few times as much: a further mode without damping can
-    imitate friction, while friction imitates no mode, and what proves needless is taken out in the end."""
-    cause = next((one for one in tried if one.form.cause != STRUCTURE), None)
-    if cause is None or cause.merit < max(CONVINCES, _CAUSE_FIRST * tried[0].merit):
+def settled(taken: DrivenFit) -> DrivenFit:
+    """The fit that was taken, fitted on: what is left of a cause's own error would pass for another cause."""
+    again = fit(taken.box, taken.numbers, taken.free, taken.states, steps=_STEPS)
+    return max(taken, again, key=lambda one: float(one.whole.sum()))
+
+
+def holds_in(plain: Form, rich: Form) -> bool:
+    """Whether a form is another with further numbers: that does as well by itself, and says no more until it wins its
+    odds."""
+    return set(plain.numbers) < set(rich.numbers)
+
+
+def plainer_first(tried: list[Tried]) -> list[Tried]:
+    """The plainest form of those that the best one holds, where the best does not win its odds against it."""
+    plainer = [
+        one
+        for one in tried
+        if holds_in(one.form, tried[0].form) and one.merit >= max(CONVINCES, tried[0].merit - CONVINCES)
+    ]
+    if not plainer:
         return tried
-    return [cause, *(one for one in tried if one is not cause)]
+    best = min(plainer, key=lambda one: (one.form.price, -one.merit))
+    return [best, *(one for one in tried if one is not best)]
+
+
+def cause_first(tried: list[Tried]) -> list[Tried]:
+    """The best cause before structure that gains no more than some times as much, and what proves needless is taken out
+    in the end. A further mode without damping can imitate friction and all else that is not linear, while no friction
+    imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers."""
+    most = tried[0].merit
+    if tried[0].form.words == ANOTHER_MODE.words and _at_a_bound(tried[0].fit):
+        most *= _OF_NO_ARM
+    for one in tried:
+        lead = _LINEAR_FIRST if one.form.cause in _LINEAR else _CAUSE_FIRST
+        if one.form.cause != STRUCTURE and one.merit >= max(CONVINCES, lead * most):
+            return [one, *(other for other in tried if other is not one)]
+    return tried
+
+
+def _at_a_bound(fitted: DrivenFit) -> bool:
+    """Whether the last mode has the least or the most damping that a fit may give: an arm has neither."""
+    zeta = fitted.numbers[f"zeta_{fitted.box.modes}"]
+    return not 2.0 * LEAST_ZETA < zeta < 0.99 * MOST_ZETA
 
 
 def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     """Every form beside what there is, best first."""
     screen = Screen(current)
     begins: list[tuple[float, Form, dict[str, float]]] = []
-    for form in forms_for(current):
+    for form in (forms_for if not current.box.driven.joins else forms_of_all)(current):
         for start in form.starts(current):
-            share = _TRIED_ANYWAY if form.play else screen.share(start)
-            begins.append((share, form, start))
+            share, along = (_TRIED_ANYWAY, 1.0) if form.play or form.hidden else screen.share(start)
+            here = start if form.hidden else moved_along(current, start, along)
+            begins.append((share, form, here))
     finished: list[Tried] = []
-    done: dict[tuple[str, str], int] = {}
+    done: dict[tuple[str, str, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
-        key = (form.cause, form.words)
-        many = _MOST_PLAYS if form.play else _MOST_STARTS
+        key = (form.cause, form.words, recording_of(form.numbers[0]))
+        many = _MOST_PLAYS if form.play else _MOST_STARTS if recording_of(form.numbers[0]) is None else 1
         fits = len(finished) >= _MOST_FITS and not form.play
         if left_s() < 0.0 or done.get(key, 0) >= many or fits or share < _LEAST_SHARE:
             continue
         done[key] = done.get(key, 0) + 1
         from_here = box_of(form, current)
-        free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if one != "late"))))
+        free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
         kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
         begun = fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=_STEPS)
         finished.append(judged(form, begun, current))
@@ -142,6 +201,24 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             many = len(bent.free) - len(current.free)
             finished.append(judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current))
     return sorted(finished, key=lambda one: -one.merit)
+
+
+def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> dict[str, float]:
+    """A start, as far along its direction as explains most to first order. A start far beyond that leaves the valley in
+    which the fit is; numbers that give an effect its shape, not its size, stay."""
+    if any(base_of(name) in _NO_DIRECTION for name in start):
+        return start
+    part = min(max(abs(along), _LEAST_PART), _MOST_PART)
+    if along < 0.0:  # the other way, where that can be: no friction drives a joint on
+        part = _LEAST_PART if any(base_of(name).startswith(_ONE_SIDED) for name in start) else -part
+    held = {**current.box.declared, **current.numbers}
+    moved = {}
+    for name, value in start.items():
+        neutral = 1.0 if name.startswith("scale") else 0.0
+        before = held.get(name, held.get(base_of(name), neutral))
+        shape = base_of(name).startswith(_SHAPES)
+        moved[name] = value if shape else before + part * (value - before)
+    return moved
 
 
 def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:

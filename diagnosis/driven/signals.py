@@ -37,7 +37,7 @@ OUTPUTS: dict[str, Kind] = {
 }
 _FEWEST = 200  # samples of a channel
 _FEWEST_VALUES = 4
-_MOST_SAMPLES = 60_000  # beyond that every second one is taken, and so on
+MOST_SAMPLES = 60_000  # beyond that every second one is taken, and so on
 _COUNTED_SHARE = 0.98  # of the values on the grid of their smallest step: an encoder or a converter
 
 
@@ -55,7 +55,8 @@ class Output:
 
 @dataclass(frozen=True)
 class Driven:
-    """A rig with one input. u: (n,); step_s: between samples."""
+    """A rig with one input. u: (n,); step_s: between samples. joins: first sample of each recording but the first,
+    where several follow each other."""
 
     name: str
     step_s: float
@@ -65,6 +66,7 @@ class Driven:
     drive_stated: bool
     outputs: tuple[Output, ...]
     left_out: dict[str, str]
+    joins: tuple[int, ...] = ()
 
     @property
     def samples(self) -> int:
@@ -75,6 +77,18 @@ class Driven:
     def duration_s(self) -> float:
         """Time that they span, s."""
         return self.samples * self.step_s
+
+    @property
+    def recordings(self) -> int:
+        """How many there are."""
+        return len(self.joins) + 1
+
+    def part(self, recording: int) -> "Driven":
+        """One of the recordings by itself."""
+        edges = (0, *self.joins, self.samples)
+        inside = slice(edges[recording], edges[recording + 1])
+        outputs = tuple(replace(one, values=one.values[inside]) for one in self.outputs)
+        return replace(self, u=self.u[inside], outputs=outputs, joins=())
 
     def with_outputs(self, *kinds: str) -> "Driven":
         """The same with some kinds of outputs only."""
@@ -98,7 +112,7 @@ def read_driven(recording: Recording) -> Driven:
     step = float(np.median(np.diff(time)))
     if not step > 0.0:
         raise UserError(f"{recording.path}: time_s does not grow; correct the time column, and import again")
-    thin = 1 + int((time[-1] - time[0]) / step / _MOST_SAMPLES)
+    thin = 1 + int((time[-1] - time[0]) / step / MOST_SAMPLES)
     grid = np.arange(time[0], time[-1] + 0.5 * step, step)
     if len(grid) > 40 * len(time) + 1000:
         raise UserError(

@@ -4,33 +4,43 @@ The joint's numbers come from a regression of its acceleration, band-limited by 
 each mode from the frequency at which a resonance that the input drives explains most. What follows fits them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import log, pi
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter, savgol_filter
+from scipy.signal import savgol_filter
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.own import named_in
+from stillarm.diagnosis.driven.regression import (
+    JOINT,
+    joint_motion,
+    joint_numbers,
+    resonance,
+    scale_is_open,
+    size_of,
+    width_of,
+)
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.stated import Stated
 
 Array = NDArray[np.float64]
 
-_JOINT = ("position", "motor", "velocity")
-_WINDOW_S = 0.05
 _LOWEST_HZ, _TRIED_HZ = 0.4, 48
 _DAMPING_TRIED = 0.02
 STATED = "stated"  # a number of a grey box whose structure a model file states
 _INERTIA_TRIED = (0.1, 1.0)  # of a mode, over the hub's: how much higher it rings on a free hub
 _QUICK = 8
+_SHARES_TRIED = (0.2, 0.6)  # of the motor in the inertia, where there is play
 
 
 def has_joint(driven: Driven) -> bool:
     """Whether a sensor looks at the joint itself."""
-    return any(one.kind in _JOINT for one in driven.outputs)
+    return any(one.kind in JOINT for one in driven.outputs)
 
 
 def needs_mode(driven: Driven) -> bool:
@@ -63,61 +73,95 @@ def free_of(box: GreyBox) -> tuple[str, ...]:
             one.kind in ("velocity", "motor")
             and positions
             and not first_position
-            and _scale_is_open(one, positions[0])
+            and scale_is_open(one, positions[0])
         ):
             free.append(f"scale {one.name}")
+    offsets = [one for one in free if one.startswith("offset ")]
+    free = [one for one in free if one not in box.declared]
+    free += [named_in(one, k) for k in range(1, driven.recordings) for one in offsets]
     return tuple(free)
 
 
-def _scale_is_open(output: Output, position: Output) -> bool:
-    """Whether nobody knows an output's scale against the angle: no unit, or a motor's angle before an unknown gear."""
-    return not output.stated or "motor" in {output.kind, position.kind}
-
-
-def linear_start(driven: Driven, split: Split, stated: Stated | None = None) -> DrivenFit:
+def linear_start(
+    driven: Driven, split: Split, stated: Stated | None = None, declared: Mapping[str, float] | None = None
+) -> DrivenFit:
     """The best linear start: a joint, with a mode where the arm is measured; or what the model states. The input is
-    held or linear between samples, as foretells more."""
-    begun = _start(driven, split, stated)
+    held or linear between samples, as foretells more. declared: numbers of causes that a model file has."""
+    begun = _start(GreyBox(driven, split, declared=declared or {}), stated)
     other = {**begun.numbers, "held": 1.0 - begun.numbers.get("held", 0.0)}
     held = fit(begun.box, other, begun.free, begun.states)
     return max(begun, held, key=lambda one: float(one.whole.sum()))
 
 
-def _start(driven: Driven, split: Split, stated: Stated | None) -> DrivenFit:
-    plain = GreyBox(driven, split)
+def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
+    driven, declared = plain.driven, plain.declared
     if stated is not None:
         return _from_stated(plain, stated)
-    numbers = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
+    numbers = {**(joint_numbers(driven) if has_joint(driven) else _without_joint(driven)), **declared}
+    if "gap" in declared:
+        return _start_with_play(plain, numbers)
     if not needs_mode(driven):
         return fit(plain, numbers, free_of(plain))
-    box = GreyBox(driven, split, 1)
+    box = replace(plain, modes=1)
     states = None
     if has_joint(driven):
         begun = fit(plain.without_arm(), numbers, free_of(plain.without_arm()), steps=_QUICK)
         numbers, states = {**numbers, **begun.numbers}, begun.states
     begins = [*regressed_modes(driven, numbers), *modes_to_try(plain, numbers, None)]
+    begins = [{**one, **declared} for one in begins]
     tried = [fit(box, one, free_of(box), states, steps=_QUICK) for one in begins]
     best = max(tried, key=lambda one: float(one.whole.sum()))
     return fit(best.box, best.numbers, best.free, best.states, steps=20)
 
 
+def _start_with_play(plain: GreyBox, numbers: dict[str, float]) -> DrivenFit:
+    """With declared play, whose side and inertias the recording tells."""
+    box = replace(plain, play=True, modes=0)
+    tried = [
+        fit(box, {**numbers, "share": share, "on_motor": on_motor}, (*free_of(box), "share"))
+        for share in _SHARES_TRIED
+        for on_motor in (0.0, 1.0)
+    ]
+    return max(tried, key=lambda one: float(one.whole.sum()))
+
+
 def _from_stated(plain: GreyBox, stated: Stated) -> DrivenFit:
     """The stated joint, refitted in what may be off without being a cause."""
     driven = plain.driven
-    box = GreyBox(driven, plain.split, stated.modes)
-    begun = _joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
-    numbers = {**begun, **stated.numbers, STATED: 1.0}
+    box = replace(plain, modes=stated.modes)
+    begun = joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
+    first = next((kind for kind in JOINT if any(one.kind == kind for one in driven.outputs)), "")
+    if first == "motor":  # the regression is of the motor's angle, the model of the joint's
+        turns = next(stated.numbers[f"scale {one.name}"] for one in driven.outputs if one.kind == "motor")
+        begun["gain"] /= turns
+    numbers = {**begun, **stated.numbers, STATED: 1.0, **plain.declared}
     for one in driven.outputs:
         numbers.setdefault(f"offset {one.name}", 0.0)
         if one.kind == "acceleration":
             for i in range(1, stated.modes + 1):
                 numbers.setdefault(f"share_{i} {one.name}", 1.0)
     free = tuple(one for one in free_of(box) if one not in stated.fixed)
-    return fit(box, numbers, free)
+    return fit(box, _with_bending_scaled(box, numbers), free)
+
+
+def _with_bending_scaled(box: GreyBox, numbers: dict[str, float]) -> dict[str, float]:
+    """The numbers with a scale for a bending whose unit nobody knows: what the stated arm, from rest, makes of the
+    input, against what was measured."""
+    bent = next((one for one in box.driven.outputs if one.kind == "deflection" and not one.stated), None)
+    if bent is None or not box.modes:
+        return numbers
+    simulated = box.run(numbers, np.zeros((len(box.split.held), box.size))).outputs[bent.name]
+    known = np.isfinite(bent.values)
+    columns = np.column_stack([simulated[known], np.ones(known.sum())])
+    scale = float(np.linalg.lstsq(columns, bent.values[known], rcond=None)[0][0])
+    if scale == 0.0:
+        return numbers
+    follows = [f"follows_{i}" for i in range(1, box.modes + 1)]
+    return {**numbers, **{name: scale * numbers[name] for name in follows}}
 
 
 def _without_joint(driven: Driven) -> dict[str, float]:
-    return {"gain": 1.0 / _size(driven.u), "damping": 0.0, "delay": 0.0}
+    return {"gain": 1.0 / size_of(driven.u), "damping": 0.0, "delay": 0.0}
 
 
 def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[str, float]]:
@@ -131,7 +175,7 @@ def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[
     known = np.isfinite(bent.values)
     q = np.interp(np.arange(driven.samples), np.flatnonzero(known), bent.values[known])
     h = driven.step_s
-    width = _width(h)
+    width = width_of(h)
     u = savgol_filter(driven.u, width, 3)
     q_smooth, v_smooth = savgol_filter(q, width, 3), savgol_filter(q, width, 3, deriv=1, delta=h)
     tried = []
@@ -158,7 +202,7 @@ def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[
 
 def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
     """The same with the mode more that explains most of what is left; None where none can be."""
-    box = GreyBox(fitted.box.driven, fitted.box.split, fitted.box.modes + 1)
+    box = replace(fitted.box, modes=fitted.box.modes + 1)
     extra = tuple(one for one in fitted.free if one not in free_of(fitted.box))
     tried = [
         fit(box, one, free_of(box) + extra, fitted.states, steps=5)
@@ -233,87 +277,3 @@ def _resonances(
         if one[0] >= max(other[0] for other in found[max(k - 1, 0) : k + 2])
     ]  # fmt: skip
     return peaks
-
-
-def resonance(u: Array, w: float, zeta: float, step_s: float) -> Array:
-    """q of q'' + 2 zeta w q' + w^2 q = u, held between samples, from rest."""
-    damped, keep = w * np.sqrt(1.0 - zeta * zeta), np.exp(-zeta * w * step_s)
-    cosine, sine = keep * np.cos(damped * step_s), keep * np.sin(damped * step_s)
-    tilt = zeta * w / damped
-    one = (1.0 - cosine - tilt * sine) / (w * w)
-    two = (keep * keep + tilt * sine - cosine) / (w * w)
-    return np.asarray(lfilter([0.0, one, two], [1.0, -2.0 * cosine, keep * keep], u))
-
-
-def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Array, Array] | None:
-    """theta, theta', theta'' of the joint as measured, by local cubics; None where no sensor looks at it."""
-    sensor = next((one for kind in _JOINT for one in driven.outputs if one.kind == kind), None)
-    if sensor is None:
-        return None
-    h = driven.step_s
-    known = np.isfinite(sensor.values)
-    values = np.interp(np.arange(driven.samples), np.flatnonzero(known), sensor.values[known])
-    width = max(7, 2 * int(0.5 * window_s / h) + 1)
-    order = [savgol_filter(values, width, 3, deriv=d, delta=h) for d in range(3)]
-    if sensor.kind == "velocity":
-        return np.concatenate([[0.0], np.cumsum(order[0][1:] + order[0][:-1]) * 0.5 * h]), order[0], order[1]
-    return order[0], order[1], order[2]
-
-
-def regressed_joint(driven: Driven, arm: Array | None = None) -> tuple[float, float, float, float] | None:
-    """Gain, damping, dry friction of the joint and half its difference by direction, from its measured acceleration;
-    None without a sensor there.
-
-    arm: (n,) what the modes do to the joint, rad/s^2.
-    """
-    motion = joint_motion(driven)
-    if motion is None:
-        return None
-    _, omega, alpha = motion
-    width = _width(driven.step_s)
-    u = savgol_filter(driven.u, width, 3)
-    small = 0.02 * np.max(np.abs(omega))
-    columns = np.column_stack([u, -omega, np.ones_like(u), -np.tanh(omega / max(small, 1e-12))])
-    size = np.maximum(np.std(columns, axis=0), 1e-12)
-    size[2] = 1.0
-    wanted = alpha if arm is None else alpha - arm
-    factor = np.linalg.lstsq(columns / size, wanted, rcond=1e-4)[0] / size
-    return float(factor[0]), max(float(factor[1]), 0.0), float(factor[3]), -float(factor[2])
-
-
-def _joint_numbers(driven: Driven) -> dict[str, float]:
-    motion, found = joint_motion(driven), regressed_joint(driven)
-    assert motion is not None and found is not None
-    _, omega, alpha = motion
-    numbers = {"gain": found[0], "damping": found[1], "delay": 0.0}
-    for one in driven.outputs:
-        numbers[f"offset {one.name}"] = 0.0
-        numbers[f"scale {one.name}"] = 1.0
-        if one.kind == "acceleration":
-            numbers[f"direct {one.name}"] = float(np.nanstd(one.values) / max(float(np.std(alpha)), 1e-12))
-    _scale_second_sensors(driven, numbers, omega)
-    return numbers
-
-
-def _scale_second_sensors(driven: Driven, numbers: dict[str, float], omega: Array) -> None:
-    """Start values of the scales against the first angle."""
-    first = next((one for kind in ("position", "motor") for one in driven.outputs if one.kind == kind), None)
-    for one in driven.outputs:
-        if first is None or one is first or not _scale_is_open(one, first):
-            continue
-        if one.kind == "velocity":
-            known = np.isfinite(one.values)
-            size = max(float(np.dot(omega[known], omega[known])), 1e-12)
-            numbers[f"scale {one.name}"] = float(np.dot(one.values[known], omega[known])) / size
-        elif one.kind == "motor":
-            known = np.isfinite(one.values) & np.isfinite(first.values)
-            numbers[f"scale {one.name}"] = float(np.polyfit(first.values[known], one.values[known], 1)[0])
-
-
-def _width(step_s: float) -> int:
-    """Samples of a local cubic, an odd number."""
-    return max(7, 2 * int(0.5 * _WINDOW_S / step_s) + 1)
-
-
-def _size(values: Array) -> float:
-    return max(float(np.std(values)), 1e-12)

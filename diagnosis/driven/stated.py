@@ -51,6 +51,8 @@ def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
     for output in driven.outputs:
         if output.kind == "motor":
             numbers[f"scale {output.name}"] = _or(drive.gear_ratio, 1.0)
+        elif output.stated:
+            numbers[f"scale {output.name}"] = 1.0
     if drive.input_limit is not msgspec.UNSET:
         numbers["limit"] = drive.input_limit
     bends = any(one.kind == "deflection" for one in driven.outputs)

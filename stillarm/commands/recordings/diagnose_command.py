@@ -38,7 +38,15 @@ def _pairs(text: str) -> int:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument(
-        "recordings", type=Path, nargs="+", metavar="REC", help="recordings (MCAP), each diagnosed separately"
+        "recordings",
+        type=Path,
+        nargs="+",
+        metavar="REC",
+        help="recordings (MCAP): those of a joint driven by torque, current or voltage are taken for one rig's and "
+        "fitted together, all others are diagnosed separately",
+    )
+    parser.add_argument(
+        "--apart", action="store_true", help="diagnose every recording separately, as of rigs that differ"
     )
     parser.add_argument(
         "--model", type=Path, metavar="FILE", help="model file (default: the recording's own)"
@@ -82,7 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Diagnose each recording separately. Returns 1 if one could not be diagnosed."""
+    """Diagnose the recordings, those of one driven rig together. Returns 1 if one could not be diagnosed."""
     one_blas_thread()
     from stillarm.common.files.model import load_model
 
@@ -102,7 +110,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"{one.job.path}: {one.said}")
         if one.used:
             print(one.used)
-        print(f"{folder / 'report.html'} is the report; {folder / 'extended.toml'} is the extended model")
+        if one.has_report:
+            print(f"{folder / 'report.html'} is the report; {folder / 'extended.toml'} is the extended model")
     return int(any(one.failed for one in done))
 
 
@@ -129,6 +138,7 @@ def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
 def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list[Done]":
     """Diagnose each recording into a folder of its name. The results have the order of the arguments."""
     from stillarm.commands.recordings.diagnose_many import Job, diagnose_all, executor_for
+    from stillarm.commands.recordings.diagnose_rig import diagnose_together, of_one_rig
     from stillarm.progress import progress_bar
 
     out = arguments.out.absolute()
@@ -143,12 +153,18 @@ def _side_by_side(arguments: argparse.Namespace, model: "Model | None") -> "list
         )
         for path in arguments.recordings
     ]
-    done = []
+    rig = [] if arguments.apart else of_one_rig(jobs)
+    apart = [job for job in jobs if job not in rig]
+    done: list[Done] = []
     with (
-        executor_for(arguments.scheduler, len(jobs)) as executor,
+        executor_for(arguments.scheduler, len(apart) + bool(rig)) as executor,
         progress_bar(f"diagnose {len(jobs)} recordings") as progress,
     ):
-        for one in diagnose_all(jobs, executor):
+        together = executor.submit(diagnose_together, rig, out) if rig else None
+        for one in diagnose_all(apart, executor):
             done.append(one)
             progress(len(done) / len(jobs))
-    return sorted(done, key=lambda one: jobs.index(one.job))
+        whole = together.result() if together else []
+    of_all = [one for one in whole if one.job not in jobs]
+    done += [one for one in whole if one.job in jobs]
+    return [*of_all, *sorted(done, key=lambda one: jobs.index(one.job))]

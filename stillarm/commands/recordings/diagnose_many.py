@@ -39,13 +39,14 @@ class Job:
 class Done:
     """Result of a job: the verdict in one sentence, or the error in the recording.
 
-    used: the gain by the extended model, if it was simulated.
+    used: the gain by the extended model, if it was simulated. has_report: whether a report was written beside it.
     """
 
     job: Job
     said: str
     failed: bool = False
     used: str = ""
+    has_report: bool = True
 
 
 def diagnose_one(

@@ -39,8 +39,20 @@ def write_driven(result: "DrivenResult", folder: Path) -> None:
     (folder / "report.html").write_text(report_page(result))
 
 
+def write_view(table: dict[str, Any], extended: "Model", folder: Path) -> None:
+    """diagnosis.json and extended.toml of one of a rig's recordings, which were diagnosed together."""
+    from stillarm.diagnosis.report.extended_model import model_text
+
+    (folder / "extended.toml").write_text(model_text(extended))
+    _write(table, folder)
+
+
 def _write_table(result: "Result | DrivenResult", folder: Path) -> None:
-    text = json.dumps(_plain(result.table), indent=2, allow_nan=False) + "\n"
+    _write(result.table, folder)
+
+
+def _write(table: dict[str, Any], folder: Path) -> None:
+    text = json.dumps(_plain(table), indent=2, allow_nan=False) + "\n"
     (folder / "diagnosis.json").write_text(text)
 
 
@@ -116,7 +128,8 @@ def sentence(table: dict[str, Any]) -> str:
             if is_sure_of(finding, table)
             else f"hardly, with confidence {max(finding['confidence'], 0.001):.2g}: "
         )
-        parts.append(f"{unsure}{name} ({values}; cuts the held-out error by {cut:.0f} %)")
+        where = f" only in {', '.join(finding['only_in'])}" if "only_in" in finding else ""
+        parts.append(f"{unsure}{name}{where} ({values}; cuts the held-out error by {cut:.0f} %)")
     impacts = f"; {len(table['events'])} impacts or pulls that no sensor measured" if table["events"] else ""
     if table["verdict"] == "none":
         return f"nothing wrong with the simulation beyond its parameters{impacts}"

@@ -1,11 +1,10 @@
-"""A recording of a driven joint, from its import to its verdict; an integrator of the test's own simulates it."""
+"""A recording of a driven joint, from its import to its verdict; tests/fixtures.current_joint.py simulates it."""
 
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from stillarm.commands.recordings.diagnose_result import write_driven
 from stillarm.diagnosis.diagnose import diagnose
@@ -13,66 +12,11 @@ from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
 from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.page import sentences
-from stillarm.tables.description import parse_description
-from stillarm.tables.importing import import_tables
-from stillarm.tables.readers.read_file import read_table_file
-
-Array = NDArray[np.float64]
-STEP_S, SAMPLES, FINE = 0.005, 3000, 40
-GAIN, DAMPING = 6.0, 1.5
-
-DESCRIPTION = """
-source = "log.csv"
-[[tables]]
-time_column = "t"
-time_unit = "s"
-[[tables.channels]]
-column = "u"
-role = "motor_current_a"
-unit = "unknown"
-[[tables.channels]]
-column = "angle"
-role = "joint_position_rad"
-unit = "rad"
-[[tables.channels]]
-column = "rate"
-role = "joint_velocity_rad_s"
-unit = "rad/s"
-"""
-
-
-def _input() -> Array:
-    generator = np.random.default_rng(5)
-    t = np.arange(SAMPLES) * STEP_S
-    waves = [np.sin(2.0 * np.pi * hz * t + generator.uniform(0.0, 6.28)) for hz in np.arange(0.2, 4.0, 0.35)]
-    return np.asarray(np.sum(waves, axis=0))
-
-
-def _moved(u: Array, coulomb: float, offset: float) -> tuple[Array, Array]:
-    """theta'' = gain u - d theta' - c sign(theta') + offset, by small steps; the input is held."""
-    theta, omega, h = 0.0, 0.0, STEP_S / FINE
-    angle, rate = np.empty(SAMPLES), np.empty(SAMPLES)
-    for k in range(SAMPLES):
-        angle[k], rate[k] = theta, omega
-        for _ in range(FINE):
-            free = omega + h * (GAIN * u[k] - DAMPING * omega + offset)
-            new = max(free - h * coulomb, 0.0) if free > 0.0 else min(free + h * coulomb, 0.0)
-            theta += 0.5 * h * (omega + new)
-            omega = new
-    return angle, rate
+from tests.fixtures.current_joint import GAIN, write_recording
 
 
 def _diagnosed(folder: Path, coulomb: float = 0.0, offset: float = 0.0) -> DrivenResult:
-    generator = np.random.default_rng(1)
-    u = _input()
-    angle, rate = _moved(u, coulomb, offset)
-    angle = angle + 1e-3 * generator.standard_normal(SAMPLES)
-    rate = rate + 0.01 * generator.standard_normal(SAMPLES)
-    rows = np.column_stack([np.arange(SAMPLES) * STEP_S, 37.0 * u, angle, rate])
-    np.savetxt(folder / "log.csv", rows, delimiter=",", header="t,u,angle,rate", comments="", fmt="%.9g")
-    description = parse_description(DESCRIPTION, "description")
-    import_tables(read_table_file(folder / "log.csv"), description, DESCRIPTION, folder / "rec.mcap")
-    result = diagnose(folder / "rec.mcap")
+    result = diagnose(write_recording(folder / "rec.mcap", coulomb, offset))
     assert isinstance(result, DrivenResult)
     return result
 

@@ -56,6 +56,6 @@ def test_the_words_fit_into_the_sentences_that_take_them_up(cause: DrivenCause) 
     assert DRIVEN_CAUSES[cause.identifier] is cause
     for words in (cause.name, cause.sees):
         assert words[0].islower() and not words.endswith("."), words
-    assert cause.provoke.endswith(".") and cause.numbers
+    assert cause.provoke.endswith(".") and cause.parameters
     for other in cause.confused_with:
         assert other in DRIVEN_CAUSES and cause.identifier not in DRIVEN_CAUSES[other].confused_with

@@ -1,0 +1,48 @@
+"""A form that holds another one wins its odds against that in the final model, or gives way to it.
+
+Dry friction that is larger at rest is dry friction with two numbers more. While other causes are still missing, those
+numbers make up for them; what is then left of their gain shows only once all is in.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
+from stillarm.diagnosis.driven.search import CONVINCES, Round, Searched, holds_in, judged
+
+_STEPS = 10
+
+
+def plainest(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Searched:
+    """What the search found, with the plainest form of each cause that does as well."""
+    rounds, final = list(found.rounds), found.final
+    for place, one in enumerate(rounds):
+        form = one.taken.form
+        if form.cause == STRUCTURE:
+            continue
+        plainer = {each.form.numbers: each.form for each in one.tried if holds_in(each.form, form)}
+        for plain in sorted(plainer.values(), key=lambda each: each.price):
+            if left_s() < 0.0:
+                break
+            without = _reduced(final, form, plain, [each.taken.form for each in rounds])
+            if judged(_more(form, plain), final, without).merit < CONVINCES:
+                rounds[place] = Round(one.before, (replace(one.taken, form=plain), *one.tried[1:]))
+                final = without
+                break
+    return replace(found, rounds=tuple(rounds), final=final)
+
+
+def _reduced(final: DrivenFit, form: Form, plain: Form, taken: list[Form]) -> DrivenFit:
+    """The final model refitted without the numbers that a form has beyond the plainer one."""
+    others = {name for one in taken if one is not form for name in one.numbers}
+    gone = set(form.numbers) - set(plain.numbers) - others
+    numbers = {name: value for name, value in final.numbers.items() if name not in gone}
+    free = tuple(one for one in final.free if one not in gone)
+    return fit(final.box, numbers, free, final.states, steps=_STEPS)
+
+
+def _more(form: Form, plain: Form) -> Form:
+    """What a form adds to the plainer one."""
+    return replace(form, numbers=tuple(one for one in form.numbers if one not in plain.numbers))
