@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from stillarm.common.link.free_ports import free_ports
 from stillarm.main import COMMANDS, main
 from tests.fixtures.commands import one_line
-from tests.fixtures.free_ports import free_ports
 
 RIG = """
 model = "model.toml"

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from stillarm.common.files.configuration import AccelerometerDevice
+from stillarm.common.link.free_ports import free_ports
 from stillarm.drivers.accelerometers.accelerometer import SampleStatus
 from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerometer
-from tests.fixtures.free_ports import free_ports
 
 pytestmark = pytest.mark.realtime
 

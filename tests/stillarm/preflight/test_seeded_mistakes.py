@@ -21,6 +21,7 @@ from stillarm.common.files.configuration import (
     Tracker,
 )
 from stillarm.common.files.model import Model
+from stillarm.common.link.free_ports import free_ports
 from stillarm.common.user_error import UserError
 from stillarm.drivers.accelerometers.i2c_accelerometer import I2cAccelerometer
 from stillarm.drivers.accelerometers.mounting import sensed_axes
@@ -41,7 +42,6 @@ from stillarm.preflight.machine import MachineFacts, judge_machine
 from stillarm.preflight.sensor import could_not_start, judge_bus, judge_sensor, read_sensor
 from stillarm.preflight.verdict import Level, Verdict, fail
 from stillarm.supervisor.exchange import SupervisorExchange
-from tests.fixtures.free_ports import free_ports
 
 CYCLE_S = 0.001
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from stillarm.common.link.free_ports import free_ports
 from stillarm.common.recording.reader import open_recording
 from stillarm.preflight import walk
 from stillarm.preflight.verdict import Level
-from tests.fixtures.free_ports import free_ports
 from tests.fixtures.imports import ROOT
 
 CONFIG = """
