@@ -63,7 +63,8 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
     if sensor is None:
         return None
     predicted, residual = sensor.predicted, sensor.off
-    known = np.isfinite(residual) & within_range(last)
+    # a reading at the limit where none is foretold stands out like any other
+    known = np.isfinite(residual) & (np.abs(predicted) < _AT_THE_LIMIT * last.value(RANGE))
     known &= ~unpredictable(data, last)[data.blocks_of("acceleration")] & ~_just_begun(data)
     if known.sum() < _FEWEST_SAMPLES:
         return None
@@ -72,16 +73,6 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
     u = np.nan_to_num(residual) / doubt
     far = np.abs(u) > OUTLYING
     return Outliers(residual, known, sigma, u, known & far & ~_crowded(far))
-
-
-def within_range(last: Fit) -> NDArray[np.bool_]:
-    """Which samples of the accelerometer lie well within its range: at its limit it scatters less. (n,)"""
-    limit = _AT_THE_LIMIT * last.value(RANGE)
-    sensor = last.channel("acceleration")
-    if sensor is None:
-        return np.zeros(last.world.measured.cycles, bool)
-    result: NDArray[np.bool_] = (np.abs(sensor.measured) < limit) & (np.abs(sensor.predicted) < limit)
-    return result
 
 
 def pulses(data: Data, found: Outliers | None) -> Array | None:

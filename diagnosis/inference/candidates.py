@@ -30,6 +30,7 @@ LEAST_OF_NOISE = 0.15
 ALWAYS_THERE = "second_bending_mode"
 """Every arm has more modes than its model has: one is named where it matters (contract.md)."""
 
+_AT_LIMIT, _OFTEN = 1e-6, 0.01  # of a limit; of the samples, which no noise has at one value
 _TENTHS = 10
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
 
@@ -128,7 +129,20 @@ def white_noise(last: Fit, name: str) -> float:
     least = least_level(last.world, name) or 1e-12
     if name == "arrival":
         return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
+    if name == "acceleration":
+        residual = np.where(_pinned(last.world.channels[name]), np.nan, residual)
     return max(robust.white_noise(residual), least)
+
+
+def _pinned(reading: Array) -> NDArray[np.bool_]:
+    """Where an accelerometer reads its own largest value or its least, if it does so often: at a limit it has no noise.
+    reading: m/s^2, (n,), NaN where unknown."""
+    at_limit = np.zeros(len(reading), bool)
+    for limit in (np.nanmax(reading), np.nanmin(reading)):
+        there = np.abs(reading - limit) <= _AT_LIMIT * abs(limit)
+        if there.mean() > _OFTEN:
+            at_limit |= there
+    return at_limit
 
 
 def _within_bounds(one: Candidate) -> bool:
