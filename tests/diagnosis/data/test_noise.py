@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from stillarm.diagnosis.data.noise import Colour, wander_colour
+from stillarm.diagnosis.data.noise import Colour, likeliest_level, log_likelihood, wander_colour
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,18 @@ def test_a_drift_is_about_as_sure_as_the_wander_lets_it_be() -> None:
         slope, deviation = slope_deviation(wander_colour(late, 15.0 * RATE_HZ), late)
         off.append(slope / deviation)
     assert 0.7 < float(np.sqrt(np.mean(np.square(off)))) < 2.0
+
+
+@pytest.mark.parametrize("share", [0.0, 0.002, 0.01])
+def test_the_likeliest_level_is_where_the_likelihood_is_largest(share: float) -> None:
+    random = np.random.default_rng(7)
+    values = random.normal(size=20000)
+    values[random.random(len(values)) < share] *= 60.0
+    found = likeliest_level(values, 1.0, 1e-3)
+    around = found * np.array([0.95, 1.0, 1.05])
+    nats = [float(log_likelihood(values / std, std).sum()) for std in around]
+    assert np.argmax(nats) == 1
+    assert likeliest_level(values, 1.0, 100.0) == 100.0
 
 
 def test_white_values_have_no_colour() -> None:

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from stillarm.diagnosis.data.robust import bridged, std_about_median, std_about_zero, step_at, white_noise
+from stillarm.diagnosis.data.robust import (
+    bridged,
+    std_about_median,
+    std_about_zero,
+    step_at,
+    white_noise,
+    without_spikes,
+)
 
 
 def test_normal_values_have_their_standard_deviation_whatever_a_few_outliers_do() -> None:
@@ -42,3 +49,18 @@ def test_gaps_are_bridged_straight_and_held_at_the_ends() -> None:
     gaps = np.array([np.nan, 1.0, np.nan, np.nan, 4.0, np.nan])
     assert bridged(gaps) == pytest.approx([1.0, 1.0, 2.0, 3.0, 4.0, 4.0])
     assert len(bridged(np.full(3, np.nan))) == 0
+
+
+@pytest.mark.parametrize("wide", [1, 2])
+def test_spikes_go_and_a_vibration_stays(wide: int) -> None:
+    random, time = np.random.default_rng(4), np.arange(5000) * 0.001
+    swing = 30.0 * np.sin(2.0 * np.pi * 3.0 * time) + random.normal(size=len(time))
+    spiked = swing.copy()
+    at = np.arange(50, 4950, 200)
+    for i in range(wide):
+        spiked[at + i] += 400.0
+    found = without_spikes(spiked)
+    assert np.max(np.abs(found - swing)) < 10.0
+    untouched = np.ones(len(time), bool)
+    untouched[np.add.outer(at, np.arange(wide)).ravel()] = False
+    assert np.array_equal(found[untouched], swing[untouched])

@@ -1,10 +1,15 @@
 """Single samples that are far off, told from the tops of pulses."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.inference.accelerometer_faults import SURE_NATS, pulse_gains, strikes
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.inference.accelerometer_faults import SURE_NATS, outliers, pulse_gains, strikes
+from stillarm.diagnosis.inference.fitted import make_data
+from tests.fixtures.synthetic import fitted, measured
 
 Array = NDArray[np.float64]
 
@@ -70,3 +75,16 @@ def test_few_or_none_at_rest_or_without_a_motion_say_nothing() -> None:
     assert not strikes(flags_at(REVERSALS[:2] + 20), SPEED, 0.001)
     assert not strikes(flags_at(REVERSALS[:0]), SPEED, 0.001)
     assert not strikes(flags_at(REVERSALS), np.zeros(len(TIME)), 0.001)
+
+
+def test_a_reading_at_the_limit_where_none_is_foretold_stands_out() -> None:
+    data = measured(6.0, 1)
+    at = np.arange(1000, 5500, 500)
+    spiked = data.acceleration.copy()
+    spiked[at] = 19.6  # the sensor's range
+    last = fitted(replace(data, acceleration=spiked))
+    found = outliers(make_data(last.world, interleaved(6.0)), last)
+    assert found is not None
+    flagged = set(np.flatnonzero(found.flags).tolist())
+    assert flagged <= set(at.tolist())
+    assert len(flagged) >= len(at) - 1  # one may lie where a jump of the command is not foretold

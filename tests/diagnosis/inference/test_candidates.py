@@ -43,3 +43,15 @@ def test_what_matters_is_a_part_of_the_motion_however_little_the_noise(plain: Fi
     least = least_that_matters(plain, "joint_position")
     assert least == pytest.approx(MATTERS_OF_MOTION * plain.world.variation("joint_position"))
     assert least_that_matters(plain, "displacement") >= 0.02
+
+
+def test_a_sensor_at_its_limit_has_the_noise_that_it_has_below_it() -> None:
+    """Three samples of four are pinned, and left to nothing by a model with that limit."""
+    data = measured(6.0, 1)
+    limit = float(np.quantile(np.abs(data.acceleration), 0.25))
+    clipped = replace(data, acceleration=np.clip(data.acceleration, -limit, limit))
+    fit = fitted(clipped)
+    pinned = np.abs(clipped.acceleration) >= limit
+    noise = np.random.default_rng(2).normal(0.0, NOISE["acceleration"], data.cycles)
+    left = replace(fit, residuals={**fit.residuals, "acceleration": np.where(pinned, 0.0, noise)})
+    assert white_noise(left, "acceleration") == pytest.approx(NOISE["acceleration"], rel=0.15)

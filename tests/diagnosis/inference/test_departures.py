@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.diagnosis.inference.departures import loud_at, loud_stretch
+from stillarm.diagnosis.inference.departures import is_one_sided, loud_at, loud_stretch
 from stillarm.diagnosis.inference.fitted import Fit
 from tests.fixtures.synthetic import fitted, measured
 
@@ -49,3 +49,13 @@ def test_a_loud_stretch_is_found_from_within_and_beside_it(
         assert span[0] == pytest.approx(since_s, abs=0.011)
         assert span[1] == pytest.approx(since_s + lasts_s, abs=0.011)
     assert loud_stretch(*found, since_s - 0.4 * PERIOD_S, PERIOD_S) is None
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_stays_to_one_side_shows_below_the_noise_of_a_sample(seed: int) -> None:
+    off = np.random.default_rng(seed).normal(size=2000)
+    assert is_one_sided(off, 12).mean() < 0.01
+    off[800:900] += 2.0  # as much in single samples is no rarity
+    found = is_one_sided(off, 12)
+    assert found[810:890].mean() > 0.9
+    assert found[:780].mean() < 0.01 and found[920:].mean() < 0.01

@@ -193,3 +193,20 @@ def test_a_limit_where_there_was_none_is_fitted_from_its_trial(quantity: str, li
     fits = [refitted(one, last, split, slopes) for one in begun]
     best = max((one for one in fits if one is not None), key=lambda one: gain_of(one, last))
     assert best.value(quantity) == pytest.approx(limit, rel=0.15)
+
+
+def test_a_camera_that_turns_with_the_joint_alone_is_fitted_with_its_size() -> None:
+    data = measured(6.0, 1)
+    split = interleaved(6.0)
+    plain = fitted(data)
+    joint = np.interp(
+        plain.world.instants(plain.vector), plain.world.cycle_times, plain.predicted.motion.joint[:, 0]
+    )
+    frames = replace(data.frames, displacement_px=data.frames.displacement_px - 80.0 * joint)
+    last = fitted(replace(data, frames=frames))
+    (tilt,) = (one for one in ALL if one.id == "camera_tilt_coupling" and one.added)
+    begun, _ = begun_fits(make_data(last.world, split), last, [tilt])
+    found = refitted(begun[0], last, split, slopes_of(last))
+    assert found is not None
+    told, std = tilt.cause.parameters_of(found)["rotation_px_per_rad"]
+    assert abs(told - 80.0) < max(4.0 * std, 4.0)

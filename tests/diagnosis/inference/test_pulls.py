@@ -140,3 +140,21 @@ def test_what_comes_back_with_each_swing_is_no_push(data: Measured) -> None:
     tops = (time > RELEASED_S) & (np.sin(2.0 * pi * 2.6 * (time - RELEASED_S)) > 0.8)
     shaken = replace(data, acceleration=data.acceleration + np.where(tops, 6.0, 0.0))
     assert push_spans_s(told(shaken)) == ()
+
+
+def test_a_push_is_left_out_where_images_alone_show_it() -> None:
+    """The arm rings on for long as no impact has it: the impact that accounts for push and ring best fits neither."""
+    shaken = measured(SECONDS, 3, JUMP, impacts=(RELEASED,))
+    unfelt = replace(shaken, acceleration=np.full(shaken.cycles, np.nan))
+    time = seen_s(unfelt)
+    inside = np.abs(time - RELEASED_S) < 0.5 * PUSHED_S
+    frames = replace(
+        unfelt.frames, displacement_px=unfelt.frames.displacement_px + np.where(inside, 40.0, 0.0)
+    )
+    world = World(replace(unfelt, frames=frames), MODEL, (RELEASED,))
+    spoilt = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
+    found = without_pushes(spoilt, SPLIT)
+    ((since, until),) = found.world.unjudged_s
+    assert since < RELEASED_S - 0.4 * PUSHED_S and until > RELEASED_S + 0.4 * PUSHED_S
+    off = found.residuals["displacement"]
+    assert np.nanstd(off) == pytest.approx(NOISE["displacement"], rel=0.15)
