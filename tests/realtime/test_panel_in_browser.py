@@ -33,7 +33,9 @@ from tests.fixtures.shown_page import (
 from tests.fixtures.tracked_images import PERIOD_S, READ_LATER_S, frames_of, tracked_images
 
 pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
-STANDS_S = 0.5  # a command that has been zero for so long stays zero
+STANDS_S = (
+    0.25  # zero for over half a swing is no damping; after a stop the page arms again within half a second
+)
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
 SCREENS = ((1280, 720), (1920, 1080), (820, 1180))
 VIEWS = ("live", "recordings", "commission")
