@@ -13,11 +13,12 @@ from stillarm.common.user_error import UserError
 from stillarm.diagnosis.calibration.calibrate import Calibration, calibrate
 from stillarm.diagnosis.calibration.start_values import Start, start_values
 from stillarm.diagnosis.commissioning.expect import fitted_to
-from stillarm.diagnosis.commissioning.plan import Limits, moves, probe, stages, within
+from stillarm.diagnosis.commissioning.plan import Limits, moves, probe, slowed, stages, within
 from stillarm.diagnosis.commissioning.verdict import CommissioningVerdict, judge
 from stillarm.diagnosis.commissioning.watch import Bounds, Growth, bounds_of, exceeded, growth
 from stillarm.diagnosis.data.measured import Frames, Measured
 
+_SLOWER = 0.6  # of the velocity, after a bound has ended the moves
 _LEAST_SIGNAL = 0.3  # power of the ringing over that of the noise
 
 Recorder = Callable[[str, Scenario, Bounds], Measured]
@@ -75,16 +76,32 @@ def commission(
     tell(f"first mode near {mode.frequency_hz:.2f} Hz, damping near {100.0 * mode.damping_ratio:.1f} %")
     plan = fitted_to(moves(limits, grown.velocity_rad_s, mode, strike_s), rough.model, bounds)
     tell(f"moves: {plan.duration_s:.0f} s, in the second part of which the arm is left to ring")
-    measured = record("moves", plan, bounds)
-    if measured.duration_s < plan.duration_s - 1.0:
-        raise UserError(
-            f"commission: the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s: "
-            f"{exceeded(measured, bounds) or 'the controller was stopped'}; lower --max-velocity-rad-s or "
-            "--max-angle-rad, or see to what was exceeded"
-        )
+    measured, plan = _moved(record, plan, bounds, tell)
     tell("fit: all parameters, by the simulation in free run")
     found = calibrate(measured, model, tick)
     return Commissioning(grown, rough, plan, measured, found, judge(found, measured))
+
+
+def _moved(
+    record: Recorder, plan: Scenario, bounds: Bounds, tell: Callable[[str], None]
+) -> tuple[Measured, Scenario]:
+    """The moves as recorded, and as they were planned. Where a bound ends them they are made once more, slower: the
+    model that they were planned by is rough. Raises UserError where that is not enough, or the controller stopped."""
+    for name in ("moves", "moves_slower"):
+        measured = record(name, plan, bounds)
+        if measured.duration_s >= plan.duration_s - 1.0:
+            return measured, plan
+        over = exceeded(measured, bounds)
+        ended = f"the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s: "
+        if over is None:
+            break
+        if name == "moves":
+            tell(f"{ended}{over}; once more, at {_SLOWER:g} of the velocity")
+            plan = slowed(plan, _SLOWER)
+    raise UserError(
+        f"commission: {ended}{over or 'the controller was stopped'}; lower --max-velocity-rad-s or "
+        "--max-angle-rad, or see to what was exceeded"
+    )
 
 
 def until(measured: Measured, end_s: float) -> Measured:

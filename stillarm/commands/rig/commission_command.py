@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
     found = done.found.model
     if done.verdict.good:
         date = datetime.now(UTC).date().isoformat()
-        found = marked(found, done.found, date, str(folder / "moves.mcap"))
+        found = marked(found, done.found, date, str(folder / Path(done.measured.name).name))
     check_model(found, str(arguments.model_out))
     print_parameters(done.found.parameters)
     draw(done, folder / "commissioning.png")

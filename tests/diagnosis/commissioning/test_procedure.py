@@ -128,3 +128,23 @@ def test_moves_that_are_cut_short_name_what_was_exceeded(tmp_path: Path) -> None
 
     with pytest.raises(UserError, match=r"ended after 5 of \d+ s: the image has moved by 500 px"):
         commission(record, assumed_model(), LIMITS)
+
+
+@pytest.mark.slow
+def test_moves_that_a_bound_ends_are_made_once_more_slower(tmp_path: Path) -> None:
+    """The rig is well; the moves were planned by a rough model."""
+    true, told, fastest = draw_rig(100), list[str](), dict[str, float]()
+
+    def record(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
+        fastest[name] = max(abs(one.velocity_rad_s) for one in scenario.moves)
+        if name == "moves":
+            measured = still(name, scenario, bounds)
+            measured.frames.displacement_px[300:] += 500.0
+            return until(measured, 5.0)
+        path, _ = simulated(true, assumed_model(), scenario, 1, tmp_path / name)
+        return read_measured(open_recording(path), assumed_model())
+
+    found = commission(record, assumed_model(), LIMITS, tell=told.append)
+    assert fastest["moves_slower"] == pytest.approx(0.6 * fastest["moves"])
+    assert any("once more, at 0.6 of the velocity" in line for line in told)
+    assert found.measured.duration_s > 10.0
