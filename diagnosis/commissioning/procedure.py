@@ -19,6 +19,7 @@ from stillarm.diagnosis.commissioning.watch import Bounds, Growth, bounds_of, ex
 from stillarm.diagnosis.data.measured import Frames, Measured
 
 _SLOWER = 0.6  # of the velocity, after a bound has ended the moves
+_TIME_CONSTANTS, _MOST_REST_S = 2.5, 60.0  # until the arm has rung down to a twelfth; of a rest
 _LEAST_SIGNAL = 0.3  # power of the ringing over that of the noise
 
 Recorder = Callable[[str, Scenario, Bounds], Measured]
@@ -43,13 +44,14 @@ def commission(
     limits: Limits,
     *,
     strike_s: float = 0.0,
+    rest: Callable[[float], None] = lambda seconds: None,
     tell: Callable[[str], None] = lambda line: None,
     tick: Callable[[float, str], None] = lambda done, what: None,
 ) -> Commissioning:
     """Probe, plan, move, fit, judge. Raises UserError where the rig shows too little, or where a bound ends the moves.
 
     model: what is declared (length, the drive's limits, the sensors' ranges); its parameters may be badly wrong.
-    strike_s: rest at the end in which the operator strikes the arm.
+    strike_s: rest at the end in which the operator strikes the arm. rest: lets the arm ring down for so long, s.
     """
     length_of(model, "model")
     limits = within(limits, model.drive)
@@ -76,14 +78,19 @@ def commission(
     tell(f"first mode near {mode.frequency_hz:.2f} Hz, damping near {100.0 * mode.damping_ratio:.1f} %")
     plan = fitted_to(moves(limits, grown.velocity_rad_s, mode, strike_s), rough.model, bounds)
     tell(f"moves: {plan.duration_s:.0f} s, in the second part of which the arm is left to ring")
-    measured, plan = _moved(record, plan, bounds, tell)
+    ring_down_s = _TIME_CONSTANTS / (mode.damping_ratio * mode.angular_frequency)
+    measured, plan = _moved(record, plan, bounds, lambda: rest(min(ring_down_s, _MOST_REST_S)), tell)
     tell("fit: all parameters, by the simulation in free run")
     found = calibrate(measured, model, tick)
     return Commissioning(grown, rough, plan, measured, found, judge(found, measured))
 
 
 def _moved(
-    record: Recorder, plan: Scenario, bounds: Bounds, tell: Callable[[str], None]
+    record: Recorder,
+    plan: Scenario,
+    bounds: Bounds,
+    ring_down: Callable[[], None],
+    tell: Callable[[str], None],
 ) -> tuple[Measured, Scenario]:
     """The moves as recorded, and as they were planned. Where a bound ends them they are made once more, slower: the
     model that they were planned by is rough. Raises UserError where that is not enough, or the controller stopped."""
@@ -98,6 +105,7 @@ def _moved(
         if name == "moves":
             tell(f"{ended}{over}; once more, at {_SLOWER:g} of the velocity")
             plan = slowed(plan, _SLOWER)
+            ring_down()
     raise UserError(
         f"commission: {ended}{over or 'the controller was stopped'}; lower --max-velocity-rad-s or "
         "--max-angle-rad, or see to what was exceeded"

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import time
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -93,6 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
             model,
             limits,
             strike_s=arguments.strike_s,
+            rest=time.sleep,
             tell=_tell,
             tick=lambda part, what: progress(0.9 + 0.1 * part),
         )

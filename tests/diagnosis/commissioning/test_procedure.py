@@ -144,7 +144,9 @@ def test_moves_that_a_bound_ends_are_made_once_more_slower(tmp_path: Path) -> No
         path, _ = simulated(true, assumed_model(), scenario, 1, tmp_path / name)
         return read_measured(open_recording(path), assumed_model())
 
-    found = commission(record, assumed_model(), LIMITS, tell=told.append)
+    rests: list[float] = []
+    found = commission(record, assumed_model(), LIMITS, rest=rests.append, tell=told.append)
+    assert len(rests) == 1 and 1.0 < rests[0] <= 60.0
     assert fastest["moves_slower"] == pytest.approx(0.6 * fastest["moves"])
     assert any("once more, at 0.6 of the velocity" in line for line in told)
     assert found.measured.duration_s > 10.0
