@@ -94,22 +94,27 @@ def _moved(
 ) -> tuple[Measured, Scenario]:
     """The moves as recorded, and as they were planned. Where a bound ends them they are made once more, slower: the
     model that they were planned by is rough. Raises UserError where that is not enough, or the controller stopped."""
-    for name in ("moves", "moves_slower"):
-        measured = record(name, plan, bounds)
-        if measured.duration_s >= plan.duration_s - 1.0:
-            return measured, plan
-        over = exceeded(measured, bounds)
-        ended = f"the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s: "
-        if over is None:
-            break
-        if name == "moves":
-            tell(f"{ended}{over}; once more, at {_SLOWER:g} of the velocity")
-            plan = slowed(plan, _SLOWER)
-            ring_down()
-    raise UserError(
-        f"commission: {ended}{over or 'the controller was stopped'}; lower --max-velocity-rad-s or "
-        "--max-angle-rad, or see to what was exceeded"
-    )
+    measured = record("moves", plan, bounds)
+    over = exceeded(measured, bounds) if _cut_short(measured, plan) else None
+    if over is not None:
+        tell(f"{_ended(measured, plan)}: {over}; once more, at {_SLOWER:g} of the velocity")
+        plan = slowed(plan, _SLOWER)
+        ring_down()
+        measured = record("moves_slower", plan, bounds)
+    if _cut_short(measured, plan):
+        raise UserError(
+            f"commission: {_ended(measured, plan)}: {exceeded(measured, bounds) or 'the controller was stopped'}; "
+            "lower --max-velocity-rad-s or --max-angle-rad, or see to what was exceeded"
+        )
+    return measured, plan
+
+
+def _cut_short(measured: Measured, plan: Scenario) -> bool:
+    return measured.duration_s < plan.duration_s - 1.0
+
+
+def _ended(measured: Measured, plan: Scenario) -> str:
+    return f"the moves ended after {measured.duration_s:.0f} of {plan.duration_s:.0f} s"
 
 
 def until(measured: Measured, end_s: float) -> Measured:

@@ -16,6 +16,7 @@ from stillarm.diagnosis.inference.candidates import (
     Candidate,
     Found,
     Stage,
+    turns_the_joint,
 )
 from stillarm.diagnosis.inference.comparison import Slopes, free_names
 from stillarm.diagnosis.inference.evidence import Score, score
@@ -151,10 +152,10 @@ def share_explained(one: Candidate, before: Fit, split: Split) -> float:
 def _own_channels(one: Candidate, before: Fit) -> tuple[str, ...]:
     """The measured channels in which alone a finding shows: its sensor's; the joint's, where the arm is moved by the
     joint as it was measured, whatever moved that."""
-    place = _place(one)
-    if place == "drive" and before.world.joint_hz > 0.0 and DECLARED[one.cause].acts != "force":
+    if turns_the_joint(one.cause) and before.world.joint_hz > 0.0:
         return tuple(name for name in JOINT_CHANNELS if name in before.residuals)
-    return tuple(name for name in (_CHANNEL_OF.get(place),) if name is not None and name in before.residuals)
+    own = _CHANNEL_OF.get(_place(one))
+    return (own,) if own in before.residuals else ()
 
 
 def _largest_there(before: Fit, after: Fit, own: tuple[str, ...], split: Split) -> bool:

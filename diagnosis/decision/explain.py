@@ -24,9 +24,9 @@ from stillarm.diagnosis.inference.candidates import (
     Stage,
     convinces,
     of_law,
+    turns_the_joint,
     white_noise,
 )
-from stillarm.diagnosis.inference.cause import Form
 from stillarm.diagnosis.inference.clocks import backward_steps
 from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared, free_names
 from stillarm.diagnosis.inference.evidence import score
@@ -159,7 +159,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     last, taken = found.final, {one.cause for one in found.findings}
     allowed = [one for one in forms(last.world) if one.id not in taken and (only is None or one.id in only)]
     if upstream:
-        drive = [one for one in allowed if _turns_the_joint(one)]
+        drive = [one for one in allowed if turns_the_joint(one.id)]
         screening, candidates = compared(_joint_alone(last, split), drive, split, found)
         candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
     else:
@@ -227,11 +227,6 @@ def _of_the_whole(one: Candidate, last: Fit, split: Split) -> Candidate:
     names = free_names(last, world, one.free)
     fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=last.colour)
     return replace(one, fit=fitted)
-
-
-def _turns_the_joint(one: Form) -> bool:
-    """Whether it shows in how the joint moves: all of the drive's but a rotor's imbalance, which shakes the arm."""
-    return DECLARED[one.id].place == "drive" and DECLARED[one.id].acts != "force"
 
 
 def _joint_departs(last: Fit) -> bool:

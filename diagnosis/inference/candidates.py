@@ -104,6 +104,12 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
     return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
 
 
+def turns_the_joint(cause: str) -> bool:
+    """Whether a cause shows in how the joint moves: all of the drive's but a rotor's imbalance, which shakes the
+    arm."""
+    return DECLARED[cause].place == "drive" and DECLARED[cause].acts != "force"
+
+
 def size_in_noise(before: Fit, after: Fit, parts: int = 1) -> float:
     """How much less is left in the channel that a cause mends most, over that channel's noise: rms over the recording,
     or over that one of so many equal parts of it in which it is largest."""

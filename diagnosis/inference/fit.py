@@ -192,12 +192,15 @@ class _Descent:
 
     def point(self, vector: Array) -> _Point | None:
         """The recording at a vector; None where its simulation runs away."""
-        there = self.begun(vector)
-        return there if all(np.isfinite(one).all() for one in there.predicted.channels.values()) else None
+        predicted = self._data.world.predict(vector)
+        finite = all(np.isfinite(one).all() for one in predicted.channels.values())
+        return self._scored(vector, predicted) if finite else None
 
     def begun(self, vector: Array) -> _Point:
         """The recording at a vector, whatever it comes to."""
-        predicted = self._data.world.predict(vector)
+        return self._scored(vector, self._data.world.predict(vector))
+
+    def _scored(self, vector: Array, predicted: Predicted) -> _Point:
         residuals = residuals_of(self._data.world, predicted, vector, self._colour)
         sigma = _likeliest_levels(self._data, residuals)
         nats = float(_nats(self._data, residuals, sigma)[0].sum())

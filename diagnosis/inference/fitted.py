@@ -158,9 +158,8 @@ def least_level(world: World, name: str) -> float:
         return 1e-6 * world.variation(name)
     if name == "joint_position":  # an encoder may be finer: as much as matters to anybody (contract.md)
         least = min(LEAST[name], MATTERS_OF_MOTION * world.variation(name) or LEAST[name])
-        return max(
-            least, 0.5 * world.resolution(name)
-        )  # at rest a counter may be off by half a step for as long
+        # at rest a counter may be off by half a step for as long
+        return max(least, 0.5 * world.resolution(name))
     return LEAST[name]
 
 

@@ -34,12 +34,8 @@ _PUSH_PERIODS = 1.6  # longest: a longer one swings the arm while it lasts, and 
 _BESIDE_PERIODS = 1.0  # before and after it, the model holds
 _WORSE = 1.02  # times the power left
 _HOLDS = 0.1  # of that time may depart from the model
-_SPANS_PERIODS = (
-    (0.5, 0.5),
-    (1.0, 0.5),
-    (0.5, 1.0),
-    (1.0, 1.0),
-)  # before and after an impact in the images alone
+# before and after an impact, in the images alone
+_SPANS_PERIODS = ((0.5, 0.5), (1.0, 0.5), (0.5, 1.0), (1.0, 1.0))
 _MOST_TRIED = 6  # impacts
 
 
@@ -89,9 +85,9 @@ def _without_pushes_seen(baseline: Fit, split: Split) -> Fit:
             _left_out(baseline, [(max(struck - before * period, 0.0), struck + after * period)], split)
             for before, after in _SPANS_PERIODS
         ]
-        best = max(tried, key=lambda one: _nats_where_both(one, baseline))
-        if _nats_where_both(best, baseline) > CHANGED_NATS:
-            baseline = best
+        nats = [_nats_where_both(one, baseline) for one in tried]
+        if max(nats) > CHANGED_NATS:
+            baseline = tried[int(np.argmax(nats))]
     return baseline
 
 
@@ -175,7 +171,7 @@ def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     time, off = last.world.instants(last.vector)[known], images.off[known]
     rate = 1.0 / last.world.step_s("displacement")
     width = max(3, round(_WINDOW_S * rate))
-    loud = is_one_sided(off, width)
+    loud, noise = is_one_sided(off, width), white_noise(off)
     spans = []
     cycle_s = last.world.measured.cycle_s
     for cycle in last.world.impacts:
@@ -184,7 +180,6 @@ def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
         if start is None or not _SHORTEST_S < end - start < _LONGEST_S:
             continue
         inside = off[(time >= start) & (time < end)]
-        noise = white_noise(off)
         if len(inside) < 4 or np.mean(inside) ** 2 < _ONE_SIDED * (np.mean(inside**2) - noise**2):
             continue
         spans.append((max(start - _LEAD_S, 0.0), end))

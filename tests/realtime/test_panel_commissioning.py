@@ -14,9 +14,7 @@ from stillarm.common.recording.reader import open_recording
 from tests.fixtures.quiet_rig import quiet_rig
 from tests.fixtures.shown_page import (
     AXE,
-    CHROMIUM,
-    DRIVER,
-    NO_BROWSER,
+    NEEDS_BROWSER,
     ShownPage,
     opened_browser,
     start_panel,
@@ -26,10 +24,7 @@ pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'sti
 LASTS_AT_MOST_S = 420.0  # the moves last 90 s; the fit, on a busy computer, longer
 TRUE_FREQUENCY_HZ = 2.6  # of the demo's rig
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None or DRIVER is None, reason=NO_BROWSER),
-]
+pytestmark = [pytest.mark.realtime, NEEDS_BROWSER]
 
 
 @pytest.fixture

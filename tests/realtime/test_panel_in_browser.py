@@ -23,9 +23,7 @@ from stillarm.simulation.demo.attended import attended_demo
 from tests.fixtures.recordings import some_fast, written
 from tests.fixtures.shown_page import (
     AXE,
-    CHROMIUM,
-    DRIVER,
-    NO_BROWSER,
+    NEEDS_BROWSER,
     ShownPage,
     opened_browser,
     start_panel,
@@ -33,17 +31,13 @@ from tests.fixtures.shown_page import (
 from tests.fixtures.tracked_images import PERIOD_S, READ_LATER_S, frames_of, tracked_images
 
 pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
-STANDS_S = (
-    0.25  # zero for over half a swing is no damping; after a stop the page arms again within half a second
-)
+# zero for over half a swing is no damping; after a stop the page arms again within half a second
+STANDS_S = 0.25
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
 SCREENS = ((1280, 720), (1920, 1080), (820, 1180))
 VIEWS = ("live", "recordings", "commission")
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None or DRIVER is None, reason=NO_BROWSER),
-]
+pytestmark = [pytest.mark.realtime, NEEDS_BROWSER]
 
 
 class Page(ShownPage):
