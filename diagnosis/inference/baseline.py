@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import white_noise, without_spikes
+from stillarm.diagnosis.data.robust import std_about_zero, white_noise, without_spikes
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.accelerometer_faults import below, ceiling_of
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 HURRIED_STEPS = 5
 _MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
 _LITTLE = 1.5  # times the noise: a rest below it makes no impacts up
+_NO_NOISE = 1e-300  # in a channel's unit: of one without noise any rest is too much
+_NEXT_TO_BEST = 0.8  # nats: of two courses seen so nearly alike the fits tell
 _ABOUT = (0.5, 1.5)  # times the frequency: where a wrong one leaves its rest
 _LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is simulated as it is
 
@@ -72,24 +74,40 @@ def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] =
 
 
 def _at_its_noise(usual: Fit, split: Split) -> bool:
-    """Whether one frequency leaves the accelerometer little more than its noise about that frequency, for most of the
-    time: no course of the frequency needs to be sought then, which takes long. What rings far above says nothing of
-    it."""
-    sensor = usual.channel("acceleration")
-    if sensor is None:
-        return False
-    world, hz = usual.world, usual.value("modes.0.frequency_hz")
-    block, levels = split.blocks_of(world.cycle_times), []
+    """Whether one frequency leaves the sensors at the tip little more than their noise for most of the time: no course
+    of the frequency needs to be sought then, which takes long."""
+    levels = [
+        level(usual, split)
+        for name, level in (("acceleration", _left_about_the_mode), ("displacement", _left_in_images))
+        if usual.channel(name) is not None
+    ]
+    return bool(levels) and max(levels) < _LITTLE
+
+
+def _left_about_the_mode(usual: Fit, split: Split) -> float:
+    """What is left of the accelerometer about the first mode's frequency, median of the blocks, over its noise. What
+    rings far above says nothing of that frequency."""
+    residual, levels = usual.residuals["acceleration"], []
+    hz = usual.value("modes.0.frequency_hz")
+    block = split.blocks_of(usual.world.cycle_times)
     for one in range(len(split.held)):
-        residual = sensor.residual[block == one]
-        known = np.isfinite(residual)
-        residual[known] = without_spikes(residual[known])
-        power = np.abs(np.fft.rfft(np.where(known, residual, 0.0))) ** 2 / max(int(known.sum()), 1)
-        at = np.fft.rfftfreq(len(residual), world.step_s("acceleration"))
+        off = residual[block == one]
+        known = np.isfinite(off)
+        off[known] = without_spikes(off[known])
+        power = np.abs(np.fft.rfft(np.where(known, off, 0.0))) ** 2 / max(int(known.sum()), 1)
+        at = np.fft.rfftfreq(len(off), usual.world.step_s("acceleration"))
         about = (at > _ABOUT[0] * hz) & (at < _ABOUT[1] * hz)
         if about.any() and known.any():
             levels.append(float(np.mean(power[about])))
-    return bool(levels) and float(np.median(levels)) < (_LITTLE * white_noise(sensor.residual)) ** 2
+    return float(np.median(levels)) ** 0.5 / max(white_noise(residual), _NO_NOISE) if levels else np.inf
+
+
+def _left_in_images(usual: Fit, split: Split) -> float:
+    """What is left of the images, median of the blocks, over their noise."""
+    residual = usual.residuals["displacement"]
+    block = split.blocks_of(usual.world.instants(usual.vector))
+    levels = [std_about_zero(off) for one in range(len(split.held)) if (off := residual[block == one]).size]
+    return float(np.nanmedian(levels)) / max(white_noise(residual), _NO_NOISE) if levels else np.inf
 
 
 def _with_limit(world: World, split: Split, ceiling: float) -> Fit:
@@ -143,12 +161,17 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
     courses = frequency_courses(world, world.predict(begun).motion)
     if not courses:
         return None
-    course = max(courses.values(), key=lambda one: one.nats)
-    starts = course.starts(world)
-    sought = with_impacts_sought(world, split, world.space.with_values(begun, starts[0]))
-    if _steady_with_impacts_of(_likeliest(sought, split, starts[1:]), split, starts[0]) is None:
+    most = max(one.nats for one in courses.values())
+    sought = [
+        (with_impacts_sought(world, split, world.space.with_values(begun, starts[0])), starts)
+        for one in courses.values()
+        if one.nats > _NEXT_TO_BEST * most
+        for starts in (one.starts(world),)
+    ]
+    found, starts = max(sought, key=lambda one: one[0].train_log_likelihood)
+    if _steady_with_impacts_of(_likeliest(found, split, starts[1:]), split, starts[0]) is None:
         return None  # before its impacts are put in place, which takes long
-    struck = with_impacts_in_place(sought, split)
+    struck = with_impacts_in_place(found, split)
     return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), split, starts[0])
 
 

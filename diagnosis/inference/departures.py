@@ -12,8 +12,13 @@ LOUD_OVER_S = 0.02
 """Over which the accelerometer's departure is looked at, s."""
 _LEAST_FRAMES = 3  # over which an image's is
 _LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
+_LONG_FRAMES = 5  # over which an image's departure is looked at where it lasts
+_LONG_LOUD = (
+    2.5  # times the usual departure, in which one window of so many in a hundred thousand lies by chance
+)
 _HELD = 4.0  # times the usual mean of a window, in which six of normal ones in a hundred thousand lie
 _FEWEST = 100  # values that tell how much is usual
+_GAP_PERIODS = 0.25  # within a stretch
 _ABOUT_PERIODS = 0.35  # from an impact to where what it has wrong shows
 
 
@@ -31,11 +36,26 @@ def loud_at(last: Fit, name: str) -> tuple[Array, NDArray[np.bool_]] | None:
     return time, is_loud(off, width)
 
 
-def is_loud(off: Array, width: int) -> NDArray[np.bool_]:
-    """Where a departure, over so many samples, is by far more than it usually is. off: (n,), none missing."""
+def is_loud(off: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
+    """Where a departure, over so many samples, is so many times what it usually is. off: (n,), none missing."""
     loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
     usual = max(float(np.median(loudness)), white_noise(off))
-    return np.asarray(loudness > _LOUD * usual)
+    return np.asarray(loudness > times * usual)
+
+
+def long_stretch(last: Fit, struck: float) -> tuple[float, float] | None:
+    """The stretch about an impact in which the images depart from the model, s: a smaller departure than a loud one, as
+    it lasts for some images; None where there is none."""
+    off = last.residuals["displacement"]
+    known = np.isfinite(off)
+    if known.sum() < _FEWEST:
+        return None
+    time, step = last.world.instants(last.vector)[known], last.world.step_s("displacement")
+    loud = is_loud(off[known], _LONG_FRAMES, _LONG_LOUD)
+    as_long = (
+        _LONG_FRAMES * step / _GAP_PERIODS
+    )  # a period of which the gaps that are bridged are so many images
+    return loud_stretch(time, loud, struck, max(as_long, 1.0 / last.value("modes.0.frequency_hz")))
 
 
 def is_one_sided(off: Array, width: int) -> NDArray[np.bool_]:
@@ -57,7 +77,7 @@ def loud_stretch(
     nearest = int(np.argmin(np.abs(at - struck)))
     if abs(at[nearest] - struck) > _ABOUT_PERIODS * period:
         return None
-    breaks = np.flatnonzero(np.diff(at) > 0.25 * period)
+    breaks = np.flatnonzero(np.diff(at) > _GAP_PERIODS * period)
     first = breaks[breaks < nearest]
     last = breaks[breaks >= nearest]
     return float(at[first[-1] + 1 if len(first) else 0]), float(at[last[0] if len(last) else len(at) - 1])

@@ -7,9 +7,9 @@ held against one frequency: a single change, a drift, and w^2 (1 + 3/4 c A^2) wi
 first order of a cubic stiffness). They are where refits start, no more: those decide.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import log, pi
 
 import msgspec
 import numpy as np
@@ -115,11 +115,11 @@ def frequency_courses(world: World, motion: Motion) -> dict[str, Course]:
 
 
 def _seen(world: World, motion: Motion) -> _Windows | None:
-    """The windows of the channel that shows the vibration; None where there are too few."""
-    name = next((one for one in ("acceleration", "deflection") if one in world.channels), None)
-    if name is None or world.measured.pair:
+    """The windows of the channels that show the vibration; None where there are too few."""
+    shown = [] if world.measured.pair else _shown(world, motion)
+    if not shown:
         return None
-    windows = _windows(world, motion, name)
+    windows = _windows(world, shown)
     return windows if len(windows.cost) > 2 * _FEWEST else None
 
 
@@ -158,47 +158,116 @@ def _stiffening(windows: _Windows) -> Iterator[tuple[float, dict[str, float]]]:
         yield cost, {"modes.0.frequency_hz": float(windows.hz[best]), "arm.cubic_per_m2": cubic}
 
 
-def _windows(world: World, motion: Motion, name: str) -> _Windows:
+@dataclass(frozen=True)
+class _Shown:
+    """A channel that shows the vibration: values at times, s; what the joint makes of it by itself, (samples, m);
+    forced: what its motion makes of a mode of some w, rad/s; per_m: value per metre of the vibration."""
+
+    time_s: Array
+    values: Array
+    beside: Array
+    forced: Callable[[float], Array]
+    per_m: float
+
+
+def _shown(world: World, motion: Motion) -> list[_Shown]:
+    """The channels that show the vibration, at some samples a period."""
     h = world.measured.cycle_s
     f0 = world.model.arm.modes[0].frequency_hz
     many = max(1, int(1.0 / (_PER_PERIOD * f0) / h))
-    values = _means(world.channels[name], many)
     pull = world.length * motion.joint[:, 2]
-    rigid = _means(pull, many)
-    step = many * h
-    time = step * np.arange(len(values))
-    per_window = round(_PERIODS / f0 / step)
-    windows = [slice(a, a + per_window) for a in range(0, len(values) - per_window + 1, per_window)]
+    middles = np.asarray(h * many * np.arange(len(pull) // many), np.float64)
+    shown = []
+    if "acceleration" in world.channels:
+        per_m = world.model.accelerometer.scale * (2.0 * pi * f0) ** 2
+        rigid = _means(pull, many)[:, None]
+        means = _means(world.channels["acceleration"], many)
+        shown.append(_Shown(middles, means, rigid, lambda w: _means(_answer(pull, w, h, False), many), per_m))
+    if "deflection" in world.channels:
+        means = _means(world.channels["deflection"], many)
+        none = np.empty((len(means), 0))
+        shown.append(_Shown(middles, means, none, lambda w: _means(_answer(pull, w, h, True), many), 1.0))
+    per_px = world.model.camera.scale_px_per_m
+    if "displacement" in world.channels and per_px != 0.0:
+        at_s = world.instants(world.space.vector())
+        known = np.isfinite(at_s)
+        at_s = at_s[known]
+        grid = world.cycle_times
+        turned = np.interp(at_s, grid, motion.joint[:, 0])[:, None]
+        shown.append(
+            _Shown(
+                at_s,
+                world.channels["displacement"][known],
+                turned,
+                lambda w: np.interp(at_s, grid, _answer(pull, w, h, True)),
+                per_px,
+            )
+        )
+    return shown
+
+
+def _windows(world: World, shown: Sequence[_Shown]) -> _Windows:
+    """Windows of some periods, one after another; each channel has its own level in each."""
+    f0 = world.model.arm.modes[0].frequency_hz
+    long_s = _PERIODS / f0
+    starts_s = np.asarray(long_s * np.arange(int(world.measured.duration_s / long_s)), np.float64)
+    windows = [[_within(one, at, long_s) for at in starts_s] for one in shown]
     hz = f0 * _RATIOS
 
     def costs(one: float) -> list[float]:
-        w, found = 2.0 * pi * one, []
-        forced = _means(_answer(pull, w, h, name == "deflection"), many)
-        for window in windows:
-            known = np.isfinite(values[window])
-            t = (time[window] - time[window.start])[known]
-            fade = np.exp(-_DAMPING * w * t)
-            terms = [fade * np.cos(w * t), fade * np.sin(w * t), np.ones(len(t)), forced[window][known]]
-            if name == "acceleration":
-                terms.append(rigid[window][known])
-            found.append(_left(np.column_stack(terms), values[window][known]))
-        return found
+        solved = _solved(shown, windows, starts_s, 2.0 * pi * one)
+        return [sum(channel[i].cost for channel in solved) for i in range(len(starts_s))]
 
-    cost = np.array(side_by_side(costs, hz.tolist())).reshape(len(hz), len(windows)).T
-    per_m = world.model.accelerometer.scale * (2.0 * pi * f0) ** 2 if name == "acceleration" else 1.0
-    size = np.array([float(np.nanstd(values[window])) if len(values[window]) else 0.0 for window in windows])
-    middle = np.array([time[window.start] + 0.5 * per_window * step for window in windows])
-    return _Windows(middle, np.sqrt(2.0) * np.nan_to_num(size) / abs(per_m), hz, cost)
+    cost = np.array(side_by_side(costs, hz.tolist())).reshape(len(hz), len(starts_s)).T
+    best = float(hz[int(np.argmin(cost.sum(axis=0)))])
+    at_best = _solved(shown, windows, starts_s, 2.0 * pi * best)
+    clearest = max(at_best, key=lambda channel: float(np.median([one.clarity for one in channel])))
+    amplitude = np.array([one.amplitude_m for one in clearest])
+    return _Windows(starts_s + 0.5 * long_s, amplitude, hz, cost)
 
 
-def _left(terms: Array, values: Array) -> float:
-    """Negative log-likelihood of what the terms leave of the values, at its own level."""
-    if len(values) < 2 * terms.shape[1]:
-        return 0.0
-    solved, *_ = np.linalg.lstsq(terms, values, rcond=1e-9)
-    rest = values - terms @ solved
-    least = 1e-12 * float(values @ values) + 1e-30
-    return 0.5 * len(values) * float(np.log(max(float(rest @ rest) / len(values), least)))
+def _within(one: _Shown, start_s: float, long_s: float) -> NDArray[np.intp]:
+    """Places of a channel's samples in a window."""
+    inside = (one.time_s >= start_s) & (one.time_s < start_s + long_s)
+    return np.flatnonzero(inside & np.isfinite(one.values))
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """What one frequency makes of a channel in a window. cost: negative log-likelihood of what it leaves, at its own
+    level; amplitude_m: of the vibration; clarity: the vibration's rms over that of what is left."""
+
+    cost: float
+    amplitude_m: float
+    clarity: float
+
+
+def _solved(
+    shown: Sequence[_Shown], windows: Sequence[Sequence[NDArray[np.intp]]], starts_s: Array, w: float
+) -> list[list[_Solved]]:
+    """Each channel's windows at a mode's w, rad/s."""
+    return [
+        [
+            _explained(one, forced, window, start_s, w)
+            for window, start_s in zip(of_channel, starts_s, strict=True)
+        ]
+        for one, of_channel in zip(shown, windows, strict=True)
+        for forced in (one.forced(w),)
+    ]
+
+
+def _explained(one: _Shown, forced: Array, window: NDArray[np.intp], start_s: float, w: float) -> _Solved:
+    t, values = one.time_s[window] - start_s, one.values[window]
+    fade = np.exp(-_DAMPING * w * t)
+    swing = np.column_stack([fade * np.cos(w * t), fade * np.sin(w * t), forced[window]])
+    terms = np.column_stack([swing, np.ones(len(t)), one.beside[window]])
+    if len(t) < 2 * terms.shape[1]:
+        return _Solved(0.0, 0.0, 0.0)
+    amounts, *_ = np.linalg.lstsq(terms, values, rcond=1e-9)
+    rest, moved = values - terms @ amounts, swing @ amounts[:3]
+    left = float(rest @ rest) / len(t) + 1e-12 * float(values @ values) / len(t) + 1e-30
+    size = float(np.std(moved))
+    return _Solved(0.5 * len(t) * log(left), 2.0**0.5 * size / abs(one.per_m), size / left**0.5)
 
 
 def _answer(pull: Array, w: float, h: float, deflection: bool) -> Array:

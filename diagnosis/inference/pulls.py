@@ -13,7 +13,13 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.departures import LOUD_OVER_S, is_one_sided, loud_at, loud_stretch
+from stillarm.diagnosis.inference.departures import (
+    LOUD_OVER_S,
+    is_one_sided,
+    long_stretch,
+    loud_at,
+    loud_stretch,
+)
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
@@ -37,6 +43,7 @@ _HOLDS = 0.1  # of that time may depart from the model
 # before and after an impact, in the images alone
 _SPANS_PERIODS = ((0.5, 0.5), (1.0, 0.5), (0.5, 1.0), (1.0, 1.0))
 _MOST_TRIED = 6  # impacts
+_MOST_OF_ONE = 0.1  # of the recording
 
 
 def without_pulls(baseline: Fit, split: Split) -> Fit:
@@ -75,20 +82,39 @@ def without_pushes(baseline: Fit, split: Split) -> Fit:
 def _without_pushes_seen(baseline: Fit, split: Split) -> Fit:
     """The same of images alone, in which the arm rings long after a push as no impact has it: spans about an impact
     are tried, and the one is left out without which the rest is likeliest. An impact has any state after it already,
-    so that a span left out mends nothing beyond it but what a force within it spoilt."""
-    period = 1.0 / baseline.value("modes.0.frequency_hz")
+    so that a span left out mends nothing beyond it but what a force within it spoilt. A force that swings the arm for
+    some periods spoils nothing beyond them, if an impact is found at its end: it shows as a stretch that departs from
+    the model between times that do not."""
+    period, cycle_s = 1.0 / baseline.value("modes.0.frequency_hz"), baseline.world.measured.cycle_s
     for cycle in baseline.world.impacts[:_MOST_TRIED]:
-        struck = cycle * baseline.world.measured.cycle_s
+        struck = cycle * cycle_s
         if any(start <= struck <= end for start, end in baseline.world.unjudged_s):
             continue
-        tried = [
-            _left_out(baseline, [(max(struck - before * period, 0.0), struck + after * period)], split)
-            for before, after in _SPANS_PERIODS
+        spans = [
+            (max(struck - before * period, 0.0), struck + after * period) for before, after in _SPANS_PERIODS
         ]
+        tried = [_left_out(baseline, [span], split) for span in spans]
         nats = [_nats_where_both(one, baseline) for one in tried]
         if max(nats) > CHANGED_NATS:
             baseline = tried[int(np.argmax(nats))]
+            continue
+        for span in _seen_about(baseline, struck, period):
+            without = _left_out(baseline, [span], split)
+            ends = any(span[0] <= i * cycle_s <= span[1] for i in without.world.impacts)
+            if ends and _no_worse(without, baseline):
+                baseline = without
     return baseline
+
+
+def _seen_about(baseline: Fit, struck: float, period: float) -> list[tuple[float, float]]:
+    """The stretch about an impact in which the images depart from the model, as a span, s, if it is a short one: a
+    push that lasts swings the arm while it does, and the impact stands at its end."""
+    stretch = long_stretch(baseline, struck)
+    if stretch is None:
+        return []
+    start, end = max(stretch[0] - 0.5 * period, 0.0), max(stretch[1], struck) + 0.25 * period
+    short = end - start < min(_LONGEST_S, _MOST_OF_ONE * baseline.world.measured.duration_s)
+    return [(start, end)] if short else []
 
 
 def _nats_where_both(found: Fit, before: Fit) -> float:

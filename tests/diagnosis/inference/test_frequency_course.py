@@ -1,5 +1,8 @@
 """How the arm's frequency goes is seen without a free run: a change, a stiffness; where it stays, nothing."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from stillarm.diagnosis.inference.frequency_course import Course, frequency_courses, seen_frequency
@@ -31,6 +34,17 @@ def test_a_change_is_seen_across_an_impact(ratio: float) -> None:
 
 def test_a_stiffness_is_seen_as_such() -> None:
     found = courses({"arm.cubic_per_m2": 150.0})
+    best = max(found, key=lambda cause: found[cause].nats)
+    assert best == "cubic_stiffness"
+    assert found[best].start["arm.cubic_per_m2"] == pytest.approx(150.0, rel=0.5)
+
+
+@pytest.mark.parametrize("felt", [np.nan, 0.0], ids=["images alone", "an accelerometer that shows nothing"])
+def test_images_show_it_too(felt: float) -> None:
+    data = measured(20.0, 5, {"arm.cubic_per_m2": 150.0})
+    noise = np.random.default_rng(3).normal(0.0, 3.0, data.cycles)
+    world = World(replace(data, acceleration=noise + felt), MODEL)
+    found = frequency_courses(world, world.predict(world.space.vector()).motion)
     best = max(found, key=lambda cause: found[cause].nats)
     assert best == "cubic_stiffness"
     assert found[best].start["arm.cubic_per_m2"] == pytest.approx(150.0, rel=0.5)

@@ -158,3 +158,19 @@ def test_a_push_is_left_out_where_images_alone_show_it() -> None:
     assert since < RELEASED_S - 0.4 * PUSHED_S and until > RELEASED_S + 0.4 * PUSHED_S
     off = found.residuals["displacement"]
     assert np.nanstd(off) == pytest.approx(NOISE["displacement"], rel=0.15)
+
+
+def test_a_force_that_swings_the_arm_for_some_periods_is_left_out_where_an_impact_ends_it() -> None:
+    """Beyond it the images are as foretold, so that nothing is mended there."""
+    shaken = measured(30.0, 3, JUMP, impacts=(20000,))
+    unfelt = replace(shaken, acceleration=np.full(shaken.cycles, np.nan))
+    time = seen_s(unfelt)
+    forced = (time > 18.5) & (time < 20.0)
+    swung = np.where(forced, 0.6 * np.sin(2.0 * pi * 2.9 * (time - 18.5)), 0.0)
+    frames = replace(unfelt.frames, displacement_px=unfelt.frames.displacement_px + swung)
+    world, split = World(replace(unfelt, frames=frames), MODEL, (20000,)), interleaved(30.0)
+    spoilt = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    found = without_pushes(spoilt, split)
+    ((since, until),) = found.world.unjudged_s
+    assert 17.5 < since <= 18.6 and 19.9 <= until < 20.5
+    assert np.nanstd(found.residuals["displacement"]) == pytest.approx(NOISE["displacement"], rel=0.15)
