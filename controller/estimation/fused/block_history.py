@@ -12,8 +12,7 @@ from stillarm.controller.estimation.fused.accelerometer.impact_detector import I
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
 from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
-from stillarm.controller.estimation.fused.fusion.mixture import Merged
-from stillarm.controller.estimation.fused.present import Present
+from stillarm.controller.estimation.fused.present import Merged, Mixture, Present
 
 
 class BlockHistory:
@@ -34,6 +33,7 @@ class BlockHistory:
         self._health = fusion.state.health
         assumed = fusion.state.assumed
         self._assumed, self._blocks_assumed = assumed.impact_detector, assumed.blocks
+        self._mixture = Mixture(fusion.state)
         self.present = Present(w, at.sigma.tolist(), at.w_first)
         self.impacts = ImpactDetector(w, block_s, assumed)
         self.sums = BlockSums(at.modes, assumed)
@@ -148,7 +148,8 @@ class BlockHistory:
 
     def merge(self, now_s: float) -> None:
         """Take a snapshot of the filters' mixture."""
-        self._snapshot = self._fusion.merged(now_s)
+        self._fusion.blocks.finish()
+        self._snapshot = self._mixture.merged(now_s)
         self._taken.clear()
 
     def restart_present(self, now_s: float) -> None:
@@ -180,7 +181,7 @@ class BlockHistory:
     def widen_present(self, block: Block) -> None:
         """What may have happened to the vibration in the block that has just been closed."""
         self.present.widen(
-            self._fusion.phasor_noise() * (block.end_s - block.start_s)
+            self._mixture.phasor_noise() * (block.end_s - block.start_s)
             + block.motion_variance(self._blocks_assumed.motion_doubt)
         )
         self._push(block.start_s, block.end_s)
@@ -190,6 +191,6 @@ class BlockHistory:
         push = self._fusion.force.during(start_s, end_s)
         if push is not None:
             self.present.inflate(push)
-        held = self._fusion.held_during(start_s, end_s)
+        held = self._fusion.state.held_during(start_s, end_s)
         if held is not None:
             self.present.inflate(held)

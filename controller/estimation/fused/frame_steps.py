@@ -3,23 +3,59 @@
 The order is that of docs/fused.md: the date (Eqs. 18 to 28), the image (Eqs. 30 to 36), the laws (Eqs. 37 to 39), the
 mixture (Eqs. 40, 41), the present (Eq. 42), and what is learnt (Eqs. 44 to 64).
 
+The sequence is a generator. It yields the name of its next step and does that step when it is resumed, so that
+whoever interrupts it can see what is due.
+
 The next frame, if it comes before the last step, first has this one's measurement processed. What only tells of this
 one, from the mixture on, is then left to the next.
 """
+
+from collections.abc import Generator
+from typing import TypeAlias
 
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.block_history import BlockHistory
 from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
-from stillarm.controller.estimation.fused.spread_work import SpreadWork, Steps
 
+Steps: TypeAlias = Generator[str, bool, None]
+NOTHING = ""
 # The steps in their order; those before MERGE change the filters by the frame.
 DATE, ARRIVAL, STARTED = "date", "arrival", "n_i"
 AIM, PREDICT, LOOK, TAKE, SETTLE = "aim", "predict", "look", "take", "settle"
 MERGE, PRESENT, LEARN, BLOCKS = "merge", "present", "learn", "blocks ahead"
 _OF_FRAME = frozenset((DATE, ARRIVAL, STARTED, AIM, PREDICT, LOOK, TAKE, SETTLE))
 _AIMED, _TO_TAKE = frozenset((PREDICT, LOOK)), frozenset((TAKE, SETTLE))
+
+
+class SpreadWork:
+    """Holds at most one sequence. due: name of its next step; NOTHING where none is left."""
+
+    def __init__(self) -> None:
+        """No sequence."""
+        self._steps: Steps | None = None
+        self.due = NOTHING
+
+    def begin(self, steps: Steps) -> None:
+        """Put a sequence in place of what is left of the one before. None of its steps has been done yet."""
+        self._steps = steps
+        self.due = next(steps, NOTHING)
+
+    def advance(self) -> None:
+        """Do the step that is due."""
+        if self._steps is not None:
+            self.due = next(self._steps, NOTHING)
+
+    def advance_through(self, steps: frozenset[str]) -> None:
+        """Do at once all that is due, as long as it is one of `steps`."""
+        while self.due in steps:
+            self.advance()
+
+    def withdraw(self) -> None:
+        """Tell the sequence, in place of its next step, that what it has prepared for it no longer holds."""
+        if self._steps is not None:
+            self.due = self._steps.send(True)
 
 
 class FrameSteps:
@@ -143,7 +179,8 @@ class FrameSteps:
         return of_use
 
     def _tell_date(self, frame: int) -> None:
-        self.dated.append((frame, self._fusion.delay_s, self._fusion.delay_std_s))
+        state = self._fusion.state
+        self.dated.append((frame, state.delay_s, state.delay_std_s))
 
     def _block_ahead(self) -> bool:
         """Whether there is a block that the next image will want processed."""

@@ -6,7 +6,7 @@ Implements Eqs. 60, 61, 62, 64 of docs/fused.md.
 from math import sqrt
 
 from stillarm.controller.estimation.fused.filters.date_update import doubt_dates, redate
-from stillarm.controller.estimation.fused.filters.jumps import end_force
+from stillarm.controller.estimation.fused.filters.jumps import end_force, forget_zero
 from stillarm.controller.estimation.fused.filters.laws import CLOCKED
 from stillarm.controller.estimation.fused.filters.new_beginning import begin_near, start_vibration
 from stillarm.controller.estimation.fused.fusion.state import FusionState
@@ -46,6 +46,18 @@ class Recovery:
             end_force(state.bank)
             state.held_force.end(state.bank.edge_s)
         state.slow_pull.restart()
+
+    def forget_zero(self) -> None:
+        """The images that follow count from another zero: a force that was held is in it."""
+        state = self._state
+        if state.held_force.active:
+            end_force(state.bank)
+            state.held_force.end(state.bank.edge_s, explained=True)
+        forget_zero(state.bank)
+        state.images = 0
+        self._unexplained.end_run()
+        state.slow_pull.restart()
+        state.fresh.forget()
 
     def _check(self, received_s: float) -> bool:
         state = self._state

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
 from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
-from stillarm.controller.estimation.fused.filters.image_update import Seen
+from stillarm.controller.estimation.fused.filters.image_update import Look, Seen, look_at_image_of
 from stillarm.controller.estimation.fused.filters.jumps import inflate, loosen
 from stillarm.controller.estimation.fused.filters.laws import DISTURBED, QUIET, Law
 from stillarm.controller.estimation.fused.filters.new_beginning import forget_phase
 from stillarm.controller.estimation.fused.fusion.force_onset import begin_force
 from stillarm.controller.estimation.fused.fusion.image_delay import ImageDelay
-from stillarm.controller.estimation.fused.fusion.image_stages import Look, compared_at
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 Array = NDArray[np.float64]
@@ -141,7 +140,7 @@ class UnexplainedImage:
         for extra in sorted({-2, -1, 1, 2, 3, behind - 1, behind, behind + 1} - {0}):
             moved = times.copy()
             moved[clock] += extra * state.frame_s
-            nis = float(compared_at(state, image, moved).nis[clock])
+            nis = float(look_at_image_of(state.bank, image, moved).nis[clock])
             late = received_s - float(moved[clock]) - self._delay.mean_s
             costs.append((nis + late * late / self._delay.variance, extra))
         cost, extra = min(costs)
