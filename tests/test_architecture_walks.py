@@ -2,11 +2,16 @@
 
 import ast
 import re
+import sys
 from functools import cache
 from pathlib import Path
+from types import FrameType
 
 import pytest
 
+from stillarm.benchmarks.loop.loopback_rig import LoopbackRig, loopback_configuration
+from stillarm.controller.loop.live_devices import LiveDevices
+from stillarm.controller.loop.step import Controller
 from tests.fixtures.imports import ROOT
 
 PAGE = ROOT / "docs" / "architecture.md"
@@ -16,6 +21,7 @@ WALKS = (
     "One recording, to its verdict",
 )
 MOST_STATIONS = 12
+MOST_FILES = 18  # of ours, that an image passes
 
 
 def stations(walk: str) -> list[str]:
@@ -36,15 +42,19 @@ def defined(path: Path) -> frozenset[str]:
     return frozenset(names)
 
 
+def places(row: str) -> list[tuple[str, str]]:
+    """File and function of each place in a station."""
+    found = re.findall(r"\[([\w.]+)\]\(\.\./([\w/.]+)\) `([\w.]+)`", row)
+    assert found and all(Path(file).name == name for name, file, _ in found), row
+    return [(file, function) for _, file, function in found]
+
+
 @pytest.mark.parametrize("walk", WALKS)
 def test_each_station_is_a_function_that_is_there(walk: str) -> None:
     rows = stations(walk)
     assert rows
     for row in rows:
-        places = re.findall(r"\[([\w.]+)\]\(\.\./([\w/.]+)\) `([\w.]+)`", row)
-        assert places, row
-        for name, file, function in places:
-            assert Path(file).name == name, row
+        for file, function in places(row):
             assert function in defined(ROOT / file), f"{file} has no {function}"
 
 
@@ -53,6 +63,50 @@ def test_a_walk_has_at_most_twelve_stations_in_order(walk: str) -> None:
     numbers = [int(row.split("|")[1]) for row in stations(walk)]
     assert numbers == list(range(1, len(numbers) + 1))
     assert len(numbers) <= MOST_STATIONS
+
+
+def test_an_image_passes_few_files() -> None:
+    assert len({file for row in stations(WALKS[0]) for file, _ in places(row)}) <= MOST_FILES
+
+
+def calls_of_a_run(cycles: int) -> dict[tuple[str, str], set[str]]:
+    """Which files call each function of ours, by file and name, while a controller on real sockets sees images."""
+    callers: dict[tuple[str, str], set[str]] = {}
+
+    def file_of(frame: FrameType | None) -> str:
+        path = Path(frame.f_code.co_filename).resolve() if frame is not None else ROOT
+        return str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else ""
+
+    def see(frame: FrameType, event: str, argument: object) -> None:
+        if event == "call":
+            called = file_of(frame), frame.f_code.co_qualname
+            callers.setdefault(called, set()).add(file_of(frame.f_back))
+
+    configuration, model = loopback_configuration()
+    rig, devices = LoopbackRig(configuration, model), LiveDevices(configuration, model)
+    controller = Controller(model, configuration.controller)
+    try:
+        rig.start(devices)
+        for cycle in range(cycles):
+            rig.advance(cycle)
+            sys.setprofile(see)
+            devices.write(controller.step(devices.read(cycle)).command_rad_s)
+            sys.setprofile(None)
+    finally:
+        sys.setprofile(None)
+        devices.close()
+        rig.close()
+    return callers
+
+
+@pytest.mark.slow
+def test_an_image_passes_no_other_file_between_its_stations() -> None:
+    """Each station is called while images arrive, by the loop (this module in its place) or by a file of the walk."""
+    walk = [place for row in stations(WALKS[0]) for place in places(row)]
+    files = {file for file, _ in walk} | {str(Path(__file__).relative_to(ROOT))}
+    callers = calls_of_a_run(200)
+    for place in walk:
+        assert callers.get(place, set()) & files, f"{place}: called from {callers.get(place)}"
 
 
 @pytest.mark.parametrize("page", [PAGE, ROOT / "CONTRIBUTING.md"], ids=lambda page: page.name)
