@@ -137,7 +137,7 @@ def replacing(name: str, unit: str, lowest: float, highest: float, low: float, h
 
 
 def frequency(low: float, high: float) -> Parameter:
-    """Of a foreign force or voltage."""
+    """Frequency of a foreign force or voltage."""
     return Parameter("frequency_hz", "Hz", 0.01, 1000.0, (low, high))
 
 

@@ -40,7 +40,7 @@ class RecorderOrder(msgspec.Struct, frozen=True):
 
 
 class RecorderClient:
-    """A recorder process and the way to it. Of one process and one thread: the ring has one writer."""
+    """A recorder process and the way to it. One process and one thread may use it, because the ring has one writer."""
 
     def __init__(self, process: subprocess.Popen[bytes], ring: SharedRing) -> None:
         """Use launch() or start()."""

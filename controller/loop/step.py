@@ -98,7 +98,7 @@ class Controller:
 
     @property
     def settings(self) -> ControllerSettings:
-        """What is in force: as configured, with what an operator has adjusted."""
+        """The settings in force: as configured, with an operator's adjustments."""
         return self._adjusting.settings
 
     def _adjusted(self, asked: Adjustment, cycle: int) -> Adjusted | None:

@@ -1,4 +1,4 @@
-"""What a frame leaves to do, as a sequence of steps: each has a controller's cycle of its own, so that none is long.
+"""The work on one frame as a sequence of steps. Each step has a cycle of the controller, so that no cycle is long.
 
 The order is that of docs/fused.md: the date (Eqs. 18 to 28), the image (Eqs. 30 to 36), the laws (Eqs. 37 to 39), the
 mixture (Eqs. 40, 41), the present (Eq. 42), and what is learnt (Eqs. 44 to 64).
@@ -6,8 +6,8 @@ mixture (Eqs. 40, 41), the present (Eq. 42), and what is learnt (Eqs. 44 to 64).
 The sequence is a generator. It yields the name of its next step and does that step when it is resumed, so that
 whoever interrupts it can see what is due.
 
-The next frame, if it comes before the last step, first has this one's measurement processed. What only tells of this
-one, from the mixture on, is then left to the next.
+If the next frame comes before the last step, this frame's measurement is processed first. The steps from the mixture
+on only tell of this frame; they are left to the next one.
 """
 
 from collections.abc import Generator

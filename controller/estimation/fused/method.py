@@ -186,7 +186,7 @@ class StatedEstimate:
         return Estimate(delay, status=Status.INVALID, reason=self.reason)
 
     def _status(self, delay_std_s: float, amplitude_m: float, std_m: float, time_s: float) -> Status:
-        """Of the delay; sets the reason for it."""
+        """Status of the delay; sets the reason for it."""
         state, settings = self._fusion.state, self._settings
         health = state.health
         self.reason = health.reason or (_SCALE_DRIFTS if state.scale_watch.drifts else "")

@@ -118,7 +118,7 @@ class Present:
         self.turn_cycle = [exp(one * cycle_s) for one in slow]
 
     def expected(self, turn: list[complex]) -> float:
-        """What the accelerometer should show, as deflection of the first mode, m, where exp(i w t) is `turn`."""
+        """Expected accelerometer reading, as deflection of the first mode, m, where exp(i w t) is `turn`."""
         total, gain = self.bias, self.gain
         for i, z in enumerate(self.z):
             total += (z * gain[i] * turn[i]).real

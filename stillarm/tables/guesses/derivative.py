@@ -34,7 +34,7 @@ class Derivative:
 
 
 def derivatives(spectra: Spectra, rate_hz: float | None) -> list[Derivative]:
-    """For each column the best column that it is the first or second derivative of, where that is sure."""
+    """Pairs a column with the column whose first or second derivative it is, where that is certain."""
     found = []
     for name in spectra.samples:
         options = [

@@ -15,7 +15,7 @@ from stillarm.controller.estimation.fused.assumptions.sensor_assumptions import 
 
 
 def along_rate(w: float, time_s: float) -> complex:
-    """By what a mode's phasor moves for each unit that its rate over w rises at time_s."""
+    """Change of a mode's phasor per unit of its rate over w, for a step of the rate at time_s."""
     return -1j * exp(-1j * w * time_s)
 
 
@@ -77,7 +77,7 @@ class Block:
     scatter: float = nan
 
     def motion_variance(self, doubt: float) -> float:
-        """Of each phasor's parts, m^2, where the joint's effect on the arm is known to that share of it."""
+        """Variance of each part of a phasor, m^2, if the joint's effect on the arm is known to the share `doubt`."""
         return 0.5 * sum([(doubt * abs(one)) ** 2 for one in self.step])
 
 

@@ -117,7 +117,7 @@ class AccelerometerHealth:
 
     @property
     def doubt(self) -> float:
-        """By what a block's variance is to be multiplied: 1, or how far the sensor contradicts the images."""
+        """Factor for a block's variance: 1, or more as the sensor contradicts the images."""
         strain = self._against.strain
         return strain if strain > self._images.strained else 1.0
 

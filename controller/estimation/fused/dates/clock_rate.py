@@ -15,7 +15,7 @@ from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPT
 
 
 class Rate(NamedTuple):
-    """By how much the true period exceeds the supposed one, relative, with its standard deviation."""
+    """Relative excess of the true period over the supposed one, with its standard deviation."""
 
     rate: float
     std: float

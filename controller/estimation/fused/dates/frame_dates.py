@@ -151,7 +151,7 @@ class FrameDates:
         return anew
 
     def take_started(self) -> None:
-        """What n_i tells after the arrival, if that has not been processed: followed once its wander is known."""
+        """Measurement update by n_i after that by the arrival, unless made. n_i counts once its wander is known."""
         if self._begun is None:
             return
         started, self._begun = self._begun, None
@@ -226,8 +226,8 @@ class FrameDates:
     def _place(self, law: Law, floor: ArrivalFloor) -> bool:
         """Whether images have yet to tell the law's shift: until then it follows the arrivals near their floor.
 
-        What its arrivals have told of the clock before is forgotten, as where a queue has drained. Then they tell no
-        more than how the mean delay, now unknown, wanders.
+        Earlier knowledge of the clock from its arrivals is forgotten then, as after a queue has drained. The arrivals
+        then tell only how the mean delay, which is unknown again, wanders.
         """
         bank, t = self._bank, self._at.shift
         waits = False

@@ -4,7 +4,7 @@ Implements Eqs. 6, 29 of docs/fused.md.
 
 All live at one instant `edge_s`, the end of the last accelerometer block they have processed, which lies about a
 capture delay back: an image is processed at its own instant, and what the accelerometer has said since is added
-afterwards (present/). What changes the states is beside this: block_update, image_update, date_update, jumps,
+afterwards (present/). The modules beside it change the states: block_update, image_update, date_update, jumps,
 new_beginning.
 """
 

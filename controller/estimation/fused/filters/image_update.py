@@ -62,8 +62,7 @@ class Seen:
 
 
 def turned_to(bank: FilterBank, times_s: Array) -> ComplexArray:
-    """By what a phasor at edge_s is to be multiplied for what images show of it at times_s (filters, k): shape
-    (filters, k, m)."""
+    """Factors that turn a phasor at edge_s into its share of images at times_s (filters, k): shape (filters, k, m)."""
     lag = (times_s - bank.edge_s)[:, :, None]
     turned: ComplexArray = (
         np.exp(bank.fast_rates()[:, None, :] * lag + bank.iw * bank.edge_s) * bank.image_gain

@@ -128,7 +128,7 @@ class FrameFusion:
         self.recovery.forget_zero()
 
     def take_arrival(self) -> None:
-        """What the arrival of the frame accepted last tells, if that has not been processed."""
+        """Measurement update by the arrival of the frame accepted last, unless it was made."""
         if self.dates.take_arrival():
             self.recovery.forget_wrong_dates()
 
@@ -212,7 +212,7 @@ class FrameFusion:
         self._taken = Taken(own, spread, seen, nis, received_s)
 
     def settle(self) -> bool:
-        """What the image processed last tells of the laws and of its delay, before anything else; whether it has.
+        """Weigh the laws and tell the delay by the image processed last, before anything else; whether there was one.
 
         `learn` comes next then.
         """
@@ -229,8 +229,10 @@ class FrameFusion:
         return True
 
     def learn(self) -> bool:
-        """What the image settled last leaves to do before anything else, if there is one. Returns whether the filters
-        were found lost, and have begun anew."""
+        """Learn from the image settled last, if there is one, before anything else.
+
+        Returns whether the filters were found lost and have started again.
+        """
         if self._settled is None:
             return False
         settled, self._settled = self._settled, None

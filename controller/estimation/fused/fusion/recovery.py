@@ -1,4 +1,4 @@
-"""What is begun anew after an image where the filters are lost, their dates wrong, or the vibration misled.
+"""Restarts after an image: when the filters are lost, their dates are wrong, or the vibration was misled.
 
 Implements Eqs. 60, 61, 62, 64 of docs/fused.md.
 """
@@ -33,7 +33,7 @@ class Recovery:
         return self._check(received_s) or self._start_fresh(received_s)
 
     def forget_wrong_dates(self) -> None:
-        """What a wrong clock has taught of the accelerometer is wrong, too."""
+        """Forget what was learnt about the accelerometer by a wrong clock."""
         state = self._state
         state.health.begin_comparison()
         state.date_watch.restart()

@@ -1,4 +1,4 @@
-"""What the parts of the fusion share: the filters, what is learnt beside them, and the facts of the last image.
+"""State that the parts of the fusion share: the filters, what is learnt beside them, and facts of the last image.
 
 Implements Eq. 43 of docs/fused.md.
 """

@@ -53,16 +53,16 @@ class UnexplainedImage:
         self._state.outliers = self._votes = 0
 
     def remember(self, received_s: float) -> None:
-        """Without an accelerometer: what was known before an impact that may yet be noticed."""
+        """Keep what is known, for an impact that is noticed later; only without an accelerometer."""
         bank = self._state.bank
         self._before.append((received_s, bank.x.copy(), bank.p.copy()))
 
     def forget_before(self) -> None:
-        """The accelerometer has gone: what was known beside it is no better than what is known."""
+        """Forget what was known before: the accelerometer is lost, and the present knowledge is as good."""
         self._before.clear()
 
     def explain(self, image: Look, times: Array, received_s: float, seen: Seen, report: ImpactReport) -> bool:
-        """Change the filters by what explains the image, exposed at times (filters,); whether to use it."""
+        """Adapt the filters to what explains the image, exposed at times (filters,); whether to use the image."""
         state = self._state
         state.outliers += 1
         if not self._worth_explaining(image, times, received_s, report):
@@ -128,7 +128,7 @@ class UnexplainedImage:
         )
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
-        """By how many frames the counter is off if image and arrival agree on it; 0 where they do not.
+        """Number of frames by which the counter is off, if image and arrival agree on it; 0 if they do not.
 
         A counter of arrivals does not tell of lost frames, nor of a buffer that has begun to hand over older ones.
         """

@@ -39,8 +39,8 @@ class SlowPull:
         self._mean = 0.0
 
     def followed_m(self) -> float:
-        """By how much the image's zero has followed the pull since it about began, m: none if it may have moved so far
-        because it was not well known then."""
+        """How far the image's zero has followed the pull since it began, m; 0 if the zero was not known well enough
+        then to say so."""
         if not self._zeros:
             return 0.0
         moved, variance = self._zeros[-1][0] - self._zeros[0][0], self._zeros[0][1]

@@ -43,7 +43,7 @@ class ScaleWatch:
         self._score = self._information = self._variance = 0.0
 
     def grown(self, elapsed_s: float) -> float:
-        """By how much that variance grows within elapsed_s; the walk fades meanwhile, whatever is seen."""
+        """Growth of that variance within elapsed_s. The walk fades meanwhile, whatever is measured."""
         variance = self.walk * elapsed_s
         self.walk -= variance / self._assumed.fade_s
         self._since_alarm_s += elapsed_s

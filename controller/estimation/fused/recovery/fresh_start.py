@@ -82,7 +82,7 @@ class FreshStart:
         return time_s < self._astray_until_s
 
     def choose(self, now: Situation) -> Fresh | None:
-        """A fit to start from, or None. Where it is a fit with what was known before, the bank has that already."""
+        """A fit to start from, or None. If the fit uses what was known before, the bank is set to that already."""
         assumed = self._assumed
         if self._dates.changes != self._changes:
             self._changes = self._dates.changes
