@@ -23,8 +23,8 @@ class OverrunCause(StrEnum):
 REMEDY = {
     OverrunCause.PAGE_FAULT: "grant CAP_IPC_LOCK (or LimitMEMLOCK=infinity), so that memory stays locked",
     OverrunCause.SLOW_BUS: "read the accelerometer faster (I2C at 400 kHz or more), or look for its faults",
-    OverrunCause.NO_CPU: "keep other work off this processor (isolcpus=, a higher real-time priority); a virtual machine's "
-    "processors may be taken away",
+    OverrunCause.NO_CPU: "keep other work off this processor (isolcpus=, a higher real-time priority); a virtual "
+    "machine's processors may be taken away",
     OverrunCause.THROTTLING: "cool the processor, or set its governor to performance",
     OverrunCause.OWN_COMPUTING: "choose a cheaper controller.method, or a longer timing.cycle_s",
 }
