@@ -6,9 +6,9 @@ tag of all bytes before it. Sessions are random numbers, drawn when a process st
 meant for, as far as it is known; sequences count up from 1. `decode` checks what a datagram shows by itself, a `Peer`
 what follows from those before it.
 
-A session proves itself by echoing this side's own, which is random and drawn anew at each start: whoever can
-do that, and sign it, has heard from this very process. So nothing that was recorded before this process
-started is ever taken, and of what was recorded since, nothing but what is newer than the newest.
+A session proves itself by echoing this side's own session, which is random and drawn anew at each start: only a sender
+that has heard from this very process can echo and sign it. A datagram recorded before this process started is therefore
+never taken. One recorded since is taken only if it is newer than the newest.
 """
 
 import hmac
@@ -62,7 +62,7 @@ def kind_of(message: type[Message]) -> int:
 
 
 class _Start(msgspec.Struct, array_like=True, gc=False):
-    """The first two fields of an array, whatever they are: the version tells whether the rest can be read."""
+    """The first two fields of any array: the version tells whether the rest can be read."""
 
     version: Any
     kind: Any = None
@@ -116,9 +116,8 @@ def _keyed(key: bytes) -> blake2s:
 class LinkCounts(msgspec.Struct):
     """Counts since the start. `lost` is the net number of sequence numbers never seen.
 
-    unproven: well signed, but without an echo of this side's session: from a peer that does not know it yet, or
-    played back. unexpected: well-formed, but of a kind that this socket does not take. overdue: what it says
-    is from too long ago.
+    unproven: well signed, but without an echo of this side's session: from a peer that does not know it yet, or played
+    back. unexpected: well-formed, but of a kind that this socket does not take. overdue: its content is too old.
     """
 
     accepted: int = 0

@@ -101,7 +101,7 @@ class RecorderClient:
     def wait_until_loaded(self) -> None:
         """Wait until the process has warmed up: from then on its start takes no processor from anyone.
 
-        A process that ends before, or takes too long, is told of by begin().
+        begin() reports a process that ends before, or takes too long.
         """
         if self._answer is None:
             self._answer = next_line(self._process, _START_S)

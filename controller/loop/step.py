@@ -212,7 +212,7 @@ class MethodAcrossRestarts:
     fit, images with two zeros look like a large vibration, and would be damped as one. A restart takes 5 to 200 us. A
     method that can separate the zero of the images from everything else is told of it instead, and keeps what it knows.
 
-    A method whose numbers have left the range of floats would never recover by itself, and is restarted as well.
+    A method whose numbers have left the range of floats would never recover, and is restarted as well.
     failures: number of such restarts.
     """
 

@@ -3,8 +3,8 @@
 The order is that of docs/fused.md: the date (Eqs. 18 to 28), the image (Eqs. 30 to 36), the laws (Eqs. 37 to 39), the
 mixture (Eqs. 40, 41), the present (Eq. 42), and what is learnt (Eqs. 44 to 64).
 
-The sequence is a generator. It yields the name of its next step and does that step when it is resumed, so that
-whoever interrupts it can see what is due.
+The sequence is a generator. It yields the name of its next step and does that step when it is resumed, so that its
+caller can see what is due.
 
 If the next frame comes before the last step, this frame's measurement is processed first. The steps from the mixture
 on only tell of this frame; they are left to the next one.
@@ -53,16 +53,16 @@ class SpreadWork:
             self.advance()
 
     def withdraw(self) -> None:
-        """Tell the sequence, in place of its next step, that what it has prepared for it no longer holds."""
+        """Tell the sequence that its preparation no longer holds, instead of resuming its next step."""
         if self._steps is not None:
             self.due = self._steps.send(True)
 
 
 class FrameSteps:
-    """now_s: time of the cycle, which whoever calls keeps. last_frame_s: when the image looked at last was read.
+    """now_s: time of the cycle, set by the caller. last_frame_s: when the image looked at last was read.
 
-    dated: frames whose delay was told in this cycle: number, delay, s, and its standard deviation, s; whoever reports
-    them clears it.
+    dated: frames whose delay was told in this cycle: number, delay, s, and its standard deviation, s; the reader clears
+    it.
     """
 
     def __init__(self, fusion: FrameFusion, history: BlockHistory, joint_input: JointInput) -> None:

@@ -1,4 +1,4 @@
-"""The fused method: one call a cycle, and what it says in answer; docs/fused.md derives it.
+"""The fused method: one call a cycle, and the estimate that it returns; docs/fused.md derives it.
 
 Implements Eqs. 1, 42, 60, 61 of docs/fused.md.
 """
@@ -179,7 +179,7 @@ class StatedEstimate:
         )  # fmt: skip
 
     def out_of_range(self) -> Estimate:
-        """What is said in place of numbers that are no numbers."""
+        """The estimate that replaces one whose numbers are not finite."""
         self.reason = OUT_OF_RANGE
         state = self._fusion.state
         delay = DelayEstimate(state.delay_s, state.delay_std_s, Status.INVALID)

@@ -43,7 +43,7 @@ class Mixture:
         return float(self._state.evidence.weights @ self._state.phasor_noise())
 
     def merged(self, now_s: float) -> Merged:
-        """Phasors at the bank's instant, with the covariance that they have at now_s for want of newer images."""
+        """Phasors at the bank's instant, with their covariance at now_s if no newer image comes."""
         state = self._state
         bank, at, w = state.bank, state.at, state.evidence.weights
         best = state.evidence.best

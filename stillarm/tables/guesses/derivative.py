@@ -1,4 +1,4 @@
-"""Which column is the derivative of which.
+"""Finds the columns that are derivatives of others.
 
 If y = k dx/dt, then X = Y / (k i w) at every frequency w. The columns are compared as positions, so that a sensor's
 noise, which the derivative would magnify, counts little:

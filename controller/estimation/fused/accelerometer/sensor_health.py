@@ -129,7 +129,8 @@ class AccelerometerHealth:
     def alarm(self, time_s: float, excess: float) -> bool:
         """The accelerometer reports an impact, by `excess` times what is significant; whether to believe it.
 
-        Not where it contradicts the images as much anyway, nor when it reports more of them than any arm is struck.
+        No alarm counts if the sensor contradicts the images as much anyway, or if it reports more impacts than any arm
+        suffers.
         """
         since = time_s - self._alarm_s
         self._alarms = 1.0 + self._alarms * max(0.0, 1.0 - since / self._images.alarms_s)

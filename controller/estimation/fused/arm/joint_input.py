@@ -135,7 +135,7 @@ class JointInput:
                 self._held[cycle % self._cycles, i] += more
 
     def position_at(self, time_s: float) -> float:
-        """theta at an instant of the last second, rad: as seen_from, of which it is a tenth of the cost."""
+        """theta at an instant of the last second, rad: as seen_from, at a tenth of its cost."""
         newest = 0 if self._cycle is None else self._cycle
         place, oldest, latest = time_s / self._cycle_s, max(newest - self._cycles + 2.0, 0.0), newest - 1e-9
         if not place > oldest:  # NaN, too

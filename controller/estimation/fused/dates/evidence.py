@@ -60,7 +60,7 @@ class Evidence:
         return int(law) + LAWS * int(self.weights[law::LAWS].argmax())
 
     def law(self, law: Law) -> float:
-        """Probability of a law, whatever the level of disturbance."""
+        """Probability of a law, summed over the levels of disturbance."""
         return float(summed(self.weights[law::LAWS]))
 
     def _by_law(self) -> Array:

@@ -181,7 +181,8 @@ class FrameDates:
                 spread.restart()
 
     def _restart_watch(self, law: Law) -> None:
-        """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
+        """Restart what arrivals and n_i teach: those before and after a change of the count or the period cannot be
+        compared."""
         self.changes += 1
         self._spread[law].restart()
         self._started[law].restart()

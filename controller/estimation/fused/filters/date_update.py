@@ -57,7 +57,7 @@ def take_started(bank: FilterBank, difference_s: Array, noise: Array, walk: Arra
 
 def redate(bank: FilterBank, later_s: float) -> None:
     """All frames were exposed later_s later than all filters believe, give or take a share of that: so was what they
-    show of the vibration. Images tell nothing of it, phase and date go together."""
+    show of the vibration. Images cannot tell it, because phase and date go together."""
     at = bank.at
     z = bank.phasors()
     turned = z * np.exp(-1j * bank.w_modes * later_s)

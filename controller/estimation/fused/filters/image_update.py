@@ -142,7 +142,7 @@ def take_image(
 ) -> tuple[Array, Array]:
     """Process what `look` saw, with variance enlarged by the factors `extra` (filters,).
 
-    phase_only: filters whose dating images can tell nothing of, (filters,), if there are any.
+    phase_only: filters whose dates the image cannot correct, (filters,); None for none.
 
     Returns what each filter then holds of this frame's own instant beyond its shift: mean, s, and the variance
     of the instant as a whole, s^2; each (filters,).

@@ -1,4 +1,4 @@
-"""Sudden changes that all filters are told of: impacts, forces, another payload or scene, another image zero.
+"""Sudden changes, applied to all filters: impacts, forces, another payload or scene, another image zero.
 
 Implements Eqs. 49, 53, 55, 58 of docs/fused.md.
 """

@@ -1,4 +1,4 @@
-"""The delay of an image as it is told, and how late images come in the mean.
+"""The stated delay of an image, and the mean delay of images.
 
 Implements Eq. 36 of docs/fused.md.
 """

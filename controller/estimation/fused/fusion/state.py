@@ -40,11 +40,11 @@ class FusionState:
 
     amplitude_m: of the vibration, by the filters' mixture. images: processed since the image's zero was forgotten.
     outliers: images running outside the gate of all filters. nis: normalised innovation squared of the last image.
-    delay_s, delay_std_s: of that image. sampled_s: standard deviation of when within its cycle a sample was taken, by
-    which both the delay and the deflection's instant are unknown. as_calibrated: whether neither arm nor scene has
-    changed since the start. unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told
-    nothing for a while. joint_input: what the joint did, None before the first image. zero_m: how far the image's zero
-    has moved where the joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
+    delay_s, delay_std_s: of that image. sampled_s: standard deviation of the instant within a cycle at which a sample
+    was taken; the delay and the deflection's instant are uncertain by it. as_calibrated: whether neither arm nor scene
+    has changed since the start. unused_blocks: blocks running that told nothing; blind: whether the accelerometer has
+    told nothing for a while. joint_input: what the joint did, None before the first image. zero_m: how far the image's
+    zero has moved where the joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
     """
 
     assumed: Assumptions

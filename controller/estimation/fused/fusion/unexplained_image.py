@@ -77,7 +77,7 @@ class UnexplainedImage:
         return True
 
     def _worth_explaining(self, image: Look, times: Array, received_s: float, report: ImpactReport) -> bool:
-        """Whether more than one image by itself is wrong; counts what the arrivals say of a miscounted frame."""
+        """Whether there is more to explain than one wrong image; counts what the arrivals say of a miscounted frame."""
         state = self._state
         if state.held_force.active:
             return state.outliers >= 2
@@ -130,7 +130,7 @@ class UnexplainedImage:
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
         """Number of frames by which the counter is off, if image and arrival agree on it; 0 if they do not.
 
-        A counter of arrivals does not tell of lost frames, nor of a buffer that has begun to hand over older ones.
+        A counter of arrivals shows neither lost frames nor a buffer that has begun to hand over older ones.
         """
         if not self.clock_known:
             return 0

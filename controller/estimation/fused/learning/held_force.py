@@ -3,8 +3,8 @@
 Implements Eqs. 54, 55, 56, 57, 59 of docs/fused.md.
 
 Such a force deflects the tip statically by f = F / (m w^2), and the mode vibrates about f: q = Re(Z exp(j w t)) + f.
-The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Neither deflection
-nor rate jumps with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step: f
+The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Deflection and rate
+do not jump with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step: f
 returns to zero, and the arm rings with the amplitude that it had been pulled aside by.
 
 Images show f and the accelerometer does not. The state is therefore not used (zero, with zero variance) until images

@@ -17,8 +17,8 @@ What else the filters do not follow, as a pull that lasts, passes for such a for
 tells them apart: held over a cycle T, a random force adds the variance q / (w^2 T) to each sample about its block's
 mean.
 
-Without a force it sinks to a floor so far below what matters that neither chance nor an impact lifts it from there:
-only what lasts for a second or so, and what the filters cannot follow by another frequency or decay.
+Without a force it sinks to a floor so low that neither chance nor an impact lifts it to a level that matters: only what
+lasts for a second or so, and what the filters cannot follow by another frequency or decay.
 """
 
 from math import exp, log, sqrt

@@ -3,8 +3,8 @@
 Implements Eq. 60 of docs/fused.md.
 
 The normalised innovation squared has the mean 1 in a filter that knows its own error (Bar-Shalom, Li and Kirubarajan,
-Estimation with Applications, 2001, section 5.4). A mean far above it says that the stated deviations are too small, by
-about its root, whatever the cause. A camera's quartz is off by tens of ppm, and no frame is read before it is exposed:
+Estimation with Applications, 2001, section 5.4). A mean far above it says that the stated deviations are too small by
+about its root. It does not say why. A camera's quartz is off by tens of ppm, and no frame is read before it is exposed:
 where the dates say otherwise, they are wrong.
 """
 
