@@ -1,4 +1,4 @@
-"""The accelerometer's blocks since the bank's instant, and the present that is worked out through them.
+"""The accelerometer's blocks since the bank's instant, and the present phasors, computed through them.
 
 Implements Eqs. 5, 12, 43 of docs/fused.md.
 """
@@ -83,7 +83,7 @@ class BlockHistory:
         return block
 
     def compare(self, block: Block) -> None:
-        """A block with samples at the present, where it ends: an impact, or a correction of the present."""
+        """Compare a block that ends now with the present: it shows an impact, or it corrects the present."""
         present, health = self.present, self._health
         residual = present.residual(block)
         if health.mute:
@@ -103,7 +103,7 @@ class BlockHistory:
             self.compare(block)
 
     def _mark(self, impact: Impact) -> None:
-        """Let the blocks' history have the impact where it began, and see the present afresh."""
+        """Put the impact into the history where it began, and compute the present anew."""
         self.impacts.forget()
         self.alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - impact.blocks_ago)
@@ -138,12 +138,13 @@ class BlockHistory:
         self._taken.append(block)
 
     def forget_taken(self) -> None:
-        """More blocks than a capture delay's were waiting: the bank has gone on without an image."""
+        """Forget the blocks taken: more than a capture delay's were waiting, and the bank has gone on without an
+        image."""
         self._snapshot = None
         self._taken.clear()
 
     def forget_snapshot(self) -> None:
-        """The bank has changed otherwise than by the blocks handed over."""
+        """Forget the snapshot: the bank has changed, and not only by the blocks handed over."""
         self._snapshot = None
 
     def merge(self, now_s: float) -> None:
@@ -179,7 +180,7 @@ class BlockHistory:
             present.z[i] = turned + self._joint_input.sum[i] - start
 
     def widen_present(self, block: Block) -> None:
-        """What may have happened to the vibration in the block that has just been closed."""
+        """Widen the present by what may have happened in the block that has just been closed."""
         self.present.widen(
             self._mixture.phasor_noise() * (block.end_s - block.start_s)
             + block.motion_variance(self._blocks_assumed.motion_doubt)
@@ -187,7 +188,7 @@ class BlockHistory:
         self._push(block.start_s, block.end_s)
 
     def _push(self, start_s: float, end_s: float) -> None:
-        """What a random force and a force that lasts may have done to the present."""
+        """Widen the present by what a random force and a lasting force may have done."""
         push = self._fusion.force.during(start_s, end_s)
         if push is not None:
             self.present.inflate(push)

@@ -1,4 +1,4 @@
-"""Which samples of the accelerometer are good, how much they count, and whether it is alive.
+"""Judges the accelerometer: which samples are good, how much they count, and whether the sensor is alive.
 
 Implements Eqs. 10, 14 of docs/fused.md.
 
@@ -90,9 +90,10 @@ class AccelerometerHealth:
         return _within(residual_m, self._assumed.scatter * sqrt(self.variance))
 
     def compare(self, value_m: float, expected_m: float, variance: float) -> float:
-        """A block's mean, without bias, against what images say of its time; variance: of the difference, m^2.
+        """Process a block's mean, without bias, and the value that images predict for it; variance: of their
+        difference, m^2.
 
-        Returns by how much, m^2, the bias has become uncertain: zero unless it has drifted away.
+        Returns the growth of the bias's variance, m^2: zero unless the bias has drifted.
         """
         against = self._against
         against.see(value_m, expected_m, variance)

@@ -56,7 +56,7 @@ class ArrivalSpread:
 
     @property
     def known(self) -> bool:
-        """Whether enough has been seen to tell what lasts from what does not."""
+        """Whether enough frames were seen to separate the walk from the white part."""
         return self._longs >= self._assumed.enough
 
     @property

@@ -37,10 +37,9 @@ Array = NDArray[np.float64]
 class FrameDates:
     """Dates each frame: `accept`, then `take_arrival` and `take_started`, which may wait for later cycles.
 
-    lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s.
-    shift_noise: growth of the variance of each filter's shift, s^2/s, (filters,). period_found: whether the frames'
-    period was found to be another than the stated one; it is known to some parts in a thousand then. changes: how often
-    what frames are counted from, or a law's clock, has changed.
+    lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s. shift_noise: growth of the variance of each filter's
+    shift, s^2/s, (filters,). period_found: whether the frames' period was found to be another than the stated one; it
+    is known to some parts in a thousand then. changes: number of changes of the count's origin or of a law's clock.
     """
 
     def __init__(
@@ -126,8 +125,8 @@ class FrameDates:
         return True
 
     def take_arrival(self) -> bool:
-        """What the arrival of the frame accepted last tells, if that has not been processed; whether it has refuted the
-        clock that was believed, and all that was learnt by it was begun anew."""
+        """Measurement update by the arrival of the frame accepted last, unless made. Returns whether it has refuted the
+        believed clock, so that everything learnt by it was reset."""
         if self._arrived is None:
             return False
         (sample, received_s), self._arrived = self._arrived, None
@@ -192,8 +191,8 @@ class FrameDates:
             self._clock_rate.restart()
 
     def _watch_clock(self, received_s: float) -> bool:
-        """Arrivals that run away from the clock refute its period, unless images have confirmed it; whether it was
-        believed."""
+        """Correct the clock's period if arrivals run away from it and images have not confirmed it; whether that clock
+        was believed."""
         dating, bank, at = self.dating, self._bank, self._at
         instant = float(dating.nominal[Law.CLOCK])
         rate = self._clock_rate.add(instant, received_s - instant)

@@ -1,4 +1,4 @@
-"""Three dates of a frame made one: its arrival, its n_i and its number, where each strays from frame to frame.
+"""One date from three: a frame's arrival, its n_i and its number, if each errs from frame to frame.
 
 Implements Eqs. 27, 28 of docs/fused.md.
 

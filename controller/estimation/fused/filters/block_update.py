@@ -38,7 +38,7 @@ def aim_at_block(bank: FilterBank, block: Block) -> AimedAtBlock:
 def take_block(
     bank: FilterBank, aimed: AimedAtBlock, variance: float, shown: tuple[float, float] | None
 ) -> None:
-    """Process the block that was aimed at last, nothing having changed since; variance, m^2.
+    """Process the block aimed at last; the bank must not have changed since; variance, m^2.
 
     shown: covariance of the block's value with what moves the first mode's phasor meanwhile, m^2.
     """

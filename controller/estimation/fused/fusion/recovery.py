@@ -16,7 +16,7 @@ from stillarm.controller.estimation.fused.recovery.fresh_start import Situation
 
 
 class Recovery:
-    """dates_doubted: whether the vibration was lately started anew, and nothing has told why it had to be."""
+    """dates_doubted: whether the vibration was started anew lately, for an unknown reason."""
 
     def __init__(self, state: FusionState, unexplained: UnexplainedImage) -> None:
         """All is well."""
@@ -48,7 +48,7 @@ class Recovery:
         state.slow_pull.restart()
 
     def forget_zero(self) -> None:
-        """The images that follow count from another zero: a force that was held is in it."""
+        """Forget the image zero: the following images have another, which contains a held force."""
         state = self._state
         if state.held_force.active:
             end_force(state.bank)

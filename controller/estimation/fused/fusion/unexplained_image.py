@@ -1,4 +1,4 @@
-"""An image outside the gate of all filters: wrong by itself, a miscounted frame, an impact, a force, or a changed arm.
+"""An image outside the gate of all filters: a wrong image, a miscounted frame, an impact, a force, or a changed arm.
 
 Implements Eqs. 32, 46 of docs/fused.md.
 """

@@ -19,7 +19,7 @@ from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPT
 
 
 class SlowPull:
-    """Tells a force that begins too slowly for any one image to leave its gate: innovations that keep their sign.
+    """Detects a force that begins too slowly for any one image to leave its gate, by innovations that keep their sign.
 
     Their mean fades over half a period of the vibration, so that what vibrates averages out.
     """
@@ -156,9 +156,8 @@ class HeldForce:
         return True
 
     def end(self, time_s: float, *, explained: bool = False) -> None:
-        """No force is left. Two running that were over at once were none: a steady random force looks like that.
-
-        explained: a free vibration explains the images since: what there was, a push for instance, is over.
+        """No force is left. Two short forces in a row count as a steady random force, which looks like that. explained:
+        a free vibration explains the images since, as after a push.
         """
         if self.active and not explained and time_s - self._begun_s < self._assumed.short_s:
             if time_s - self._short_s < self._assumed.short_again_s:

@@ -1,10 +1,10 @@
-"""How strong a steady random force is that nobody measures: wind, a motor's rumble, a hand that steadies the arm.
+"""Intensity of a steady random force that no sensor measures: wind, a motor's rumble, a hand that steadies the arm.
 
 Implements Eqs. 48, 49, 50, 51 of docs/fused.md.
 
-A white force changes the modes' rates, however small the vibration is: a small impact each instant. Where it is
-stronger than the filter takes it for, the images' innovations are larger than their stated variances. So its
-intensity q follows each normalised innovation squared e (innovations; Mehra, IEEE Trans. Automatic Control 15, 1970):
+A white force changes the modes' rates, however small the vibration is: a small impact each instant. If it is stronger
+than the filter assumes, the images' innovations exceed their stated variances. Its intensity q therefore follows each
+normalised innovation squared e (innovations; Mehra, IEEE Trans. Automatic Control 15, 1970):
 
     log q += 0.06 (min(16, e) - 1.1)
 

@@ -2,11 +2,11 @@
 
 Implements Eq. 41 of docs/fused.md.
 
-The filters take it for uncertain by as much as another scene may make it. But a calibrated model mostly has it to a
-percent, and a commissioned one says itself how well, which the accelerometer needs seconds to tell. The prior of the
-scale's relative error e is therefore N(0, s^2) (as stated) or N(0, v) (as in the filters), at odds of o: even, and nine
-to one for a commissioned model, whose scale was measured on this rig. They make e = m +- sqrt(P) of v, so that the
-measurements alone say y +- sqrt(R) with 1 / R = 1 / P - 1 / v, y = m R / P; by them the odds of `as stated` are
+The filters' prior allows for another scene. But a calibrated model mostly knows the scale to a percent, and a
+commissioned one states how well; the accelerometer needs seconds to learn as much. The prior of the scale's relative
+error e is therefore N(0, s^2) (as stated) or N(0, v) (as in the filters), at odds of o: even, and nine to one for a
+commissioned model, whose scale was measured on this rig. They make e = m +- sqrt(P) of v, so that the measurements
+alone say y +- sqrt(R) with 1 / R = 1 / P - 1 / v, y = m R / P; by them the odds of `as stated` are
 
     o N(y; 0, R + s^2) / N(y; 0, R + v)
 

@@ -1,4 +1,4 @@
-"""Whether the accelerometer shows the vibration that images show, but at another phase: then the frames' dates are off.
+"""Detects wrong dates: the accelerometer then shows the vibration that images show, but at another phase.
 
 Implements Eq. 61 of docs/fused.md.
 

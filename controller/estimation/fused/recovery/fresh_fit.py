@@ -1,4 +1,4 @@
-"""The vibration as the last images alone have it: what a filter that was led astray is started from again.
+"""A fit of the vibration to the last images alone, from which a filter that was led astray starts again.
 
 Implements Eqs. 63, 64 of docs/fused.md.
 
