@@ -3,8 +3,8 @@
 Else the command line: `main.py` finds the subcommand, `commands/` has one file for each, `preflight/` is `check`.
 api/ is what stands behind this module. Logic does not belong here; a command calls the package that does the work.
 
-What Python may ask for is loaded when it is asked for: `import stillarm` alone takes no time, in the controller's
-processes too. __init__.pyi has the types.
+Each name is loaded on first use: `import stillarm` alone takes no time, in the controller's processes too.
+__init__.pyi has the types.
 """
 
 from importlib import import_module

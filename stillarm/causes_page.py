@@ -66,7 +66,7 @@ def section(cause: Cause) -> str:
 
 
 def _separated(cause: Cause) -> dict[str, str]:
-    """What to record to tell a cause from each that it is easily confused with."""
+    """Experiments that tell a cause from those that it is easily confused with."""
     between = {
         other: experiment_between(cause.identifier, other) for other in CAUSES if other != cause.identifier
     }

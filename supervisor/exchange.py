@@ -4,10 +4,9 @@ from collections import deque
 from math import nan
 from typing import NamedTuple
 
+from stillarm.common.datagrams.datagram import LinkCounts, Peer
 from stillarm.common.datagrams.messages import Timestamp
-from stillarm.common.datagrams.visual_datagram import LinkTimes, visual_message
-from stillarm.common.datagrams.visual_sample import VisualSample
-from stillarm.common.link.peer import LinkCounts, Peer
+from stillarm.common.datagrams.visual_sample import LinkTimes, VisualSample, visual_message
 
 
 class Started(NamedTuple):

@@ -1,28 +1,15 @@
 """CONTRIBUTING.md's steps for a method and a cause, done in a copy of the program."""
 
 import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.fixtures.imports import ROOT
+from tests.fixtures.program_copy import program, python, stillarm
 
+__all__ = ["program"]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-COPIED = (
-    "common",
-    "configs",
-    "controller",
-    "diagnosis",
-    "drivers",
-    "simulation",
-    "stillarm",
-    "supervisor",
-    "benchmarks",
-)
-"""What the command line imports."""
 
 pytestmark = pytest.mark.slow
 
@@ -31,23 +18,6 @@ def block(path: str) -> str:
     """The code block whose first line names `path`."""
     (found,) = re.findall(rf"```python\n# {re.escape(path)}\n(.*?)```", PAGE, re.S)
     return str(found)
-
-
-@pytest.fixture
-def program(tmp_path: Path) -> Path:
-    """A copy that may be changed; `python -m stillarm` in it runs it."""
-    for name in COPIED:
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / name, tmp_path / "program" / name, symlinks=True, ignore=ignored)
-    return tmp_path / "program"
-
-
-def stillarm(program: Path, *words: str) -> str:
-    """Run a command of the copy; what it prints."""
-    command = [sys.executable, "-m", "stillarm", *words]
-    done = subprocess.run(command, cwd=program, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 def test_a_method_is_a_file_and_an_entry(program: Path, tmp_path: Path) -> None:
@@ -93,8 +63,4 @@ for _ in range(6000):
     plant.advance(0.0)
 print(plant.deflection_m)
 """
-    done = subprocess.run(
-        [sys.executable, "-c", bent], cwd=program, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(0.4 / (2.0 * 3.141592653589793 * 2.0) ** 2, rel=1e-6)
+    assert float(python(program, bent)) == pytest.approx(0.4 / (2.0 * 3.141592653589793 * 2.0) ** 2, rel=1e-6)

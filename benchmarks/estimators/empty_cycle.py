@@ -6,8 +6,7 @@ import numpy as np
 
 from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, FRAME_S
 from stillarm.common.datagrams.datagram import encode
-from stillarm.common.datagrams.visual_datagram import visual_message
-from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample, visual_message
 from stillarm.controller.input.exchange import ControllerExchange
 
 _KEY, _SESSION, _PEER_SESSION = bytes(32), 1, 2

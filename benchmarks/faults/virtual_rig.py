@@ -13,12 +13,11 @@ import msgspec
 import numpy as np
 
 from stillarm.benchmarks.faults.faulty_link import Wire
-from stillarm.common.datagrams.datagram import DEMO_KEY
+from stillarm.common.datagrams.datagram import DEMO_KEY, Peer
 from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
 from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
 from stillarm.common.files.configuration import Configuration
 from stillarm.common.files.model import Model
-from stillarm.common.link.peer import Peer
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.input.exchange import ControllerExchange, oldest_sample_s
 from stillarm.controller.loop.step import Controller

@@ -4,15 +4,14 @@ from math import cos, pi
 
 import msgspec
 
-from stillarm.common.datagrams.datagram import DEMO_KEY, encode
+from stillarm.common.datagrams.datagram import DEMO_KEY, Peer, encode
 from stillarm.common.datagrams.messages import DriveCommand, Message, Timestamp, Visual
-from stillarm.common.datagrams.visual_datagram import visual_message, visual_sample
-from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample
+from stillarm.common.datagrams.visual_sample import TrackingStatus, VisualSample, visual_message
 from stillarm.common.files.configuration import Controller as ControllerSettings
 from stillarm.common.files.model import Model
-from stillarm.common.link.peer import Peer
 from stillarm.common.link.udp import UdpSocket, new_session
 from stillarm.controller.input.cycle_input import CycleInput
+from stillarm.controller.input.exchange import visual_sample
 from stillarm.controller.loop.recorded import estimate_sample, fast_sample
 from stillarm.controller.loop.step import Controller
 

@@ -11,7 +11,7 @@ def law(
 
 
 def limit(t: float, first_hz: float, q: float, coefficient_per_m2: float) -> str | None:
-    """What to say of a softening spring that is bent beyond the point of no return, 1 + c q^2 = 0."""
+    """The message for a softening spring that is bent beyond 1 + c q^2 = 0, from where it does not return."""
     if 1.0 + coefficient_per_m2 * q * q > 0.0:
         return None
     return (

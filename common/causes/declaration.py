@@ -1,8 +1,8 @@
 """What a declaration of a cause says, and where its law may act.
 
-A law is a plain Python function; the arm's stepper compiles those that act in it, so that whoever reads declarations
-loads no compiler. A law takes what its site gives, then the cause's own numbers in the order of its parameters
-(onset_s among them, texts and truths not). t: s from the recording's start, never negative.
+A law is a plain Python function; the arm's stepper compiles those that act in it, so that reading declarations loads no
+compiler. A law takes what its site gives, then the cause's own numbers in the order of its parameters (onset_s among
+them, texts and truths not). t: s from the recording's start, never negative.
 
 | acts        | the site gives               | the law returns                                                      |
 |-------------|------------------------------|----------------------------------------------------------------------|
@@ -137,7 +137,7 @@ def replacing(name: str, unit: str, lowest: float, highest: float, low: float, h
 
 
 def frequency(low: float, high: float) -> Parameter:
-    """Of a foreign force or voltage."""
+    """Frequency of a foreign force or voltage."""
     return Parameter("frequency_hz", "Hz", 0.01, 1000.0, (low, high))
 
 

@@ -92,7 +92,7 @@ def import_bundle(directory: str | Path, out_path: str | Path) -> ImportReport:
     writer = RecordingWriter(out_path, imported_header(model_text, header_notes, origin_s * 1_000_000_000))
     try:
         streams = _with_foreign("/fast", fast_rows, fast), _with_foreign("/frames", frame_rows, frames)
-        # By time; each stream keeps its own order, even where its clock steps back.
+        # Ordered by time; each stream keeps its own order, even where its clock steps back.
         for _, messages in heapq.merge(*streams, key=itemgetter(0)):
             for topic, message in messages:
                 writer.write(topic, message)

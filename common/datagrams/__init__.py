@@ -1,6 +1,7 @@
-"""What travels by UDP: the kinds of messages, their fields, and packing and checking them. docs/protocol.md
+"""What travels by UDP: the kinds of messages, their fields, packing and checking them, and whose are taken.
+docs/protocol.md
 
-Not here: sockets, sessions and clocks (common/link). Begin with datagram.py.
+Not here: sockets, keys and clocks (common/link). Begin with datagram.py.
 """
 
-__all__ = ["datagram", "fields", "messages", "visual_datagram", "visual_sample"]
+__all__ = ["datagram", "fields", "messages", "visual_sample"]

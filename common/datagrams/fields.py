@@ -1,4 +1,4 @@
-"""What a table of messages says of its fields: type, unit, meaning, what is allowed. For datagrams and topics alike."""
+"""Type, unit, meaning and bounds of a message's fields, read from its declaration; for datagrams and topics."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, get_type_hints

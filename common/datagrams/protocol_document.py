@@ -11,7 +11,7 @@ from stillarm.common.datagrams.messages import MESSAGES, VERSION, Message
 
 
 def wire_name(message: type[Message]) -> str:
-    """What the documents call a message: DriveCommand is DRIVE_COMMAND."""
+    """Name of a message in the documents: DriveCommand is DRIVE_COMMAND."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", message.__name__).upper()
 
 

@@ -1,9 +1,12 @@
-"""What the supervisor measures in one frame, and the flags that go with it."""
+"""What the supervisor measures in one frame, as a value and as the message Visual with the times beside it."""
 
 from enum import IntEnum
 from math import nan
+from typing import Any, NamedTuple
 
 import msgspec
+
+from stillarm.common.datagrams.messages import Visual
 
 FARTHEST_PX = 1e6
 
@@ -55,3 +58,22 @@ class VisualSample(msgspec.Struct, frozen=True, gc=False):
     def measured(self) -> bool:
         """Whether the displacement may be used: measured, and within what any scene can move."""
         return self.status == TrackingStatus.MEASURED and abs(self.displacement_x_px) < FARTHEST_PX
+
+
+class LinkTimes(NamedTuple):
+    """When the latest timestamp left the controller (on its clock), when it was read and when these data left
+    (on the supervisor's), s; NaN where unknown.
+    """
+
+    sent_s: float = nan
+    received_s: float = nan
+    answered_s: float = nan
+
+
+NO_TIMES = LinkTimes()
+
+
+def visual_message(controller_session: int, sample: VisualSample, times: LinkTimes = NO_TIMES) -> Visual:
+    """The message that answers the timestamps of a session; `restarted` stays behind: the receiver knows it."""
+    fields: tuple[Any, ...] = (controller_session, *msgspec.structs.astuple(sample)[:-1], *times)
+    return Visual(*fields)

@@ -112,7 +112,7 @@ class Timing(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Commissioned(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """By what the file's parameters were identified on the rig itself, and how well.
+    """How the file's parameters were identified on the rig, and how well.
 
     date: day of the recording. std: standard deviations, by the parameters' keys (arm.modes[0].frequency_hz), in their
     units.

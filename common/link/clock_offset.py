@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
 
-from stillarm.common.datagrams.visual_datagram import LinkTimes
+from stillarm.common.datagrams.visual_sample import LinkTimes
 
 _SECONDS = 30  # of which the least values are kept
 _STEP_S = 0.001  # a clock that departs by more than this from what is possible was set

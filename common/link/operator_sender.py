@@ -4,8 +4,8 @@ The controller takes them only from who has heard from it: the first one is answ
 follow are taken.
 """
 
+from stillarm.common.datagrams.datagram import Peer
 from stillarm.common.datagrams.messages import Adjustment, Hello, OperatorCommand, Reference
-from stillarm.common.link.peer import Peer
 
 
 class OperatorSender:

@@ -1,7 +1,7 @@
 """Memory shared between processes by name: a plain block, and a byte ring.
 
-The blocks are files in /dev/shm (elsewhere the directory for temporary files), mapped. They outlive a killed
-process, so that whoever reads them can finish, and are removed by whoever made them.
+The blocks are files in /dev/shm (elsewhere the directory for temporary files), mapped. They outlive a killed process,
+so that its readers can finish. The process that made them removes them.
 
 The sequence lock is the usual one: odd while writing; the reader takes the sequence, the data and the
 sequence again. Words that one side writes while the other reads go through `words` or word_at(): storing an
@@ -66,7 +66,7 @@ class SharedBlock:
         self.buffer = memoryview(self._map)[_HEADER:]
         self.words = self.header.cast("Q")
         if create:
-            self.words[0] = _MAGIC  # last, so that whoever waits finds it complete
+            self.words[0] = _MAGIC  # last, so that a waiting reader finds it complete
 
     def _make(self, name: str, length: int) -> int:
         try:
@@ -75,8 +75,8 @@ class SharedBlock:
         except OSError as error:
             raise _no_memory(name, self.path, length, error) from None
         try:
-            # Not ftruncate: pages that are promised only would kill whoever first writes to them (SIGBUS)
-            # when the memory runs out, and would be fetched in the middle of a cycle.
+            # Not ftruncate: pages without memory behind them would kill their first writer (SIGBUS) when the memory
+            # runs out, and would be fetched in the middle of a cycle.
             os.posix_fallocate(descriptor, 0, length)
         except OSError as error:
             os.close(descriptor)

@@ -13,7 +13,7 @@ def settle_memory() -> bool:
     """Call it once all is imported and warmed up. Returns whether the pages were locked, as far as privileges reach.
 
     What the imports made is taken out of the garbage collector's sight: a full collection of it takes some 10 ms. The
-    pages in use stay in memory: of code that runs only when the arm is struck, the kernel may drop some meanwhile.
+    pages in use stay in memory: the kernel may otherwise drop code that runs only when the arm is struck.
     """
     gc.collect()
     gc.freeze()

@@ -1,7 +1,7 @@
 """The processor that the controller's loop takes, and the others.
 
-A process that runs on the loop's processor between two cycles leaves it cold caches: the same step then takes half
-as long again. Where there are several processors, whatever shares the computer with the loop keeps to the others.
+A process that runs on the loop's processor between two cycles leaves it cold caches: the same step then takes half as
+long again. If there are several processors, all other processes of the program on this computer use the others.
 """
 
 import contextlib

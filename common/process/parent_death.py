@@ -9,7 +9,7 @@ _PR_SET_PDEATHSIG = 1
 
 
 def ended_with_parent() -> Callable[[], None]:
-    """What a new process is to call before it becomes another program: SIGTERM when its parent is gone."""
+    """A function for a new process to call before it executes another program: SIGTERM comes when its parent ends."""
     # looked up here: between fork and exec as little as possible is to happen
     prctl = ctypes.CDLL(None).prctl
     parent = os.getpid()

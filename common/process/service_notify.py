@@ -31,7 +31,7 @@ def watchdog_period_s() -> float | None:
 
 class Watchdog:
     """Feeds systemd's watchdog, but only while a loop's counter moves: a process that lives and whose loop hangs is
-    restarted. For whoever watches the loop, not for the loop.
+    restarted. For a process that watches the loop, not for the loop.
     """
 
     def __init__(self) -> None:

@@ -40,7 +40,7 @@ class RecorderOrder(msgspec.Struct, frozen=True):
 
 
 class RecorderClient:
-    """A recorder process and the way to it. Of one process and one thread: the ring has one writer."""
+    """A recorder process and the way to it. One process and one thread may use it, because the ring has one writer."""
 
     def __init__(self, process: subprocess.Popen[bytes], ring: SharedRing) -> None:
         """Use launch() or start()."""
@@ -101,7 +101,7 @@ class RecorderClient:
     def wait_until_loaded(self) -> None:
         """Wait until the process has warmed up: from then on its start takes no processor from anyone.
 
-        A process that ends before, or takes too long, is told of by begin().
+        begin() reports a process that ends before, or takes too long.
         """
         if self._answer is None:
             self._answer = next_line(self._process, _START_S)

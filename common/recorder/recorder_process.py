@@ -132,7 +132,7 @@ class LiveView:
 
 
 def _shown(order: RecorderOrder, live: LiveView | None) -> Callable[[str, msgspec.Struct], None]:
-    """What is done with every message beside recording it: telemetry, and /log as structured lines."""
+    """Sends each message as telemetry, and prints /log as structured lines."""
 
     def show(topic_name: str, message: msgspec.Struct) -> None:
         if live is not None:

@@ -1,7 +1,7 @@
 """Log lines: one JSON object a line on standard error, for a person, for journald and for `jq` alike.
 
-Keys: time (UTC, ISO 8601), level, process, event, and whatever else belongs to it. Not for the cycle: what it has to
-say goes through the recorder's ring as /log.
+Keys: time (UTC, ISO 8601), level, process, event, and the event's other fields. Not for the cycle: what it has to say
+goes through the recorder's ring as /log.
 """
 
 import contextlib

@@ -80,7 +80,7 @@ class TelemetryBatches:
 
 
 def telemetry_sender(host: str, port: int) -> Callable[[bytes], None]:
-    """What sends a datagram to whoever listens; nobody listening, or no such host, is no error."""
+    """Sends a datagram to the listeners; nobody listening, or no such host, is no error."""
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.setblocking(False)
 

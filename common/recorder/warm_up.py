@@ -1,7 +1,7 @@
 """Runs the recorder's hot path once, on blank messages and a file in memory, before the daemon counts on it.
 
-What is made on first use (schemas, encoders, the compressor's context) is made then. The recorder may share a processor
-with the tracker: 40 ms of first calls during the first cycles would make the first images late.
+It makes what would otherwise be made on first use: schemas, encoders, the compressor's context. The recorder may share
+a processor with the tracker: 40 ms of first calls during the first cycles would make the first images late.
 """
 
 import io

@@ -1,4 +1,4 @@
-"""A file that only grows by whole records: a write that fails leaves nothing of itself behind.
+"""A file that only grows by whole records: a failed write is undone.
 
 The package mcap leaves half a record there when the disk is full.
 """

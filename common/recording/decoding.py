@@ -1,6 +1,6 @@
 """From the JSON of a recording's messages to their Structs and columns; null becomes NaN, floats come back exactly.
 
-msgspec decodes, a whole chunk at a time. It has no NaN in JSON, so that null is taken for NaN here.
+msgspec decodes, a whole chunk at a time. JSON has no NaN, so that null stands for NaN here.
 """
 
 from collections.abc import Callable

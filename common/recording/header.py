@@ -36,7 +36,7 @@ class RecordingHeader(msgspec.Struct, frozen=True, kw_only=True):
     origin_monotonic_s: monotonic time at which the messages' time_s is 0; 0 in virtual time
     origin_unix_ns: Unix time of the same instant, ns: log_time = origin_unix_ns + time_s
     seed: of a simulation
-    notes: whatever else is worth knowing, by name
+    notes: further facts, by name
     """
 
     program_version: str

@@ -5,4 +5,4 @@ here: what is done
 with an estimate (controller/command). Begin with estimate.py, then sine_method.py, the paper's method.
 """
 
-__all__ = ["delay", "estimate", "methods", "restarted_vision", "sine_method"]
+__all__ = ["delay", "estimate", "methods", "sine_method"]

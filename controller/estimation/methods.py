@@ -74,7 +74,7 @@ def check_method(name: str) -> None:
 def make_method(name: str, model: Model, settings: Controller, model_name: str) -> Method:
     """A new method by name. Raises UserError for an unknown one. model_name: name of the model file, for messages.
 
-    A name of our own is ours, whatever is installed. Installed packages are looked through only for other names.
+    Our own names take precedence over installed packages. Installed packages are looked through only for other names.
     """
     if name in METHODS:
         return METHODS[name](model, settings, model_name)

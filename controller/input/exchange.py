@@ -4,7 +4,7 @@ from math import nan
 
 import msgspec
 
-from stillarm.common.datagrams.datagram import kind_of
+from stillarm.common.datagrams.datagram import LinkCounts, Peer, kind_of
 from stillarm.common.datagrams.messages import (
     Adjustment,
     Hello,
@@ -14,11 +14,9 @@ from stillarm.common.datagrams.messages import (
     Timestamp,
     Visual,
 )
-from stillarm.common.datagrams.visual_datagram import link_times, visual_sample
-from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.datagrams.visual_sample import LinkTimes, VisualSample
 from stillarm.common.files.model import Model
 from stillarm.common.link.clock_offset import ClockOffset
-from stillarm.common.link.peer import LinkCounts, Peer
 
 _HELD_UP_S = 0.1
 
@@ -84,7 +82,7 @@ class ControllerExchange:
                 self._peer.counts.overdue += 1
             else:
                 samples.append(self._marked(visual_sample(visual)))
-                self.clock.add(link_times(visual), received_s)
+                self.clock.add(LinkTimes(visual.sent_s, visual.received_s, visual.answered_s), received_s)
         return samples
 
     def _marked(self, sample: VisualSample) -> VisualSample:
@@ -93,6 +91,11 @@ class ControllerExchange:
             return sample
         self._restarted = False
         return msgspec.structs.replace(sample, restarted=True)
+
+
+def visual_sample(message: Visual) -> VisualSample:
+    """The sample in a message."""
+    return msgspec.convert(message, VisualSample, from_attributes=True)
 
 
 class ReferenceExchange:

@@ -83,7 +83,7 @@ def frame_sample(sample: VisualSample, cycle: int, cycle_s: float) -> FrameSampl
 def settings_sample(
     cycle: int, cycle_s: float, settings: Controller, adjusted: Adjusted | None
 ) -> SettingsSample:
-    """What is in force, and the answer to an adjustment if that is why it is told."""
+    """The settings in force, and the answer to an adjustment if there was one."""
     asked = adjusted.asked if adjusted is not None else NOTHING_ASKED
     return SettingsSample(
         cycle * cycle_s,
@@ -154,7 +154,7 @@ def recorded_cycles(
     """The recorded cycles as the step received them, counted from `first_cycle`.
 
     A frame whose cycle has no row (an import at a lower rate; a lost row) is read in that cycle, without other
-    measurements. Of two rows in one cycle, or after a clock that stepped back, the first counts.
+    measurements. The first of two rows in one cycle counts, also after a clock that stepped back.
     """
     waiting = deque(sorted(frames, key=lambda frame: frame.cycle))
     last = None

@@ -1,10 +1,13 @@
-"""The controller's step function: takes a cycle's sensor values, returns the command.
+"""The controller's step function: takes a cycle's sensor values, returns the command; and what keeps its method going.
 
 It runs live, in virtual time and in replay, and uses no clock, socket, device or file.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, nan
+
+import msgspec
 
 from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Controller as ControllerSettings
@@ -15,9 +18,15 @@ from stillarm.controller.command.damping import DampingStatus, JointDamping
 from stillarm.controller.command.dither import STILL, check_dither, dither_on
 from stillarm.controller.command.limits import CommandLimits
 from stillarm.controller.command.motion import Motion
-from stillarm.controller.estimation.estimate import Estimate, Method, Observation
+from stillarm.controller.estimation.estimate import (
+    DelayEstimate,
+    Estimate,
+    Method,
+    Observation,
+    OutlivesSupervisor,
+    Status,
+)
 from stillarm.controller.estimation.methods import make_method
-from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
 from stillarm.controller.input.cycle_input import CycleInput
 from stillarm.controller.input.plausible_input import PlausibleInput
 from stillarm.controller.joint.joint_motion import JointMotion
@@ -89,7 +98,7 @@ class Controller:
 
     @property
     def settings(self) -> ControllerSettings:
-        """What is in force: as configured, with what an operator has adjusted."""
+        """The settings in force: as configured, with an operator's adjustments."""
         return self._adjusting.settings
 
     def _adjusted(self, asked: Adjustment, cycle: int) -> Adjusted | None:
@@ -198,4 +207,52 @@ class Controller:
         return velocity
 
 
+class MethodAcrossRestarts:
+    """Restarts the method at the first sample of a restarted supervisor, whose displacements have another zero: in one
+    fit, images with two zeros look like a large vibration, and would be damped as one. A restart takes 5 to 200 us. A
+    method that can separate the zero of the images from everything else is told of it instead, and keeps what it knows.
+
+    A method whose numbers have left the range of floats would never recover, and is restarted as well.
+    failures: number of such restarts.
+    """
+
+    def __init__(self, make: Callable[[], Method]) -> None:
+        """make: returns a new method."""
+        self._make = make
+        self._method = make()
+        self.failures = 0
+
+    def update(self, observation: Observation) -> Estimate:
+        """As the method's."""
+        samples = observation.samples
+        for place in range(len(samples) - 1, -1, -1):
+            if samples[place].restarted:
+                self._see_new_zero()
+                if place:  # samples of the previous supervisor
+                    observation = msgspec.structs.replace(observation, samples=samples[place:])
+                break
+        try:
+            estimate = self._method.update(observation)
+        except (ArithmeticError, ValueError):  # LinAlgError is a ValueError
+            return self._failed()
+        if estimate.status in _KNOWN and not isfinite(
+            estimate.deflection_m + estimate.deflection_rate_m_s + estimate.delay.delay_s
+        ):
+            return self._failed()
+        return estimate
+
+    def _see_new_zero(self) -> None:
+        if isinstance(self._method, OutlivesSupervisor):
+            self._method.see_new_zero()
+        else:
+            self._method = self._make()
+
+    def _failed(self) -> Estimate:
+        self.failures += 1
+        self._method = self._make()
+        return Estimate(DelayEstimate(nan, nan, Status.INVALID), status=Status.INVALID, reason=_FAILED)
+
+
 _ACTIVE = DampingStatus.ACTIVE  # looked up once: to read an enumeration's member costs as much as a call
+_FAILED = "numbers out of range: started again"
+_KNOWN = (Status.ESTIMATED, Status.HELD)

@@ -16,7 +16,6 @@ from stillarm.common.recording.reader import Recording
 from stillarm.common.recording.topics import EstimateSample, FastSample, FrameSample, SettingsSample
 from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, Observation
 from stillarm.controller.estimation.methods import MethodFactory, make_method
-from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
 from stillarm.controller.input.plausible_input import PlausibleInput
 from stillarm.controller.joint.joint_motion import JointMotion
 from stillarm.controller.loop.recorded import (
@@ -27,7 +26,7 @@ from stillarm.controller.loop.recorded import (
     fast_sample,
     recorded_cycles,
 )
-from stillarm.controller.loop.step import Controller
+from stillarm.controller.loop.step import Controller, MethodAcrossRestarts
 from stillarm.controller.replay.frame_delays import FrameDelays
 from stillarm.controller.safety.table import Event, Operator, State
 

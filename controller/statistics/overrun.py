@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 
-class Cause(StrEnum):
+class OverrunCause(StrEnum):
     """The likely cause of a missed cycle."""
 
     PAGE_FAULT = "page fault"
@@ -21,12 +21,12 @@ class Cause(StrEnum):
 
 
 REMEDY = {
-    Cause.PAGE_FAULT: "grant CAP_IPC_LOCK (or LimitMEMLOCK=infinity), so that memory stays locked",
-    Cause.SLOW_BUS: "read the accelerometer faster (I2C at 400 kHz or more), or look for its faults",
-    Cause.NO_CPU: "keep other work off this processor (isolcpus=, a higher real-time priority); a virtual machine's "
-    "processors may be taken away",
-    Cause.THROTTLING: "cool the processor, or set its governor to performance",
-    Cause.OWN_COMPUTING: "choose a cheaper controller.method, or a longer timing.cycle_s",
+    OverrunCause.PAGE_FAULT: "grant CAP_IPC_LOCK (or LimitMEMLOCK=infinity), so that memory stays locked",
+    OverrunCause.SLOW_BUS: "read the accelerometer faster (I2C at 400 kHz or more), or look for its faults",
+    OverrunCause.NO_CPU: "keep other work off this processor (isolcpus=, a higher real-time priority); a virtual "
+    "machine's processors may be taken away",
+    OverrunCause.THROTTLING: "cool the processor, or set its governor to performance",
+    OverrunCause.OWN_COMPUTING: "choose a cheaper controller.method, or a longer timing.cycle_s",
 }
 
 
@@ -51,7 +51,7 @@ class OverrunCounters(NamedTuple):
     stolen_s: float = 0.0
 
 
-def overrun_cause(seen: OverrunCounters) -> Cause:
+def overrun_cause(seen: OverrunCounters) -> OverrunCause:
     """The likely cause, the most certain evidence first.
 
     1. Page fault: a page from a disk, or new pages that took a quarter of the missed time at 0.5 us each.
@@ -63,14 +63,14 @@ def overrun_cause(seen: OverrunCounters) -> Cause:
     """
     missed_s = max(seen.late_s + seen.device_s + seen.computing_s, seen.cycle_s)
     if seen.major_faults > 0 or seen.minor_faults * 0.5e-6 > 0.25 * missed_s:
-        return Cause.PAGE_FAULT
+        return OverrunCause.PAGE_FAULT
     if seen.late_s > 0.5 * seen.cycle_s or max(seen.run_delay_s, seen.stolen_s) > 0.5 * missed_s:
-        return Cause.NO_CPU
+        return OverrunCause.NO_CPU
     if seen.device_s > 0.5 * missed_s and seen.device_s > seen.computing_s:
-        return Cause.SLOW_BUS
+        return OverrunCause.SLOW_BUS
     if seen.involuntary_switches > 0:
-        return Cause.NO_CPU
-    return Cause.THROTTLING if seen.throttled else Cause.OWN_COMPUTING
+        return OverrunCause.NO_CPU
+    return OverrunCause.THROTTLING if seen.throttled else OverrunCause.OWN_COMPUTING
 
 
 class ThreadCounters:

@@ -120,7 +120,7 @@ class Statistics:
     def overruns(self, throttled: bool, stolen_s: float) -> dict[str, object] | None:
         """The fields of a warning about the overruns since the last call; None without overruns.
 
-        throttled, stolen_s: state of the processor in that time. Of very many overruns, only the last have causes.
+        throttled, stolen_s: state of the processor in that time. Among very many overruns, only the last have causes.
         """
         count, found = self._block.overruns(self._overruns)
         if not found:

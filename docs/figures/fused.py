@@ -8,20 +8,25 @@ from style import GREEN, RED, TRUTH, new_figure, save
 
 import stillarm
 
+FROM_S, TO_S = 1.5, 8.0  # the part of the run that is drawn: the strike at 2 s, and some periods
+
 
 def draw(path: Path) -> None:
     """docs/images/fused.svg"""
     run = demo_run()
     said = stillarm.replay(run.recording.path, "fused")["fused"]
-    time_s, q, std = (said.estimates[name][::10] for name in ("time_s", "deflection_m", "deflection_std_m"))
+    shown = (said.estimates["time_s"] > FROM_S) & (said.estimates["time_s"] < TO_S)
+    time_s, q, std = (
+        said.estimates[name][shown][::10] for name in ("time_s", "deflection_m", "deflection_std_m")
+    )
     state, true = run.truth["truth_state"], run.truth["truth_frames"]
     figure, (above, below) = new_figure(2, 4.8)
     error = q - np.interp(time_s, state["time_s"], state["deflection_m"])
     above.fill_between(time_s, -2e3 * std, 2e3 * std, color=GREEN, alpha=0.3, label="two stated deviations")
     above.plot(time_s, 1e3 * error, color=GREEN, linewidth=0.6, label="error of the present deflection")
-    above.set(xlim=(1.5, 8.0), ylim=(-1.2, 1.2), ylabel="mm", xlabel="time, s")
+    above.set(xlim=(FROM_S, TO_S), ylim=(-1.2, 1.2), ylabel="mm", xlabel="time, s")
     above.legend(loc="upper right", ncols=2)
-    part = (said.frames["received_s"] > 1.0) & (said.frames["received_s"] < 8.5)
+    part = (said.frames["received_s"] > FROM_S) & (said.frames["received_s"] < TO_S)
     delay_s, dstd = said.frames["delay_s"][part], said.frames["delay_std_s"][part]
     received = said.frames["received_s"][part]
     truly = received - np.interp(said.frames["frame"][part], true["frame"], true["mid_exposure_s"])
@@ -33,6 +38,6 @@ def draw(path: Path) -> None:
     below.axhline(
         1e3 * run.recording.model.timing.capture_delay_s, color=RED, linestyle=":", label="the model's mean"
     )
-    below.set(xlim=(1.5, 8.0), ylim=(55, 95), ylabel="capture delay, ms", xlabel="time, s")
+    below.set(xlim=(FROM_S, TO_S), ylim=(55, 95), ylabel="capture delay, ms", xlabel="time, s")
     below.legend(loc="lower right", ncols=3)
     save(figure, path)

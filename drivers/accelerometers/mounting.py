@@ -21,7 +21,7 @@ def sensed_axes(acceleration_m_s2: float, device: AccelerometerDevice) -> Vector
     """The acceleration along the sensor's own (x, y, z), m/s^2, for a reading of `acceleration_m_s2` when mounted as
     configured.
 
-    Of the arm's two other axes one is horizontal with zero acceleration. The other (z, or y if z is measured) has
+    The arm has two other axes. One is horizontal and has no acceleration. The other (z, or y if z is measured) has
     gravity.
     """
     arm = [0.0, 0.0, 0.0]

@@ -7,7 +7,7 @@ class JointState(NamedTuple):
     """The last report of the drive. NaN for quantities that it does not report.
 
     age_s: time since the drive last confirmed that it follows commands. It grows while the drive is absent, disarmed or
-    in a fault of its own, whatever else it reports; infinite before the first report; NaN for a drive without reports.
+    in a fault, even if other reports arrive; infinite before the first report; NaN for a drive without reports.
     """
 
     position_rad: float

@@ -8,8 +8,8 @@ beside a real drive.
 from enum import IntEnum
 from math import isfinite, nan
 
+from stillarm.common.datagrams.datagram import LinkCounts, Peer
 from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
-from stillarm.common.link.peer import LinkCounts, Peer
 from stillarm.common.link.udp import new_session
 
 DEAD_MAN_S = 0.1

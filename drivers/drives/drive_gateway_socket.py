@@ -1,4 +1,4 @@
-"""A drive gateway on a UDP port: commands in, the joint's state back to whoever commands."""
+"""A drive gateway on a UDP port: commands in, the joint's state back to the commander."""
 
 from stillarm.common.datagrams.messages import DriveCommand
 from stillarm.common.link.udp import Address, UdpSocket

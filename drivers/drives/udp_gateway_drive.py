@@ -4,9 +4,9 @@ import time
 from collections.abc import Callable
 from math import inf, isfinite, nan
 
+from stillarm.common.datagrams.datagram import LinkCounts, Peer
 from stillarm.common.datagrams.messages import DriveCommand, DriveState, Hello
 from stillarm.common.files.configuration import DriveDevice
-from stillarm.common.link.peer import LinkCounts, Peer
 from stillarm.common.link.udp import UdpSocket, new_session
 from stillarm.common.user_error import UserError
 from stillarm.drivers.drives.drive import DriveProbe, JointState

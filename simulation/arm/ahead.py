@@ -1,7 +1,7 @@
 """An arm that is ready before any clock runs: compiled once after an installation, from then on loaded from disk.
 
 Compiling takes about ten seconds of a processor, loading a quarter of one. Beside running daemons either would cost
-images and cycles, so whoever is about to start them comes here first.
+images and cycles; a caller that is about to start them calls this first.
 """
 
 import sys

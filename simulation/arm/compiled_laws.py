@@ -1,7 +1,7 @@
 """The causes' laws for the stepper: each compiled on its own, and called by its address.
 
-So the stepper is compiled once, whatever causes there are, and each law is compiled (and kept on disk) by itself, when
-a model first asks for it.
+The stepper is therefore compiled once for all causes. Each law is compiled by itself when a model first asks for it,
+and kept on disk.
 """
 
 from collections.abc import Iterable, Mapping

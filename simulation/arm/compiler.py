@@ -20,7 +20,7 @@ def compiled(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """The same, and let it become a part of whatever calls it: for what a cycle always passes through."""
+    """The same, inlined into its callers: for what a cycle always passes through."""
     return cast(Function, njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function))
 
 

@@ -105,7 +105,7 @@ def _still(arm: Record) -> bool:
 
 @inlined
 def _jump_of(arm: Record, omega: float, alpha: float, command: float, to_come: bool) -> float:
-    """By how much theta'' jumps as the drive's aim becomes `command`, or became another than that."""
+    """Jump of theta'' when the drive's aim becomes `command`, or leaves it."""
     beside: float = min(max(arm.decay * (command - omega), -arm.most), arm.most)
     return beside - alpha if to_come else alpha - beside
 

@@ -5,7 +5,7 @@
 
 The joint's motion comes as stretches (joint.py), in each of which theta'' = start exp(-decay t). Over a stretch the
 linear part of a mode is solved exactly (`_linear`), for any frequency and duration: a second mode of 400 Hz asks for no
-shorter step. Laws of causes come in by address (compiled_laws.py). Where any acts on a mode, its deviation from
+shorter step. Laws of causes come in by address (compiled_laws.py). If a law acts on a mode, its deviation from
 the linear part is integrated by the classical Runge-Kutta method of fourth order in the frame that moves with the
 linear solution (Lawson, 1967), in steps of so many radians at most, broken where the rate of the first mode passes
 through zero, if a law has a corner there, and at the laws' onsets. Forward sensitivities would move

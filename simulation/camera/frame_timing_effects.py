@@ -39,7 +39,7 @@ class FrameTimingEffects:
         self._steps = list(compress(laws_at(model, "clock"), of_camera))
 
     def further_delay_s(self, mid_s: float, handover_s: float) -> float:
-        """What is added to the delay of a frame that would be handed over at `handover_s`."""
+        """Addition to the delay of a frame that would be handed over at `handover_s`, s."""
         since_start_s = self._clock.at(mid_s)
         delay = sum(law(since_start_s) for law in self._delays)
         return float(delay + sum(bursts.delay_s(handover_s) for bursts in self._bursts))

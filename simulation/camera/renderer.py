@@ -49,7 +49,7 @@ class Renderer:
     def render(self, interpolate: Interpolate, exposure_start_s: float, frame: int) -> GreyImage:
         """The image of exposure number `frame`, shape (height, width), which began at `exposure_start_s`.
 
-        Whatever `interpolate` raises (PoseNotYet, PoseNoLonger) passes through.
+        Exceptions of `interpolate` (PoseNotYet, PoseNoLonger) pass through.
         """
         camera = self._camera
         readout = camera.readout_s if camera.shutter == "rolling" else 0.0

@@ -85,8 +85,8 @@ class VirtualCamera:
     def due(self, now_s: float) -> list[Delivery]:
         """The frames handed over since the last call, in order; at the most as many as there are buffers.
 
-        Whoever asks so seldom that more have come gets the newest, as with FrameRingReader; `lost` counts
-        the rest, and those that an effect has lost. To be called with increasing times, after the poses up to
+        If several frames have come since the last call, the newest is returned, as by FrameRingReader; `lost` counts
+        the rest, and those that an effect has lost. Times increase from call to call, after the poses up to
         `now_s` have been written. Raises LookupError where the history no longer holds a frame's exposure, or
         does not hold it yet.
         """

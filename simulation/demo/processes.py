@@ -40,7 +40,7 @@ class DemoProcesses:
     def wait_for(self, name: str, timeout_s: float, progress: Callable[[float], None]) -> None:
         """Wait until a process has ended, the others running on.
 
-        progress: told the seconds that have passed. Raises UserError, with the last words of whoever failed.
+        progress: told the seconds that have passed. Raises UserError, with the last words of the process that failed.
         """
         started = time.monotonic()
         while self._running[name].poll() is None:
@@ -72,7 +72,7 @@ class DemoProcesses:
             stop_process(process, _STOP_WITHIN_S)
 
     def stop_all(self) -> None:
-        """Stop whatever runs, the controller first."""
+        """Stop the running processes, the controller first."""
         for name in ("controller", "supervisor", "rig"):
             self.stop(name)
 

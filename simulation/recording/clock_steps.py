@@ -1,7 +1,7 @@
 """clock_step on the controller's side: what the rows of a recording made in virtual time show of a clock that jumps.
 
-The loop itself counts cycles and feels nothing of it. A live rig has no hand in the controller's clock; it can step
-the camera's only (frame_timing_effects).
+The loop itself counts cycles and is not affected. A live rig has no hand in the controller's clock; it can step the
+camera's only (frame_timing_effects).
 """
 
 from typing import TypeVar

@@ -106,7 +106,7 @@ def run(
         device = presented_by(configuration.accelerometer, accelerometer)
         configuration = msgspec.structs.replace(configuration, accelerometer=device)
         model = msgspec.structs.replace(model, accelerometer=with_device(model.accelerometer, device))
-    # What the camera's process would refuse, while there is one to say so.
+    # raises here what the camera's process would refuse: here the message still reaches the user
     CameraTiming(model.camera, model.timing, rig, rig.seed, origin_s=0.0, after_delivery_s=AFTER_DELIVERY_S)
     remove_left_blocks()
     raise_priority(_NICENESS)

@@ -1,7 +1,7 @@
 """The drive that the simulated rig presents itself through: an emulator that speaks the configured drive's language.
 
-Each gives the joint velocity that the controller's commands ask for and is told what the joint does. Each has the dead
-man of its kind; the amplifier behind the DAC drops its enable when the DAC is not written for 0.1 s.
+Each returns the joint velocity that the controller's commands ask for, and gets the joint's motion to report. Each has
+the dead man of its kind; the amplifier behind the DAC drops its enable when the DAC is not written for 0.1 s.
 """
 
 from math import isfinite, pi

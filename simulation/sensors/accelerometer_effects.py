@@ -30,11 +30,11 @@ class AccelerometerEffects:
         ]
 
     def sensitivity(self, time_s: float) -> float:
-        """By which the scale is to be multiplied, at a time from the recording's start."""
+        """Factor for the scale, at a time from the recording's start."""
         return float(prod(law(time_s) for law in self._sensitivities))
 
     def added_m_s2(self, time_s: float, tip_angle_rad: float) -> float:
-        """What is added to a sample, at a time from the recording's start. Once for each sample."""
+        """Addition to a sample, m/s^2, at a time from the recording's start. To be called once for each sample."""
         added = sum(law(time_s, tip_angle_rad) for law in self._readings)
         return float(added + sum(impulses.sample() for impulses in self._impulses))
 

@@ -1,4 +1,4 @@
-"""What the model file says of an accelerometer once it is a certain device."""
+"""The model file's [accelerometer] section, completed by the figures of a certain device."""
 
 from math import hypot, pi, sqrt
 

@@ -36,7 +36,7 @@ def write_simulated_recording(
 ) -> tuple[PartCosts, float]:
     """Simulate a scenario and write recording and truth; returns the cost of each part and the simulated time, s.
 
-    The same arguments give the same bytes: nothing of the clock, the machine or the paths goes into the files.
+    The same arguments give the same bytes: the files do not depend on clock, machine or paths.
     """
     if recording_path.resolve() == truth_path.resolve():
         raise UserError(

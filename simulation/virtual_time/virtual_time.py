@@ -156,7 +156,7 @@ class _VirtualSupervisor:
 
 @dataclass
 class VirtualRun:
-    """What is to be simulated: the true model, what the controller assumes, what happens, and from which seed."""
+    """One simulation: the true model, what the controller assumes, what happens, and the seed."""
 
     configuration: Configuration
     true_model: Model

@@ -40,7 +40,7 @@ def make_application(
     bench: Bench,
     token_used: TokenUsed,
 ) -> web.Application:
-    """The application. feed: gets its datagrams from whoever listens."""
+    """The application. feed: gets its datagrams from the listener."""
     application = web.Application(middlewares=[guard.middleware], client_max_size=_MOST_BODY_BYTES)
     about = _about(configuration)
 

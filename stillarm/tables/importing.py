@@ -166,7 +166,7 @@ def _blocks(file: TableFile, entry: TableEntry, notes: list[str]) -> Iterator[_R
 
 
 def _home(entry: TableEntry) -> str:
-    """Where channels without a role are kept: beside those that have one."""
+    """Topic for the channels without a role: that of the channels with one."""
     topics = {
         BY_NAME[channel.role].topic for channel in entry.channels if channel.role not in (UNKNOWN, IGNORE)
     }

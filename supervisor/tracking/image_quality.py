@@ -1,4 +1,4 @@
-"""Tests whether an image can give a measurement at all, before any feature is tracked."""
+"""Tests whether an image can give a measurement, before any feature is tracked."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a declaration says of a cause in a joint that is driven by a torque, a current or a voltage."""
+"""Declaration of a cause in a joint that a torque, a current or a voltage drives."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

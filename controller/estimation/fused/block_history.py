@@ -1,4 +1,4 @@
-"""The accelerometer's blocks since the bank's instant, and the present that is worked out through them.
+"""The accelerometer's blocks since the bank's instant, and the present phasors, computed through them.
 
 Implements Eqs. 5, 12, 43 of docs/fused.md.
 """
@@ -12,8 +12,7 @@ from stillarm.controller.estimation.fused.accelerometer.impact_detector import I
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
 from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
-from stillarm.controller.estimation.fused.fusion.mixture import Merged
-from stillarm.controller.estimation.fused.present import Present
+from stillarm.controller.estimation.fused.present import Merged, Mixture, Present
 
 
 class BlockHistory:
@@ -34,6 +33,7 @@ class BlockHistory:
         self._health = fusion.state.health
         assumed = fusion.state.assumed
         self._assumed, self._blocks_assumed = assumed.impact_detector, assumed.blocks
+        self._mixture = Mixture(fusion.state)
         self.present = Present(w, at.sigma.tolist(), at.w_first)
         self.impacts = ImpactDetector(w, block_s, assumed)
         self.sums = BlockSums(at.modes, assumed)
@@ -83,7 +83,7 @@ class BlockHistory:
         return block
 
     def compare(self, block: Block) -> None:
-        """A block with samples at the present, where it ends: an impact, or a correction of the present."""
+        """Compare a block that ends now with the present: it shows an impact, or it corrects the present."""
         present, health = self.present, self._health
         residual = present.residual(block)
         if health.mute:
@@ -103,7 +103,7 @@ class BlockHistory:
             self.compare(block)
 
     def _mark(self, impact: Impact) -> None:
-        """Let the blocks' history have the impact where it began, and see the present afresh."""
+        """Put the impact into the history where it began, and compute the present anew."""
         self.impacts.forget()
         self.alarm_s = self._blocks[-1].end_s
         place = max(0, len(self._blocks) - impact.blocks_ago)
@@ -138,17 +138,19 @@ class BlockHistory:
         self._taken.append(block)
 
     def forget_taken(self) -> None:
-        """More blocks than a capture delay's were waiting: the bank has gone on without an image."""
+        """Forget the blocks taken: more than a capture delay's were waiting, and the bank has gone on without an
+        image."""
         self._snapshot = None
         self._taken.clear()
 
     def forget_snapshot(self) -> None:
-        """The bank has changed otherwise than by the blocks handed over."""
+        """Forget the snapshot: the bank has changed, and not only by the blocks handed over."""
         self._snapshot = None
 
     def merge(self, now_s: float) -> None:
         """Take a snapshot of the filters' mixture."""
-        self._snapshot = self._fusion.merged(now_s)
+        self._fusion.blocks.finish()
+        self._snapshot = self._mixture.merged(now_s)
         self._taken.clear()
 
     def restart_present(self, now_s: float) -> None:
@@ -178,18 +180,18 @@ class BlockHistory:
             present.z[i] = turned + self._joint_input.sum[i] - start
 
     def widen_present(self, block: Block) -> None:
-        """What may have happened to the vibration in the block that has just been closed."""
+        """Widen the present by what may have happened in the block that has just been closed."""
         self.present.widen(
-            self._fusion.phasor_noise() * (block.end_s - block.start_s)
+            self._mixture.phasor_noise() * (block.end_s - block.start_s)
             + block.motion_variance(self._blocks_assumed.motion_doubt)
         )
         self._push(block.start_s, block.end_s)
 
     def _push(self, start_s: float, end_s: float) -> None:
-        """What a random force and a force that lasts may have done to the present."""
+        """Widen the present by what a random force and a lasting force may have done."""
         push = self._fusion.force.during(start_s, end_s)
         if push is not None:
             self.present.inflate(push)
-        held = self._fusion.held_during(start_s, end_s)
+        held = self._fusion.state.held_during(start_s, end_s)
         if held is not None:
             self.present.inflate(held)

@@ -1,19 +1,26 @@
-"""What a frame leaves to do, as a sequence of steps: each has a controller's cycle of its own, so that none is long.
+"""The work on one frame as a sequence of steps. Each step has a cycle of the controller, so that no cycle is long.
 
 The order is that of docs/fused.md: the date (Eqs. 18 to 28), the image (Eqs. 30 to 36), the laws (Eqs. 37 to 39), the
 mixture (Eqs. 40, 41), the present (Eq. 42), and what is learnt (Eqs. 44 to 64).
 
-The next frame, if it comes before the last step, first has this one's measurement processed. What only tells of this
-one, from the mixture on, is then left to the next.
+The sequence is a generator. It yields the name of its next step and does that step when it is resumed, so that its
+caller can see what is due.
+
+If the next frame comes before the last step, this frame's measurement is processed first. The steps from the mixture
+on only tell of this frame; they are left to the next one.
 """
+
+from collections.abc import Generator
+from typing import TypeAlias
 
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.block_history import BlockHistory
 from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
-from stillarm.controller.estimation.fused.spread_work import SpreadWork, Steps
 
+Steps: TypeAlias = Generator[str, bool, None]
+NOTHING = ""
 # The steps in their order; those before MERGE change the filters by the frame.
 DATE, ARRIVAL, STARTED = "date", "arrival", "n_i"
 AIM, PREDICT, LOOK, TAKE, SETTLE = "aim", "predict", "look", "take", "settle"
@@ -22,11 +29,40 @@ _OF_FRAME = frozenset((DATE, ARRIVAL, STARTED, AIM, PREDICT, LOOK, TAKE, SETTLE)
 _AIMED, _TO_TAKE = frozenset((PREDICT, LOOK)), frozenset((TAKE, SETTLE))
 
 
-class FrameSteps:
-    """now_s: time of the cycle, which whoever calls keeps. last_frame_s: when the image looked at last was read.
+class SpreadWork:
+    """Holds at most one sequence. due: name of its next step; NOTHING where none is left."""
 
-    dated: frames whose delay was told in this cycle: number, delay, s, and its standard deviation, s; whoever reports
-    them clears it.
+    def __init__(self) -> None:
+        """No sequence."""
+        self._steps: Steps | None = None
+        self.due = NOTHING
+
+    def begin(self, steps: Steps) -> None:
+        """Put a sequence in place of what is left of the one before. None of its steps has been done yet."""
+        self._steps = steps
+        self.due = next(steps, NOTHING)
+
+    def advance(self) -> None:
+        """Do the step that is due."""
+        if self._steps is not None:
+            self.due = next(self._steps, NOTHING)
+
+    def advance_through(self, steps: frozenset[str]) -> None:
+        """Do at once all that is due, as long as it is one of `steps`."""
+        while self.due in steps:
+            self.advance()
+
+    def withdraw(self) -> None:
+        """Tell the sequence that its preparation no longer holds, instead of resuming its next step."""
+        if self._steps is not None:
+            self.due = self._steps.send(True)
+
+
+class FrameSteps:
+    """now_s: time of the cycle, set by the caller. last_frame_s: when the image looked at last was read.
+
+    dated: frames whose delay was told in this cycle: number, delay, s, and its standard deviation, s; the reader clears
+    it.
     """
 
     def __init__(self, fusion: FrameFusion, history: BlockHistory, joint_input: JointInput) -> None:
@@ -143,7 +179,8 @@ class FrameSteps:
         return of_use
 
     def _tell_date(self, frame: int) -> None:
-        self.dated.append((frame, self._fusion.delay_s, self._fusion.delay_std_s))
+        state = self._fusion.state
+        self.dated.append((frame, state.delay_s, state.delay_std_s))
 
     def _block_ahead(self) -> bool:
         """Whether there is a block that the next image will want processed."""

@@ -1,4 +1,4 @@
-"""What an impact or a step of a force that the accelerometer has measured does to filters and present.
+"""Applies an impact or a force step that the accelerometer has measured to filters and present.
 
 Implements Eqs. 16, 55 of docs/fused.md.
 """
@@ -14,7 +14,7 @@ from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
 
 
 class MeasuredChanges:
-    """Each change is put in at its own instant, for all that is computed from then on. Arms of one mode alone."""
+    """Each change is applied at its own instant. Only for arms of one mode."""
 
     def __init__(
         self, at: Layout, cycle_s: float, fusion: FrameFusion, history: BlockHistory, frame: FrameSteps,
@@ -32,7 +32,7 @@ class MeasuredChanges:
         return self._fusion.held_force.active
 
     def take(self, change: MeasuredImpact | ForceStep, now_s: float) -> None:
-        """A change that the accelerometer has just finished to measure."""
+        """Apply a change whose measurement has just ended."""
         self._history.impacts.forget()
         if isinstance(change, ForceStep):
             self._take_force_step(change, now_s)

@@ -103,7 +103,7 @@ class SampleIntake:
             block.count = 0
 
     def _give_back(self) -> None:
-        """The samples held back have shown no impact: what they do show counts."""
+        """Use the samples held back after all: they show no impact."""
         for block, count in self._held_back:
             block.count = count
             self._history.compare_if_waiting(block)

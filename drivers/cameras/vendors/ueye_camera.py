@@ -174,7 +174,7 @@ class UeyeBackend:
 
 
 def _reference(sensor_name: str) -> StampReference:
-    """By model: UI-1xxx and UI-2xxx are USB 2 (UI122x, UI-1220...), UI-3xxx USB 3, UI-5xxx and UI-6xxx GigE."""
+    """The instant of a stamp by model: UI-1xxx (UI122x...), UI-2xxx are USB 2, UI-3xxx USB 3, UI-5xxx, UI-6xxx GigE."""
     digits = [c for c in sensor_name if c.isdigit()]
     return StampReference.EXPOSURE_END if digits and digits[0] in "3456" else StampReference.TRANSFER_END
 

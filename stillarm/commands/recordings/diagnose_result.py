@@ -1,4 +1,4 @@
-"""What a diagnosis leaves: its files, its verdict in one sentence, and what the extended model is worth."""
+"""Results of a diagnosis: its files, its verdict in one sentence, and the worth of the extended model."""
 
 import json
 import math

@@ -34,7 +34,7 @@ class Bench:
         }
 
     def picture(self) -> Path:
-        """Where the picture of the fit lies once there is one."""
+        """Path of the picture of the fit; the file is written after the fit."""
         return self._folder / "commissioning.png"
 
     async def check(self) -> Job:

@@ -1,4 +1,4 @@
-"""What every open page is sent: telemetry as it comes, and the status on change and once a second. Edge: the clock."""
+"""Feeds every open page: telemetry as it comes, and the status on change and once a second. Edge: the clock."""
 
 import time
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What the panel knows of the loop now: its words, its age, whether it is silent. Pure: rows and times in."""
+"""The panel's knowledge of the loop: its words, their age, whether it is silent. Pure: rows and times in."""
 
 from collections import deque
 from math import inf, isfinite, nan

@@ -26,7 +26,7 @@ class Library:
     """
 
     def __init__(self, folder: Path, cache: Path) -> None:
-        """folder: of the recordings; cache: a folder that is the panel's own, removed by whoever made it."""
+        """folder: of the recordings; cache: a folder of the panel's own; its maker removes it."""
         self._folder, self._cache = folder, cache
         self._jobs = Jobs()
         self._opened: dict[str, Path] = {}

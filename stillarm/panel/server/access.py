@@ -21,7 +21,7 @@ def new_secret() -> str:
 
 
 def _digest(text: str) -> bytes:
-    """Of one length whatever is given, so that a comparison tells nothing of the secret's."""
+    """Digest of one length, so that the time of a comparison tells nothing of the secret's length."""
     return hashlib.sha256(text.encode("utf-8", "surrogateescape")).digest()
 
 

@@ -1,7 +1,7 @@
-"""What each request passes before it is answered: Host, Origin, rate, session; and the headers of each answer.
+"""Checks each request before it is answered (Host, Origin, rate, session), and sets the headers of each answer.
 
-Refused: another Host (DNS rebinding), another Origin on whatever changes something or opens a socket (CSRF), too many
-requests of one address, a command without a session.
+Refused: another Host (DNS rebinding), another Origin on a request that changes something or opens a socket (CSRF), too
+many requests of one address, a command without a session.
 """
 
 import time

@@ -85,7 +85,7 @@ def _derive(held: dict[str, ColumnLook], derivative: Derivative) -> None:
 
 
 def _name_unknown_pair(held: dict[str, ColumnLook], column: ColumnLook, relations: Relations) -> None:
-    """Two nameless columns of which one is the derivative: a position and a velocity, of what is not known."""
+    """Two nameless columns, one the derivative of the other: a position and a velocity, of what is not known."""
     derivative = relations.derivatives.get(column.name)
     if (
         derivative is None
@@ -125,7 +125,7 @@ def _measured_by_step(held: dict[str, ColumnLook], column: ColumnLook) -> None:
 
 
 def _command_and_answer(held: dict[str, ColumnLook], lead: Lead) -> None:
-    """Two columns of one matrix of which one answers the other, late and much alike: command and measurement.
+    """Two columns of one matrix: one follows the other, later and with nearly the same shape: command and measurement.
 
     A column that is named a command, and whose answer is known, commands that quantity.
     """

@@ -1,4 +1,4 @@
-"""What is seen of a column and of a table."""
+"""The properties found of a column and of a table."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Which column is the derivative of which.
+"""Finds the columns that are derivatives of others.
 
 If y = k dx/dt, then X = Y / (k i w) at every frequency w. The columns are compared as positions, so that a sensor's
 noise, which the derivative would magnify, counts little:
@@ -34,7 +34,7 @@ class Derivative:
 
 
 def derivatives(spectra: Spectra, rate_hz: float | None) -> list[Derivative]:
-    """For each column the best column that it is the first or second derivative of, where that is sure."""
+    """Pairs a column with the column whose first or second derivative it is, where that is certain."""
     found = []
     for name in spectra.samples:
         options = [

@@ -10,7 +10,7 @@ from stillarm.tables.guesses.spectra import Spectra, only
 
 @dataclass(frozen=True)
 class Relations:
-    """By the column that repeats, derives or follows. near: copies but for some per cent."""
+    """Relations, by the column that repeats, derives or follows another. near: copies but for some per cent."""
 
     copies: dict[str, Copy] = field(default_factory=dict)
     near: dict[str, Copy] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""From quantities to the roles of a recording. Only one column can have a role; the others stay "unknown"."""
+"""Turns quantities into the roles of a recording. Each role goes to one column; the others stay "unknown"."""
 
 from dataclasses import replace
 

@@ -54,7 +54,7 @@ def grows(values: Values) -> bool:
 
 
 def is_ramp(values: Values) -> bool:
-    """Whether a column is a clock whatever its name: equal steps throughout, to a hundredth, and not of 1."""
+    """Whether a column is a clock by its values, not its name: equal steps throughout, to a hundredth, and not of 1."""
     floats = as_floats(values)
     if len(floats) < 8 or not np.isfinite(floats).all():
         return False

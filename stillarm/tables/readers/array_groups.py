@@ -1,7 +1,7 @@
 """Arrays of any shape by name, as in MAT, HDF5 and NumPy files, sorted into tables: one for each number of rows.
 
-A vector is a column. A matrix is as many columns as its shorter side has, if that is at most MAX_COLUMNS. What is
-shorter than MIN_ROWS is a parameter, not a measurement.
+A vector is a column. A matrix is as many columns as its shorter side has, if that is at most MAX_COLUMNS. An
+array shorter than MIN_ROWS is a parameter, not a measurement.
 """
 
 import re

@@ -1,6 +1,6 @@
 """Opens a file of any format that is known: by its first bytes, then by its suffix.
 
-The readers of other people's formats raise whatever they like on a damaged file. Here that becomes one line.
+Libraries that read foreign formats raise exceptions of any kind on a damaged file. Here that becomes one line.
 """
 
 import importlib

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from stillarm.benchmarks.fuzz.targets import TARGETS
 from stillarm.common.datagrams.datagram import DEMO_KEY, encode
-from stillarm.common.datagrams.visual_datagram import visual_message
-from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.datagrams.visual_sample import VisualSample, visual_message
 from stillarm.common.files.configuration import default_configuration_path
 from stillarm.common.recording.header import RecordingHeader
 from stillarm.common.recording.topics import FastSample, FrameSample

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.common.datagrams.visual_datagram import LinkTimes
+from stillarm.common.datagrams.visual_sample import LinkTimes
 from stillarm.common.link import clock_offset
 from stillarm.common.link.clock_offset import ClockOffset
 

@@ -7,12 +7,32 @@ from hypothesis import strategies as st
 
 from stillarm.common.datagrams.datagram import DEMO_KEY, encode
 from stillarm.common.datagrams.messages import Reference
+from stillarm.common.datagrams.visual_sample import VisualSample, visual_message
 from stillarm.common.files.model import Model
 from stillarm.common.link.operator_sender import OperatorSender
-from stillarm.controller.input.exchange import ControllerExchange, ReferenceExchange, oldest_sample_s
+from stillarm.controller.input.exchange import (
+    ControllerExchange,
+    ReferenceExchange,
+    oldest_sample_s,
+    visual_sample,
+)
 from stillarm.supervisor.exchange import SupervisorExchange
 from tests.fixtures.link_ends import sample
 from tests.reference.plain_datagram import FIELDS, plain_datagram
+
+
+@given(
+    st.builds(
+        VisualSample,
+        st.integers(-1, 2**63),
+        st.integers(-1, 2**63),
+        st.integers(0, 9),
+        *[st.floats(allow_nan=False)] * 9,
+        *[st.integers(0, 1000)] * 2,
+    )
+)
+def test_a_visual_sample_comes_back_from_its_message(sample: VisualSample) -> None:
+    assert visual_sample(visual_message(7, sample)) == sample
 
 
 def test_the_timestamp_comes_back_with_the_data() -> None:

@@ -10,12 +10,11 @@ import pytest
 from stillarm.common.files.configuration import Controller as Settings
 from stillarm.common.files.model import Arm, Mode, Model
 from stillarm.controller.estimation.kalman.kalman_method import KalmanMethod
-from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
 from stillarm.controller.estimation.sine_method import SineMethod
 from stillarm.controller.joint.joint_motion import JointMotion
 from stillarm.controller.joint.known_image_motion import forced_rate_m_s, joint_image_rate_m_s
 from stillarm.controller.joint.sensor_deflection import SensorDeflection
-from stillarm.controller.loop.step import Controller
+from stillarm.controller.loop.step import Controller, MethodAcrossRestarts
 from tests.reference.arm_world import run_world, white
 
 MODEL = Model(arm=Arm(length_m=2.0, modes=[Mode(damping_ratio=0.002)]))

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import msgspec
 import pytest
 
-from stillarm.common.link.peer import LinkCounts
+from stillarm.common.datagrams.datagram import LinkCounts
 from stillarm.common.recording.topics import LinkSample
 from stillarm.controller.loop.link_report import LinkReport
 from stillarm.controller.statistics.loop_block import LoopBlock

@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 from stillarm.common.datagrams.datagram import DEMO_KEY, encode
-from stillarm.common.datagrams.visual_datagram import visual_message
-from stillarm.common.datagrams.visual_sample import VisualSample
+from stillarm.common.datagrams.visual_sample import VisualSample, visual_message
 from stillarm.common.files.configuration import Controller as Settings
 from stillarm.common.files.configuration import Regression
 from stillarm.common.files.model import Arm, Model

@@ -8,7 +8,7 @@ import pytest
 from stillarm.controller.input.plausible_input import Field
 from stillarm.controller.safety.table import Event, State
 from stillarm.controller.statistics.loop_block import LoopBlock
-from stillarm.controller.statistics.overrun import Cause
+from stillarm.controller.statistics.overrun import OverrunCause
 from stillarm.controller.statistics.statistics_process import Statistics
 
 
@@ -54,7 +54,7 @@ def test_overruns_come_with_their_cause_once(sides: tuple[LoopBlock, LoopBlock])
     writer.note_overrun(40, 1, (0.001, 1e-5, 0.0021, 1e-4), (0, 0, 5, 0, 0))
     told = statistics.overruns(False, 0.0)
     assert told is not None
-    assert told["causes"] == {Cause.NO_CPU: 1, Cause.SLOW_BUS: 1}
+    assert told["causes"] == {OverrunCause.NO_CPU: 1, OverrunCause.SLOW_BUS: 1}
     assert (told["worst_cycle"], told["worst_missed"], told["cause"]) == (17, 3, "no CPU")
     assert statistics.overruns(False, 0.0) is None
     for cycle in range(200):

@@ -7,7 +7,7 @@ import pytest
 
 from stillarm.controller.statistics.overrun import (
     REMEDY,
-    Cause,
+    OverrunCause,
     OverrunCounters,
     ThreadCounters,
     overrun_cause,
@@ -25,30 +25,30 @@ def seen(**changes: object) -> OverrunCounters:
 @pytest.mark.parametrize(
     ("counters", "cause"),
     [
-        (seen(), Cause.OWN_COMPUTING),
-        (seen(throttled=True), Cause.THROTTLING),
-        (seen(major_faults=1), Cause.PAGE_FAULT),
-        (seen(major_faults=1, late_s=0.01, throttled=True), Cause.PAGE_FAULT),
-        (seen(minor_faults=2000), Cause.PAGE_FAULT),
-        (seen(minor_faults=3), Cause.OWN_COMPUTING),
-        (seen(late_s=0.004, computing_s=2e-4), Cause.NO_CPU),
-        (seen(run_delay_s=0.0012), Cause.NO_CPU),
-        (seen(involuntary_switches=1), Cause.NO_CPU),
-        (seen(device_s=0.003, computing_s=2e-4), Cause.SLOW_BUS),
-        (seen(device_s=0.003, computing_s=2e-4, run_delay_s=0.0028), Cause.NO_CPU),
-        (seen(device_s=0.003, computing_s=2e-4, stolen_s=0.01), Cause.NO_CPU),
-        (seen(device_s=0.03, computing_s=2e-4, stolen_s=0.01), Cause.SLOW_BUS),
-        (seen(voluntary_switches=1000), Cause.OWN_COMPUTING),
+        (seen(), OverrunCause.OWN_COMPUTING),
+        (seen(throttled=True), OverrunCause.THROTTLING),
+        (seen(major_faults=1), OverrunCause.PAGE_FAULT),
+        (seen(major_faults=1, late_s=0.01, throttled=True), OverrunCause.PAGE_FAULT),
+        (seen(minor_faults=2000), OverrunCause.PAGE_FAULT),
+        (seen(minor_faults=3), OverrunCause.OWN_COMPUTING),
+        (seen(late_s=0.004, computing_s=2e-4), OverrunCause.NO_CPU),
+        (seen(run_delay_s=0.0012), OverrunCause.NO_CPU),
+        (seen(involuntary_switches=1), OverrunCause.NO_CPU),
+        (seen(device_s=0.003, computing_s=2e-4), OverrunCause.SLOW_BUS),
+        (seen(device_s=0.003, computing_s=2e-4, run_delay_s=0.0028), OverrunCause.NO_CPU),
+        (seen(device_s=0.003, computing_s=2e-4, stolen_s=0.01), OverrunCause.NO_CPU),
+        (seen(device_s=0.03, computing_s=2e-4, stolen_s=0.01), OverrunCause.SLOW_BUS),
+        (seen(voluntary_switches=1000), OverrunCause.OWN_COMPUTING),
     ],
 )
-def test_the_most_certain_evidence_counts(counters: OverrunCounters, cause: Cause) -> None:
+def test_the_most_certain_evidence_counts(counters: OverrunCounters, cause: OverrunCause) -> None:
     """One row for each branch, and for evidence that contradicts."""
     assert overrun_cause(counters) is cause
 
 
 def test_every_cause_has_a_remedy() -> None:
     """Something to do."""
-    assert all(REMEDY[cause] for cause in Cause)
+    assert all(REMEDY[cause] for cause in OverrunCause)
 
 
 def test_the_counters_move_with_what_this_thread_does() -> None:

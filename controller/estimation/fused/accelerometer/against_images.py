@@ -1,9 +1,9 @@
-"""What the images make of the accelerometer: its gain, its offset, and how far it contradicts them.
+"""The accelerometer compared with the images: its gain, its offset, and how far it contradicts them.
 
 Implements Eq. 13 of docs/fused.md.
 
-Weighted regression of the blocks' values on what the images say they should be, over the last period or so:
-value = gain expected + offset. Forgetting is exponential, so that all three follow a change within a second.
+Weighted regression of the blocks' values on the values that the images predict, over about the last period: value =
+gain expected + offset. Forgetting is exponential, so that all three follow a change within a second.
 """
 
 from math import inf, sqrt
@@ -23,11 +23,12 @@ class AgainstImages:
         self.forget_offset()
 
     def forget_offset(self) -> None:
-        """The offset has been taken care of: begin the regression anew."""
+        """Restart the regression: the offset has been corrected."""
         self._count = self._w = self._x = self._y = self._xx = self._xy = 0.0
 
     def see(self, value_m: float, expected_m: float, variance: float) -> None:
-        """A block's mean, without bias, beside what images say of its time; variance: of the difference, m^2."""
+        """Process a block's mean, without bias, and the value that images predict for it; variance: of their
+        difference, m^2."""
         keep, weight = 1.0 - 1.0 / self._assumed.memory_blocks, 1.0 / variance
         self._count = keep * self._count + 1.0
         difference = value_m - expected_m

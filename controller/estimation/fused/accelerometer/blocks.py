@@ -2,7 +2,7 @@
 
 Implements Eqs. 11, 49, 55 of docs/fused.md.
 
-Over a block of a twenty-fourth of a period the mean holds all but half a percent of what the samples say.
+Over a block of a twenty-fourth of a period the mean keeps all but half a percent of the samples' information.
 """
 
 from cmath import exp
@@ -15,12 +15,12 @@ from stillarm.controller.estimation.fused.assumptions.sensor_assumptions import 
 
 
 def along_rate(w: float, time_s: float) -> complex:
-    """By what a mode's phasor moves for each unit that its rate over w rises at time_s."""
+    """Change of a mode's phasor per unit of its rate over w, for a step of the rate at time_s."""
     return -1j * exp(-1j * w * time_s)
 
 
 class Jump(NamedTuple):
-    """How far an impact at time_s may have moved each mode's phasor unknown to the filters: standard deviations, m.
+    """Uncertainty of each mode's phasor by an impact at time_s: standard deviations, m.
 
     along_m: in the direction of a change of rate at time_s; across_m: at right angles to it. force_m: of the first
     mode's static deflection by a force that changed at time_s (held_force.py), of which force_step_m is known.
@@ -58,10 +58,10 @@ class Jump(NamedTuple):
 class Block:
     """One block. start_s to end_s; count samples used; value: their mean as deflection of the first mode, m.
 
-    turn: mean of exp(i w t) of each mode; time_s: mean time; forced: mean of what the joint's motion since start_s
-    adds to the value; variance: of the value; step: the joint's phasor increments from start to end, and those of a
-    impact that was measured. jumps: what impacts in it have added that is not known. scatter: variance of a sample
-    about the block's mean, m^2, to which a wrong vibration adds nothing; nan for fewer than two samples.
+    turn: mean of exp(i w t) of each mode; time_s: mean time; forced: mean contribution of the joint's motion since
+    start_s to the value; variance: of the value; step: the joint's phasor increments from start to end, and those of a
+    impact that was measured. jumps: unknown changes by impacts in it. scatter: variance of a sample about the block's
+    mean, m^2, to which a wrong vibration adds nothing; nan for fewer than two samples.
     """
 
     start_s: float
@@ -77,7 +77,7 @@ class Block:
     scatter: float = nan
 
     def motion_variance(self, doubt: float) -> float:
-        """Of each phasor's parts, m^2, where the joint's effect on the arm is known to that share of it."""
+        """Variance of each part of a phasor, m^2, if the joint's effect on the arm is known to the share `doubt`."""
         return 0.5 * sum([(doubt * abs(one)) ** 2 for one in self.step])
 
 

@@ -1,9 +1,9 @@
-"""Where an accelerometer's signal is cut off, found from the samples themselves.
+"""The level at which an accelerometer's signal is clipped, found from the samples themselves.
 
 Implements Eq. 9 of docs/fused.md.
 
-A cut leaves an atom in the distribution: the very same extreme value again and again, and next to nothing just below
-it. Noise alone puts fewer samples on its outermost level than on the one before.
+Clipping leaves an atom in the distribution: one extreme value again and again, and almost none just below it. Noise
+alone puts fewer samples on its outermost level than on the one before.
 """
 
 from math import inf
@@ -77,5 +77,6 @@ class Clipping:
             self._place()
 
     def near(self, expected: float, margin: float) -> bool:
-        """Whether a sample expected there is likely to be cut off: using those that are not would be a bias."""
+        """Whether a sample expected there is likely to be clipped. All such samples are left out: to use only the
+        unclipped ones would bias the mean."""
         return not self.low + margin < expected < self.high - margin

@@ -28,7 +28,7 @@ class Impact(NamedTuple):
 
 
 class ImpactReport(NamedTuple):
-    """What the accelerometer tells of an impact when an image is looked at.
+    """The accelerometer's evidence of an impact at the time of an image.
 
     suspicion: of one, standard deviations squared; sees: whether it could see one; in_use: whether its samples count.
     """

@@ -2,9 +2,9 @@
 
 Implements Eqs. 15, 16 of docs/fused.md.
 
-The sensor shows q'' = - w^2 q - 2 zeta w q' + f: what an impact's force f adds to the expected samples, summed over its
-few milliseconds, is the velocity it gives the tip, and the centre of that sum is its instant. Its start and end are
-found by two cumulative sums, one for each sign (E. S. Page, Continuous inspection schemes, Biometrika 41, 1954).
+The sensor shows q'' = - w^2 q - 2 zeta w q' + f: the excess of the samples by an impact's force f, summed over its few
+milliseconds, is the velocity that the tip gains. The centre of that sum is the impact's instant. Two cumulative sums,
+one for each sign, find its start and end (E. S. Page, Continuous inspection schemes, Biometrika 41, 1954).
 """
 
 from collections import deque

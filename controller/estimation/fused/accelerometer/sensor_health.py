@@ -1,4 +1,4 @@
-"""Which samples of the accelerometer are good, how much they count, and whether it is alive.
+"""Judges the accelerometer: which samples are good, how much they count, and whether the sensor is alive.
 
 Implements Eqs. 10, 14 of docs/fused.md.
 
@@ -90,9 +90,10 @@ class AccelerometerHealth:
         return _within(residual_m, self._assumed.scatter * sqrt(self.variance))
 
     def compare(self, value_m: float, expected_m: float, variance: float) -> float:
-        """A block's mean, without bias, against what images say of its time; variance: of the difference, m^2.
+        """Process a block's mean, without bias, and the value that images predict for it; variance: of their
+        difference, m^2.
 
-        Returns by how much, m^2, the bias has become uncertain: zero unless it has drifted away.
+        Returns the growth of the bias's variance, m^2: zero unless the bias has drifted.
         """
         against = self._against
         against.see(value_m, expected_m, variance)
@@ -117,7 +118,7 @@ class AccelerometerHealth:
 
     @property
     def doubt(self) -> float:
-        """By what a block's variance is to be multiplied: 1, or how far the sensor contradicts the images."""
+        """Factor for a block's variance: 1, or more as the sensor contradicts the images."""
         strain = self._against.strain
         return strain if strain > self._images.strained else 1.0
 
@@ -129,7 +130,8 @@ class AccelerometerHealth:
     def alarm(self, time_s: float, excess: float) -> bool:
         """The accelerometer reports an impact, by `excess` times what is significant; whether to believe it.
 
-        Not where it contradicts the images as much anyway, nor when it reports more of them than any arm is struck.
+        No alarm counts if the sensor contradicts the images as much anyway, or if it reports more impacts than any arm
+        suffers.
         """
         since = time_s - self._alarm_s
         self._alarms = 1.0 + self._alarms * max(0.0, 1.0 - since / self._images.alarms_s)

@@ -1,4 +1,4 @@
-"""What the joint's known acceleration adds to each mode's phasor, summed up, with the last second of it.
+"""The phasor increments by the joint's known acceleration, summed for each mode, with their last second.
 
 Implements Eqs. 2, 3, 4, 7 of docs/fused.md.
 """
@@ -72,7 +72,7 @@ class JointInput:
             self._held[cycle % self._cycles, i] = self.sum[i]
 
     def _place(self, cycle: int, position_rad: float) -> None:
-        """A joint at rest stands where it is held; what it did while that was being noticed is written anew."""
+        """Hold a joint at rest at its mean position, and correct the cycles that passed before the rest was noticed."""
         joint, cycles = self._joint, self._cycles
         changed = joint.see(position_rad, self._noise)
         position, rate = position_rad, (position_rad - self._recent[0]) * self._per_s
@@ -135,7 +135,7 @@ class JointInput:
                 self._held[cycle % self._cycles, i] += more
 
     def position_at(self, time_s: float) -> float:
-        """theta at an instant of the last second, rad: as seen_from, of which it is a tenth of the cost."""
+        """theta at an instant of the last second, rad: as seen_from, at a tenth of its cost."""
         newest = 0 if self._cycle is None else self._cycle
         place, oldest, latest = time_s / self._cycle_s, max(newest - self._cycles + 2.0, 0.0), newest - 1e-9
         if not place > oldest:  # NaN, too

@@ -3,9 +3,9 @@
 Implements Eq. 8 of docs/fused.md.
 
 An image's scale and instant are learnt from what the joint's motion shows in it. The noise of an encoder, times the
-arm's length, may well exceed that of an image. Taken for motion, it would teach that images show none of it: a scale
-that tends to zero (errors in variables; Fuller, Measurement Error Models, 1987, section 1.1). So the position is held
-at its mean while a short mean stays near to it.
+arm's length, may well exceed that of an image. If it counted as motion, the filters would learn that images show none
+of it: a scale that tends to zero (errors in variables; Fuller, Measurement Error Models, 1987, section 1.1). So the
+position is held at its mean while a short mean stays near to it.
 """
 
 from collections import deque

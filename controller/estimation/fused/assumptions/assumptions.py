@@ -39,7 +39,7 @@ from stillarm.controller.estimation.fused.assumptions.sensor_assumptions import 
 
 @dataclass(frozen=True, slots=True)
 class Assumptions:
-    """By what they are about; docs/fused.md says where each is used."""
+    """All assumptions, grouped by subject; docs/fused.md says where each is used."""
 
     blocks: BlockAssumptions = field(default_factory=BlockAssumptions)
     samples: SampleAssumptions = field(default_factory=SampleAssumptions)

@@ -1,4 +1,4 @@
-"""What is assumed of when frames are exposed, of counters, arrivals and n_i, and of the laws that date frames."""
+"""Assumptions about exposure times, counters, arrivals and n_i, and about the laws that date frames."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What is assumed where images, dates or filters are wrong: when that is found, and what is then believed."""
+"""Assumptions about wrong images, dates and filters: when these are found, and what is believed then."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What the filters believe before the first measurement, how what they know ages, and what they learn of that."""
+"""Assumptions about the filters' prior, about how their knowledge ages, and about what they learn of that."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What is assumed of forces that nobody measures: random ones, and those that last."""
+"""Assumptions about forces that no sensor measures: random and lasting ones."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What is assumed of the accelerometer, of what it shows of impacts, and of the joint's encoder."""
+"""Assumptions about the accelerometer, the impacts that it shows, and the joint's encoder."""
 
 from dataclasses import dataclass
 

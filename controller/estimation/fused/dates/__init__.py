@@ -1,4 +1,4 @@
-"""When frames were exposed: count, stamps, arrivals and n_i, and which law of them the images bear out.
+"""When frames were exposed, by count, stamps, arrivals and n_i; and which of these laws the images support.
 
 Not here: what an image shows: filters/image_update.py. Begin with frame_dates.py.
 """

@@ -1,10 +1,10 @@
-"""The earliest that frames arrive by a clock: arrivals are a floor plus something that is never negative.
+"""The floor of the arrivals by a clock: each arrival is the floor plus a wait that is never negative.
 
 Implements Eq. 20 of docs/fused.md.
 
-What processes wait for makes an image late, never early, and a queue that drains at the start makes a run of images
-late by hundreds of milliseconds. The floor of the arrivals therefore tells a clock's place, not their mean (one-way
-delays: Moon, Skelly and Towsley, INFOCOM 1999). The floor is the least arrival of the last frames.
+Waiting makes an image late, never early. A queue that drains at the start makes a run of images late by hundreds of
+milliseconds. The floor of the arrivals therefore tells a clock's place, not their mean (one-way delays: Moon, Skelly
+and Towsley, INFOCOM 1999). The floor is the least arrival of the last frames.
 """
 
 from collections import deque

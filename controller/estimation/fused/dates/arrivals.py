@@ -3,8 +3,8 @@
 Implements Eq. 24 of docs/fused.md.
 
 The structure function D(n) = mean (d_k - d_(k-n))^2 of a white spread of variance v and a random walk of variance q per
-second is 2 v + q n T (the idea of the Allan variance: D. W. Allan, Proc. IEEE 54, 1966). What is less than its own
-error is taken for no walk.
+second is 2 v + q n T (the idea of the Allan variance: D. W. Allan, Proc. IEEE 54, 1966). A walk smaller than its own
+error counts as none.
 """
 
 from collections import deque
@@ -56,7 +56,7 @@ class ArrivalSpread:
 
     @property
     def known(self) -> bool:
-        """Whether enough has been seen to tell what lasts from what does not."""
+        """Whether enough frames were seen to separate the walk from the white part."""
         return self._longs >= self._assumed.enough
 
     @property

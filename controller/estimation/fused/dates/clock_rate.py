@@ -2,8 +2,8 @@
 
 Implements Eq. 26 of docs/fused.md.
 
-A delay that wanders comes back and goes in fits; a clock whose period is not the one supposed takes the arrivals away
-at an even rate, for ever. Told apart by the quarters of a span: each must show at least half of its even share.
+A wandering delay comes back and moves in fits. If a clock's period is wrong, the arrivals move away from it at an even
+rate, for ever. The quarters of a span tell them apart: each must show at least half of its even share.
 """
 
 from collections import deque
@@ -15,7 +15,7 @@ from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPT
 
 
 class Rate(NamedTuple):
-    """By how much the true period exceeds the supposed one, relative, with its standard deviation."""
+    """Relative excess of the true period over the supposed one, with its standard deviation."""
 
     rate: float
     std: float

@@ -90,8 +90,8 @@ class Dating:
         return True
 
     def _lost(self, behind: float, slack: float) -> int:
-        """Frames that a counter of arrivals has missed, told some frames after a late one: unless its successors have
-        come in a burst, as behind a stall, it was not late, but the next one that was not lost.
+        """Number of frames that a counter of arrivals has missed, known some frames after a late one. Frames behind a
+        stall come in a burst. If they do not, the frame was not late: frames before it were lost.
 
         behind: by how many frames' time this one came later after the last than the counter says.
         """

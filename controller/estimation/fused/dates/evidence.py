@@ -1,4 +1,4 @@
-"""Which filter the images bear out: probabilities with a fading memory, and refuted filters started again.
+"""Which filter the images support: probabilities with a fading memory, and refuted filters started again.
 
 Implements Eqs. 37, 38, 39 of docs/fused.md.
 """
@@ -60,7 +60,7 @@ class Evidence:
         return int(law) + LAWS * int(self.weights[law::LAWS].argmax())
 
     def law(self, law: Law) -> float:
-        """Probability of a law, whatever the level of disturbance."""
+        """Probability of a law, summed over the levels of disturbance."""
         return float(summed(self.weights[law::LAWS]))
 
     def _by_law(self) -> Array:
@@ -78,7 +78,7 @@ class Evidence:
     def remember(self) -> None:
         """After an image, seen beside an accelerometer: which laws are usual, and how often the arm is disturbed.
 
-        The probability that it is, slowly averaged, is what is expected of the next image.
+        That probability, slowly averaged, is the prior for the next image.
         """
         self._usual += (self._by_law() - self._usual) / self._assumed.usual_frames
         now = float(summed(self.weights[LAWS:]))
@@ -95,7 +95,7 @@ class Evidence:
         return self._prior + self._level + self._log
 
     def restore(self, log_weights: Array) -> None:
-        """The filters are as they were when these were their probabilities."""
+        """Set the probabilities back to these, with which the filters were stored."""
         self._log = np.maximum(log_weights - self._prior - self._level, self._assumed.lowest)
         self._log -= largest(self._log)
         self._refuted_for[:] = 0.0
@@ -151,7 +151,7 @@ class Evidence:
     def go_blind(self, bank: FilterBank, dating: Dating, instant_s: float, std_s: float) -> None:
         """The accelerometer is lost: images alone can hardly tell a drifting delay from a changed frequency.
 
-        So the laws keep the probabilities that they had, and none that was unlikely keeps a shift of its own.
+        The laws therefore keep the probabilities that they had, and unlikely laws lose their own shift.
         """
         best = self.best
         unlikely = np.tile(self._usual < self._assumed.unlikely, LEVELS)

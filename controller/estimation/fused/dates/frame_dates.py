@@ -37,10 +37,9 @@ Array = NDArray[np.float64]
 class FrameDates:
     """Dates each frame: `accept`, then `take_arrival` and `take_started`, which may wait for later cycles.
 
-    lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s.
-    shift_noise: growth of the variance of each filter's shift, s^2/s, (filters,). period_found: whether the frames'
-    period was found to be another than the stated one; it is known to some parts in a thousand then. changes: how often
-    what frames are counted from, or a law's clock, has changed.
+    lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s. shift_noise: growth of the variance of each filter's
+    shift, s^2/s, (filters,). period_found: whether the frames' period was found to be another than the stated one; it
+    is known to some parts in a thousand then. changes: number of changes of the count's origin or of a law's clock.
     """
 
     def __init__(
@@ -126,8 +125,8 @@ class FrameDates:
         return True
 
     def take_arrival(self) -> bool:
-        """What the arrival of the frame accepted last tells, if that has not been processed; whether it has refuted the
-        clock that was believed, and all that was learnt by it was begun anew."""
+        """Measurement update by the arrival of the frame accepted last, unless made. Returns whether it has refuted the
+        believed clock, so that everything learnt by it was reset."""
         if self._arrived is None:
             return False
         (sample, received_s), self._arrived = self._arrived, None
@@ -151,7 +150,7 @@ class FrameDates:
         return anew
 
     def take_started(self) -> None:
-        """What n_i tells after the arrival, if that has not been processed: followed once its wander is known."""
+        """Measurement update by n_i after that by the arrival, unless made. n_i counts once its wander is known."""
         if self._begun is None:
             return
         started, self._begun = self._begun, None
@@ -181,7 +180,8 @@ class FrameDates:
                 spread.restart()
 
     def _restart_watch(self, law: Law) -> None:
-        """Arrivals and n_i before and after a change of the count or of the period say nothing of each other."""
+        """Restart what arrivals and n_i teach: those before and after a change of the count or the period cannot be
+        compared."""
         self.changes += 1
         self._spread[law].restart()
         self._started[law].restart()
@@ -191,8 +191,8 @@ class FrameDates:
             self._clock_rate.restart()
 
     def _watch_clock(self, received_s: float) -> bool:
-        """Arrivals that run away from the clock refute its period, unless images have confirmed it; whether it was
-        believed."""
+        """Correct the clock's period if arrivals run away from it and images have not confirmed it; whether that clock
+        was believed."""
         dating, bank, at = self.dating, self._bank, self._at
         instant = float(dating.nominal[Law.CLOCK])
         rate = self._clock_rate.add(instant, received_s - instant)
@@ -226,8 +226,8 @@ class FrameDates:
     def _place(self, law: Law, floor: ArrivalFloor) -> bool:
         """Whether images have yet to tell the law's shift: until then it follows the arrivals near their floor.
 
-        What its arrivals have told of the clock before is forgotten, as where a queue has drained. Then they tell no
-        more than how the mean delay, now unknown, wanders.
+        Earlier knowledge of the clock from its arrivals is forgotten then, as after a queue has drained. The arrivals
+        then tell only how the mean delay, which is unknown again, wanders.
         """
         bank, t = self._bank, self._at.shift
         waits = False

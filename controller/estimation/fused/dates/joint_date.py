@@ -1,10 +1,10 @@
-"""Three dates of a frame made one: its arrival, its n_i and its number, where each strays from frame to frame.
+"""One date from three: a frame's arrival, its n_i and its number, if each errs from frame to frame.
 
 Implements Eqs. 27, 28 of docs/fused.md.
 
-How far each strays by itself follows from how far any three stray from each other: with the variances V_ab of their
-differences, v_a = (V_ab + V_ac - V_bc) / 2 (the three-cornered hat: J. E. Gray and D. W. Allan, Proc. 28th Frequency
-Control Symposium, 1974). The differences' means are tracked: an offset is nobody's error, a number's offset wanders.
+The error of each follows from the differences of the three: with the variances V_ab of their differences, v_a = (V_ab +
+V_ac - V_bc) / 2 (the three-cornered hat: J. E. Gray and D. W. Allan, Proc. 28th Frequency Control Symposium, 1974). The
+differences' means are tracked: an offset is nobody's error, a number's offset wanders.
 """
 
 from math import sqrt

@@ -3,9 +3,8 @@
 Implements Eqs. 6, 29 of docs/fused.md.
 
 All live at one instant `edge_s`, the end of the last accelerometer block they have processed, which lies about a
-capture delay back: an image is processed at its own instant, and what the accelerometer has said since is added
-afterwards (present/). What changes the states is beside this: block_update, image_update, date_update, jumps,
-new_beginning.
+capture delay back: an image is processed at its own instant, and the accelerometer's later blocks are added afterwards
+(present.py). The modules beside it change the states: block_update, image_update, date_update, jumps, new_beginning.
 """
 
 import numpy as np
@@ -66,7 +65,7 @@ class FilterBank:
         return rates
 
     def symmetrise(self) -> None:
-        """Now and then: each measurement leaves the covariances symmetric but for its rounding."""
+        """Make the covariances symmetric; rounding in each measurement update makes them slightly asymmetric."""
         self.p = 0.5 * (self.p + self.p.transpose(0, 2, 1))
 
     def first_variance(self, one: int, index: int) -> float:

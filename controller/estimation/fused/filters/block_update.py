@@ -38,7 +38,7 @@ def aim_at_block(bank: FilterBank, block: Block) -> AimedAtBlock:
 def take_block(
     bank: FilterBank, aimed: AimedAtBlock, variance: float, shown: tuple[float, float] | None
 ) -> None:
-    """Process the block that was aimed at last, nothing having changed since; variance, m^2.
+    """Process the block aimed at last; the bank must not have changed since; variance, m^2.
 
     shown: covariance of the block's value with what moves the first mode's phasor meanwhile, m^2.
     """
@@ -57,8 +57,8 @@ def take_block(
 
 
 def look_at_block(bank: FilterBank, block: Block, one: int) -> tuple[float, float, float, float]:
-    """By filter `one`: the block's value without bias and joint, what it should be, what it would be a quarter of a
-    period later, and the variance of what it should be."""
+    """The block's value without bias and joint; and by filter `one` the expected value, the value expected a quarter of
+    a period later, and the variance of the expected value."""
     at = bank.at
     x: list[float] = bank.x[one].tolist()  # plain: of one filter these are too few for arrays
     m, lag, seen = at.modes, block.time_s - bank.edge_s, 0j

@@ -1,4 +1,4 @@
-"""What the filters learn of when frames were exposed, without looking at an image: arrivals, n_i, corrections.
+"""Updates of the frames' dates without an image: by arrivals, n_i, and corrections.
 
 Implements Eqs. 21, 22, 23, 62 of docs/fused.md.
 """
@@ -14,9 +14,8 @@ def advance_dating(
 ) -> None:
     """Frames go on by `elapsed_s` of each filter's clock (filters,): its skew moves its shift.
 
-    shift_noise, skew_noise: growth of the variances, s^2/s and 1/s.
-    shift_return: rate at which a wandering delay comes back to its mean, 1/s: without it, a delay that can no
-    longer be seen would be thought to wander without bound.
+    shift_noise, skew_noise: growth of the variances, s^2/s and 1/s. shift_return: rate at which a wandering delay comes
+    back to its mean, 1/s: without it, the variance of a delay that can no longer be seen would grow without bound.
     """
     x, p, t, k, late = bank.x, bank.p, bank.at.shift, bank.at.skew, bank.at.late
     spent_s = np.abs(elapsed_s)
@@ -56,8 +55,8 @@ def take_started(bank: FilterBank, difference_s: Array, noise: Array, walk: Arra
 
 
 def redate(bank: FilterBank, later_s: float) -> None:
-    """All frames were exposed later_s later than all filters believe, give or take a share of that: so was what they
-    show of the vibration. Images tell nothing of it, phase and date go together."""
+    """Date all frames later by later_s, with an uncertainty of a share of that, and the vibration that they show with
+    them. Images cannot tell it, because phase and date go together."""
     at = bank.at
     z = bank.phasors()
     turned = z * np.exp(-1j * bank.w_modes * later_s)
@@ -68,7 +67,7 @@ def redate(bank: FilterBank, later_s: float) -> None:
 
 
 def doubt_dates(bank: FilterBank, variance: float) -> None:
-    """All frames may have been exposed earlier or later, variance in s^2; what they show goes with their dates."""
+    """Add to the variance of all dates, s^2, with the vibration that the frames show."""
     at = bank.at
     by_date = -1j * bank.w_modes * bank.phasors()
     direction = np.zeros(bank.x.shape)
@@ -86,7 +85,7 @@ def begin_late(bank: FilterBank, one: int, late_s: float) -> None:
 
 
 def place(bank: FilterBank, one: int, shift_s: float) -> None:
-    """Filter `one`: nothing but arrivals has told of the clock yet, whose shift by them is shift_s."""
+    """Filter `one`: set the clock's shift to shift_s, the arrivals' value; nothing else has shown it yet."""
     t, late = bank.at.shift, bank.at.late
     for i in (t, late):
         bank.p[one, i, :] = bank.p[one, :, i] = 0.0
@@ -95,7 +94,7 @@ def place(bank: FilterBank, one: int, shift_s: float) -> None:
 
 
 def forget_started(bank: FilterBank, variance: float) -> None:
-    """n_i has jumped: by how much it is ahead is unknown, variance in s^2."""
+    """Forget n_i's lead, which has jumped; variance in s^2."""
     ahead = bank.at.ahead
     bank.p[:, ahead, :] = bank.p[:, :, ahead] = 0.0
     bank.p[:, ahead, ahead] = variance

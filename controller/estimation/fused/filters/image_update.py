@@ -1,6 +1,6 @@
 """An image predicted, compared and processed by all filters, each at its own instant.
 
-Implements Eqs. 12, 30, 31, 32, 33, 34 of docs/fused.md.
+Implements Eqs. 4, 12, 30, 31, 32, 33, 34 of docs/fused.md.
 """
 
 from dataclasses import dataclass
@@ -9,9 +9,30 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.laws import Array, ComplexArray
 from stillarm.controller.estimation.fused.small_arrays import summed
+
+
+class Look(NamedTuple):
+    """What an image is compared with."""
+
+    value_m: float
+    noise: float
+    joint_input: JointInput
+
+
+class Joint(NamedTuple):
+    """What the joint did by an image's instants: how far it alone moved the tip, m, at what rate, m/s, both (filters,);
+    and the modes' phasor increments since the bank's instant, (filters, m). tip_variance, rate_variance: of both, by
+    the encoder's noise, m^2 and m^2/s^2."""
+
+    tip: Array
+    rate: Array
+    tip_variance: float
+    rate_variance: float
+    step: ComplexArray
 
 
 class Vibration(NamedTuple):
@@ -41,8 +62,7 @@ class Seen:
 
 
 def turned_to(bank: FilterBank, times_s: Array) -> ComplexArray:
-    """By what a phasor at edge_s is to be multiplied for what images show of it at times_s (filters, k): shape
-    (filters, k, m)."""
+    """Factors that turn a phasor at edge_s into its share of images at times_s (filters, k): shape (filters, k, m)."""
     lag = (times_s - bank.edge_s)[:, :, None]
     turned: ComplexArray = (
         np.exp(bank.fast_rates()[:, None, :] * lag + bank.iw * bank.edge_s) * bank.image_gain
@@ -62,25 +82,24 @@ def vibration_at(bank: FilterBank, times_s: Array, step: ComplexArray) -> Vibrat
     return Vibration(lag, turn, own, summed(total.real, 1), summed((fast * total).real, 1))
 
 
-def look_at_image(
-    bank: FilterBank,
-    value_m: float,
-    vibration: Vibration,
-    joint_m: Array,
-    joint_rate: Array,
-    joint_rate_variance: float,
-    noise: float,
-) -> Seen:
-    """An image that shows value_m of that vibration, when the joint alone moved the tip by joint_m (filters,).
+def joint_at(bank: FilterBank, image: Look, times_s: Array) -> Joint:
+    """What the joint did by an image's instants (filters,)."""
+    lever, motion = bank.at.lever, image.joint_input
+    theta, rate, step = motion.seen_from(bank.edge_s, times_s)
+    squared = lever * lever
+    return Joint(
+        theta * lever, rate * lever, squared * motion.position_variance, squared * motion.rate_variance, step
+    )
 
-    joint_rate: rate of joint_m, m/s, (filters,), with its variance. noise: of the image, variance, m^2.
-    """
+
+def look_at_image(bank: FilterBank, image: Look, vibration: Vibration, joint: Joint) -> Seen:
+    """The image as each filter sees it, where the arm vibrates and the joint moves so."""
     at, p, w2 = bank.at, bank.p, bank.at.w_first**2
     blur = np.exp(-0.5 * w2 * bank.jitter)
     scale = 1.0 + bank.x[:, at.scale]
     deflection = vibration.deflection * blur + bank.x[:, at.force]
-    tip = joint_m + deflection
-    rate = scale * (joint_rate + vibration.rate)
+    tip = joint.tip + deflection
+    rate = scale * (joint.rate + vibration.rate)
     slope = np.zeros(bank.x.shape)
     shown, drawn = (scale * blur)[:, None], vibration.lag * -scale[:, None]
     turn, own = vibration.turn, vibration.own
@@ -89,14 +108,14 @@ def look_at_image(
     slope[:, at.offset], slope[:, at.scale], slope[:, at.shift] = 1.0, tip, rate
     slope[:, at.force] = scale
     phasor = 0.5 * (p[:, 0, 0] + p[:, 1, 1])
-    rate_variance = w2 * phasor + joint_rate_variance
+    rate_variance = w2 * phasor + joint.rate_variance
     shift, rate2 = p[:, at.shift, at.shift], rate * rate
     known_rate2 = _known_rate2(bank, rate2)
     untold = shift > bank.assumed.update.shift_untold * bank.first[:, at.shift]
     unseen = untold & (rate_variance > bank.assumed.update.insignificant * known_rate2)
     if unseen.any():
         slope[unseen, at.shift] = 0.0
-    residual = value_m - scale * tip - bank.x[:, at.offset]
+    residual = image.value_m - scale * tip - bank.x[:, at.offset]
     # second order: products of two uncertain quantities, and a large shift bends the sinusoid
     unknown = bank.jitter + shift
     products = (
@@ -104,6 +123,7 @@ def look_at_image(
         + (bank.assumed.update.model_floor * deflection) ** 2
     )
     bend = 0.5 * (w2 * deflection * unknown) ** 2
+    noise = image.noise + joint.tip_variance
     extra = noise + rate2 * (bank.jitter + unseen * shift)
     extra += rate_variance * unknown + bend + products
     ph = np.matvec(p, slope)
@@ -111,12 +131,18 @@ def look_at_image(
     return Seen(residual, variance, rate, ph, residual * residual / variance, phasor, known_rate2)
 
 
+def look_at_image_of(bank: FilterBank, image: Look, times_s: Array) -> Seen:
+    """The same of an image that was exposed at times_s (filters,)."""
+    joint = joint_at(bank, image, times_s)
+    return look_at_image(bank, image, vibration_at(bank, times_s, joint.step), joint)
+
+
 def take_image(
     bank: FilterBank, seen: Seen, extra: Array, phase_only: NDArray[np.bool_] | None
 ) -> tuple[Array, Array]:
     """Process what `look` saw, with variance enlarged by the factors `extra` (filters,).
 
-    phase_only: filters whose dating images can tell nothing of, (filters,), if there are any.
+    phase_only: filters whose dates the image cannot correct, (filters,); None for none.
 
     Returns what each filter then holds of this frame's own instant beyond its shift: mean, s, and the variance
     of the instant as a whole, s^2; each (filters,).

@@ -1,4 +1,4 @@
-"""Sudden changes that all filters are told of: impacts, forces, another payload or scene, another image zero.
+"""Sudden changes, applied to all filters: impacts, forces, another payload or scene, another image zero.
 
 Implements Eqs. 49, 53, 55, 58 of docs/fused.md.
 """
@@ -65,7 +65,7 @@ def give_force(bank: FilterBank, offset_m: float) -> None:
 
 
 def end_force(bank: FilterBank) -> None:
-    """No force is left: f = 0, processed as a measurement, for it is correlated with all else."""
+    """End the force: f = 0 as a measurement, because f is correlated with all other states."""
     i = bank.at.force
     ph = bank.p[:, :, i].copy()
     variance = ph[:, i]

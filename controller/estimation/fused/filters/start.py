@@ -1,4 +1,4 @@
-"""What the filters believe before the first measurement, and how fast what they know ages.
+"""The filters' prior, and how fast their knowledge ages.
 
 Implements Eqs. 29, 47 of docs/fused.md.
 """

@@ -3,4 +3,4 @@
 Not here: in which cycle each step happens: frame_steps.py. Begin with fusion.py.
 """
 
-__all__ = ["fusion", "mixture"]
+__all__ = ["fusion", "state"]

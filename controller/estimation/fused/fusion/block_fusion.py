@@ -77,7 +77,7 @@ class BlockFusion:
         self._aimed = _Aimed(aim_at_block(bank, block), variance, state.force.shown(block))
 
     def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
-        # A random force moves images and accelerometer alike: their departures do add up. So do a misled filter's.
+        # A random force moves images and accelerometer alike: their departures add up, as those of a misled filter do.
         state = self._state
         if state.force.intensity or state.fresh.astray(block.end_s):
             state.scale_watch.restart()

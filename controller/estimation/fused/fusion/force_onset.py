@@ -13,8 +13,8 @@ from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 
 def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
-    """A force may have begun at that time; whether that can be told: not while the arm is known to be shaken all
-    the time, nor before the image's zero is known, from which a force deflects the tip."""
+    """Let a force begin at that time, and return whether it may: not while a steady random force shakes the arm, and
+    not before the image's zero is known, from which a force deflects the tip."""
     held = state.held_force
     if not held.may_begin(time_s):
         return False

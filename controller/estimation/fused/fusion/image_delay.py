@@ -1,4 +1,4 @@
-"""The delay of an image as it is told, and how late images come in the mean.
+"""The stated delay of an image, and the mean delay of images.
 
 Implements Eq. 36 of docs/fused.md.
 """
@@ -17,7 +17,7 @@ class ImageDelay:
     """mean_s, variance: of capture delays that were known to a part of a frame, s and s^2."""
 
     def __init__(self, state: FusionState) -> None:
-        """As the model has it."""
+        """Start from the model's mean and spread."""
         self._state, self._assumed = state, state.assumed.update
         self._sampled_variance = state.sampled_s**2
         self.mean_s, self.variance = state.delay_s, state.delay_std_s**2

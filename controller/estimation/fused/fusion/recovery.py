@@ -1,4 +1,4 @@
-"""What is begun anew after an image where the filters are lost, their dates wrong, or the vibration misled.
+"""Restarts after an image: when the filters are lost, their dates are wrong, or the vibration was misled.
 
 Implements Eqs. 60, 61, 62, 64 of docs/fused.md.
 """
@@ -6,7 +6,7 @@ Implements Eqs. 60, 61, 62, 64 of docs/fused.md.
 from math import sqrt
 
 from stillarm.controller.estimation.fused.filters.date_update import doubt_dates, redate
-from stillarm.controller.estimation.fused.filters.jumps import end_force
+from stillarm.controller.estimation.fused.filters.jumps import end_force, forget_zero
 from stillarm.controller.estimation.fused.filters.laws import CLOCKED
 from stillarm.controller.estimation.fused.filters.new_beginning import begin_near, start_vibration
 from stillarm.controller.estimation.fused.fusion.state import FusionState
@@ -16,7 +16,7 @@ from stillarm.controller.estimation.fused.recovery.fresh_start import Situation
 
 
 class Recovery:
-    """dates_doubted: whether the vibration was lately started anew, and nothing has told why it had to be."""
+    """dates_doubted: whether the vibration was started anew lately, for an unknown reason."""
 
     def __init__(self, state: FusionState, unexplained: UnexplainedImage) -> None:
         """All is well."""
@@ -33,7 +33,7 @@ class Recovery:
         return self._check(received_s) or self._start_fresh(received_s)
 
     def forget_wrong_dates(self) -> None:
-        """What a wrong clock has taught of the accelerometer is wrong, too."""
+        """Forget what was learnt about the accelerometer by a wrong clock."""
         state = self._state
         state.health.begin_comparison()
         state.date_watch.restart()
@@ -46,6 +46,18 @@ class Recovery:
             end_force(state.bank)
             state.held_force.end(state.bank.edge_s)
         state.slow_pull.restart()
+
+    def forget_zero(self) -> None:
+        """Forget the image zero: the following images have another, which contains a held force."""
+        state = self._state
+        if state.held_force.active:
+            end_force(state.bank)
+            state.held_force.end(state.bank.edge_s, explained=True)
+        forget_zero(state.bank)
+        state.images = 0
+        self._unexplained.end_run()
+        state.slow_pull.restart()
+        state.fresh.forget()
 
     def _check(self, received_s: float) -> bool:
         state = self._state

@@ -1,4 +1,4 @@
-"""What the parts of the fusion share: the filters, what is learnt beside them, and the facts of the last image.
+"""State that the parts of the fusion share: the filters, what is learnt beside them, and facts of the last image.
 
 Implements Eq. 43 of docs/fused.md.
 """
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stillarm.common.files.configuration import Fused
 from stillarm.common.files.model import Model
+from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
 from stillarm.controller.estimation.fused.accelerometer.sensor_health import AccelerometerHealth
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
@@ -18,11 +19,12 @@ from stillarm.controller.estimation.fused.dates.evidence import Evidence
 from stillarm.controller.estimation.fused.dates.frame_dates import FrameDates
 from stillarm.controller.estimation.fused.filters import start
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
-from stillarm.controller.estimation.fused.filters.laws import LAWS
+from stillarm.controller.estimation.fused.filters.laws import LAWS, QUIET
 from stillarm.controller.estimation.fused.learning.held_force import HeldForce, SlowPull
 from stillarm.controller.estimation.fused.learning.learnt_force import LearntForce
 from stillarm.controller.estimation.fused.learning.learnt_walks import LearntWalks
 from stillarm.controller.estimation.fused.learning.scale_watch import ScaleWatch
+from stillarm.controller.estimation.fused.learning.stated_scale import Stated, stated_scale
 from stillarm.controller.estimation.fused.recovery.consistency import Consistency
 from stillarm.controller.estimation.fused.recovery.date_watch import DateWatch
 from stillarm.controller.estimation.fused.recovery.fresh_start import FreshStart
@@ -33,15 +35,16 @@ Array = NDArray[np.float64]
 @dataclass(slots=True)
 class FusionState:
     """image_m2: variance of an image's noise, m^2. state_noise: growth of the states' variances, (filters, n), 1/s;
-    phasor_share: of the phasors' deviation as a share of the amplitude, squared, (filters,), 1/s.
+    phasor_share: of the phasors' deviation as a share of the amplitude, squared, (filters,), 1/s. first_scale: the
+    filters' variance of the image scale's error beforehand; stated_scale: what the model says of it.
 
     amplitude_m: of the vibration, by the filters' mixture. images: processed since the image's zero was forgotten.
     outliers: images running outside the gate of all filters. nis: normalised innovation squared of the last image.
-    delay_s, delay_std_s: of that image. sampled_s: standard deviation of when within its cycle a sample was taken, by
-    which both the delay and the deflection's instant are unknown. as_calibrated: whether neither arm nor scene has
-    changed since the start. unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told
-    nothing for a while. joint_input: what the joint did, None before the first image. zero_m: how far the image's zero
-    has moved where the joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
+    delay_s, delay_std_s: of that image. sampled_s: standard deviation of the instant within a cycle at which a sample
+    was taken; the delay and the deflection's instant are uncertain by it. as_calibrated: whether neither arm nor scene
+    has changed since the start. unused_blocks: blocks running that told nothing; blind: whether the accelerometer has
+    told nothing for a while. joint_input: what the joint did, None before the first image. zero_m: how far the image's
+    zero has moved where the joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
     """
 
     assumed: Assumptions
@@ -58,6 +61,8 @@ class FusionState:
     slow_pull: SlowPull
     scale_watch: ScaleWatch
     date_watch: DateWatch
+    first_scale: float
+    stated_scale: Stated
     consistency: Consistency
     fresh: FreshStart
     state_noise: Array
@@ -87,6 +92,13 @@ class FusionState:
         """Whether a steady random force moves the arm: then nothing tells another force, or a free vibration."""
         return self.force.random
 
+    def held_during(self, start_s: float, end_s: float) -> Jump | None:
+        """What a force that lasts may have done to the present between two times."""
+        held = self.held_force
+        if not held.active:
+            return None
+        return held.during(start_s, end_s, float(self.evidence.weights[QUIET].sum()))
+
     def phasor_noise(self) -> Array:
         """Growth of the variance of each phasor component by each filter, m^2/s, (filters,)."""
         noise: Array = self.phasor_share * self.amplitude_m**2 + self.assumed.update.unseen * self.image_m2
@@ -106,6 +118,7 @@ def fusion_state(
     bank = FilterBank(
         at, start.variances(model, settings, at, length_m, assumed), start.jitters_s(model, assumed), assumed
     )
+    first_scale = float(bank.first[0, at.scale])
     evidence = Evidence(model, settings, at, length_m, assumed)
     state_noise = start.state_noise(settings, at, assumed)
     walks = LearntWalks(at, state_noise, LAWS, assumed)
@@ -127,6 +140,8 @@ def fusion_state(
         slow_pull=SlowPull(0.5 * at.period_s / frame_s, assumed),
         scale_watch=ScaleWatch(assumed),
         date_watch=DateWatch(assumed),
+        first_scale=first_scale,
+        stated_scale=stated_scale(model, first_scale, assumed.scale),
         consistency=Consistency(assumed),
         fresh=FreshStart(at, image_m2, state_noise, shift_spread_s, bank, dates, evidence, assumed),
         state_noise=state_noise,

@@ -1,4 +1,4 @@
-"""An image outside the gate of all filters: wrong by itself, a miscounted frame, an impact, a force, or a changed arm.
+"""An image outside the gate of all filters: a wrong image, a miscounted frame, an impact, a force, or a changed arm.
 
 Implements Eqs. 32, 46 of docs/fused.md.
 """
@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
 from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
-from stillarm.controller.estimation.fused.filters.image_update import Seen
+from stillarm.controller.estimation.fused.filters.image_update import Look, Seen, look_at_image_of
 from stillarm.controller.estimation.fused.filters.jumps import inflate, loosen
 from stillarm.controller.estimation.fused.filters.laws import DISTURBED, QUIET, Law
 from stillarm.controller.estimation.fused.filters.new_beginning import forget_phase
 from stillarm.controller.estimation.fused.fusion.force_onset import begin_force
 from stillarm.controller.estimation.fused.fusion.image_delay import ImageDelay
-from stillarm.controller.estimation.fused.fusion.image_stages import Look, compared_at
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 Array = NDArray[np.float64]
@@ -54,16 +53,16 @@ class UnexplainedImage:
         self._state.outliers = self._votes = 0
 
     def remember(self, received_s: float) -> None:
-        """Without an accelerometer: what was known before an impact that may yet be noticed."""
+        """Keep what is known, for an impact that is noticed later; only without an accelerometer."""
         bank = self._state.bank
         self._before.append((received_s, bank.x.copy(), bank.p.copy()))
 
     def forget_before(self) -> None:
-        """The accelerometer has gone: what was known beside it is no better than what is known."""
+        """Forget what was known before: the accelerometer is lost, and the present knowledge is as good."""
         self._before.clear()
 
     def explain(self, image: Look, times: Array, received_s: float, seen: Seen, report: ImpactReport) -> bool:
-        """Change the filters by what explains the image, exposed at times (filters,); whether to use it."""
+        """Adapt the filters to what explains the image, exposed at times (filters,); whether to use the image."""
         state = self._state
         state.outliers += 1
         if not self._worth_explaining(image, times, received_s, report):
@@ -78,7 +77,7 @@ class UnexplainedImage:
         return True
 
     def _worth_explaining(self, image: Look, times: Array, received_s: float, report: ImpactReport) -> bool:
-        """Whether more than one image by itself is wrong; counts what the arrivals say of a miscounted frame."""
+        """Whether there is more to explain than one wrong image; counts what the arrivals say of a miscounted frame."""
         state = self._state
         if state.held_force.active:
             return state.outliers >= 2
@@ -129,9 +128,9 @@ class UnexplainedImage:
         )
 
     def _other_count(self, image: Look, times: Array, received_s: float) -> int:
-        """By how many frames the counter is off if image and arrival agree on it; 0 where they do not.
+        """Number of frames by which the counter is off, if image and arrival agree on it; 0 if they do not.
 
-        A counter of arrivals does not tell of lost frames, nor of a buffer that has begun to hand over older ones.
+        A counter of arrivals shows neither lost frames nor a buffer that has begun to hand over older ones.
         """
         if not self.clock_known:
             return 0
@@ -141,7 +140,7 @@ class UnexplainedImage:
         for extra in sorted({-2, -1, 1, 2, 3, behind - 1, behind, behind + 1} - {0}):
             moved = times.copy()
             moved[clock] += extra * state.frame_s
-            nis = float(compared_at(state, image, moved).nis[clock])
+            nis = float(look_at_image_of(state.bank, image, moved).nis[clock])
             late = received_s - float(moved[clock]) - self._delay.mean_s
             costs.append((nis + late * late / self._delay.variance, extra))
         cost, extra = min(costs)

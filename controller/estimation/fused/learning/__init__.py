@@ -1,4 +1,4 @@
-"""What the model does not state and the innovations teach: how far states walk, forces, and the image scale.
+"""Learning from innovations what the model does not state: how far states walk, forces, and the image scale.
 
 Not here: faults, which are in recovery/. Begin with learnt_walks.py.
 """

@@ -3,8 +3,8 @@
 Implements Eqs. 54, 55, 56, 57, 59 of docs/fused.md.
 
 Such a force deflects the tip statically by f = F / (m w^2), and the mode vibrates about f: q = Re(Z exp(j w t)) + f.
-The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Neither deflection
-nor rate jumps with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step: f
+The force is a random walk (an augmented unknown input; Gillijns and De Moor, Automatica 43, 2007). Deflection and rate
+do not jump with the force, so that a step df also moves the phasor by -df exp(-j w t). A release is such a step: f
 returns to zero, and the arm rings with the amplitude that it had been pulled aside by.
 
 Images show f and the accelerometer does not. The state is therefore not used (zero, with zero variance) until images
@@ -19,7 +19,7 @@ from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPT
 
 
 class SlowPull:
-    """Tells a force that begins too slowly for any one image to leave its gate: innovations that keep their sign.
+    """Detects a force that begins too slowly for any one image to leave its gate, by innovations that keep their sign.
 
     Their mean fades over half a period of the vibration, so that what vibrates averages out.
     """
@@ -39,8 +39,8 @@ class SlowPull:
         self._mean = 0.0
 
     def followed_m(self) -> float:
-        """By how much the image's zero has followed the pull since it about began, m: none if it may have moved so far
-        because it was not well known then."""
+        """How far the image's zero has followed the pull since it began, m; 0 if the zero was not known well enough
+        then to say so."""
         if not self._zeros:
             return 0.0
         moved, variance = self._zeros[-1][0] - self._zeros[0][0], self._zeros[0][1]
@@ -156,9 +156,8 @@ class HeldForce:
         return True
 
     def end(self, time_s: float, *, explained: bool = False) -> None:
-        """No force is left. Two running that were over at once were none: a steady random force looks like that.
-
-        explained: a free vibration explains the images since: what there was, a push for instance, is over.
+        """No force is left. Two short forces in a row count as a steady random force, which looks like that. explained:
+        a free vibration explains the images since, as after a push.
         """
         if self.active and not explained and time_s - self._begun_s < self._assumed.short_s:
             if time_s - self._short_s < self._assumed.short_again_s:

@@ -1,10 +1,10 @@
-"""How strong a steady random force is that nobody measures: wind, a motor's rumble, a hand that steadies the arm.
+"""Intensity of a steady random force that no sensor measures: wind, a motor's rumble, a hand that steadies the arm.
 
 Implements Eqs. 48, 49, 50, 51 of docs/fused.md.
 
-A white force changes the modes' rates, however small the vibration is: a small impact each instant. Where it is
-stronger than the filter takes it for, the images' innovations are larger than their stated variances. So its
-intensity q follows each normalised innovation squared e (innovations; Mehra, IEEE Trans. Automatic Control 15, 1970):
+A white force changes the modes' rates, however small the vibration is: a small impact each instant. If it is stronger
+than the filter assumes, the images' innovations exceed their stated variances. Its intensity q therefore follows each
+normalised innovation squared e (innovations; Mehra, IEEE Trans. Automatic Control 15, 1970):
 
     log q += 0.06 (min(16, e) - 1.1)
 
@@ -17,8 +17,8 @@ What else the filters do not follow, as a pull that lasts, passes for such a for
 tells them apart: held over a cycle T, a random force adds the variance q / (w^2 T) to each sample about its block's
 mean.
 
-Without a force it sinks to a floor so far below what matters that neither chance nor an impact lifts it from there:
-only what lasts for a second or so, and what the filters cannot follow by another frequency or decay.
+Without a force it sinks to a floor so low that neither chance nor an impact lifts it to a level that matters: only what
+lasts for a second or so, and what the filters cannot follow by another frequency or decay.
 """
 
 from math import exp, log, sqrt

@@ -1,4 +1,4 @@
-"""How far quantities walk that are given room to walk, learnt from how far their estimates have gone.
+"""Intensities of the states' walks, learnt from the movement of their estimates.
 
 Implements Eqs. 44, 45, 47 of docs/fused.md.
 
@@ -38,7 +38,7 @@ class LearntWalk:
         self._begun = False
 
     def forget(self) -> None:
-        """The stretch under way is of no use: something else has moved the estimate."""
+        """Drop the stretch under way: something else has moved the estimate."""
         self._begun = False
 
     def see(self, value: float, variance: float, assumed: float) -> None:

@@ -4,10 +4,10 @@ Implements Eqs. 45, 52, 53 of docs/fused.md.
 
 A block of the accelerometer departs from what the filter expects by r, with the variance s of its innovation; where the
 scale is off by d, by d times the expected value e besides. Over some seconds d is (sum r e / s) / (sum e^2 / s), and
-sum r e / s over its own standard deviation is the score test of d = 0 (C. R. Rao, Proc. Cambridge Phil. Soc. 44,
-1948): innovations of a filter that is right do not add up. Where they do, the scale is given room to walk as far as it
-has gone. An accelerometer whose gain drifts looks the same, and is taken for a scene that does. A force in time with
-the vibration, which the two do not show alike, raises the alarm, too: the room is taken back as fast as the scale's
+sum r e / s over its own standard deviation is the score test of d = 0 (C. R. Rao, Proc. Cambridge Phil. Soc. 44, 1948):
+innovations of a filter that is right do not add up. Where they do, the scale is given room to walk as far as it has
+gone. An accelerometer whose gain drifts looks the same, and counts as a drifting scene. A force in time with the
+vibration, which the two do not show alike, raises the alarm, too: the room is taken back as fast as the scale's
 estimate turns out not to use it (learnt_walks.py).
 """
 
@@ -43,7 +43,7 @@ class ScaleWatch:
         self._score = self._information = self._variance = 0.0
 
     def grown(self, elapsed_s: float) -> float:
-        """By how much that variance grows within elapsed_s; the walk fades meanwhile, whatever is seen."""
+        """Growth of that variance within elapsed_s. The walk fades meanwhile, whatever is measured."""
         variance = self.walk * elapsed_s
         self.walk -= variance / self._assumed.fade_s
         self._since_alarm_s += elapsed_s

@@ -2,17 +2,17 @@
 
 Implements Eq. 41 of docs/fused.md.
 
-The filters take it for uncertain by as much as another scene may make it. But a calibrated model mostly has it to a
-percent, and a commissioned one says itself how well, which the accelerometer needs seconds to tell. So beforehand the
-scale's relative error e is taken for N(0, s^2) (as stated) or N(0, v) (as the filters take it), at odds of o: even, and
-nine to one for a commissioned model, whose scale was measured on this rig. They make e = m +- sqrt(P) of v, so that the
-measurements alone say y +- sqrt(R) with 1 / R = 1 / P - 1 / v, y = m R / P; by them the odds of `as stated` are
+The filters' prior allows for another scene. But a calibrated model mostly knows the scale to a percent, and a
+commissioned one states how well; the accelerometer needs seconds to learn as much. The prior of the scale's relative
+error e is therefore N(0, s^2) (as stated) or N(0, v) (as in the filters), at odds of o: even, and nine to one for a
+commissioned model, whose scale was measured on this rig. They make e = m +- sqrt(P) of v, so that the measurements
+alone say y +- sqrt(R) with 1 / R = 1 / P - 1 / v, y = m R / P; by them the odds of `as stated` are
 
     o N(y; 0, R + s^2) / N(y; 0, R + v)
 
-and in that case e has one more measurement, of value 0 and variance r with 1 / r = 1 / s^2 - 1 / v. What is told is
+and in that case e has one more measurement, of value 0 and variance r with 1 / r = 1 / s^2 - 1 / v. The result is
 the mixture (Bar-Shalom, Li and Kirubarajan, Estimation with Applications, 2001, section 1.4.16). The filters know
-nothing of it: it is told anew each time and is never counted twice.
+nothing of it: it is computed anew each time, and no measurement is counted twice.
 """
 
 from math import exp, hypot, sqrt
@@ -38,8 +38,8 @@ class Stated(NamedTuple):
 
 
 def stated_scale(model: Model, first: float, assumed: ScaleAssumptions = ASSUMPTIONS.scale) -> Stated:
-    """By the deviations that the model file states; their variance well below `first`, the filters' beforehand, or
-    there were nothing to weigh.
+    """The deviations that the model file states. Their variance is bounded well below `first`, the filters' prior;
+    otherwise there would be nothing to weigh.
     """
     std = {} if isinstance(model.commissioned, UnsetType) else model.commissioned.std
     stated = {
@@ -55,7 +55,7 @@ def stated_scale(model: Model, first: float, assumed: ScaleAssumptions = ASSUMPT
 
 
 def odds_as_stated(mean: float, variance: float, first: float, stated: Stated) -> float:
-    """Of an error of the scale as the filters have it, who took it for N(0, first) beforehand; variance below first."""
+    """Odds of `as stated` for the filters' error of the scale, whose prior was N(0, first); variance below first."""
     own = 1.0 / (1.0 / variance - 1.0 / first)
     square = (mean * own / variance) ** 2
     narrow, wide = own + stated.variance, own + first

@@ -1,4 +1,4 @@
-"""When the filters are wrong and sure of it: tests of their consistency, and what they are begun anew from.
+"""Filters that are wrong and sure of it: tests of their consistency, and states to start them from again.
 
 Not here: what is then changed in them: fusion/recovery.py. Begin with consistency.py.
 """

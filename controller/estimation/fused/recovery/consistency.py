@@ -3,9 +3,9 @@
 Implements Eq. 60 of docs/fused.md.
 
 The normalised innovation squared has the mean 1 in a filter that knows its own error (Bar-Shalom, Li and Kirubarajan,
-Estimation with Applications, 2001, section 5.4). A mean far above it says that the stated deviations are too small, by
-about its root, whatever the cause. A camera's quartz is off by tens of ppm, and no frame is read before it is exposed:
-where the dates say otherwise, they are wrong.
+Estimation with Applications, 2001, section 5.4). A mean far above it says that the stated deviations are too small by
+about its root. It does not say why. A camera's quartz is off by tens of ppm, and no frame is read before it is exposed:
+if the dates contradict that, they are wrong.
 """
 
 from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
@@ -42,7 +42,7 @@ class Consistency:
     def see(self, time_s: float, nis: float, skew: float, skew_std: float, delay_s: float) -> bool:
         """After an image: its normalised innovation squared, the clock's skew and its deviation, the frame's delay.
 
-        Returns whether the filters are lost, and had better begin anew.
+        Returns whether the filters are lost and should start again.
         """
         self._mean += (min(nis, self._assumed.largest_nis) - self._mean) / self._assumed.memory_frames
         impossible = delay_s < 0.0 or abs(skew) > self._assumed.most_skew + self._assumed.skew_stds * skew_std

@@ -1,4 +1,4 @@
-"""Whether the accelerometer shows the vibration that images show, but at another phase: then the frames' dates are off.
+"""Detects wrong dates: the accelerometer then shows the vibration that images show, but at another phase.
 
 Implements Eq. 61 of docs/fused.md.
 
@@ -75,5 +75,5 @@ class DateWatch:
 
     @property
     def shows_offset(self) -> bool:
-        """Whether the accelerometer has an offset whatever phase and size the vibration has in it."""
+        """Whether the accelerometer has an offset, independent of the phase and size that it shows of the vibration."""
         return self._offset_stds > self._assumed.offset_stds

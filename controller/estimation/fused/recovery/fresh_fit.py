@@ -1,4 +1,4 @@
-"""The vibration as the last images alone have it: what a filter that was led astray is started from again.
+"""A fit of the vibration to the last images alone, from which a filter that was led astray starts again.
 
 Implements Eqs. 63, 64 of docs/fused.md.
 
@@ -7,9 +7,9 @@ Over a window of about a period, by each filter's own dates, the images are
     y_k = (1 + e)(L theta_k + Re(G_k exp(j w t_k)) + Re(Z exp((slow + j w)(t_k - t) + j w t)) + f) + c + noise    (63)
 
 with Z the phasors at the bank's instant t, of which nothing is supposed to be known, and f a constant force, or none.
-What else is in it (c, e, the dates' shift, frequencies, decay) is known with the filter's mean and covariance. Where
-that is from before these images, it is the prior of least squares, linearised once about the vibration that fits best
-(Gauss and Newton); what images do not tell, as the date of a vibration whose phase is unknown, so stays as it was.
+The filter's mean and covariance give its other unknowns: c, e, the dates' shift, frequencies, decay. If they are from
+before these images, they are the prior of least squares, linearised once about the vibration that fits best (Gauss
+and Newton). What images do not tell then stays as it was, such as the date of a vibration whose phase is unknown.
 Where it has processed these images already, it stays as it is, and its doubt is in the fit's (consider parameters;
 Schmidt 1966).
 """

@@ -1,8 +1,8 @@
-"""When the filters have been led astray, and what they are started from again.
+"""Finds out when the filters have been led astray, and from what to start them again.
 
 Implements Eq. 64 of docs/fused.md.
 
-A pull, a push, or images in disorder move the filters by what is not in their model. Two other explanations are held
+A pull, a push, or images in disorder are not in the filters' model, and move them. Two other explanations are held
 ready for the images of the last period: a free vibration, or one about a constant force, with all else as the filters
 have it now (fresh_fit.py), and a free one with all else as it was when all was well (remembered.py). One is taken where
 images cost clearly less by it than they have cost the filters; what was known before, where they cost hardly more.
@@ -82,7 +82,7 @@ class FreshStart:
         return time_s < self._astray_until_s
 
     def choose(self, now: Situation) -> Fresh | None:
-        """A fit to start from, or None. Where it is a fit with what was known before, the bank has that already."""
+        """A fit to start from, or None. If the fit uses what was known before, the bank is set to that already."""
         assumed = self._assumed
         if self._dates.changes != self._changes:
             self._changes = self._dates.changes

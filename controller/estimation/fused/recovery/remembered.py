@@ -1,4 +1,4 @@
-"""What the filters knew when all was well: the alternative to what a disturbance has taught them.
+"""The last state in which the filters were consistent: the alternative to what a disturbance has taught them.
 
 Implements Eq. 63 of docs/fused.md.
 
@@ -47,7 +47,7 @@ class Remembered:
         self._is_known = self._is_pending = False
 
     def trouble(self) -> None:
-        """Something is not well: what was kept lately may be wrong already."""
+        """Drop the latest stored state: the filters are no longer consistent, and it may be wrong already."""
         self._is_pending = False
 
     @property
@@ -56,7 +56,7 @@ class Remembered:
         return self._kept[0] if self._is_known else None
 
     def calm(self, time_s: float, x: Array, p: Array, log_weights: Array) -> None:
-        """All is well: keep what is known now, and trust what was kept a while ago."""
+        """Store the present state, and trust the one stored a while ago: the filters are consistent."""
         if not self._kept:
             self._kept = [Knowledge(time_s, x.copy(), p.copy(), log_weights.copy()) for _ in range(2)]
         if self._is_pending and time_s - self._kept[1].time_s > self._assumed.proven_s:

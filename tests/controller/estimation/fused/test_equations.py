@@ -11,13 +11,12 @@ from tests.fixtures.imports import ROOT
 
 PAGE = ROOT / "docs" / "fused.md"
 FUSED = ROOT / "controller" / "estimation" / "fused"
-WITHOUT = {"spread_work.py"}
-"""A scheduler of steps, whatever they are. The numbers in assumptions/ belong to the modules that use them."""
 MODULES = [
     path
     for path in sorted(FUSED.rglob("*.py"))
-    if path.name not in WITHOUT | {"__init__.py"} and path.parent.name != "assumptions"
+    if path.name != "__init__.py" and path.parent.name != "assumptions"
 ]
+"""The numbers in assumptions/ belong to the modules that use them."""
 
 
 @cache

@@ -6,8 +6,8 @@ from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.configuration import Controller as Settings
 from stillarm.controller.estimation.estimate import Estimate, Observation
 from stillarm.controller.estimation.fused import frame_steps as steps
+from stillarm.controller.estimation.fused.frame_steps import NOTHING
 from stillarm.controller.estimation.fused.method import FusedMethod
-from stillarm.controller.estimation.fused.spread_work import NOTHING
 from stillarm.controller.joint.joint_motion import JointMotion
 from tests.reference.ringing_world import CYCLE_S, model_for, ring
 

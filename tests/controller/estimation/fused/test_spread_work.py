@@ -1,6 +1,6 @@
 """A sequence of steps a cycle apart: order, what is due, what is done at once, and going back."""
 
-from stillarm.controller.estimation.fused.spread_work import NOTHING, SpreadWork, Steps
+from stillarm.controller.estimation.fused.frame_steps import NOTHING, SpreadWork, Steps
 
 FIRST, PREPARE, USE, LAST = "first", "prepare", "use", "last"
 

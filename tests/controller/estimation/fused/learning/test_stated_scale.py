@@ -5,7 +5,7 @@ import pytest
 
 from stillarm.common.files.configuration import Controller as Settings
 from stillarm.common.files.model import Accelerometer, Commissioned, Model
-from stillarm.controller.estimation.fused.fusion import mixture
+from stillarm.controller.estimation.fused import present
 from stillarm.controller.estimation.fused.learning.stated_scale import (
     Stated,
     odds_as_stated,
@@ -121,7 +121,7 @@ def test_the_first_seconds_gain_where_the_model_is_right_and_lose_little_where_i
 ) -> None:
     """Beside the filters alone, four trials: scale as stated, and 20 % off."""
     weighed = [[early_error(seed, scale) for seed in range(4)] for scale in (1.0, 1.2)]
-    monkeypatch.setattr(mixture, "with_stated_scale", lambda x, p, scale, first, stated, assumed: (x, p))
+    monkeypatch.setattr(present, "with_stated_scale", lambda x, p, scale, first, stated, assumed: (x, p))
     alone = [[early_error(seed, scale) for seed in range(4)] for scale in (1.0, 1.2)]
     assert np.mean(weighed[0]) < 0.95 * np.mean(alone[0])
     assert np.mean(weighed[1]) < 1.01 * np.mean(alone[1])

@@ -11,10 +11,10 @@ from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.configuration import load_assumed_model, load_configuration
 from stillarm.common.files.model import Model
 from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, Observation, Status
-from stillarm.controller.estimation.restarted_vision import MethodAcrossRestarts
 from stillarm.controller.input.exchange import ControllerExchange
 from stillarm.controller.joint.joint_motion import JointMotion
 from stillarm.controller.loop.recorded import frame_sample, visual_sample
+from stillarm.controller.loop.step import MethodAcrossRestarts
 from stillarm.simulation.virtual_time.simulated_recording import default_simulation_configuration
 from stillarm.supervisor.exchange import SupervisorExchange
 

@@ -4,9 +4,8 @@ import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.common.datagrams.datagram import encode
+from stillarm.common.datagrams.datagram import Peer, encode
 from stillarm.common.datagrams.messages import Reference, Timestamp
-from stillarm.common.link.peer import Peer
 
 KEY = b"0123456789abcdef"
 
