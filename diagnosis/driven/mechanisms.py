@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.laws import pull_of
-from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
+from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.regression import regressed_joint
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
 from stillarm.diagnosis.driven.start import STATED
+from stillarm.diagnosis.driven.waves import strongest_waves
 
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
@@ -100,10 +101,8 @@ def _asymmetry(fitted: DrivenFit) -> Starts:
 
 
 def _ripple(fitted: DrivenFit) -> Starts:
-    for cycles in strongest_waves(fitted):
-        for part in ("ripple_sine", "ripple_cosine"):
-            still = {"ripple_cycles": cycles, "ripple_sine": 0.0, "ripple_cosine": 0.0}
-            yield {**still, part: _HUNDREDTH * force_of(fitted)}
+    for one in strongest_waves(fitted):
+        yield {"ripple_cycles": one.cycles, "ripple_sine": one.sine, "ripple_cosine": one.cosine}
 
 
 def _small(*names: str) -> Callable[[DrivenFit], Starts]:
