@@ -157,11 +157,19 @@ def _onset(fitted: DrivenFit) -> Starts:
 
 
 def _gap(fitted: DrivenFit) -> Starts:
+    """On either side of the play sits each sensor that is not the motor's by its name: a velocity is often told by the
+    motor where the angle is the link's."""
     travel = float(np.std(fitted.run.states[:, 0])) + 1e-12
-    for on_motor in (0.0, 1.0):
-        for share in (0.2, 0.6):
-            for gap in (0.01, 0.1):
-                yield {"gap": gap * travel, "share": share, "on_motor": on_motor}
+    kinds = [one.kind for one in fitted.box.driven.outputs]
+    sides = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
+    if "velocity" not in kinds or not {"position", "motor"} & set(kinds):
+        sides = [(0.0, 0.0), (1.0, 1.0)]
+    if not {"position", "velocity"} & set(kinds):
+        sides = [(0.0, 0.0)]
+    for angle, rate in sides:
+        for share in (0.15, 0.35, 0.65):
+            for gap in (0.001, 0.02):
+                yield {"gap": gap * travel, "share": share, "on_motor": angle, "rate_on_motor": rate}
 
 
 def _has(*kinds: str) -> Callable[[DrivenFit], bool]:
@@ -180,8 +188,9 @@ def _bends(fitted: DrivenFit) -> bool:
     return fitted.box.modes > 0 and _has("deflection", "acceleration")(fitted)
 
 
-def _rigid(fitted: DrivenFit) -> bool:
-    return fitted.box.modes == 0 and _joint(fitted)
+def _turns(fitted: DrivenFit) -> bool:
+    """Whether anything shows what the link does."""
+    return _joint(fitted) or _bends(fitted)
 
 
 FORMS = (
@@ -199,7 +208,7 @@ FORMS = (
     Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
     Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
     Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
-    Form("gear_backlash", "between motor and joint", ("gap", "share"), _gap, _rigid, play=True),
+    Form("gear_backlash", "between motor and joint", ("gap", "share"), _gap, _turns, play=True),
     Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
@@ -289,7 +298,7 @@ def box_of(form: Form, fitted: DrivenFit) -> DrivenFit:
     """The fit from which a form's fits begin: with a motor of its own where there is play."""
     if not form.play or fitted.box.play:
         return fitted
-    states = np.concatenate([fitted.states, fitted.states], axis=1)
+    states = np.concatenate([fitted.states, fitted.states[:, :2]], axis=1)
     return replace(fitted, box=replace(fitted.box, play=True), states=states)
 
 

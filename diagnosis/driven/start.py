@@ -213,12 +213,20 @@ def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
         *modes_to_try(fitted.box, fitted.numbers, fitted),
         *seen_begins(fitted.box.driven, fitted.numbers, box.modes),
     ]
-    looked = best_begins(box, begins, free_of(box) + extra, fitted.states, _KEPT)
+    looked = best_begins(box, begins, free_of(box) + extra, _with_place(fitted), _KEPT)
     tried = [fit(box, one.numbers, one.free, one.states, steps=5) for one in looked]
     if not tried:
         return None
     best = max(tried, key=lambda one: float(one.whole.sum()))
     return fit(box, best.numbers, best.free, best.states)
+
+
+def _with_place(fitted: DrivenFit) -> Array:
+    """The blocks' states with zeros for a further mode, before the motor's own where there is play."""
+    if not fitted.box.play:
+        return fitted.states
+    link, motor = fitted.states[:, :-2], fitted.states[:, -2:]
+    return np.concatenate([link, np.zeros_like(motor), motor], axis=1)
 
 
 def modes_to_try(
