@@ -28,7 +28,10 @@ _CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivat
 _LONGEST_STEP_S = 0.003
 _MOST_ROOT = 1e4
 _PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
-_SIDES = {"position": "on_motor", "velocity": "rate_on_motor"}  # numbers that tell on which side a sensor sits
+_SIDES = {
+    "position": "on_motor",
+    "velocity": "rate_on_motor",
+}  # numbers that tell on which side a sensor sits
 
 
 @dataclass(frozen=True)
@@ -181,8 +184,7 @@ class GreyBox:
         out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
         torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)
         drive = u[::parts, 0]
-        linear = self.linear(numbers)
-        a, b = linear.equations()
+        a, b = (linear := self.linear(numbers)).equations()
         theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
         seen = {
             one.name: self._seen(one, numbers, out, drive, forces, theta_dd, linear) for one in driven.outputs

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.gaps import gaps
 from stillarm.diagnosis.driven.laws import pull_of
 from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.own import base_of
@@ -156,22 +157,6 @@ def _onset(fitted: DrivenFit) -> Starts:
             yield {"inertia_step": step, "onset": part * fitted.box.driven.duration_s}
 
 
-def _gap(fitted: DrivenFit) -> Starts:
-    """On either side of the play sits each sensor that is not the motor's by its name: a velocity is often told by the
-    motor where the angle is the link's."""
-    travel = float(np.std(fitted.run.states[:, 0])) + 1e-12
-    kinds = [one.kind for one in fitted.box.driven.outputs]
-    sides = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
-    if "velocity" not in kinds or not {"position", "motor"} & set(kinds):
-        sides = [(0.0, 0.0), (1.0, 1.0)]
-    if not {"position", "velocity"} & set(kinds):
-        sides = [(0.0, 0.0)]
-    for angle, rate in sides:
-        for share in (0.15, 0.35, 0.65):
-            for gap in (0.001, 0.02):
-                yield {"gap": gap * travel, "share": share, "on_motor": angle, "rate_on_motor": rate}
-
-
 def _has(*kinds: str) -> Callable[[DrivenFit], bool]:
     return lambda fitted: any(one.kind in kinds for one in fitted.box.driven.outputs)
 
@@ -208,7 +193,7 @@ FORMS = (
     Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
     Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
     Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
-    Form("gear_backlash", "between motor and joint", ("gap", "share"), _gap, _turns, play=True),
+    Form("gear_backlash", "between motor and joint", ("gap", "share"), gaps, _turns, play=True),
     Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),

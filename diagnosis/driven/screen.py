@@ -35,7 +35,9 @@ class Screen:
         start itself."""
         return self._explained(self._outputs(self._fit, start) - self._base)
 
-    def share_from(self, begun: DrivenFit, zero: dict[str, float], start: dict[str, float]) -> tuple[float, float]:
+    def share_from(
+        self, begun: DrivenFit, zero: dict[str, float], start: dict[str, float]
+    ) -> tuple[float, float]:
         """The same in another box, whose own simulation at `zero` is what the start is compared with."""
         return self._explained(self._outputs(begun, start) - self._outputs(begun, zero))
 

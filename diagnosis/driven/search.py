@@ -30,7 +30,7 @@ CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
 _TRIED_ANYWAY = 1.0
-_MOST_LOOKS, _LOOK, _MOST_PLAYS = 6, 2, 2  # starts of play, steps of a look at each, fits
+_MOST_PLAYS = 3
 _LEAST_PART, _MOST_PART = 0.003, 3.0
 _NO_DIRECTION = (
     "limit",
@@ -153,8 +153,8 @@ def plainer_first(tried: list[Tried]) -> list[Tried]:
 def cause_first(tried: list[Tried]) -> list[Tried]:
     """The best cause before structure that gains no more than some times as much, and what proves needless is taken out
     in the end. A further mode without damping can imitate friction and all else that is not linear, while no friction
-    imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers, and play has one, as an arm's
-    mode and play imitate each other."""
+    imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers, and so has play, as a mode
+    and play imitate each other."""
     most = tried[0].merit
     if tried[0].form.words == ANOTHER_MODE.words and _at_a_bound(tried[0].fit):
         most *= _OF_NO_ARM
@@ -188,7 +188,12 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
         key = (form.cause, form.words, recording_of(form.numbers[0]))
         many = _MOST_STARTS if recording_of(form.numbers[0]) is None else 1
-        if left_s() < 0.0 or done.get(key, 0) >= many or sum(done.values()) >= _MOST_FITS or share < _LEAST_SHARE:
+        if (
+            left_s() < 0.0
+            or done.get(key, 0) >= many
+            or sum(done.values()) >= _MOST_FITS
+            or share < _LEAST_SHARE
+        ):
             continue
         done[key] = done.get(key, 0) + 1
         finished.append(judged(form, _fitted_from(form, start, current, _STEPS), current))
@@ -217,11 +222,12 @@ def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], 
         if left_s() > 0.0:
             share, along = screen.share_from(from_here, {**start, "gap": 0.0}, start)
             if along > 0.0:
-                ranked.append((share, {**start, "gap": min(max(along, _LEAST_PART), _MOST_PART) * start["gap"]}))
+                ranked.append(
+                    (share, {**start, "gap": min(max(along, _LEAST_PART), _MOST_PART) * start["gap"]})
+                )
     ranked.sort(key=lambda one: -one[0])
-    looked = [_fitted_from(form, one, current, _LOOK) for _, one in ranked[:_MOST_LOOKS] if left_s() > 0.0]
-    best = sorted(looked, key=lambda one: -float(one.whole.sum()))[:_MOST_PLAYS]
-    fits = [fit(one.box, one.numbers, one.free, one.states, steps=_STEPS) for one in best if left_s() > 0.0]
+    starts = [one for _, one in ranked[:_MOST_PLAYS]]
+    fits = [_fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
     return [judged(form, one, current) for one in fits]
 
 

@@ -28,7 +28,11 @@ _MOST = 12_000  # samples: more make it slow, and no better a start
 _SLOWEST_HZ = 24.0  # to which a recording is thinned: below that even a slow arm has no sample to spare
 _THINNER = 2.5  # from one rate to the next
 _STABLE = 0.99999
-_LEAST_ZETA, _LIKELY_ZETA, _MOST_ZETA = 1e-3, 0.03, 0.3  # a hub's own damping makes a pole's larger than the arm's
+_LEAST_ZETA, _LIKELY_ZETA, _MOST_ZETA = (
+    1e-3,
+    0.03,
+    0.3,
+)  # a hub's own damping makes a pole's larger than the arm's
 _LEAST_CARRIED, _MOST_CARRIED = 0.01, 20.0
 _USUAL_CARRIED = 0.2  # where no zero shows
 
@@ -44,7 +48,9 @@ class SeenMode:
 
 def modes_seen(driven: Driven, count: int) -> Iterator[tuple[SeenMode, ...]]:
     """Sets of `count` modes, ascending, each from the recording at another rate or from a state of another order."""
-    part = driven if not driven.joins else max((driven.part(k) for k in range(driven.recordings)), key=_length)
+    part = (
+        driven if not driven.joins else max((driven.part(k) for k in range(driven.recordings)), key=_length)
+    )
     thinner = 1.0
     while thinner == 1.0 or 1.0 / (thinner * part.step_s) >= _SLOWEST_HZ:
         every = round(thinner)
@@ -67,7 +73,8 @@ def _signals(driven: Driven, every: int) -> tuple[Array, list[Array], int | None
     An angle is told by its differences, so that its drift does not hide the arm.
     """
     most = min(driven.samples, _MOST * every) // every * every
-    outputs, joint = [], None
+    outputs: list[Array] = []
+    joint: int | None = None
     for kind in ("velocity", "position", "motor", "deflection", "acceleration"):
         for one in driven.outputs:
             if one.kind != kind:
@@ -89,7 +96,7 @@ def _poles(u: Array, outputs: list[Array], order: int) -> Complex:
     past_u, next_u = (_hankel(u[None], begin, rows, columns) for begin in (0, rows))
     past_y, next_y = (_hankel(y, begin, rows, columns) for begin in (0, rows))
     stack = np.vstack([next_u, past_u, past_y, next_y])
-    lower = np.linalg.qr(stack.T, mode="r").T
+    lower = np.asarray(np.linalg.qr(stack.T, mode="r")).T
     a, b = len(next_u), len(next_u) + len(past_u) + len(past_y)
     left, _, _ = np.linalg.svd(lower[b:, a:b], full_matrices=False)
     seen = left[:, :order]

@@ -1,9 +1,9 @@
 """Which waves over the joint's angle a torque ripple may have: what the outputs lack, as each wave would have made it.
 
-The measured acceleration shows a quick wave badly: two differences amplify the sensor's noise, and a window against that
-takes the wave away too. Here each wave's force goes through the linear model to every output instead, and is regressed
-on what the fit leaves there, block by block, without what a block's initial state can make (a line and a bow), and
-without what gain, damping and dry friction would.
+The measured acceleration shows a quick wave badly: two differences amplify the sensor's noise, and a window against
+that takes the wave away too. Here each wave's force goes through the linear model to every output instead, and is
+regressed on what the fit leaves there, block by block, without what a block's initial state can make (a line and a
+bow), and without what gain, damping and dry friction would.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit, levels_of_fit
-from stillarm.diagnosis.driven.greybox import Numbers
+from stillarm.diagnosis.driven.laws import Numbers
 from stillarm.diagnosis.driven.regression import joint_motion
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Wave:
 
 
 def strongest_waves(fitted: DrivenFit) -> list[Wave]:
-    """The waves over the angle that explain most of what is left, the best first; none without a sensor at the joint."""
+    """The waves over the angle that explain most of what is left, the best first; none where no sensor shows it."""
     motion = joint_motion(fitted.box.driven)
     if motion is None:
         return []
@@ -80,10 +80,12 @@ def _answers(fitted: DrivenFit, samples: int, step_s: float) -> dict[str, Comple
     """By output, its answer to a force on the joint at the frequencies of a Fourier transform."""
     box, numbers = fitted.box, fitted.numbers
     a, b = box.linear(numbers).equations()
-    s = 2j * np.pi * np.fft.fftfreq(samples, step_s)
+    s = np.asarray(2j * np.pi * np.fft.fftfreq(samples, step_s), np.complex128)
     s[0] = s[1]
-    state = np.linalg.solve(s[:, None, None] * np.eye(len(a)) - a, np.broadcast_to(b[:, 1:2], (samples, len(a), 1)))
-    z = state[:, :, 0]
+    state = np.linalg.solve(
+        s[:, None, None] * np.eye(len(a)) - a, np.broadcast_to(b[:, 1:2], (samples, len(a), 1))
+    )
+    z = np.asarray(state[:, :, 0], np.complex128)
     answers = {}
     for one in box.driven.outputs:
         answer = _seen(one.kind, one.name, numbers, z, s) * numbers.get(f"scale {one.name}", 1.0)
