@@ -18,6 +18,7 @@ Numbers = dict[str, float]
 
 _SAME_W, _SAME_CARRIED = 0.02, 0.25  # of the larger: two sets of modes that begin one fit
 _MOST_SETS = 6
+_DAMPINGS = (8.0, 30.0, 100.0)  # 1/s: a joint that stops within 0.1 s to 0.01 s
 _LOOK = 2  # steps of a fit, after which a begin shows what it is worth
 
 
@@ -70,6 +71,28 @@ def with_modes(driven: Driven, numbers: Numbers, modes: tuple[SeenMode, ...]) ->
             for i in range(1, len(modes) + 1):
                 new[f"share_{i} {one.name}"] = -float(factor[1 + i]) / new[f"follows_{i}"]
     return new
+
+
+def damped_joints(driven: Driven, numbers: Numbers) -> Iterator[Numbers]:
+    """Numbers of a joint with its speed for a steady input, and more damping than a regression finds.
+
+    Behind a high gear nearly all torque goes into damping: input and velocity are then alike, and their noise makes the
+    regressed gain and damping too small by the same factor. A simulation knows better, where it begins there.
+    """
+    motion = joint_motion(driven)
+    if motion is None:
+        return
+    omega, u = motion[1], driven.u - driven.u.mean()
+    speed = float(omega @ u) / max(float(u @ u), 1e-300)
+    for damping in _DAMPINGS:
+        if damping > numbers["damping"] and speed != 0.0:
+            yield {**numbers, "gain": speed * damping, "damping": damping}
+
+
+def on_a_damped_joint(begin: Numbers, joint: Numbers) -> Numbers:
+    """A begin with one mode, on a joint that was fitted with a rigid arm: its hub alone is lighter."""
+    lighter = 1.0 + begin["carries_1"]
+    return {**begin, "gain": joint["gain"] * lighter, "damping": joint["damping"] * lighter}
 
 
 def best_begins(

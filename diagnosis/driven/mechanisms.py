@@ -17,6 +17,7 @@ from stillarm.diagnosis.driven.laws import pull_of
 from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.regression import regressed_joint
+from stillarm.diagnosis.driven.rubbing import anew_with_friction
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
 from stillarm.diagnosis.driven.start import STATED
 from stillarm.diagnosis.driven.waves import strongest_waves
@@ -31,7 +32,8 @@ _HUNDREDTH = 0.01
 class Form:
     """cause: identifier, STRUCTURE for none. numbers: set free. starts: from which values, of the fit so far.
 
-    fits: whether the recording can show it. hidden: whether no first order tells, as the fit's own numbers make it up.
+    fits: whether the recording can show it. hidden: whether no first order tells, as the fit's own numbers make it up;
+    its starts are taken as they are.
     """
 
     cause: str
@@ -180,6 +182,7 @@ def _turns(fitted: DrivenFit) -> bool:
 
 FORMS = (
     Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, _joint),
+    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), anew_with_friction, _joint, hidden=True),
     Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction, _joint),
     Form("joint_stribeck_friction", "larger at rest", ("coulomb", "stribeck", "log_stribeck_velocity"), _stribeck,
          _joint),

@@ -7,7 +7,7 @@ less on the blocks that no fit saw, three times that counts. So that docs/diagno
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -184,9 +184,9 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             share, along = (_TRIED_ANYWAY, 1.0) if form.hidden else screen.share(start)
             here = start if form.hidden else moved_along(current, start, along)
             begins.append((share, form, here))
-    done: dict[tuple[str, str, int | None], int] = {}
+    done: dict[tuple[str, str, bool, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
-        key = (form.cause, form.words, recording_of(form.numbers[0]))
+        key = (form.cause, form.words, form.hidden, recording_of(form.numbers[0]))
         many = _MOST_STARTS if recording_of(form.numbers[0]) is None else 1
         if (
             left_s() < 0.0
@@ -202,7 +202,10 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         bent = with_another_mode(current)
         if bent is not None:
             many = len(bent.free) - len(current.free)
-            finished.append(judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current))
+            mode = judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current)
+            # noise may ring at any of the recording's frequencies, and the best of them was chosen
+            elsewhere = log(max(current.box.driven.samples // 2, 1))
+            finished.append(replace(mode, merit=mode.merit - elsewhere))
     return sorted(finished, key=lambda one: -one.merit)
 
 

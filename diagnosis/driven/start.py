@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.begins import best_begins, seen_begins
+from stillarm.diagnosis.driven.begins import best_begins, damped_joints, on_a_damped_joint, seen_begins
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.own import named_in
@@ -101,18 +101,21 @@ def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
     numbers = {**(joint_numbers(driven) if has_joint(driven) else _without_joint(driven)), **declared}
     if "gap" in declared:
         return _start_with_play(plain, numbers)
+    joint = plain.without_arm()
+    damped = [{**one, **declared} for one in damped_joints(driven, numbers)] if has_joint(driven) else []
     if not needs_mode(driven):
-        return fit(plain, numbers, free_of(plain))
+        best = best_begins(plain, [numbers, *damped], free_of(plain), None, 1)[0]
+        return fit(plain, best.numbers, best.free, best.states)
     box = replace(plain, modes=1)
     states = None
     if has_joint(driven):
-        begun = fit(plain.without_arm(), numbers, free_of(plain.without_arm()), steps=_QUICK)
+        best = best_begins(joint, [numbers, *damped], free_of(joint), None, 1)[0]
+        begun = fit(joint, best.numbers, best.free, best.states, steps=_QUICK)
         numbers, states = {**numbers, **begun.numbers}, begun.states
-    begins = [
-        *regressed_modes(driven, numbers),
-        *modes_to_try(plain, numbers, None),
-        *seen_begins(driven, numbers, 1),
-    ]
+    own = [*regressed_modes(driven, numbers), *seen_begins(driven, numbers, 1)]
+    begins = [*modes_to_try(plain, numbers, None), *own]
+    if has_joint(driven):
+        begins += [on_a_damped_joint(one, numbers) for one in own]
     looked = best_begins(box, ({**one, **declared} for one in begins), free_of(box), states, _KEPT)
     tried = [fit(box, one.numbers, one.free, one.states, steps=_QUICK) for one in looked]
     best = max(tried, key=lambda one: float(one.whole.sum()))
