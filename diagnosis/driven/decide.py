@@ -109,7 +109,7 @@ def _without(final: DrivenFit, form: Form, taken: list[Tried], start: dict[str, 
     free = tuple(one for one in final.free if one not in gone or one == "delay")
     box, states = final.box, final.states
     if form.play:
-        box, states = replace(box, play=False), states[:, :2]
+        box, states = replace(box, play=False), states[:, :-2]
     return fit(box, numbers, free, states, steps=10)
 
 

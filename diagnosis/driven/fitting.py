@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 Simulate = Callable[[dict[str, float], Array], Run]
 
 _DIFFERENCE = 1e-3  # of a number: over much less, the corners of friction make a derivative of their own
+_OF_PLAY = 0.05  # of play's own numbers: an impact falls to a simulated step, and moves by whole ones
 _DAMPING, _MOST_DAMPING = 1e-3, 1e7
 _SETTLED = 1e-4  # of the cost, from one step to the next
 _RIDGE = 1e-9
@@ -213,6 +214,8 @@ def difference_of(name: str, value: float, box: GreyBox) -> float:
     """By how much a number is moved for its derivative."""
     if name.startswith(("delay", "lag", "onset")):
         return 0.02 * box.driven.step_s
+    if name in ("gap", "share"):
+        return _OF_PLAY * max(value, 1e-9)
     return _DIFFERENCE * max(abs(value), 1e-3)
 
 

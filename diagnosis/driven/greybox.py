@@ -19,7 +19,8 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.signals import Driven, Output
-from stillarm.simulation.arm.torque_joint import LinearJoint, play_run, torque_run, transition
+from stillarm.simulation.arm.geared_joint import link_of, play_run
+from stillarm.simulation.arm.torque_joint import LinearJoint, torque_run, transition
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,10 @@ _CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivat
 _LONGEST_STEP_S = 0.003
 _MOST_ROOT = 1e4
 _PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
+_SIDES = {
+    "position": "on_motor",
+    "velocity": "rate_on_motor",
+}  # numbers that tell on which side a sensor sits
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,7 @@ class GreyBox:
     split: Split
     modes: int = 0
     play: bool = False
-    """A motor and a rigid link with play between them: no modes then."""
+    """A motor and a link with play between them."""
     declared: Mapping[str, float] = field(default_factory=dict, hash=False)
     """Numbers that a model file declares: they hold where a fit has none of its own, and no baseline sets them free."""
 
@@ -68,7 +73,7 @@ class GreyBox:
     @property
     def size(self) -> int:
         """Length of the state."""
-        return 4 if self.play else 2 + 2 * self.modes
+        return 2 + 2 * self.modes + (2 if self.play else 0)
 
     @property
     def substeps(self) -> int:
@@ -179,33 +184,43 @@ class GreyBox:
         out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
         torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)
         drive = u[::parts, 0]
-        a, b = self.linear(numbers).equations()
+        a, b = (linear := self.linear(numbers)).equations()
         theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
-        seen = {one.name: self._seen(one, numbers, out, drive, forces, theta_dd) for one in driven.outputs}
+        seen = {
+            one.name: self._seen(one, numbers, out, drive, forces, theta_dd, linear) for one in driven.outputs
+        }
         return Run(seen, out, forces, drive, theta_dd)
 
     def _with_play(self, numbers: Numbers, law: Array, states: Array) -> Run:
+        """States: the link's, then the motor's angle and velocity."""
         driven, parts = self.driven, self.substeps * _PARTS_OF_PLAY
         step = driven.step_s / parts
         u = self.driving(numbers, parts)
-        out = np.empty((driven.samples, 4))
+        n = 2 + 2 * self.modes
+        out, contact = np.empty((driven.samples, n + 2)), np.empty(driven.samples)
         share, gap = min(max(numbers["share"], 0.02), 0.98), max(numbers["gap"], 0.0)
-        linear = numbers["gain"], numbers["damping"]
-        play_run(share, *linear, gap, law, u, parts, step, self.starts, states, out)
-        side = 2 if numbers.get("on_motor", 0.0) else 0
-        z = np.ascontiguousarray(out[:, side : side + 2])
-        acceleration = np.gradient(z[:, 1], driven.step_s)
-        forces, at = np.zeros((driven.samples, 2)), u[::parts, 0]
-        plain = replace(self, play=False)
+        whole = self.linear(numbers)
+        link = link_of(whole, share)
+        phi, g = transition(link, step)
+        held = np.ascontiguousarray(g[:, 2])
+        play_run(
+            share, whole.gain, whole.damping, gap, law, phi, held, u, parts, step, self.starts, states, out, contact
+        )  # fmt: skip
+        at = u[::parts, 0]
+        forces = np.column_stack([contact, np.zeros(driven.samples)])
+        a, _ = link.equations()
+        accelerations = out[:, :n] @ a[1] + contact, np.gradient(out[:, n + 1], driven.step_s)
         seen = {}
         for one in driven.outputs:
-            ours = np.ascontiguousarray(out[:, 2:]) if one.kind == "motor" else z
-            seen[one.name] = plain._seen(one, numbers, ours, at, forces, acceleration)
-        return Run(seen, out, forces, at, acceleration)
+            on_motor = one.kind == "motor" or bool(numbers.get(_SIDES.get(one.kind, ""), 0.0))
+            z = np.column_stack([out[:, n:], out[:, 2:n]]) if on_motor else out[:, :n]
+            seen[one.name] = self._seen(one, numbers, z, at, forces, accelerations[int(on_motor)], link)
+        return Run(seen, out, forces, at, accelerations[0])
 
     def _seen(
-        self, output: Output, numbers: Numbers, z: Array, drive: Array, forces: Array, theta_dd: Array
-    ) -> Array:
+        self, output: Output, numbers: Numbers, z: Array, drive: Array, forces: Array, theta_dd: Array,
+        linear: LinearJoint,
+    ) -> Array:  # fmt: skip
         """What a sensor makes of the motion."""
         name = output.name
         offset, scale = numbers.get(f"offset {name}", 0.0), numbers.get(f"scale {name}", 1.0)
@@ -216,8 +231,8 @@ class GreyBox:
         elif output.kind == "deflection":
             true, slope = z[:, 2::2].sum(axis=1), z[:, 3::2].sum(axis=1)
         else:
-            a, b = self.linear(numbers).equations()
-            rates = np.arange(3, self.size, 2)
+            a, b = linear.equations()
+            rates = np.arange(3, len(a), 2)
             bent = z @ a[rates].T + np.outer(drive, b[rates, 0]) + np.outer(forces[:, 0], b[rates, 1])
             shares = [numbers.get(f"share_{i} {name}", 1.0) for i in range(1, self.modes + 1)]
             true = numbers.get(f"direct {name}", 0.0) * theta_dd + (
@@ -254,9 +269,9 @@ class GreyBox:
         """Where the blocks begin as far as the sensors tell: (blocks, size)."""
         states = np.zeros((len(self.starts) - 1, self.size))
         h = self.driven.step_s
-        for output in self.driven.outputs if not self.play else ():
+        for output in self.driven.outputs:
             place = {"position": 0, "motor": 0, "velocity": 1, "deflection": 2}.get(output.kind)
-            if place is None or place >= self.size:
+            if place is None or place >= 2 + 2 * self.modes:
                 continue
             for s, (a, b) in enumerate(zip(self.starts[:-1], self.starts[1:], strict=True)):
                 head = output.values[a : min(a + max(8, int(0.03 / h)), b)]
@@ -269,6 +284,8 @@ class GreyBox:
                 states[s, place] = line[1]
                 if place != 1:
                     states[s, place + 1] = line[0]
+        if self.play:
+            states[:, -2:] = states[:, :2]
         return states
 
 

@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.gaps import gaps
 from stillarm.diagnosis.driven.laws import pull_of
-from stillarm.diagnosis.driven.missing import missing_force, strongest_waves
+from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.regression import regressed_joint
+from stillarm.diagnosis.driven.rubbing import anew_with_friction
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
 from stillarm.diagnosis.driven.start import STATED
+from stillarm.diagnosis.driven.waves import strongest_waves
 
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
@@ -29,7 +32,8 @@ _HUNDREDTH = 0.01
 class Form:
     """cause: identifier, STRUCTURE for none. numbers: set free. starts: from which values, of the fit so far.
 
-    fits: whether the recording can show it. hidden: whether no first order tells, as the fit's own numbers make it up.
+    fits: whether the recording can show it. hidden: whether no first order tells, as the fit's own numbers make it up;
+    its starts are taken as they are.
     """
 
     cause: str
@@ -100,10 +104,8 @@ def _asymmetry(fitted: DrivenFit) -> Starts:
 
 
 def _ripple(fitted: DrivenFit) -> Starts:
-    for cycles in strongest_waves(fitted):
-        for part in ("ripple_sine", "ripple_cosine"):
-            still = {"ripple_cycles": cycles, "ripple_sine": 0.0, "ripple_cosine": 0.0}
-            yield {**still, part: _HUNDREDTH * force_of(fitted)}
+    for one in strongest_waves(fitted):
+        yield {"ripple_cycles": one.cycles, "ripple_sine": one.sine, "ripple_cosine": one.cosine}
 
 
 def _small(*names: str) -> Callable[[DrivenFit], Starts]:
@@ -157,14 +159,6 @@ def _onset(fitted: DrivenFit) -> Starts:
             yield {"inertia_step": step, "onset": part * fitted.box.driven.duration_s}
 
 
-def _gap(fitted: DrivenFit) -> Starts:
-    travel = float(np.std(fitted.run.states[:, 0])) + 1e-12
-    for on_motor in (0.0, 1.0):
-        for share in (0.2, 0.6):
-            for gap in (0.01, 0.1):
-                yield {"gap": gap * travel, "share": share, "on_motor": on_motor}
-
-
 def _has(*kinds: str) -> Callable[[DrivenFit], bool]:
     return lambda fitted: any(one.kind in kinds for one in fitted.box.driven.outputs)
 
@@ -181,12 +175,14 @@ def _bends(fitted: DrivenFit) -> bool:
     return fitted.box.modes > 0 and _has("deflection", "acceleration")(fitted)
 
 
-def _rigid(fitted: DrivenFit) -> bool:
-    return fitted.box.modes == 0 and _joint(fitted)
+def _turns(fitted: DrivenFit) -> bool:
+    """Whether anything shows what the link does."""
+    return _joint(fitted) or _bends(fitted)
 
 
 FORMS = (
     Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, _joint),
+    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), anew_with_friction, _joint, hidden=True),
     Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction, _joint),
     Form("joint_stribeck_friction", "larger at rest", ("coulomb", "stribeck", "log_stribeck_velocity"), _stribeck,
          _joint),
@@ -200,7 +196,7 @@ FORMS = (
     Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
     Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
     Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
-    Form("gear_backlash", "between motor and joint", ("gap", "share"), _gap, _rigid, play=True),
+    Form("gear_backlash", "between motor and joint", ("gap", "share"), gaps, _turns, play=True),
     Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
@@ -290,7 +286,7 @@ def box_of(form: Form, fitted: DrivenFit) -> DrivenFit:
     """The fit from which a form's fits begin: with a motor of its own where there is play."""
     if not form.play or fitted.box.play:
         return fitted
-    states = np.concatenate([fitted.states, fitted.states], axis=1)
+    states = np.concatenate([fitted.states, fitted.states[:, :2]], axis=1)
     return replace(fitted, box=replace(fitted.box, play=True), states=states)
 
 

@@ -20,8 +20,6 @@ Array = NDArray[np.float64]
 _WINDOW_S = 0.06
 _BINS = 24
 _FEWEST = 12  # samples of a bin
-_WAVES = 3
-_FEWEST_PERIODS = 1.25  # over the travel: about one is a slope or a bow, as of gravity or a cable
 
 
 @dataclass(frozen=True)
@@ -81,21 +79,3 @@ def _curve(at: Array, force: Array) -> Curve:
                 (0.5 * (edges[k] + edges[k + 1]), inside.mean(), inside.std() / np.sqrt(len(inside) / 10.0))
             )
     return Curve(*np.array(rows).reshape(-1, 3).T)
-
-
-def strongest_waves(fitted: DrivenFit) -> list[float]:
-    """Waves over the angle that the missing force holds most of, 1/rad (cycles times 2 pi)."""
-    found = missing_force(fitted)
-    if found is None:
-        return []
-    travel = float(np.ptp(found.theta))
-    if travel <= 0.0:
-        return []
-    flat = found.force - np.interp(found.omega, found.over_velocity.at, found.over_velocity.mean)
-    many = max(1, len(flat) // 6000)
-    theta, flat = found.theta[::many], flat[::many]
-    waves = np.arange(_FEWEST_PERIODS, 160.0, 0.25) * 2.0 * np.pi / travel
-    power = np.array([abs(np.dot(np.exp(1j * wave * theta), flat)) ** 2 for wave in waves])
-    peaks = [k for k in range(1, len(waves) - 1) if power[k] >= power[k - 1] and power[k] > power[k + 1]]
-    best = sorted(peaks, key=lambda k: -power[k])[:_WAVES]
-    return [float(waves[k]) for k in best]

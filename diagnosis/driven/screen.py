@@ -33,10 +33,20 @@ class Screen:
     def share(self, start: dict[str, float]) -> tuple[float, float]:
         """How much of the squared residual a start's direction explains, 0 to 1, and how far along it that is: 1 at the
         start itself."""
-        fitted = self._fit
+        return self._explained(self._outputs(self._fit, start) - self._base)
+
+    def share_from(
+        self, begun: DrivenFit, zero: dict[str, float], start: dict[str, float]
+    ) -> tuple[float, float]:
+        """The same in another box, whose own simulation at `zero` is what the start is compared with."""
+        return self._explained(self._outputs(begun, start) - self._outputs(begun, zero))
+
+    def _outputs(self, fitted: DrivenFit, start: dict[str, float]) -> Array:
         with np.errstate(over="ignore", invalid="ignore"):
             run = fitted.box.run({**fitted.numbers, **start}, fitted.states)
-        change = stacked(fitted.box, run, self._sigma) - self._base
+        return stacked(fitted.box, run, self._sigma)
+
+    def _explained(self, change: Array) -> tuple[float, float]:
         if not np.isfinite(change).all():
             return 0.0, 1.0
         moved = self._projected([change[rows] for rows in self._rows])

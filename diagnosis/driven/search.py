@@ -7,7 +7,7 @@ less on the blocks that no fit saw, three times that counts. So that docs/diagno
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,8 @@ Tick = Callable[[float, str], None]
 CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
-_TRIED_ANYWAY, _MOST_PLAYS = 1.0, 4  # of play no first order tells
+_TRIED_ANYWAY = 1.0
+_MOST_PLAYS = 3
 _LEAST_PART, _MOST_PART = 0.003, 3.0
 _NO_DIRECTION = (
     "limit",
@@ -152,12 +153,13 @@ def plainer_first(tried: list[Tried]) -> list[Tried]:
 def cause_first(tried: list[Tried]) -> list[Tried]:
     """The best cause before structure that gains no more than some times as much, and what proves needless is taken out
     in the end. A further mode without damping can imitate friction and all else that is not linear, while no friction
-    imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers."""
+    imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers, and so has play, as a mode
+    and play imitate each other."""
     most = tried[0].merit
     if tried[0].form.words == ANOTHER_MODE.words and _at_a_bound(tried[0].fit):
         most *= _OF_NO_ARM
     for one in tried:
-        lead = _LINEAR_FIRST if one.form.cause in _LINEAR else _CAUSE_FIRST
+        lead = _LINEAR_FIRST if one.form.cause in _LINEAR or one.form.play else _CAUSE_FIRST
         if one.form.cause != STRUCTURE and one.merit >= max(CONVINCES, lead * most):
             return [one, *(other for other in tried if other is not one)]
     return tried
@@ -173,34 +175,63 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     """Every form beside what there is, best first."""
     screen = Screen(current)
     begins: list[tuple[float, Form, dict[str, float]]] = []
+    finished: list[Tried] = []
     for form in (forms_for if not current.box.driven.joins else forms_of_all)(current):
+        if form.play:
+            finished += _plays(form, current, screen, left_s)
+            continue
         for start in form.starts(current):
-            share, along = (_TRIED_ANYWAY, 1.0) if form.play or form.hidden else screen.share(start)
+            share, along = (_TRIED_ANYWAY, 1.0) if form.hidden else screen.share(start)
             here = start if form.hidden else moved_along(current, start, along)
             begins.append((share, form, here))
-    finished: list[Tried] = []
-    done: dict[tuple[str, str, int | None], int] = {}
+    done: dict[tuple[str, str, bool, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
-        key = (form.cause, form.words, recording_of(form.numbers[0]))
-        many = _MOST_PLAYS if form.play else _MOST_STARTS if recording_of(form.numbers[0]) is None else 1
-        fits = len(finished) >= _MOST_FITS and not form.play
-        if left_s() < 0.0 or done.get(key, 0) >= many or fits or share < _LEAST_SHARE:
+        key = (form.cause, form.words, form.hidden, recording_of(form.numbers[0]))
+        many = _MOST_STARTS if recording_of(form.numbers[0]) is None else 1
+        if (
+            left_s() < 0.0
+            or done.get(key, 0) >= many
+            or sum(done.values()) >= _MOST_FITS
+            or share < _LEAST_SHARE
+        ):
             continue
         done[key] = done.get(key, 0) + 1
-        from_here = box_of(form, current)
-        free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
-        kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
-        begun = fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=_STEPS)
-        finished.append(judged(form, begun, current))
-    bends = (
-        current.box.modes < _MOST_MODES and not current.box.play and current.numbers.get(STATED, 0.0) == 0.0
-    )
+        finished.append(judged(form, _fitted_from(form, start, current, _STEPS), current))
+    bends = current.box.modes < _MOST_MODES and current.numbers.get(STATED, 0.0) == 0.0
     if bends and left_s() > 0.0:
         bent = with_another_mode(current)
         if bent is not None:
             many = len(bent.free) - len(current.free)
-            finished.append(judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current))
+            mode = judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current)
+            # noise may ring at any of the recording's frequencies, and the best of them was chosen
+            elsewhere = log(max(current.box.driven.samples // 2, 1))
+            finished.append(replace(mode, merit=mode.merit - elsewhere))
     return sorted(finished, key=lambda one: -one.merit)
+
+
+def _fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit:
+    """A form's fit from a start beside what there is."""
+    from_here = box_of(form, current)
+    free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
+    kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
+    return fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=steps)
+
+
+def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], float]) -> list[Tried]:
+    """The best fits with play. Each start's gap is as wide as explains most to first order, against no gap at all."""
+    from_here = box_of(form, current)
+    ranked: list[tuple[float, dict[str, float]]] = []
+    for start in form.starts(current):
+        if left_s() > 0.0:
+            share, along = screen.share_from(from_here, {**start, "gap": 0.0}, start)
+            if along > 0.0:
+                ranked.append(
+                    (share, {**start, "gap": min(max(along, _LEAST_PART), _MOST_PART) * start["gap"]})
+                )
+    ranked.sort(key=lambda one: -one[0])
+    starts = [one for _, one in ranked[:_MOST_PLAYS]]
+    fits = [_fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
+    return [judged(form, one, current) for one in fits]
 
 
 def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> dict[str, float]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.begins import best_begins, damped_joints, on_a_damped_joint, seen_begins
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.own import named_in
@@ -34,7 +35,7 @@ _LOWEST_HZ, _TRIED_HZ = 0.4, 48
 _DAMPING_TRIED = 0.02
 STATED = "stated"  # a number of a grey box whose structure a model file states
 _INERTIA_TRIED = (0.1, 1.0)  # of a mode, over the hub's: how much higher it rings on a free hub
-_QUICK = 8
+_QUICK, _KEPT = 8, 3  # steps of a fit; fits that go on of those that a look has ranked
 _SHARES_TRIED = (0.2, 0.6)  # of the motor in the inertia, where there is play
 
 
@@ -100,16 +101,23 @@ def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
     numbers = {**(joint_numbers(driven) if has_joint(driven) else _without_joint(driven)), **declared}
     if "gap" in declared:
         return _start_with_play(plain, numbers)
+    joint = plain.without_arm()
+    damped = [{**one, **declared} for one in damped_joints(driven, numbers)] if has_joint(driven) else []
     if not needs_mode(driven):
-        return fit(plain, numbers, free_of(plain))
+        best = best_begins(plain, [numbers, *damped], free_of(plain), None, 1)[0]
+        return fit(plain, best.numbers, best.free, best.states)
     box = replace(plain, modes=1)
     states = None
     if has_joint(driven):
-        begun = fit(plain.without_arm(), numbers, free_of(plain.without_arm()), steps=_QUICK)
+        best = best_begins(joint, [numbers, *damped], free_of(joint), None, 1)[0]
+        begun = fit(joint, best.numbers, best.free, best.states, steps=_QUICK)
         numbers, states = {**numbers, **begun.numbers}, begun.states
-    begins = [*regressed_modes(driven, numbers), *modes_to_try(plain, numbers, None)]
-    begins = [{**one, **declared} for one in begins]
-    tried = [fit(box, one, free_of(box), states, steps=_QUICK) for one in begins]
+    own = [*regressed_modes(driven, numbers), *seen_begins(driven, numbers, 1)]
+    begins = [*modes_to_try(plain, numbers, None), *own]
+    if has_joint(driven):
+        begins += [on_a_damped_joint(one, numbers) for one in own]
+    looked = best_begins(box, ({**one, **declared} for one in begins), free_of(box), states, _KEPT)
+    tried = [fit(box, one.numbers, one.free, one.states, steps=_QUICK) for one in looked]
     best = max(tried, key=lambda one: float(one.whole.sum()))
     return fit(best.box, best.numbers, best.free, best.states, steps=20)
 
@@ -204,14 +212,24 @@ def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
     """The same with the mode more that explains most of what is left; None where none can be."""
     box = replace(fitted.box, modes=fitted.box.modes + 1)
     extra = tuple(one for one in fitted.free if one not in free_of(fitted.box))
-    tried = [
-        fit(box, one, free_of(box) + extra, fitted.states, steps=5)
-        for one in modes_to_try(fitted.box, fitted.numbers, fitted)
+    begins = [
+        *modes_to_try(fitted.box, fitted.numbers, fitted),
+        *seen_begins(fitted.box.driven, fitted.numbers, box.modes),
     ]
+    looked = best_begins(box, begins, free_of(box) + extra, _with_place(fitted), _KEPT)
+    tried = [fit(box, one.numbers, one.free, one.states, steps=5) for one in looked]
     if not tried:
         return None
     best = max(tried, key=lambda one: float(one.whole.sum()))
     return fit(box, best.numbers, best.free, best.states)
+
+
+def _with_place(fitted: DrivenFit) -> Array:
+    """The blocks' states with zeros for a further mode, before the motor's own where there is play."""
+    if not fitted.box.play:
+        return fitted.states
+    link, motor = fitted.states[:, :-2], fitted.states[:, -2:]
+    return np.concatenate([link, np.zeros_like(motor), motor], axis=1)
 
 
 def modes_to_try(

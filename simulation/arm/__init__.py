@@ -10,6 +10,7 @@ __all__ = [
     "disturbance",
     "effect_clock",
     "free_run",
+    "geared_joint",
     "plant",
     "state",
     "torque_joint",

@@ -122,7 +122,7 @@ def exponential(matrix: Array) -> Array:
 
 
 @inlined
-def _limit(laws: Array, omega: float) -> tuple[float, float]:
+def friction_limits(laws: Array, omega: float) -> tuple[float, float]:
     """The largest dry friction against forward and against backward motion, rad/s^2."""
     fade = 0.0
     if laws[_SV] > _TINY and (laws[_SP] != 0.0 or laws[_SN] != 0.0):
@@ -182,7 +182,7 @@ def torque_run(  # noqa: PLR0912 (in one loop, as each call inside it would cost
                     for j in range(n):
                         total += f[i, j] * z[j]
                     new[i] = total
-                forward, backward = _limit(law, omega)
+                forward, backward = friction_limits(law, omega)
                 rub, rub_arm = 0.0, 0.0
                 if forward > 0.0 or backward > 0.0:
                     rub = min(max(-new[1] / g[part, 1, 2], -forward), backward)
@@ -196,52 +196,3 @@ def torque_run(  # noqa: PLR0912 (in one loop, as each call inside it would cost
                     out_force[k, 0], out_force[k, 1] = push + rub, force + rub_arm
                 for i in range(n):
                     z[i] = new[i]
-
-
-@compiled
-def play_run(
-    share: float, gain: float, damping: float, gap: float, laws: Array, u: Array, substeps: int, step_s: float,
-    starts: Integers, states: Array, out: Array,
-) -> None:  # fmt: skip
-    """A motor and a rigid link with play between them, where impacts are inelastic; otherwise as `torque_run`.
-
-        share theta_m'' = gain u - d theta_m' + f(theta_m, theta_m') - c,    (1 - share) theta'' = c
-
-    c >= 0 acts where theta_m - theta = gap / 2, c <= 0 at - gap / 2: it lets both move at one velocity at the step's
-    end. share: of the motor in the inertia of both, 0 to 1. states: theta, theta', theta_m, theta_m'. Friction and all
-    other laws act on the motor.
-    """
-    h = step_s
-    for segment in range(len(starts) - 1):
-        theta, omega = states[segment, 0], states[segment, 1]
-        motor, rate = states[segment, 2], states[segment, 3]
-        for k in range(starts[segment], starts[segment + 1]):
-            out[k, 0], out[k, 1], out[k, 2], out[k, 3] = theta, omega, motor, rate
-            for s in range(substeps):
-                at = k * substeps + s
-                push = 0.5 * gain * (u[at, 0] + u[at, 1]) - damping * rate
-                push += smooth_torque(laws, motor + 0.5 * h * rate, rate)
-                forward, backward = _limit(laws, rate)
-                apart = motor - theta
-                ahead = apart + h * (rate - omega)
-                touching = ahead >= 0.5 * gap or ahead <= -0.5 * gap
-                if touching:
-                    # together: one body from the step's end on
-                    joint = share * rate + (1.0 - share) * omega + h * push
-                    joint += min(max(-joint, -forward * h), backward * h)
-                    pull = (1.0 - share) * (joint - omega)
-                    if (ahead > 0.0) == (pull >= 0.0):
-                        new_rate, new_omega = joint, joint
-                    else:  # it lets go
-                        touching = False
-                if not touching:
-                    free = share * rate + h * push
-                    free += min(max(-free, -forward * h), backward * h)
-                    new_rate, new_omega = free / share, omega
-                motor += 0.5 * h * (rate + new_rate)
-                theta += 0.5 * h * (omega + new_omega)
-                apart = motor - theta
-                over = abs(apart) - 0.5 * gap
-                if over > 0.0:
-                    theta += np.sign(apart) * over
-                rate, omega = new_rate, new_omega

@@ -14,7 +14,6 @@ from stillarm.simulation.arm.torque_joint import (
     LAWS,
     LinearJoint,
     exponential,
-    play_run,
     torque_run,
     transition,
 )
@@ -132,21 +131,3 @@ def test_the_exponential_is_scipys(size: int, scale: float, seed: int) -> None:
     matrix *= min(scale, 20.0) / np.linalg.norm(matrix)
     expected = expm(matrix)
     assert np.max(np.abs(exponential(matrix) - expected)) < 1e-11 * np.max(np.abs(expected))
-
-
-def test_across_the_play_the_link_stands_and_then_goes_with_the_motor() -> None:
-    """Constant torque: the motor alone crosses half the gap at gain / share, then both go on at one velocity."""
-    share, gain, gap = 0.25, 2.0, 0.02
-    out = np.empty((400, 4))
-    u = np.ones((400, 2))
-    starts, law = np.array([0, 400]), np.zeros(len(LAWS))
-    play_run(share, gain, 0.0, gap, law, u, 1, STEP_S, starts, np.zeros((1, 4)), out)
-    meets = np.sqrt(gap * share / gain)
-    before = TIMES[:400] < meets - 2 * STEP_S
-    assert np.max(np.abs(out[before, 0])) == 0.0
-    assert out[before, 2] == pytest.approx(0.5 * gain / share * TIMES[:400][before] ** 2, abs=1e-9)
-    after = TIMES[:400] > meets + 2 * STEP_S
-    assert out[after, 2] - out[after, 0] == pytest.approx(0.5 * gap, abs=1e-9)
-    # momentum is kept at the impact: all of gain t is there
-    momentum = share * out[after, 3] + (1.0 - share) * out[after, 1]
-    assert momentum == pytest.approx(gain * TIMES[:400][after], rel=0.02)

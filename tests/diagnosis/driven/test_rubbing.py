@@ -1,0 +1,67 @@
+"""Measured rigs whose joint is driven: what is published of them is found. docs/measured-rigs.md has the figures."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stillarm.common.recording.reader import open_recording
+from stillarm.diagnosis.driven.blocks import irregular
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.rubbing import anew_with_friction
+from stillarm.diagnosis.driven.signals import read_driven
+from stillarm.diagnosis.driven.start import linear_start
+from stillarm.tables.description import parse_description
+from stillarm.tables.importing import import_tables
+from stillarm.tables.readers.read_file import read_table_file
+from tests.conftest import DATA
+
+QUANSER = DATA / "quanser_flexible_link" / "lqr_full_10deg.mat"
+DESCRIPTION = """
+source = "lqr_full_10deg.mat"
+[[tables]]
+name = "10000 rows"
+time_column = "data_Im1(:,1)"
+time_unit = "s"
+[[tables.channels]]
+column = "data_Im1(:,3)"
+role = "motor_current_a"
+unit = "A"
+[[tables.channels]]
+column = "data_th11(:,3)"
+role = "joint_position_rad"
+unit = "deg"
+[[tables.channels]]
+column = "data_th12(:,3)"
+role = "strain"
+unit = "unknown"
+"""
+
+
+def _held_out(fitted: DrivenFit, name: str) -> float:
+    """Error on held-out blocks over the channel's deviation."""
+    values = next(one.values for one in fitted.box.driven.outputs if one.name == name)
+    return fitted.rms(name, True) / float(np.nanstd(values))
+
+
+@pytest.mark.hardware_data
+@pytest.mark.slow
+@pytest.mark.skipif(not QUANSER.is_file(), reason="../shared/data is not there")
+def test_friction_halves_the_quanser_joints_error(tmp_path: Path) -> None:
+    """The joint's dry friction, as published, takes most of the current; nobody tells the program where it is."""
+    recording = tmp_path / "rec.mcap"
+    import_tables(
+        read_table_file(QUANSER), parse_description(DESCRIPTION, "description"), DESCRIPTION, recording
+    )
+    driven = read_driven(open_recording(recording))
+    start = linear_start(driven, irregular(driven.duration_s))
+    fits = [
+        fit(start.box, {**start.numbers, **one}, (*start.free, "coulomb"), start.states, steps=18)
+        for one in anew_with_friction(start)
+    ]
+    best = max(fits, key=lambda one: float(one.whole.sum()))
+    assert float(best.whole.sum()) - float(start.whole.sum()) > 10_000.0
+    assert _held_out(best, "joint_position_rad") < 0.5 * _held_out(start, "joint_position_rad")
+    assert _held_out(best, "joint_position_rad") < 0.025
+    # 0.19 A of the 0.23 A that the current varies by
+    assert best.numbers["coulomb"] / best.numbers["gain"] == pytest.approx(0.19, abs=0.03)
