@@ -47,13 +47,15 @@ def run(arguments: argparse.Namespace) -> int:
     from stillarm.common.files.effects import not_used_by_controller
     from stillarm.common.files.model import load_model
     from stillarm.progress import progress_bar
-    from stillarm.simulation.virtual_time.simulated_recording import write_simulated_recording
 
     assumed_path = arguments.assumed_model or arguments.model
     if unused := not_used_by_controller(load_model(assumed_path)):
         print(unused)
-    started = time.perf_counter()
     with progress_bar("simulate") as progress:
+        # takes a second: the bar comes first
+        from stillarm.simulation.virtual_time.simulated_recording import write_simulated_recording
+
+        started = time.perf_counter()
         costs, duration_s = write_simulated_recording(
             true_model_path=arguments.model,
             assumed_model_path=assumed_path,
