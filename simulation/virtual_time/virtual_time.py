@@ -28,8 +28,8 @@ from stillarm.controller.input.exchange import ControllerExchange
 from stillarm.controller.loop.recorded import estimate_sample, fast_sample, frame_sample
 from stillarm.controller.loop.step import Controller
 from stillarm.drivers.cameras.shared_memory_camera import ASK_AGAIN_S
-from stillarm.simulation.arm.ahead import ready_plant
 from stillarm.simulation.arm.disturbance import DISTURBANCE_STREAM, Disturbance
+from stillarm.simulation.arm.plant import Plant
 from stillarm.simulation.camera.camera_timing import AFTER_DELIVERY_S
 from stillarm.simulation.camera.pose_history import PoseHistory
 from stillarm.simulation.camera.virtual_camera import Delivery, VirtualCamera
@@ -178,7 +178,7 @@ def simulate(
     true_model = declared(run.true_model)
     cycle_s = true_model.timing.cycle_s
     refuse_step_of_absent_stamps(true_model, run.configuration.rig, run.name)
-    plant = ready_plant(true_model, run.name)
+    plant = Plant(true_model, run.name)
     signal = AccelerometerSignal(
         true_model.accelerometer,
         cycle_s,
