@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import io
 import signal
 import sys
 import warnings
@@ -123,6 +124,8 @@ def main(arguments: list[str] | None = None) -> int:
         signal.signal(number, _interrupt)
     if not sys.warnoptions:  # standard error is for users' mistakes; developers can use python -W
         warnings.simplefilter("ignore")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)  # into a pipe, too, a line arrives when it is printed
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if word in COMMANDS), None)
     try:

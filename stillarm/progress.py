@@ -33,6 +33,12 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
         yield lambda done: bars.update(task, completed=done)
 
 
+def tell_terminal(line: str) -> None:
+    """Write a line to standard error at once, where that is a terminal: a command's first sign of life."""
+    if sys.stderr.isatty():
+        print(line, file=sys.stderr, flush=True)
+
+
 def _lines(label: str) -> Callable[[float], None]:
     told = -1
 

@@ -58,8 +58,13 @@ class RecordingProcess:
     def _send(self) -> None:
         batch, self._batch = self._batch, []
         try:
+            if self._connection.poll():  # nothing is said before the end but a failure
+                failure = self._connection.recv()
+                self._connection.close()
+                self._process.join()
+                raise UserError(failure)
             self._connection.send_bytes(self._encode(batch))
-        except OSError:
+        except (EOFError, OSError):
             raise UserError("the recording's process died before the simulation ended") from None
 
     def close(self) -> None:
@@ -89,15 +94,18 @@ def _write_all(connection: Connection, files: list[tuple[str, bytes]]) -> None:
         _write_batches(connection, writers)
     except UserError as error:
         failure = str(error)
+        connection.send(failure)  # at once: the simulation need not go on
         _drain(connection)
     except EOFError:
-        failure = "the simulation died"
+        failure = "the simulation died"  # nobody is left to be told
+    told = bool(failure)
     for writer in writers:
         try:
             writer.close()
         except UserError as error:
             failure = failure or str(error)
-    connection.send(failure)
+    if not told:
+        connection.send(failure)
 
 
 def _write_batches(connection: Connection, writers: list[RecordingWriter]) -> None:

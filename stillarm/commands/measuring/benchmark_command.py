@@ -7,6 +7,7 @@ from pathlib import Path
 from stillarm.arguments import seconds, seed
 from stillarm.commands.measuring.benchmark_reports import DEFAULT_DURATION_S, REPORTS
 from stillarm.common.user_error import UserError
+from stillarm.progress import tell_terminal
 
 DEFAULT_TRIALS = {
     "estimators": 20,
@@ -112,6 +113,7 @@ def run(arguments: argparse.Namespace) -> int:
             )
     if arguments.duration_s is not None and arguments.name not in DEFAULT_DURATION_S:
         raise UserError(f"--duration-s: only for {', '.join(DEFAULT_DURATION_S)}; leave it out")
+    tell_terminal(f"benchmark {arguments.name}: loads")
     result = REPORTS[arguments.name](arguments, trials)
     of_time = arguments.name in DEFAULT_DURATION_S
     print(f"seed {arguments.seed}" if of_time else f"seed {arguments.seed}, {trials} trials")

@@ -24,15 +24,19 @@ def run(arguments: argparse.Namespace) -> int:
     one_blas_thread()
     from stillarm.common.files.model import check_model, load_model
     from stillarm.common.recording.reader import open_recording
-    from stillarm.diagnosis.calibration.calibrate import calibrate
-    from stillarm.diagnosis.commissioning.verdict import judge, marked
-    from stillarm.diagnosis.data.reading import read_measured
     from stillarm.progress import progress_bar
 
-    model = load_model(arguments.model)
-    recording = open_recording(arguments.recording)
-    measured = read_measured(recording, model)
     with progress_bar("calibrate") as progress:
+        # these imports take over a second: the bar comes first
+        from stillarm.diagnosis.calibration.calibrate import calibrate
+        from stillarm.diagnosis.commissioning.verdict import judge, marked
+        from stillarm.diagnosis.data.reading import read_measured
+        from stillarm.diagnosis.physics.ahead import compile_ahead
+
+        model = load_model(arguments.model)
+        recording = open_recording(arguments.recording)
+        measured = read_measured(recording, model)
+        compile_ahead()
         found = calibrate(measured, model, lambda done, what: progress(done))
     verdict = judge(found, measured)
     made = found.model

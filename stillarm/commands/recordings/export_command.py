@@ -17,9 +17,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Export, and list the files."""
     from stillarm.common.csv_bundle.bundle_export import export_csv, export_parquet
     from stillarm.common.recording.reader import open_recording
+    from stillarm.progress import progress_bar
 
-    recording = open_recording(arguments.recording)
-    written = (export_parquet if arguments.parquet else export_csv)(recording, arguments.out)
+    with progress_bar(f"export {arguments.recording.name}"):
+        recording = open_recording(arguments.recording)
+        written = (export_parquet if arguments.parquet else export_csv)(recording, arguments.out)
     for path in written:
         print(path)
     return 0

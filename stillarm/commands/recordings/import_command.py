@@ -53,10 +53,13 @@ def run(arguments: argparse.Namespace) -> int:
         raise UserError("-o: needed; name the recording to write (or --look at the file first)")
     if arguments.model is not None and arguments.description is None:
         raise UserError("--model: only with --as; a bundle has its own model.toml")
-    if arguments.description is not None:
-        lines = _described(arguments)
-    else:
-        lines = _mapped(arguments) if arguments.map else _bundle(arguments)
+    from stillarm.progress import progress_bar
+
+    with progress_bar(f"import {arguments.source.name}"):
+        if arguments.description is not None:
+            lines = _described(arguments)
+        else:
+            lines = _mapped(arguments) if arguments.map else _bundle(arguments)
     for line in lines:
         print(line)
     return 0
@@ -65,14 +68,18 @@ def run(arguments: argparse.Namespace) -> int:
 def _look(arguments: argparse.Namespace) -> None:
     """Print each table, write the description and the picture."""
     from stillarm.printed_rows import print_rows
-    from stillarm.tables.described import described
-    from stillarm.tables.drawing import draw
-    from stillarm.tables.guesses.look import look
-    from stillarm.tables.readers.read_file import read_table_file
-    from stillarm.tables.report import column_rows, head_lines
+    from stillarm.progress import progress_bar
 
-    file = read_table_file(arguments.source)
-    looks = tuple(look(table) for table in file.tables)
+    with progress_bar(f"look at {arguments.source.name}"):
+        # these imports take a second: the bar comes first
+        from stillarm.tables.described import described
+        from stillarm.tables.drawing import draw
+        from stillarm.tables.guesses.look import look
+        from stillarm.tables.readers.read_file import read_table_file
+        from stillarm.tables.report import column_rows, head_lines
+
+        file = read_table_file(arguments.source)
+        looks = tuple(look(table) for table in file.tables)
     for note in file.notes:
         print(f"note: {note}")
     for seen in looks:

@@ -19,9 +19,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Repair the recording, and report what was kept."""
     from stillarm.common.recording.recover import recover
+    from stillarm.progress import progress_bar
 
     out = arguments.out or arguments.recording.with_suffix(".recovered.mcap")
-    report = recover(arguments.recording, out)
+    with progress_bar(f"recover {arguments.recording.name}"):
+        report = recover(arguments.recording, out)
     state = "was cut" if report.cut else "was complete"
     kept = ", ".join(f"{topic} {count}" for topic, count in report.messages.items())
     print(

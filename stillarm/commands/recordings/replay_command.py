@@ -72,7 +72,8 @@ def run(arguments: argparse.Namespace) -> int:
     if recording.cut or recording.damaged:
         end = "its end is missing" if recording.cut else "it is complete"
         print(f"{arguments.recording}: {end}; {recording.damaged} damaged stretches are skipped")
-    recorded = read_run(recording)
+    with progress_bar(f"reading {arguments.recording.name}"):
+        recorded = read_run(recording)
     if not recorded.fast:
         raise UserError(
             f"{arguments.recording}: holds no cycles (/fast), so there is nothing to replay; "
@@ -87,9 +88,10 @@ def run(arguments: argparse.Namespace) -> int:
     for name in dict.fromkeys(names):
         with progress_bar(f"replay, {name}") as progress:
             runs.append(replay_method(recorded, name, progress))
-    comparison = compare_with_live(recorded) if recorded.estimates else None
-    make_folder(arguments.out)
-    write_tables(runs, arguments.out)
+    with progress_bar("comparing with the recorded run, writing tables"):
+        comparison = compare_with_live(recorded) if recorded.estimates else None
+        make_folder(arguments.out)
+        write_tables(runs, arguments.out)
     summary = replay_summary(str(arguments.recording), runs, comparison)
     (arguments.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
     for name, found in summary["methods"].items():

@@ -1,6 +1,7 @@
 """`stillarm simulate`: rig, supervisor and controller in virtual time."""
 
 import argparse
+import sys
 import time
 from pathlib import Path
 
@@ -44,16 +45,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, and report the computing time of each part."""
-    from stillarm.common.files.effects import not_used_by_controller
+    from stillarm.common.files.effects import declared, not_used_by_controller
     from stillarm.common.files.model import load_model
     from stillarm.progress import progress_bar
-    from stillarm.simulation.virtual_time.simulated_recording import write_simulated_recording
 
     assumed_path = arguments.assumed_model or arguments.model
     if unused := not_used_by_controller(load_model(assumed_path)):
         print(unused)
-    started = time.perf_counter()
     with progress_bar("simulate") as progress:
+        # these imports take a second: the bar comes first
+        from stillarm.simulation.arm.ahead import ready_plant
+        from stillarm.simulation.virtual_time.simulated_recording import write_simulated_recording
+
+        if sys.stderr.isatty():  # compiles once after an installation, and says so
+            ready_plant(declared(load_model(arguments.model)), str(arguments.model))
+        started = time.perf_counter()
         costs, duration_s = write_simulated_recording(
             true_model_path=arguments.model,
             assumed_model_path=assumed_path,

@@ -1,7 +1,6 @@
 """`stillarm track`: a video's displacement, as the visual channel of a CSV bundle."""
 
 import argparse
-import time
 from math import isfinite, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +10,6 @@ from stillarm.common.user_error import UserError, reason_of
 if TYPE_CHECKING:
     from stillarm.common.files.configuration import Tracker
     from stillarm.supervisor.video_track import Region, VideoSummary
-
-PATIENCE_S = 2.0  # a shorter run shows no progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,15 +71,10 @@ def _track(
 
     frames = stated_frames(path)
     samples = []
-    started = time.monotonic()
-    images = tracked(path, config, region, arguments.shrink)
-    for sample in images:
-        samples.append(sample)
-        if time.monotonic() - started > PATIENCE_S:
-            with progress_bar("tracking") as show:
-                for more in images:
-                    samples.append(more)
-                    show(min(1.0, len(samples) / frames) if frames else 0.0)
+    with progress_bar(f"track {path.name}") as show:
+        for sample in tracked(path, config, region, arguments.shrink):
+            samples.append(sample)
+            show(min(1.0, len(samples) / frames) if frames else 0.0)
     result = summary(samples, rate_hz)
     if not result.measured:
         raise UserError(

@@ -22,6 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
     one_blas_thread()
+    from stillarm.progress import tell_terminal
+
+    tell_terminal("controller: loads, and opens its devices; its log follows, Ctrl-C ends it")
     from stillarm.controller.loop.daemon import run as run_controller
 
     run_controller(

@@ -50,7 +50,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.panel:
         return _with_panel(arguments)
     from stillarm.progress import progress_bar
-    from stillarm.simulation.demo.demo import run_demo
 
     hide = arguments.hide
     duration_s = arguments.duration_s
@@ -59,6 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
     print(
         f"A flexible arm is struck at 2 s and rings; it is struck again at {0.6 * duration_s:g} s and damped."
     )
+    from stillarm.simulation.demo.demo import run_demo  # takes a second: the line comes first
+
     summary = run_demo(
         arguments.out,
         duration_s,

@@ -11,6 +11,7 @@ from stillarm.common.link.link_key import load_key
 from stillarm.common.link.operator_sender import OperatorSender
 from stillarm.common.link.udp import UdpSocket, new_session
 from stillarm.common.user_error import UserError
+from stillarm.progress import tell_terminal
 
 _WORDS = {
     "arm": "the joint may move",
@@ -102,6 +103,9 @@ def _sent(configuration: Configuration, packed: Callable[[OperatorSender], bytes
     sender = OperatorSender(load_key(link), new_session())
     socket = UdpSocket(
         (link.controller_host if controller[0].startswith("127.") else "0.0.0.0", 0), "operate"
+    )
+    tell_terminal(
+        f"operate: sends to the controller at {controller[0]}:{controller[1]}, and waits for its answer"
     )
     try:
         deadline = time.monotonic() + _ANSWER_WITHIN_S

@@ -28,6 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
+    from stillarm.progress import tell_terminal
+
+    tell_terminal("rig: the simulated rig loads; its log follows, Ctrl-C ends it")
     from stillarm.simulation.rig.rig import run as run_rig
 
     run_rig(

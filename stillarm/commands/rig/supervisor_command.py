@@ -16,6 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon."""
+    from stillarm.progress import tell_terminal
+
+    tell_terminal("supervisor: loads, and opens the camera; its log follows, Ctrl-C ends it")
     from stillarm.supervisor.daemon import run as run_supervisor
 
     run_supervisor(arguments.config, arguments.record_images)

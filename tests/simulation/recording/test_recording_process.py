@@ -48,6 +48,17 @@ def test_a_file_that_cannot_be_written_is_one_line_and_no_hang(tmp_path: Path) -
     assert "\n" not in str(error.value)
 
 
+def test_a_simulation_is_stopped_soon_after_a_file_could_not_be_begun(tmp_path: Path) -> None:
+    """It does not go on to its end in order to learn that it was for nothing."""
+    files = RecordingProcess([(tmp_path / "absent" / "a.mcap", HEADER)])
+    (sink,) = files.sinks
+    assert files._connection.poll(30.0)  # the failure has arrived
+    with pytest.raises(UserError, match=r"a\.mcap"):
+        for k in range(5000):
+            sink.write("/truth/frames", TrueFrame(0.0, k, 0.0, 0.0))
+    files.close()
+
+
 def test_a_process_that_died_is_one_line_that_says_how(tmp_path: Path) -> None:
     """Once: closed again, nothing is left to say."""
     files = RecordingProcess([(tmp_path / "a.mcap", HEADER)])
