@@ -93,7 +93,7 @@ class BlockHistory:
         usual = max(abs(present.z[0]), self._assumed.usual_stds * sqrt(variance))
         impact = self.impacts.see(block, residual, variance, usual)
         if impact is None or not health.alarm(block.end_s, impact.excess):
-            present.take_block(block, noise, self._fusion.force.shown(block), at_end=True)
+            present.update_by_block(block, noise, self._fusion.force.shown(block), at_end=True)
         else:
             self._mark(impact)
 
@@ -132,9 +132,9 @@ class BlockHistory:
         return block is not None and block in self._blocks
 
     def hand_over_oldest(self) -> None:
-        """Give the bank the oldest block; what it has looked at must have been processed before."""
+        """Give the bank the oldest block; the image under way must have been processed before."""
         block = self._blocks.popleft()
-        self._fusion.blocks.take(block)
+        self._fusion.blocks.compare(block)
         self._taken.append(block)
 
     def forget_taken(self) -> None:
@@ -168,7 +168,7 @@ class BlockHistory:
                 present.inflate(jump)
             if block.count and not health.mute:
                 noise = block.variance * health.doubt
-                present.take_block(block, noise, self._fusion.force.shown(block), at_end=False)
+                present.update_by_block(block, noise, self._fusion.force.shown(block), at_end=False)
             self._push(block.start_s, block.end_s)
             present.move_on(block)
             present.widen(block.motion_variance(self._blocks_assumed.motion_doubt))

@@ -23,10 +23,10 @@ Steps: TypeAlias = Generator[str, bool, None]
 NOTHING = ""
 # The steps in their order; those before MERGE change the filters by the frame.
 DATE, ARRIVAL, STARTED = "date", "arrival", "n_i"
-AIM, PREDICT, LOOK, TAKE, SETTLE = "aim", "predict", "look", "take", "settle"
+PREPARE, PREDICT, COMPARE, UPDATE, WEIGH = "prepare", "predict", "compare", "update", "weigh"
 MERGE, PRESENT, LEARN, BLOCKS = "merge", "present", "learn", "blocks ahead"
-_OF_FRAME = frozenset((DATE, ARRIVAL, STARTED, AIM, PREDICT, LOOK, TAKE, SETTLE))
-_AIMED, _TO_TAKE = frozenset((PREDICT, LOOK)), frozenset((TAKE, SETTLE))
+_OF_FRAME = frozenset((DATE, ARRIVAL, STARTED, PREPARE, PREDICT, COMPARE, UPDATE, WEIGH))
+_PREPARED, _TO_UPDATE = frozenset((PREDICT, COMPARE)), frozenset((UPDATE, WEIGH))
 
 
 class SpreadWork:
@@ -59,7 +59,7 @@ class SpreadWork:
 
 
 class FrameSteps:
-    """now_s: time of the cycle, set by the caller. last_frame_s: when the image looked at last was read.
+    """now_s: time of the cycle, set by the caller. last_frame_s: when the image compared last was read.
 
     dated: frames whose delay was told in this cycle: number, delay, s, and its standard deviation, s; the reader clears
     it.
@@ -85,7 +85,7 @@ class FrameSteps:
 
     def work_off(self) -> None:
         """A step."""
-        if not self._fusion.blocks.leave():
+        if not self._fusion.blocks.advance():
             self._work.advance()
 
     def finish_frame(self) -> None:
@@ -93,15 +93,15 @@ class FrameSteps:
         while self._work.due in _OF_FRAME:
             self.work_off()
 
-    def take_what_was_seen(self) -> None:
-        """Before anything else changes the bank; what was only aimed at is aimed at anew."""
-        if self._work.due in _AIMED:
+    def finish_update(self) -> None:
+        """To be called before anything else changes the bank. An image that was only prepared is prepared again."""
+        if self._work.due in _PREPARED:
             self._work.withdraw()
-        self._work.advance_through(_TO_TAKE)
+        self._work.advance_through(_TO_UPDATE)
 
-    def take_oldest_block(self) -> None:
+    def update_by_oldest_block(self) -> None:
         """Give the bank the oldest block that waits."""
-        self.take_what_was_seen()
+        self.finish_update()
         self._history.hand_over_oldest()
 
     def _steps(self, sample: VisualSample, received_s: float, looked_at: bool) -> Steps:
@@ -110,13 +110,13 @@ class FrameSteps:
         yield DATE
         if fusion.accept(sample, received_s):
             yield ARRIVAL
-            fusion.take_arrival()
+            fusion.update_by_arrival()
             yield STARTED
-            fusion.dates.take_started()
+            fusion.dates.update_by_started()
             if looked_at:
                 yield from self._image_steps(sample, received_s)
-        yield SETTLE
-        if fusion.settle():
+        yield WEIGH
+        if fusion.weigh():
             self._tell_date(sample.frame)
         yield MERGE
         history.merge(self.now_s)
@@ -129,39 +129,39 @@ class FrameSteps:
         while self._block_ahead():
             yield BLOCKS
             if self._block_ahead():
-                self.take_oldest_block()
+                self.update_by_oldest_block()
 
     def _image_steps(self, sample: VisualSample, received_s: float) -> Steps:
-        """From the frame's date to its measurement update. If the bank changes after AIM, it is aimed at anew."""
+        """From the frame's date to its measurement update. If the bank changes after PREPARE, that step is repeated."""
         fusion = self._fusion
-        aimed = self._aim(sample, received_s)  # little work: still of the step before
+        prepared = self._prepare(sample, received_s)  # little work: still of the step before
         while True:
-            while not aimed:
-                yield AIM
-                aimed = self._aim(sample, received_s)
-                if not aimed:
-                    self.take_oldest_block()
+            while not prepared:
+                yield PREPARE
+                prepared = self._prepare(sample, received_s)
+                if not prepared:
+                    self.update_by_oldest_block()
             if (yield PREDICT):
-                aimed = False
+                prepared = False
                 continue
             fusion.predict_image()
-            if not (yield LOOK):
+            if not (yield COMPARE):
                 break
-            aimed = False
-        if self._look(sample.frame, received_s):
-            yield TAKE
-            fusion.take()
+            prepared = False
+        if self._compare(sample.frame, received_s):
+            yield UPDATE
+            fusion.update()
 
-    def _aim(self, sample: VisualSample, received_s: float) -> bool:
+    def _prepare(self, sample: VisualSample, received_s: float) -> bool:
         """Aim at an image, unless a block before its exposure has yet to be processed."""
         instant_s = self._fusion.dates.expected_instant_s()
         if self._history.has_block_before(instant_s):
             return False
-        self._fusion.aim(sample, received_s, self._joint_input)
+        self._fusion.prepare(sample, received_s, self._joint_input)
         self._last_instant_s = instant_s
         return True
 
-    def _look(self, frame: int, received_s: float) -> bool:
+    def _compare(self, frame: int, received_s: float) -> bool:
         """Compare the image with what was predicted; whether it is of use."""
         fusion, history = self._fusion, self._history
         in_use = history.in_use
@@ -170,7 +170,7 @@ class FrameSteps:
             and fusion.state.health.sees_impacts
             and self.now_s - history.alarm_s > fusion.state.assumed.impact_detector.again_s
         )
-        of_use = fusion.look(ImpactReport(history.impacts.suspicion, sees, in_use))
+        of_use = fusion.compare(ImpactReport(history.impacts.suspicion, sees, in_use))
         self.last_frame_s = received_s
         if fusion.impact:
             history.impacts.forget()

@@ -67,7 +67,7 @@ class MeasuredChanges:
             block.step = tuple(one + more for one, more in zip(block.step, step, strict=True))
             block.jumps += (jump,)
         if not history.waits(block):
-            self._frame.take_what_was_seen()
+            self._frame.finish_update()
             self._fusion.blocks.finish()
             add_step(self._fusion.bank, step)
             inflate(self._fusion.bank, jump)

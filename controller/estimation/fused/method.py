@@ -115,7 +115,7 @@ class FusedMethod:
     def see_new_zero(self) -> None:
         """OutlivesSupervisor: the dates, the arm and the accelerometer are as they were."""
         self._steps.finish_frame()
-        self._steps.take_what_was_seen()
+        self._steps.finish_update()
         self.frames.see_new_zero()
         self._history.forget_snapshot()
 
@@ -128,7 +128,7 @@ class FusedMethod:
         if block.count:
             history.compare(block)
         if len(history) > self._most_blocks:
-            self._steps.take_oldest_block()
+            self._steps.update_by_oldest_block()
             history.forget_taken()
         history.widen_present(block)
 

@@ -137,7 +137,7 @@ class Present:
         for i, more in enumerate(increment):
             z[i] = z[i] * turn_cycle[i] + more
 
-    def take_block(
+    def update_by_block(
         self, block: Block, variance: float, shown: tuple[float, float] | None, *, at_end: bool
     ) -> None:
         """Process a block; the phasors stand at its start, or (at_end) at its end. shown: LearntForce.shown."""

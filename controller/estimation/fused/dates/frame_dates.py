@@ -25,8 +25,8 @@ from stillarm.controller.estimation.fused.filters.date_update import (
     begin_late,
     forget_started,
     place,
-    take_arrival,
-    take_started,
+    update_by_arrival,
+    update_by_started,
 )
 from stillarm.controller.estimation.fused.filters.laws import FILTERS, LAW_OF, LAWS, Law
 from stillarm.controller.estimation.fused.learning.learnt_walks import LearntWalk, LearntWander
@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 
 class FrameDates:
-    """Dates each frame: `accept`, then `take_arrival` and `take_started`, which may wait for later cycles.
+    """Dates each frame: `accept`, then `update_by_arrival` and `update_by_started`, which may wait for later cycles.
 
     lead_walk: of n_i's lead by the law DRIFT, as assumed, s^2/s. shift_noise: growth of the variance of each filter's
     shift, s^2/s, (filters,). period_found: whether the frames' period was found to be another than the stated one; it
@@ -124,7 +124,7 @@ class FrameDates:
         self._arrived = sample, received_s
         return True
 
-    def take_arrival(self) -> bool:
+    def update_by_arrival(self) -> bool:
         """Measurement update by the arrival of the frame accepted last, unless made. Returns whether it has refuted the
         believed clock, so that everything learnt by it was reset."""
         if self._arrived is None:
@@ -145,11 +145,11 @@ class FrameDates:
                 noise[law], walk[law] = spread.white, spread.walk * elapsed[law]
         started = sample.started_cycle * self._cycle_s + self._frame_s - nominal
         self.dating.nominal[Law.JITTER] += self._joint_correction_s(sample, received_s)
-        take_arrival(self._bank, late[LAW_OF], noise[LAW_OF], walk[LAW_OF])
+        update_by_arrival(self._bank, late[LAW_OF], noise[LAW_OF], walk[LAW_OF])
         self._begun = started
         return anew
 
-    def take_started(self) -> None:
+    def update_by_started(self) -> None:
         """Measurement update by n_i after that by the arrival, unless made. n_i counts once its wander is known."""
         if self._begun is None:
             return
@@ -171,7 +171,7 @@ class FrameDates:
         walk[Law.DRIFT] = self._lead.share * self.lead_walk * elapsed[Law.DRIFT]
         self._strange = self._strange + 1 if self._is_strange(started, noise) else 0
         if self._strange == 0:
-            take_started(self._bank, started[LAW_OF], noise[LAW_OF], walk[LAW_OF])
+            update_by_started(self._bank, started[LAW_OF], noise[LAW_OF], walk[LAW_OF])
         elif self._strange > self._assumed.strange_frames:
             self._strange = 0
             forget_started(self._bank, (self._start.ahead_frames * self._frame_s) ** 2)

@@ -14,7 +14,7 @@ from stillarm.controller.estimation.fused.filters.laws import FILTERS, Array, Co
 from stillarm.controller.estimation.fused.small_arrays import quadratic_form, summed
 
 
-class AimedAtBlock(NamedTuple):
+class BlockInnovation(NamedTuple):
     """An accelerometer block as each filter sees it: its value by each mode's phasor, and by its slow rate, m s; both
     (filters, m); residual, m, (filters,)."""
 
@@ -23,7 +23,7 @@ class AimedAtBlock(NamedTuple):
     residual: Array
 
 
-def aim_at_block(bank: FilterBank, block: Block) -> AimedAtBlock:
+def block_innovation(bank: FilterBank, block: Block) -> BlockInnovation:
     """The accelerometer's block that begins at edge_s: z = - sum Re(lambda^2 Z exp(i w t)) / w_1^2 + bias."""
     at = bank.at
     z, slow = bank.phasors(), bank.slow_rates()
@@ -32,17 +32,17 @@ def aim_at_block(bank: FilterBank, block: Block) -> AimedAtBlock:
     gain = fast * fast * np.exp(slow * lag) * (np.array(block.turn) * (-1.0 / at.w_first**2))
     value = z * gain
     residual = block.value - block.forced - summed(value.real, 1) - bank.x[:, at.bias]
-    return AimedAtBlock(gain, value * (lag + 2.0 / fast), residual)
+    return BlockInnovation(gain, value * (lag + 2.0 / fast), residual)
 
 
-def take_block(
-    bank: FilterBank, aimed: AimedAtBlock, variance: float, shown: tuple[float, float] | None
+def update_by_block(
+    bank: FilterBank, innovation: BlockInnovation, variance: float, shown: tuple[float, float] | None
 ) -> None:
-    """Process the block aimed at last; the bank must not have changed since; variance, m^2.
+    """Measurement update by a block; the bank must not have changed since its innovation; variance, m^2.
 
     shown: covariance of the block's value with what moves the first mode's phasor meanwhile, m^2.
     """
-    at, gain, by_rate = bank.at, aimed.gain, aimed.by_rate
+    at, gain, by_rate = bank.at, innovation.gain, innovation.by_rate
     slope = np.zeros(bank.x.shape)
     slope[:, at.cosine], slope[:, at.sine] = gain.real, gain.imag
     slope[:, at.frequency], slope[:, at.decay] = -by_rate.imag, -by_rate.real
@@ -52,11 +52,11 @@ def take_block(
     if shown is not None:
         ph[:, :2] += shown
     weight = ph / total
-    bank.x += weight * aimed.residual[:, None]
+    bank.x += weight * innovation.residual[:, None]
     bank.p -= weight[:, :, None] * ph[:, None, :]
 
 
-def look_at_block(bank: FilterBank, block: Block, one: int) -> tuple[float, float, float, float]:
+def expected_block(bank: FilterBank, block: Block, one: int) -> tuple[float, float, float, float]:
     """The block's value without bias and joint; and by filter `one` the expected value, the value expected a quarter of
     a period later, and the variance of the expected value."""
     at = bank.at

@@ -28,7 +28,7 @@ def advance_dating(
     p[:, k, k] += skew_noise * spent_s
 
 
-def take_arrival(bank: FilterBank, difference_s: Array, noise: Array, walk: Array) -> None:
+def update_by_arrival(bank: FilterBank, difference_s: Array, noise: Array, walk: Array) -> None:
     """Arrival minus nominal instant minus the model's delay (filters,) = shift + late + noise, variance in s^2.
 
     walk: growth of the variance of late since the last frame, s^2.
@@ -41,7 +41,7 @@ def take_arrival(bank: FilterBank, difference_s: Array, noise: Array, walk: Arra
     bank.p -= gain[:, :, None] * ph[:, None, :]
 
 
-def take_started(bank: FilterBank, difference_s: Array, noise: Array, walk: Array) -> None:
+def update_by_started(bank: FilterBank, difference_s: Array, noise: Array, walk: Array) -> None:
     """n_i plus a frame minus nominal instant (filters,) = shift - ahead + noise, variance in s^2.
 
     walk: growth of the variance of ahead since the last frame, s^2.

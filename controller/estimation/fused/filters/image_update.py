@@ -15,7 +15,7 @@ from stillarm.controller.estimation.fused.filters.laws import Array, ComplexArra
 from stillarm.controller.estimation.fused.small_arrays import summed
 
 
-class Look(NamedTuple):
+class ObservedImage(NamedTuple):
     """What an image is compared with."""
 
     value_m: float
@@ -49,7 +49,7 @@ class Vibration(NamedTuple):
 
 
 @dataclass(slots=True)
-class Seen:
+class ImageInnovation:
     """One image as each filter sees it before processing it; arrays of shape (filters,)."""
 
     residual: Array
@@ -82,7 +82,7 @@ def vibration_at(bank: FilterBank, times_s: Array, step: ComplexArray) -> Vibrat
     return Vibration(lag, turn, own, summed(total.real, 1), summed((fast * total).real, 1))
 
 
-def joint_at(bank: FilterBank, image: Look, times_s: Array) -> Joint:
+def joint_at(bank: FilterBank, image: ObservedImage, times_s: Array) -> Joint:
     """What the joint did by an image's instants (filters,)."""
     lever, motion = bank.at.lever, image.joint_input
     theta, rate, step = motion.seen_from(bank.edge_s, times_s)
@@ -92,7 +92,9 @@ def joint_at(bank: FilterBank, image: Look, times_s: Array) -> Joint:
     )
 
 
-def look_at_image(bank: FilterBank, image: Look, vibration: Vibration, joint: Joint) -> Seen:
+def compare_image(
+    bank: FilterBank, image: ObservedImage, vibration: Vibration, joint: Joint
+) -> ImageInnovation:
     """The image as each filter sees it, where the arm vibrates and the joint moves so."""
     at, p, w2 = bank.at, bank.p, bank.at.w_first**2
     blur = np.exp(-0.5 * w2 * bank.jitter)
@@ -128,17 +130,17 @@ def look_at_image(bank: FilterBank, image: Look, vibration: Vibration, joint: Jo
     extra += rate_variance * unknown + bend + products
     ph = np.matvec(p, slope)
     variance = np.vecdot(ph, slope) + extra
-    return Seen(residual, variance, rate, ph, residual * residual / variance, phasor, known_rate2)
+    return ImageInnovation(residual, variance, rate, ph, residual * residual / variance, phasor, known_rate2)
 
 
-def look_at_image_of(bank: FilterBank, image: Look, times_s: Array) -> Seen:
+def compare_image_at(bank: FilterBank, image: ObservedImage, times_s: Array) -> ImageInnovation:
     """The same of an image that was exposed at times_s (filters,)."""
     joint = joint_at(bank, image, times_s)
-    return look_at_image(bank, image, vibration_at(bank, times_s, joint.step), joint)
+    return compare_image(bank, image, vibration_at(bank, times_s, joint.step), joint)
 
 
-def take_image(
-    bank: FilterBank, seen: Seen, extra: Array, phase_only: NDArray[np.bool_] | None
+def update_by_image(
+    bank: FilterBank, innovation: ImageInnovation, extra: Array, phase_only: NDArray[np.bool_] | None
 ) -> tuple[Array, Array]:
     """Process what `look` saw, with variance enlarged by the factors `extra` (filters,).
 
@@ -148,9 +150,9 @@ def take_image(
     of the instant as a whole, s^2; each (filters,).
     """
     t = bank.at.shift
-    ph, variance = seen.ph, seen.variance * extra
+    ph, variance = innovation.ph, innovation.variance * extra
     gain = ph / variance[:, None]
-    vague = _vague(bank, seen)
+    vague = _vague(bank, innovation)
     if phase_only is not None:
         vague |= phase_only
     if vague.any():
@@ -161,13 +163,13 @@ def take_image(
         bank.p += gain[:, :, None] * (gain * variance[:, None])[:, None, :]
     else:
         bank.p -= gain[:, :, None] * ph[:, None, :]
-    bank.x += gain * seen.residual[:, None]
-    own = seen.rate * bank.jitter / variance
+    bank.x += gain * innovation.residual[:, None]
+    own = innovation.rate * bank.jitter / variance
     spread = bank.p[:, t, t] + bank.jitter - own * own * variance - 2.0 * own * ph[:, t]
-    return own * seen.residual, np.maximum(spread, 1e-14)
+    return own * innovation.residual, np.maximum(spread, 1e-14)
 
 
-def _vague(bank: FilterBank, seen: Seen) -> NDArray[np.bool_]:
+def _vague(bank: FilterBank, innovation: ImageInnovation) -> NDArray[np.bool_]:
     """Which filters know the vibration's rate too badly to tell an instant by it, (filters,).
 
     Phase and instant look alike in an image. Linearised about a wrong rate, as behind an impact, each image would
@@ -175,7 +177,7 @@ def _vague(bank: FilterBank, seen: Seen) -> NDArray[np.bool_]:
     stays.
     """
     result: NDArray[np.bool_] = (
-        seen.phasor > (bank.assumed.update.vague / bank.at.w_first**2) * seen.known_rate2
+        innovation.phasor > (bank.assumed.update.vague / bank.at.w_first**2) * innovation.known_rate2
     )
     return result
 

@@ -7,36 +7,37 @@ from typing import NamedTuple
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Block
 from stillarm.controller.estimation.fused.filters.block_update import (
-    AimedAtBlock,
-    aim_at_block,
-    look_at_block,
+    BlockInnovation,
+    block_innovation,
+    expected_block,
     move_on,
-    take_block,
+    update_by_block,
 )
 from stillarm.controller.estimation.fused.filters.jumps import inflate, let_scale_walk, loosen_bias
 from stillarm.controller.estimation.fused.filters.laws import QUIET
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 
-class _Aimed(NamedTuple):
-    """A block looked at, to be processed next: block_update.take_block."""
+class _Compared(NamedTuple):
+    """A block compared, to be processed next: the arguments of block_update.update_by_block."""
 
-    aimed: AimedAtBlock
+    innovation: BlockInnovation
     variance: float
     shown: tuple[float, float] | None
 
 
 class BlockFusion:
-    """`take` looks at a block; `leave` does the rest, a part in each call, before anything else changes the bank."""
+    """`compare` begins with a block. `advance` does the rest in parts, one a call, before anything else changes the
+    bank."""
 
     def __init__(self, state: FusionState) -> None:
         """No block is waiting."""
         self._state = state
-        self._left: Block | None = None  # looked at, its end not yet reached
-        self._aimed: _Aimed | None = None
+        self._left: Block | None = None  # compared, its end not yet reached
+        self._compared: _Compared | None = None
 
-    def take(self, block: Block) -> None:
-        """Look at the oldest block of the accelerometer not yet processed."""
+    def compare(self, block: Block) -> None:
+        """Begin with the accelerometer's oldest block not yet processed: its jumps, and its comparison with images."""
         self.finish()
         state = self._state
         bank = state.bank
@@ -52,15 +53,15 @@ class BlockFusion:
             inflate(bank, push)
         state.unused_blocks += 1
         if block.count:
-            self._look(block)
+            self._weigh(block)
         self._left = block
 
-    def _look(self, block: Block) -> None:
-        """Compare the block with what images say of its time; what contradicts them counts less, or not at all."""
+    def _weigh(self, block: Block) -> None:
+        """Compare the block with the value that images predict. A block that contradicts them counts less or not."""
         state = self._state
         bank, health = state.bank, state.health
         state.force.see_scatter(block)
-        value, expected, quadrature, variance = look_at_block(bank, block, state.evidence.best)
+        value, expected, quadrature, variance = expected_block(bank, block, state.evidence.best)
         total = variance + block.variance
         drifted = health.compare(value, expected, total)
         state.date_watch.see(value, expected, quadrature, total)
@@ -74,7 +75,7 @@ class BlockFusion:
             1.0, (value - expected) ** 2 / (total + drifted) / self._state.assumed.update.block_huber_nis
         )
         variance = block.variance * max(huber, health.doubt)
-        self._aimed = _Aimed(aim_at_block(bank, block), variance, state.force.shown(block))
+        self._compared = _Compared(block_innovation(bank, block), variance, state.force.shown(block))
 
     def _watch_scale(self, block: Block, difference: float, expected: float, variance: float) -> None:
         # A random force moves images and accelerometer alike: their departures add up, as those of a misled filter do.
@@ -85,15 +86,15 @@ class BlockFusion:
             state.as_calibrated = False
             state.fresh.remembered.forget()
 
-    def leave(self) -> bool:
-        """Process the block looked at last, then, in a second call, move on to its end; False where all is done."""
+    def advance(self) -> bool:
+        """Process the block compared last, then, in a second call, move on to its end; False where all is done."""
         if self._left is None:
             return False
         state = self._state
         block, bank = self._left, state.bank
-        if self._aimed is not None:
-            take_block(bank, *self._aimed)
-            self._aimed = None
+        if self._compared is not None:
+            update_by_block(bank, *self._compared)
+            self._compared = None
             return True
         self._left = None
         dt = block.end_s - bank.edge_s
@@ -109,6 +110,6 @@ class BlockFusion:
         return True
 
     def finish(self) -> None:
-        """All that is left to do with the block looked at last."""
-        while self.leave():
+        """Do all that is left with the block compared last."""
+        while self.advance():
             pass

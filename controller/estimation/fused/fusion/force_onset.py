@@ -6,7 +6,7 @@ Implements Eqs. 56, 58 of docs/fused.md.
 from math import sqrt
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
-from stillarm.controller.estimation.fused.filters.image_update import Seen
+from stillarm.controller.estimation.fused.filters.image_update import ImageInnovation
 from stillarm.controller.estimation.fused.filters.jumps import end_force, give_force, inflate, loosen
 from stillarm.controller.estimation.fused.filters.laws import QUIET
 from stillarm.controller.estimation.fused.fusion.state import FusionState
@@ -27,10 +27,10 @@ def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
     return True
 
 
-def watch_slow_pull(state: FusionState, seen: Seen, time_s: float) -> None:
+def watch_slow_pull(state: FusionState, innovation: ImageInnovation, time_s: float) -> None:
     """An image within its gate, exposed at time_s: whether innovations have kept their sign for half a period."""
     best = state.evidence.best
-    std = sqrt(float(seen.variance[best]))
+    std = sqrt(float(innovation.variance[best]))
     bank, held_m = state.bank, state.held_m
     zero, scale = float(bank.x[best, state.at.offset]), float(bank.x[best, state.at.scale])
     whose, zero_then, scale_then = state.zero_then
@@ -38,7 +38,7 @@ def watch_slow_pull(state: FusionState, seen: Seen, time_s: float) -> None:
         state.zero_m += zero - zero_then + (scale - scale_then) * held_m
     state.zero_then = best, zero, scale
     variance = bank.zero_variance(best, held_m)
-    pulled = state.slow_pull.see(float(seen.residual[best]) / std, state.zero_m, variance)
+    pulled = state.slow_pull.see(float(innovation.residual[best]) / std, state.zero_m, variance)
     if pulled and not state.shaken:
         state.slow_pull.restart()
         size_m = state.assumed.held_force.first_stds * std

@@ -1,4 +1,4 @@
-"""A frame on its way through the filters, stage by stage: dated, aimed at, predicted, looked at, taken, learnt from.
+"""A frame's stages in the filters: it is dated, prepared, predicted, compared, updated, weighed and learnt from.
 
 Implements Eqs. 32, 33, 34, 35, 36 of docs/fused.md.
 """
@@ -18,14 +18,14 @@ from stillarm.controller.estimation.fused.arm.joint_input import JointInput
 from stillarm.controller.estimation.fused.arm.layout import Layout
 from stillarm.controller.estimation.fused.assumptions.assumptions import Assumptions
 from stillarm.controller.estimation.fused.filters.image_update import (
+    ImageInnovation,
     Joint,
-    Look,
-    Seen,
+    ObservedImage,
     Vibration,
+    compare_image,
+    compare_image_at,
     joint_at,
-    look_at_image,
-    look_at_image_of,
-    take_image,
+    update_by_image,
     vibration_at,
 )
 from stillarm.controller.estimation.fused.filters.laws import CLOCKED, LAW_OF, LAWS, Law
@@ -40,32 +40,32 @@ from stillarm.controller.estimation.fused.small_arrays import largest
 Array = NDArray[np.float64]
 
 
-class Aimed(NamedTuple):
+class Prepared(NamedTuple):
     """An image to be predicted next. times: its instant by each filter, s."""
 
-    image: Look
+    image: ObservedImage
     times: Array
     received_s: float
     joint: Joint
 
 
-class Looked(NamedTuple):
-    """An image looked at, to be processed next. times: its instant by each filter, s; nis: (filters,)."""
+class Compared(NamedTuple):
+    """An image compared, to be processed next. times: its instant by each filter, s; nis: (filters,)."""
 
-    image: Look
+    image: ObservedImage
     times: Array
     received_s: float
-    seen: Seen
+    innovation: ImageInnovation
     nis: Array
 
 
-class Taken(NamedTuple):
-    """An image processed, to be settled next. own, s, and spread, s^2: of its own instant, as image_update.take_image
-    gives them; nis: as the evidence is to weigh it; each (filters,)."""
+class Updated(NamedTuple):
+    """An image processed, to be weighed next. own, s, and spread, s^2: of its own instant, as update_by_image returns
+    them; nis: as the evidence is to weigh it; each (filters,)."""
 
     own: Array
     spread: Array
-    seen: Seen
+    innovation: ImageInnovation
     nis: Array
     received_s: float
 
@@ -73,9 +73,9 @@ class Taken(NamedTuple):
 class FrameFusion:
     """Processes images and, in their order, the accelerometer's blocks before them.
 
-    A frame passes `accept`, `take_arrival`, `take_started`, and if it is measured `aim`, `predict_image`, `look` and
-    `take`; then `settle` and `learn`. blocks: processes the accelerometer's. state: what all parts share. recovery:
-    what is begun anew.
+    A frame passes `accept`, `update_by_arrival`, `dates.update_by_started`, and if it is measured `prepare`,
+    `predict_image`, `compare` and `update`; then `weigh` and `learn`. blocks: processes the accelerometer's. state:
+    shared by all parts. recovery: restarts.
     """
 
     def __init__(
@@ -101,15 +101,15 @@ class FrameFusion:
         learns = (LAW_OF == Law.DRIFT) | (LAW_OF == Law.JITTER)
         self._jitter_gain = np.where(learns, update.jitter_gain, 0.0)
         # the image on its way, in what its last stage has made of it
-        self._aimed: Aimed | None = None
-        self._predicted: tuple[Aimed, Vibration] | None = None
-        self._looked: Looked | None = None
-        self._taken: Taken | None = None
-        self._settled: Taken | None = None
+        self._prepared: Prepared | None = None
+        self._predicted: tuple[Prepared, Vibration] | None = None
+        self._compared: Compared | None = None
+        self._updated: Updated | None = None
+        self._weighed: Updated | None = None
 
     def accept(self, sample: VisualSample, received_s: float) -> bool:
         """Date a frame (also one without a measurement, for its count); False for one not to be used."""
-        self.settle()
+        self.weigh()
         self.learn()
         self._finish_dates()
         self.blocks.finish()
@@ -127,18 +127,18 @@ class FrameFusion:
         self.blocks.finish()
         self.recovery.forget_zero()
 
-    def take_arrival(self) -> None:
+    def update_by_arrival(self) -> None:
         """Measurement update by the arrival of the frame accepted last, unless it was made."""
-        if self.dates.take_arrival():
+        if self.dates.update_by_arrival():
             self.recovery.forget_wrong_dates()
 
     def _finish_dates(self) -> None:
-        self.take_arrival()
-        self.dates.take_started()
+        self.update_by_arrival()
+        self.dates.update_by_started()
 
-    def aim(self, sample: VisualSample, received_s: float, joint_input: JointInput) -> None:
-        """A measured frame, accepted before, with all blocks before its exposure processed: by each filter its instant,
-        and what the joint did then. `predict_image` comes next, then `look`, before anything else."""
+    def prepare(self, sample: VisualSample, received_s: float, joint_input: JointInput) -> None:
+        """Prepare a measured frame, accepted before, with all blocks before its exposure processed: its instant by each
+        filter, and what the joint did then. `predict_image` comes next, then `compare`, before anything else."""
         self._finish_dates()
         self.blocks.finish()
         state = self.state
@@ -151,52 +151,54 @@ class FrameFusion:
             bank.x[:, at.offset] = value - at.lever * joint_input.position_at(received_s - state.delay_s)
         self._go_blind(received_s)
         times = state.dates.instants_s + bank.x[:, at.shift]
-        image = Look(value, noise, joint_input)
+        image = ObservedImage(value, noise, joint_input)
         state.joint_input = joint_input
-        self._aimed = Aimed(image, times, received_s, joint_at(bank, image, times))
+        self._prepared = Prepared(image, times, received_s, joint_at(bank, image, times))
 
     def predict_image(self) -> None:
-        """The vibration that each filter expects of the image aimed at."""
-        assert self._aimed is not None
-        aimed, self._aimed = self._aimed, None
-        self._predicted = aimed, vibration_at(self.bank, aimed.times, aimed.joint.step)
+        """Predict the vibration that the prepared image shows, by each filter."""
+        assert self._prepared is not None
+        prepared, self._prepared = self._prepared, None
+        self._predicted = prepared, vibration_at(self.bank, prepared.times, prepared.joint.step)
 
-    def look(self, report: ImpactReport) -> bool:
-        """The image predicted; whether it is of use: `take` comes next then, before anything else."""
+    def compare(self, report: ImpactReport) -> bool:
+        """Compare the predicted image; whether it is of use. If so, `update` comes next, before anything else."""
         assert self._predicted is not None
         ((image, times, received_s, joint), vibration), self._predicted = self._predicted, None
         state, unexplained = self.state, self._unexplained
         at, bank, best = state.at, state.bank, state.evidence.best
         state.images += 1
         unexplained.begin_image()
-        seen = look_at_image(bank, image, vibration, joint)
-        nis = seen.nis
+        innovation = compare_image(bank, image, vibration, joint)
+        nis = innovation.nis
         state.nis = float(nis[best])
         own = image.noise + joint.tip_variance
-        state.fresh.add(state.dates.dating.nominal, image.value_m, own, state.nis, float(seen.variance[best]))
+        state.fresh.add(
+            state.dates.dating.nominal, image.value_m, own, state.nis, float(innovation.variance[best])
+        )
         if unexplained.outside_gate(nis):
-            if not unexplained.explain(image, times, received_s, seen, report):
+            if not unexplained.explain(image, times, received_s, innovation, report):
                 self._delay.tell(received_s - times, bank.p[:, at.shift, at.shift] + bank.jitter)
                 return False
             times = state.dates.instants_s + bank.x[:, at.shift]
-            seen = look_at_image_of(bank, image, times)
-            nis = np.minimum(seen.nis, state.assumed.outlier.afterwards_nis)
+            innovation = compare_image_at(bank, image, times)
+            nis = np.minimum(innovation.nis, state.assumed.outlier.afterwards_nis)
         elif not state.blind:
-            watch_slow_pull(state, seen, float(times[best]))
+            watch_slow_pull(state, innovation, float(times[best]))
         unexplained.end_run()
-        self._looked = Looked(image, times, received_s, seen, nis)
+        self._compared = Compared(image, times, received_s, innovation, nis)
         return True
 
     @property
     def impact(self) -> bool:
-        """Whether the image looked at last was taken for the first one after an impact."""
+        """Whether the image compared last counts as the first one after an impact."""
         return self._unexplained.impact
 
-    def take(self) -> None:
-        """Process the image looked at, if there is one."""
-        if self._looked is None:
+    def update(self) -> None:
+        """Measurement update by the image compared, if there is one."""
+        if self._compared is None:
             return
-        (image, times, received_s, seen, nis), self._looked = self._looked, None
+        (image, times, received_s, innovation, nis), self._compared = self._compared, None
         state = self.state
         bank, t = state.bank, state.at.shift
         if largest(times) > received_s:
@@ -206,37 +208,37 @@ class FrameFusion:
         phase_only = None
         if state.blind and self._joint_still(image, times):
             phase_only = CLOCKED | (bank.p[:, t, t] > (self._assumed.bends_rad / state.at.w_first) ** 2)
-        own, spread = take_image(
-            bank, seen, np.maximum(1.0, seen.nis / self._assumed.image_huber_nis), phase_only
+        own, spread = update_by_image(
+            bank, innovation, np.maximum(1.0, innovation.nis / self._assumed.image_huber_nis), phase_only
         )
-        self._taken = Taken(own, spread, seen, nis, received_s)
+        self._updated = Updated(own, spread, innovation, nis, received_s)
 
-    def settle(self) -> bool:
+    def weigh(self) -> bool:
         """Weigh the laws and tell the delay by the image processed last, before anything else; whether there was one.
 
         `learn` comes next then.
         """
-        if self._taken is None:
+        if self._updated is None:
             return False
-        taken, self._taken = self._taken, None
-        own, spread, seen, nis, received_s = taken
+        updated, self._updated = self._updated, None
+        own, spread, innovation, nis, received_s = updated
         state = self.state
-        state.evidence.weigh(nis, seen.variance)
+        state.evidence.weigh(nis, innovation.variance)
         delays = received_s - (state.dates.instants_s + state.bank.x[:, state.at.shift] + own)
         self._delay.tell(delays, spread)
-        self._learn_jitter(own, seen)
-        self._settled = taken
+        self._learn_jitter(own, innovation)
+        self._weighed = updated
         return True
 
     def learn(self) -> bool:
-        """Learn from the image settled last, if there is one, before anything else.
+        """Learn from the image weighed last, if there is one, before anything else.
 
         Returns whether the filters were found lost and have started again.
         """
-        if self._settled is None:
+        if self._weighed is None:
             return False
-        settled, self._settled = self._settled, None
-        state, received_s = self.state, settled.received_s
+        weighed, self._weighed = self._weighed, None
+        state, received_s = self.state, weighed.received_s
         bank, evidence = self.bank, self.evidence
         bank.symmetrise()
         evidence.respawn(bank, self.dates.dating, received_s - state.delay_s, state.delay_std_s)
@@ -246,7 +248,7 @@ class FrameFusion:
         else:
             # by the best filter: what another frequency or decay explains, as with a payload, is no force
             if not self.held_force.moves:
-                self.force.see(float(settled.seen.nis[evidence.best]))
+                self.force.see(float(weighed.innovation.nis[evidence.best]))
             evidence.remember()
             law = evidence.best % LAWS
             self.dates.learn_wander(law)
@@ -256,7 +258,7 @@ class FrameFusion:
         state.scale_watch.see_scale(float(bank.x[best, e]), float(bank.p[best, e, e]), whose)
         return self.recovery.recover(received_s)
 
-    def _joint_still(self, image: Look, times: Array) -> bool:
+    def _joint_still(self, image: ObservedImage, times: Array) -> bool:
         """Whether the joint moves too slowly to date the image, by the most likely filter."""
         state, best = self.state, self.evidence.best
         _, rate, _ = image.joint_input.seen_from(state.bank.edge_s, times[best : best + 1])
@@ -264,12 +266,12 @@ class FrameFusion:
             abs(float(rate[0])) * state.at.lever < self._assumed.still * state.at.w_first * state.amplitude_m
         )
 
-    def _learn_jitter(self, own: Array, seen: Seen) -> None:
+    def _learn_jitter(self, own: Array, innovation: ImageInnovation) -> None:
         """Expectation maximisation: the second moment of each frame's own shift after its image, slowly averaged."""
         bank = self.bank
         jitter = bank.jitter
-        share = seen.rate * jitter
-        moment = own * own + jitter - share * share / seen.variance
+        share = innovation.rate * jitter
+        moment = own * own + jitter - share * share / innovation.variance
         bank.jitter = np.maximum(jitter + self._jitter_gain * (moment - jitter), self._least_jitter)
 
     def _go_blind(self, received_s: float) -> None:

@@ -11,7 +11,11 @@ from numpy.typing import NDArray
 
 from stillarm.controller.estimation.fused.accelerometer.blocks import Jump
 from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
-from stillarm.controller.estimation.fused.filters.image_update import Look, Seen, look_at_image_of
+from stillarm.controller.estimation.fused.filters.image_update import (
+    ImageInnovation,
+    ObservedImage,
+    compare_image_at,
+)
 from stillarm.controller.estimation.fused.filters.jumps import inflate, loosen
 from stillarm.controller.estimation.fused.filters.laws import DISTURBED, QUIET, Law
 from stillarm.controller.estimation.fused.filters.new_beginning import forget_phase
@@ -23,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class UnexplainedImage:
-    """impact: whether the image looked at last was taken for the first one after an impact."""
+    """impact: whether the image compared last counts as the first one after an impact."""
 
     def __init__(self, state: FusionState, delay: ImageDelay) -> None:
         """None seen. delay: how late images come in the mean."""
@@ -35,7 +39,7 @@ class UnexplainedImage:
         self.impact = False
 
     def begin_image(self) -> None:
-        """Another image is looked at."""
+        """Another image is compared."""
         self._breaks *= 1.0 - 1.0 / self._assumed.break_memory_frames
         self.impact = False
 
@@ -61,7 +65,14 @@ class UnexplainedImage:
         """Forget what was known before: the accelerometer is lost, and the present knowledge is as good."""
         self._before.clear()
 
-    def explain(self, image: Look, times: Array, received_s: float, seen: Seen, report: ImpactReport) -> bool:
+    def explain(
+        self,
+        image: ObservedImage,
+        times: Array,
+        received_s: float,
+        innovation: ImageInnovation,
+        report: ImpactReport,
+    ) -> bool:
         """Adapt the filters to what explains the image, exposed at times (filters,); whether to use the image."""
         state = self._state
         state.outliers += 1
@@ -73,10 +84,12 @@ class UnexplainedImage:
         ):
             state.dates.recount(self._voted)
             return True
-        self._take_for_impact(times, received_s, seen, report)
+        self._take_for_impact(times, received_s, innovation, report)
         return True
 
-    def _worth_explaining(self, image: Look, times: Array, received_s: float, report: ImpactReport) -> bool:
+    def _worth_explaining(
+        self, image: ObservedImage, times: Array, received_s: float, report: ImpactReport
+    ) -> bool:
         """Whether there is more to explain than one wrong image; counts what the arrivals say of a miscounted frame."""
         state = self._state
         if state.held_force.active:
@@ -91,12 +104,14 @@ class UnexplainedImage:
             return self._votes >= self._assumed.votes or state.outliers > self._assumed.votes
         return report.suspicion >= self._assumed.evident or state.outliers >= 2
 
-    def _take_for_impact(self, times: Array, received_s: float, seen: Seen, report: ImpactReport) -> None:
+    def _take_for_impact(
+        self, times: Array, received_s: float, innovation: ImageInnovation, report: ImpactReport
+    ) -> None:
         state = self._state
         bank, best = state.bank, state.evidence.best
         self.impact = True
         self._breaks += 1.0
-        size = self._assumed.size * abs(float(seen.residual[best]))
+        size = self._assumed.size * abs(float(innovation.residual[best]))
         unseen = report.sees and report.suspicion < self._assumed.suspicious
         # An arm that has changed breaks again and again, and makes the accelerometer contradict, too.
         if (report.in_use and self._breaks > self._assumed.impacts) or unseen:
@@ -127,7 +142,7 @@ class UnexplainedImage:
             and state.evidence.law(Law.CLOCK) >= self._assumed.clock_possible
         )
 
-    def _other_count(self, image: Look, times: Array, received_s: float) -> int:
+    def _other_count(self, image: ObservedImage, times: Array, received_s: float) -> int:
         """Number of frames by which the counter is off, if image and arrival agree on it; 0 if they do not.
 
         A counter of arrivals shows neither lost frames nor a buffer that has begun to hand over older ones.
@@ -140,7 +155,7 @@ class UnexplainedImage:
         for extra in sorted({-2, -1, 1, 2, 3, behind - 1, behind, behind + 1} - {0}):
             moved = times.copy()
             moved[clock] += extra * state.frame_s
-            nis = float(look_at_image_of(state.bank, image, moved).nis[clock])
+            nis = float(compare_image_at(state.bank, image, moved).nis[clock])
             late = received_s - float(moved[clock]) - self._delay.mean_s
             costs.append((nis + late * late / self._delay.variance, extra))
         cost, extra = min(costs)

@@ -12,7 +12,7 @@ from stillarm.controller.joint.joint_motion import JointMotion
 from tests.reference.ringing_world import CYCLE_S, model_for, ring
 
 ORDER = (
-    steps.DATE, steps.ARRIVAL, steps.STARTED, steps.AIM, steps.PREDICT, steps.LOOK, steps.TAKE, steps.SETTLE,
+    steps.DATE, steps.ARRIVAL, steps.STARTED, steps.PREPARE, steps.PREDICT, steps.COMPARE, steps.UPDATE, steps.WEIGH,
     steps.MERGE, steps.PRESENT, steps.LEARN, steps.BLOCKS,
 )  # fmt: skip
 
@@ -46,11 +46,11 @@ def test_each_cycle_does_one_step_at_most_and_the_steps_keep_their_order() -> No
         assert course[0] == steps.DATE
         places = [ORDER.index(due) for due in course if due != NOTHING]
         for before, after in pairwise(places):
-            again = ORDER[after] in (steps.AIM, steps.BLOCKS) and after <= before
+            again = ORDER[after] in (steps.PREPARE, steps.BLOCKS) and after <= before
             skipped = after - before <= 1 or (ORDER[before], ORDER[after]) in (
-                (steps.STARTED, steps.PREDICT),  # aimed at with the n_i, for no block was left before it
-                (steps.STARTED, steps.SETTLE),
-                (steps.LOOK, steps.SETTLE),
+                (steps.STARTED, steps.PREDICT),  # prepared with the n_i, for no block was left before it
+                (steps.STARTED, steps.WEIGH),
+                (steps.COMPARE, steps.WEIGH),
             )
             assert again or skipped, course
 

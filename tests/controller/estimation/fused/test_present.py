@@ -106,7 +106,7 @@ def test_a_block_says_of_one_mode_what_it_says_beside_a_force_that_is_known(
         p[0][0], p[1][1], p[0][1], p[1][0] = 4e-6, 1e-6, share * 2e-6, share * 2e-6
         present = Present([w], [0.16], w)
         present.restart([0.004 + 0.003j], p, [-0.16 + 0.1j], 0.0, 0.0, 0.0, 0.001)
-        present.take_block(block, 1e-6, shown, at_end=False)
+        present.update_by_block(block, 1e-6, shown, at_end=False)
         presents.append(present)
     one, beside = presents
     assert one.z[0] == pytest.approx(beside.z[0], abs=1e-15)

@@ -98,7 +98,7 @@ def test_what_the_accelerometer_shows_of_the_force_is_used_in_full() -> None:
 
     present = Present([W], [0.0], W)
     present.restart([z], p.tolist(), [0j], 0.0, 0.0, 0.0, CYCLE_S)
-    present.take_block(block, block.variance, force.shown(block), at_end=False)
+    present.update_by_block(block, block.variance, force.shown(block), at_end=False)
     push = force.during(block.start_s, block.end_s)
     assert push is not None
     present.inflate(push)
