@@ -1,7 +1,7 @@
 """`stillarm export REC`: a recording's topics as CSV files (fast.csv and frames.csv as the bundle has them)
 or Parquet.
 
-A column that says nothing is left out: one that was never measured, or follows from the others.
+A column without information is left out: one that was never measured, or that follows from the others.
 """
 
 import csv

@@ -164,7 +164,7 @@ _BOOLEANS = {"": False, "0": False, "0.0": False, "false": False, "1": True, "1.
 
 
 def numbers_or_texts(texts: list[str]) -> list[float | str | None]:
-    """A column nobody knows: numbers where all of it is numbers, else texts; None for an empty field.
+    """An unknown column: numbers if all fields are numbers, else texts; None for an empty field.
 
     Serial numbers ("007", more than 15 digits) stay texts: as floats they would come back as others.
     """

@@ -1,4 +1,5 @@
-"""Effects of a checked model: their parameters and laws, folded into the model where they are but another value."""
+"""Effects of a checked model: their parameters and laws. An effect that is only another value of a key is folded into
+the model."""
 
 from collections.abc import Callable
 from typing import Any
@@ -47,7 +48,7 @@ def filled_in(law: Callable[..., Any], own: tuple[float, ...]) -> Callable[..., 
 
 
 def declared(model: Model) -> Model:
-    """The model with those effects folded in that are but another value of a key; the other effects stay.
+    """The model with those effects folded in that are only another value of a key; the other effects stay.
 
     For controller, replay and simulation alike, so that all of them read such an effect in one way.
     """

@@ -1,7 +1,7 @@
 """TOML files read into typed structures, with errors that name file, key, value, bound and the nearest key.
 
-msgspec reads and checks. Where it refuses, the tree is searched here for the first value that does not fit: its own
-message names no value, no choices, no nearest key, and no key of a table whose keys are free.
+msgspec reads and checks. When it refuses, this module searches the tree for the first value that does not fit, because
+msgspec's message names no value, no choices, no nearest key, and no key of a table whose keys are free.
 """
 
 import difflib

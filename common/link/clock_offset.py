@@ -1,4 +1,4 @@
-"""How the clock of another computer goes against this one's, from the datagrams that are exchanged anyway.
+"""Offset and rate of another computer's clock against this one's, from the datagrams that are exchanged anyway.
 
 The four times of the network time protocol (RFC 5905, section 8): a timestamp leaves here at t1 and is read there at
 t2; the answer leaves there at t3 and is read here at t4. With the other clock ahead by o(t) = o + k t,
@@ -6,8 +6,8 @@ t2; the answer leaves there at t3 and is read here at t4. With the other clock a
     forward  f = t2 - t1 =  o + k t + (way there)  >=  o(t)
     backward b = t4 - t3 = -o - k t + (way back)   >= -o(t)
 
-Queues, and readers that look only now and then, make either longer, never shorter: the least of each second comes near
-the bare way. A straight line through these, for both directions with one k, gives skew, round trip A + B and offset
+Queues, and readers that look only now and then, make both longer, never shorter: the least of each second is near the
+bare travel time. A straight line through these, for both directions with one k, gives skew, round trip A + B and offset
 (A - B) / 2. That halving takes both ways as equally long; the offset can be wrong by half the round trip, not more.
 
 The fit is made once a second, and in stages: each exchange after the second's end does one of them. All at once would

@@ -1,4 +1,4 @@
-"""Against a flood: when the kernel is to turn datagrams away, and by which program.
+"""Protection against a flood: when the kernel turns datagrams away, and the program for that.
 
 In quiet times every datagram reaches the process, which counts it by what is wrong with it. In a flood that would cost
 a system call and a tag each, so the kernel is given a classic BPF program (Linux: Documentation/networking/filter.rst)

@@ -1,7 +1,7 @@
 """The operator's end: commands (arm, disarm, clear, stop), adjustments and references. Pure: bytes in, bytes out.
 
-The controller takes them only from who has heard from it: the first one is answered by a HELLO, and those that
-follow are taken.
+The controller takes them only from a sender that has heard from it: it answers the first one by a HELLO, and takes
+those that follow.
 """
 
 from stillarm.common.datagrams.datagram import Peer

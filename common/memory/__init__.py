@@ -1,5 +1,4 @@
-"""Memory shared between processes by name, what a killed process leaves of it, and keeping a process's
-memory where it is.
+"""Memory shared between processes by name, its removal after a killed process, and locking a process's memory.
 
 Not here: what is laid out in a block (the module that owns the block says it). Begin with shared_memory.py.
 """

@@ -1,4 +1,4 @@
-"""Shared memory that a killed process has left: found by who had it mapped, and removed."""
+"""Finds and removes shared memory that a killed process has left: blocks that no process has mapped."""
 
 import contextlib
 import os

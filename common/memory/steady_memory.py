@@ -1,4 +1,4 @@
-"""Keeps what a warmed-up process holds where it is: for processes with a deadline once a frame, not once a cycle.
+"""Keeps a warmed-up process's memory in place: for processes with a deadline once a frame, not once a cycle.
 
 The controller's own loop goes further (controller/loop/realtime.py).
 """

@@ -1,4 +1,4 @@
-"""Python processes that this program starts out of itself: found wherever the user stands, and ended when asked."""
+"""Starts Python processes of this program from any working directory, and ends them."""
 
 import os
 import selectors

@@ -1,4 +1,4 @@
-"""Ends a process with the one that started it, however that came to its end (Linux: prctl(2), PR_SET_PDEATHSIG)."""
+"""Ends a process when its parent ends for any reason (Linux: prctl(2), PR_SET_PDEATHSIG)."""
 
 import ctypes
 import os

@@ -6,9 +6,7 @@ from pathlib import Path
 
 
 def raise_priority(niceness: int) -> None:
-    """Run at a niceness (-20 to 19, lower is sooner), for this process and those it starts; silently not, where
-    that is not allowed.
-    """
+    """Set the niceness (-20 to 19, lower runs sooner) of this process and its children; ignored if not allowed."""
     with contextlib.suppress(OSError, AttributeError):
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
 

@@ -1,4 +1,4 @@
-"""What a service tells systemd: READY=1, WATCHDOG=1, STOPPING=1 to the socket in NOTIFY_SOCKET (sd_notify(3)).
+"""Messages from a service to systemd: READY=1, WATCHDOG=1, STOPPING=1 to the socket in NOTIFY_SOCKET (sd_notify(3)).
 
 Without systemd there is no such socket, and nothing happens. Five lines: no package is worth it.
 """
@@ -21,7 +21,7 @@ def notify(state: str) -> bool:
 
 
 def watchdog_period_s() -> float | None:
-    """Half of WatchdogSec, at which to feed; None where systemd expects none."""
+    """Feeding period, half of WatchdogSec; None if systemd expects none."""
     try:
         microseconds = int(os.environ.get("WATCHDOG_USEC", ""))
     except ValueError:

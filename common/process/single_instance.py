@@ -1,7 +1,7 @@
 """One daemon of a kind on its ports: a lock file that names the process, held as long as that lives.
 
-The kernel releases the lock with the process, however it ended: the file that a killed one leaves is no obstacle, and
-no process number is ever trusted.
+The kernel releases the lock when the process ends for any reason: the file of a killed process is no obstacle, and no
+process number is ever trusted.
 """
 
 import atexit
@@ -61,6 +61,6 @@ def _is_at(descriptor: int, path: Path) -> bool:
 
 
 def _remove(descriptor: int, path: Path, process: int) -> None:
-    """At the process's end, while it still holds the lock; one that was released before has nothing to remove."""
+    """Remove the file at the process's end, while it still holds the lock."""
     if os.getpid() == process and _is_at(descriptor, path):
         path.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""What the browser panel gets beside the telemetry: texts, which have no place in a plot. Pure: messages in, bytes out.
+"""The browser panel's texts, which have no place in a plot, beside the telemetry. Pure: messages in, bytes out.
 
 docs/telemetry.md describes the maps. Sent by the recorder's process to telemetry.panel_port, never by the loop.
 """

@@ -1,7 +1,7 @@
 """The daemon's side of the recorder: messages go into a ring in shared memory, a process of its own writes
 them.
 
-A write of a recording takes milliseconds now and then; a put() takes microseconds always, and never waits.
+Writing a recording sometimes takes milliseconds. A put() always takes microseconds, and never waits.
 """
 
 import contextlib
@@ -99,7 +99,7 @@ class RecorderClient:
         return client
 
     def wait_until_loaded(self) -> None:
-        """Wait until the process has warmed up: from then on its start takes no processor from anyone.
+        """Wait until the process has warmed up; after that its start costs no processor time.
 
         begin() reports a process that ends before, or takes too long.
         """
@@ -164,8 +164,8 @@ class RecorderClient:
     def close(self, timeout_s: float = 10.0) -> bool:
         """Have the recorder write what it was given and complete the file, waiting up to `timeout_s`.
 
-        Returns whether it did, in time and without an error of its own; may be called twice. One that never began
-        has nothing to complete.
+        Returns whether it did, in time and without an error; may be called twice. A recorder that never began has
+        nothing to complete.
         """
         if not self._begun:
             self._abandon()

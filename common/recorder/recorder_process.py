@@ -1,7 +1,7 @@
 """The recorder: a process of its own that empties a daemon's ring into a recording, sends telemetry, prints /log.
 
-It ends when it is asked to (SIGTERM, SIGINT) or when the daemon is gone, however that came; in either case it
-first writes what the ring still holds and completes the file. Start it with RecorderClient.start().
+It ends on SIGTERM, on SIGINT, or when the daemon is gone for any reason. In each case it first writes the rest of the
+ring and completes the file. Start it with RecorderClient.start().
 """
 
 import contextlib
@@ -39,8 +39,8 @@ _DECODERS = [(topic.name, msgspec.msgpack.Decoder(topic.message)) for topic in T
 
 
 class Drain:
-    """Empties a ring into a writer. When writing fails it goes on emptying, so that the daemon counts no loss
-    of its own.
+    """Empties a ring into a writer. When writing fails it continues to empty the ring, so that the daemon does not
+    count losses.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Drain:
         self.failed = False
 
     def drain(self) -> None:
-        """Take what the ring holds now; what is put meanwhile may stay for the next time."""
+        """Take the ring's present content; messages put meanwhile may stay for the next call."""
         left = self._ring.block.size  # a daemon that never pauses must not keep this from ending
         while left > 0 and (message := self._ring.get()) is not None:
             left -= len(message) + 4

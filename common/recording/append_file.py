@@ -26,7 +26,7 @@ def _spare_other_files(path: Path) -> None:
 
 
 class AppendFile:
-    """What the MCAP writer writes to. Each write() is one or more whole records, or fails and is taken back."""
+    """The file that the MCAP writer writes to. Each write() adds one or more whole records, or fails and is undone."""
 
     def __init__(self, path_or_file: str | Path | IO[bytes]) -> None:
         """Make the file, or write to one that is open. An earlier recording of that name is replaced, any other
@@ -49,7 +49,7 @@ class AppendFile:
         self._length = 0
 
     def write(self, data: bytes) -> int:
-        """Append all of `data`; on OSError the file ends again where it ended before, and the error goes on."""
+        """Append all of `data`; after an OSError, which is passed on, the file has its former length."""
         rest = memoryview(data)
         try:
             while rest:

@@ -1,4 +1,4 @@
-"""The records of an MCAP file, read so that a cut or damaged file gives everything that is whole in it.
+"""Reads the records of an MCAP file; a cut or damaged file gives everything that is whole in it.
 
 Specification: https://mcap.dev/spec. The package mcap reads each record but the messages. Its own readers stop with an
 exception at the first damage, and make an object of every message, which takes several times as long.
@@ -158,7 +158,7 @@ def _walk(body: bytes, channels: dict[int, Channel]) -> Iterator[tuple[int, int,
 
 
 def _uncompress(data: bytes, cut: bool) -> bytes:
-    """The records inside a chunk record; of one that is cut, those that can be had."""
+    """The records inside a chunk record; the readable ones of a cut chunk."""
     chunk = _read(Chunk, data)
     size = chunk.uncompressed_size
     if size > _MAX_CHUNK:

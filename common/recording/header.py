@@ -1,6 +1,4 @@
-"""What a recording says about itself: kept as MCAP metadata at the file's beginning, so that a cut file has
-it too.
-"""
+"""A recording's description of itself: MCAP metadata at the file's beginning, so that a cut file has it too."""
 
 import time
 from importlib.metadata import PackageNotFoundError, version

@@ -1,7 +1,7 @@
 """The arm with its joint: the equations of motion, once, compiled, for the rig, `simulate`, diagnosis and benchmarks.
 
-Here belongs what moves by those equations; what sensors and camera make of the motion does not. A cause that acts in
-the arm comes in by its declaration (stillarm.common.causes), not by a change here. Begin to read at stepper.py.
+Everything that moves by those equations belongs here; sensors and camera do not. A cause that acts in the arm is added
+by its declaration (stillarm.common.causes), not by a change here. Begin to read at stepper.py.
 """
 
 __all__ = [

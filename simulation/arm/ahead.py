@@ -1,4 +1,4 @@
-"""An arm that is ready before any clock runs: compiled once after an installation, from then on loaded from disk.
+"""Makes an arm ready before any clock runs: compiled once after an installation, later loaded from disk.
 
 Compiling takes about ten seconds of a processor, loading a quarter of one. Beside running daemons either would cost
 images and cycles; a caller that is about to start them calls this first.

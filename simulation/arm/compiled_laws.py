@@ -41,8 +41,8 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0
 
 @cache
 def address_of(identifier: str) -> int:
-    """Where the compiled law of a cause lies in memory. ValueError for one with more numbers than the stepper hands
-    over."""
+    """Where the compiled law of a cause lies in memory. Raises ValueError for a law with more numbers than the stepper
+    passes."""
     cause = CAUSES[identifier]
     if len(cause.numbers) > _MOST_NUMBERS:
         raise ValueError(f"{identifier}: a law of over {_MOST_NUMBERS} numbers; the stepper calls none")
@@ -52,7 +52,7 @@ def address_of(identifier: str) -> int:
 
 
 def obeyed(effects: Iterable[tuple[str, Mapping[str, Any]]], commands: Array) -> Array:
-    """What the drive makes of commands, rad/s, (n,), by the effects that have a law for it, in their order."""
+    """Commands as the drive obeys them, rad/s, (n,), after the effects with a law for it, in their order."""
     for identifier, values in effects:
         cause = CAUSES[identifier]
         if cause.acts == "command" and not cause.is_idle(values):

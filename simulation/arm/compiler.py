@@ -1,7 +1,7 @@
-"""How the arm's functions are compiled: kept on disk, without the interpreter's lock, and given records.
+"""Compiles the arm's functions: cached on disk, without the interpreter's lock, with records as arguments.
 
-A record is a pointer to named numbers; where there are several, it is the first of them and `nth` gives the others.
-Arrays are counted references, and each call that hands one on counts twice: records make a cycle ten times as fast.
+A record is a pointer to named numbers; for several records it points to the first, and `nth` gives the others. Arrays
+are counted references, counted twice in each call that passes one on: with records a cycle is ten times as fast.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What shakes the arm from outside in a scenario: strikes by time, and white noise on every mode."""
+"""External disturbances of a scenario: strikes at given times, and white noise on every mode."""
 
 from math import sqrt
 from typing import TYPE_CHECKING

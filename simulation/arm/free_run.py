@@ -1,4 +1,5 @@
-"""The arm over a whole recording at once, under commands that are known: what every fit and every candidate runs."""
+"""The arm over a whole recording at once, under known commands: the simulation that every fit and every candidate
+runs."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +63,7 @@ def free_run(
 
 @inlined
 def _jumped(arm: Record, k: int, next_jump: int, jump_cycles: Integers, jumps: Array) -> int:
-    """Add what jumps at a cycle's start; returns which jump is next."""
+    """Add the jumps at a cycle's start; returns the number of the next one."""
     while next_jump < len(jump_cycles) and jump_cycles[next_jump] <= k:
         for i in range(arm.modes):
             nth(arm.mode, i).q += jumps[next_jump, i, 0]
@@ -73,7 +74,7 @@ def _jumped(arm: Record, k: int, next_jump: int, jump_cycles: Integers, jumps: A
 
 @inlined
 def _nearness(arm: Record) -> tuple[float, float]:
-    """Which part of a cycle passes before a command's arrival, and how near that is to the cycle's ends, 0 to 1."""
+    """Fraction of a cycle before a command's arrival, and how near that is to the cycle's ends, 0 to 1."""
     fraction = arm.early / (arm.early + arm.late)
     return fraction, max(0.0, 1.0 - min(fraction, 1.0 - fraction) / _NEAR)
 

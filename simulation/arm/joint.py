@@ -35,7 +35,7 @@ def way(omega: float, decay: float, start: float, t: float) -> float:
 
 @inlined
 def _turn(omega: float, decay: float, start: float, duration: float) -> float:
-    """When the velocity passes through zero; the stretch's end where it does not within it."""
+    """Time at which the velocity passes through zero; the stretch's end if it does not."""
     if omega * start >= 0.0:
         return duration
     if decay == 0.0:
@@ -119,7 +119,7 @@ def _link(
     jump: float,
     count: int,
 ) -> int:
-    """What the link makes of the motor's next stretch, from the motor's state before it."""
+    """The link's motion in the motor's next stretch, from the motor's state before it."""
     omega = arm.rate
     if arm.gap == 0.0:
         return _add(arm, count, duration, decay, start, end, jump, arm.motor, omega)

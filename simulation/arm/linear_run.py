@@ -1,4 +1,4 @@
-"""A whole recording of an arm on which nothing acts but its joint, compiled: the stepper's cycle, worked out once.
+"""A whole recording of an arm on which only its joint acts, compiled: the stepper's cycle as a matrix, computed once.
 
 Without laws of causes, without play, and while the drive meets no limit, a cycle takes each mode's (q, q') and the
 joint's two accelerations theta'' (before and after a command's arrival in it) to the next (q, q') by a matrix. The
@@ -22,7 +22,7 @@ Integers = NDArray[np.int64]
 def linear_joint(
     arms: Records, command: Array, whole: int, out_joint: Array, out_motor: Array, out_starts: Array
 ) -> bool:
-    """The joint over all cycles; false, and nothing to be used, where it meets a limit or the arm has laws or play.
+    """The joint over all cycles; false, with unusable results, if it meets a limit or the arm has laws or play.
 
     As free_run. out_starts: (n, 2) theta'' at the beginning of a cycle's two parts, rad/s^2.
     """

@@ -1,9 +1,8 @@
 """The simulated arm for a loop: a velocity-controlled joint and a flexible link, moved on cycle by cycle.
 
-The equations are those of stillarm.simulation.arm.stepper; here the model file becomes the stepper's arrays,
-a command waits for
-the dead time to pass, and what has moved is read. The effects of the model file are obeyed in so far as they act in the
-arm or its drive.
+The equations are those of stillarm.simulation.arm.stepper; this module turns the model file into the stepper's arrays,
+delays commands by the dead time, and reads the result. It obeys the model file's effects that act in the arm or its
+drive.
 """
 
 from collections import deque
@@ -75,8 +74,8 @@ class Plant:
         self._see()
 
     def advance(self, command_rad_s: float) -> None:
-        """Move on by one cycle, over which the joint velocity command is held. ValueError when it is no
-        number; UserError where an effect has taken the arm beyond what its equation holds for."""
+        """Move on by one cycle, over which the joint velocity command is held. Raises ValueError if the command is no
+        number; UserError if an effect has taken the arm beyond the range of its equation."""
         limit = self._max_velocity
         if not -limit <= command_rad_s <= limit:
             if isnan(command_rad_s):
@@ -148,7 +147,7 @@ class Plant:
 
     @property
     def encoder_position_rad(self) -> float:
-        """What the encoder shows: theta, or the motor's position where it sits before the gear's play."""
+        """The encoder's angle: theta, or the motor's position if the encoder sits before the gear's play."""
         return self._seen[3 if self._encoder_on_motor else 0]
 
     @property

@@ -1,6 +1,6 @@
-"""What the stepper works on: one record that holds the joint with its drive, the modes, the laws of causes, and room.
+"""The stepper's state: one record with the joint and its drive, the modes, the laws of causes, and work space.
 
-A record, because compiled code reaches its fields by name at no cost, and one pointer hands over all of them.
+It is a record, because compiled code reaches its fields by name at no cost, and one pointer passes all of them.
 """
 
 from math import floor, pi

@@ -45,7 +45,7 @@ def tune(arm: Record, mode: Record, w: float) -> None:
 
 @compiled
 def _worked_out(arm: Record, mode: Record, h: float) -> Record:
-    """A duration's step in the place of the older one of those remembered."""
+    """Store a duration's step in place of the older stored one."""
     step = mode.one if mode.replaced == 0 else mode.other
     mode.replaced = 1 - mode.replaced
     half = 0.5 * h
@@ -57,7 +57,7 @@ def _worked_out(arm: Record, mode: Record, h: float) -> Record:
 
 @inlined
 def _step(arm: Record, mode: Record, h: float) -> Record:
-    """What a duration does to a mode; two durations are remembered."""
+    """The step of a mode over a duration; two durations are stored."""
     if mode.one.h == h:
         return mode.one
     if mode.other.h == h:
@@ -118,7 +118,7 @@ def strike(arms: Records, i: int, t: float, deflection: float) -> None:
 def _pushed(
     arm: Record, t: float, theta: float, omega: float, q: float, v: float, w: float
 ) -> tuple[float, float]:
-    """What laws of force give the first mode, and the largest friction, m/s^2."""
+    """Acceleration of the first mode by the laws of force, and the largest friction, m/s^2."""
     push, rub, since = 0.0, 0.0, max(t, 0.0)
     for row in range(arm.laws):
         law = nth(arm.law, row)
@@ -156,7 +156,7 @@ def _kicked(
     arm: Record, i: int, t: float, x: float, at: float, h: float,
     stretch: Record, q: float, v: float, direction: float,
 ) -> tuple[float, float]:  # fmt: skip
-    """A mode on by h under all that acts, from time `at` of the stretch: one step of Lawson's fourth-order method.
+    """Advance a mode by h under all that acts, from time `at` of the stretch: one step of Lawson's fourth-order method.
 
     t: from the recording's start, x: from the cycle's, both at the step's beginning, s.
     """
@@ -348,13 +348,13 @@ def _mode_through(
 
 @inlined
 def _acts(arm: Record) -> bool:
-    """Whether anything but its own linear equation acts on the first mode."""
+    """Whether anything besides its own linear equation acts on the first mode."""
     return bool(arm.pushes != 0 or arm.c0 != 0.0 or arm.c1 != 0.0 or arm.c2 != 0.0)
 
 
 @inlined
 def _freely_through(arm: Record, first: int, stretch: Record) -> None:
-    """The modes from number `first` on through a stretch, where nothing but the joint moves them."""
+    """The modes from number `first` on through a stretch in which only the joint moves them."""
     for i in range(first, arm.modes):
         mode = nth(arm.mode, i)
         if stretch.duration > 0.0:
@@ -423,7 +423,7 @@ def acceleration(arm: Record, i: int, t: float) -> float:
 
 @compiled
 def look(arms: Records, t: float, seen: Array) -> None:
-    """Fill what there is to see of an arm: theta, theta', theta'', the motor's angle and rate, then q_i, q_i', q_i'' of
+    """Fill the observable state of an arm: theta, theta', theta'', the motor's angle and rate, then q_i, q_i', q_i'' of
     all modes, in this order, (5 + 3 m,). arms: (1,), as in all that is called from outside."""
     arm = arms[0]
     m = arm.modes

@@ -1,8 +1,7 @@
 """A joint that is driven by a torque, with the arm's modes coupled to it: the equations of motion, compiled.
 
-All torques are divided by the inertia that the joint shows at once, J_hub: that of the hub, the gear and the motor,
-without what the modes carry. u is what drives it: a torque, a current, or a voltage behind a motor whose
-back EMF is part of d.
+All torques are divided by the joint's immediate inertia J_hub: that of the hub, the gear and the motor, without the
+modes' part. u is the input: a torque, a current, or a voltage behind a motor whose back EMF is part of d.
 
     theta'' = gain u - d theta' - k theta + f(t, theta, theta') + sum_i pull_i (2 zeta_i w_i q_i' + w_i^2 q_i)
     q_i''   = - 2 zeta_i w_i q_i' - w_i^2 q_i - b_i theta'' (+ force on q_1)
@@ -133,7 +132,7 @@ def friction_limits(laws: Array, omega: float) -> tuple[float, float]:
 
 @inlined
 def smooth_torque(laws: Array, theta: float, omega: float) -> float:
-    """All that acts on the joint by a law, without dry friction, rad/s^2."""
+    """Sum of the laws that act on the joint, without dry friction, rad/s^2."""
     phase = laws[_RN] * theta
     torque: float = (
         laws[_OFF]

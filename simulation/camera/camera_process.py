@@ -1,4 +1,4 @@
-"""The simulated camera's process: exposes, renders what the arm did, hands the images over when due."""
+"""The simulated camera's process: exposes, renders the scene from the arm's motion, hands the images over when due."""
 
 import contextlib
 import time
@@ -32,7 +32,7 @@ _POSE_WAIT_S = 10.0
 
 @dataclass
 class CameraCounts:
-    """What became of the exposures. late: those delivered more than a millisecond after their time."""
+    """Counts of the exposures by outcome. late: delivered more than a millisecond after their time."""
 
     delivered: int = 0
     late: int = 0
@@ -46,7 +46,7 @@ class _Pending:
 
 
 class CameraLoop:
-    """What to do at which instant; the clock, the poses, the renderer and the ring are passed in.
+    """Decides what to do at which instant; clock, poses, renderer and ring are passed in.
 
     A frame is rendered as soon as the poses of its whole exposure are there, which leaves some 50 ms of time
     until its handover, and it is handed over in its order; a rendering that could still be under way when

@@ -155,9 +155,9 @@ class CameraTiming:
     def _calibrate(self, timing: Timing, after_delivery_s: float) -> tuple[float, float]:
         """m and s of the law, so that the delay with its bounds has the mean and the spread asked for.
 
-        The bounds' effect is measured against the unbounded delay in one and the same long sample, so that
-        the sample's own chance deviations cancel; without effect, m and s are exactly what was asked for. A
-        triggered camera is taken to be asked seldom enough for the order to bind nothing.
+        The effect of the bounds is measured against the unbounded delay in the same long sample, so that the sample's
+        chance deviations cancel; without effect, m and s are exactly the requested values. For a triggered camera the
+        requests are assumed to be so rare that the order binds nothing.
         """
         target_mean = timing.capture_delay_s - after_delivery_s
         target_std = timing.capture_delay_std_s

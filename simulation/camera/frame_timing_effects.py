@@ -1,4 +1,4 @@
-"""The causes that sit in the camera's timing: skew, losses, bursts, drift, stale frames, a stepping camera clock."""
+"""The causes in the camera's timing: skew, losses, bursts, drift, stale frames, a stepping camera clock."""
 
 from collections import deque
 from collections.abc import Callable
@@ -18,8 +18,8 @@ _MOST_FRAMES = 64  # that a stale buffer holds: two laws of the catalogue's most
 
 
 class FrameTimingEffects:
-    """What becomes of a frame's instants, frame by frame in their order; the timing's own random numbers are left
-    alone, so that an effect of size zero changes nothing."""
+    """Changes a frame's instants, frame by frame in their order. It does not use the timing's own random numbers, so
+    that an effect of size zero changes nothing."""
 
     def __init__(self, model: Model, seed: int, clock: EffectClock) -> None:
         """As the model's effects name them; losses and bursts come from the seed. clock: that of the exposures."""

@@ -1,4 +1,4 @@
-"""The causes that sit in the image, such as a lens that distorts or tracking that drifts."""
+"""The causes in the image, such as a lens that distorts or tracking that drifts."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ FloatArray = NDArray[np.float64]
 
 
 class ImageEffects:
-    """A displacement d shows as d and all that the laws of the image add to it, at the time of the exposure."""
+    """Shows a displacement d as d plus the contributions of the image's laws at the time of the exposure."""
 
     def __init__(self, model: Model, clock: EffectClock) -> None:
         """As the model's effects name them. clock: that of the exposures."""

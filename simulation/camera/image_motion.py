@@ -37,7 +37,7 @@ def mean_displacement_px(
 
 
 def sub_exposures(span_px: float) -> int:
-    """How many sub-exposures an image needs that moves by `span_px` during its exposure.
+    """Number of sub-exposures for an image that moves by `span_px` during its exposure.
 
     Gauss's rule with n nodes integrates a wave of c radians to either side of the middle once n > c; the
     scene's finest wave (stillarm.simulation.camera.scene.CUTOFF) has c = pi * 0.25 * span_px.

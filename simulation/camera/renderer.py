@@ -27,9 +27,9 @@ _STREAM = 0x401CE
 class Renderer:
     """Renders exposures of one camera in front of one scene. Pure: the same arguments give the same image.
 
-    Every sub-exposure is the scene, shifted along a row; the sum of them all is therefore one filter along
-    the rows, whose taps are the sum of the shifted interpolation kernels. That makes an image with 16
-    sub-exposures hardly dearer than one.
+    Every sub-exposure is the scene, shifted along a row; the sum of them all is therefore one filter along the rows,
+    whose taps are the sum of the shifted interpolation kernels. An image with 16 sub-exposures therefore costs hardly
+    more than one with a single exposure.
     """
 
     def __init__(

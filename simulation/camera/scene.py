@@ -1,4 +1,4 @@
-"""What the simulated camera looks at: a seeded, band-limited texture that repeats far outside the image."""
+"""The scene before the simulated camera: a seeded, band-limited texture that repeats far outside the image."""
 
 from dataclasses import dataclass
 

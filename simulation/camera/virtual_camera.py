@@ -31,7 +31,7 @@ class Delivery(NamedTuple):
     exposure_s: float
 
     def as_frame(self) -> Frame:
-        """As it would come from the camera's driver. Raises ValueError where images are skipped."""
+        """The frame as the camera's driver would return it. Raises ValueError if images are skipped."""
         if self.image is None:
             raise ValueError("images are skipped: ask for the tracked displacement instead")
         return Frame(self.image, self.truth.frame, self.stamp_s, self.exposure_s)
@@ -108,8 +108,7 @@ class VirtualCamera:
         return [self._deliver(e, n) for e, n in kept]
 
     def tracked_displacement(self, frame: int) -> float:
-        """What a tracker would find in a delivered frame, px: the displacement averaged over the exposure,
-        plus noise.
+        """A tracker's result for a delivered frame, px: the displacement averaged over the exposure, plus noise.
 
         The noise is white and normal, with camera.noise_std_px. Raises KeyError for a frame that was not
         delivered or is long past (256 frames).

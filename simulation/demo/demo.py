@@ -57,8 +57,8 @@ def run_demo(
 ) -> dict[str, Any]:
     """Run it all into `directory`; returns what summary.json holds. Raises UserError when a process fails.
 
-    accelerometer, drive: what the rig presents itself through, by the driver's name; None: the configuration's.
-    hide: seed of an effect that only the rig, and its truth file, know of.
+    accelerometer, drive: the devices that the rig emulates, by the driver's name; None: the configuration's. hide: seed
+    of an effect that only the rig, and its truth file, know of.
     """
     if not SHORTEST_S <= duration_s <= LONGEST_S:
         raise UserError(
@@ -150,7 +150,7 @@ def compile_ahead(path: Path, configuration: Configuration) -> None:
 
 
 def remove_shared_memory(configuration: Configuration) -> None:
-    """What a rig that had to be killed could not remove; the names are this demo's own."""
+    """Remove the shared memory of a killed rig; the names are this demo's own."""
     camera = configuration.camera.device
     for name in (
         configuration.accelerometer.bus.removeprefix(MEMORY_PREFIX),
@@ -196,7 +196,7 @@ def summarise(
     methods: dict[str, dict[str, Any]],
     comparison: LiveComparison,
 ) -> dict[str, Any]:
-    """What summary.json holds: the figures that outside scripts read, and the replay's verdict."""
+    """The content of summary.json: the figures that outside scripts read, and the replay's verdict."""
     loop = recording.columns("/loop")
     link = recording.columns("/link")
 
