@@ -1,4 +1,4 @@
-"""What the declarations of the causes say, as text for people and as a JSON schema: docs/causes.md comes from here."""
+"""The causes' declarations as text for people and as a JSON schema; makes docs/causes.md."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""`demo --hide`: a cause that only the rig knows of, and moves that make it show."""
+"""`demo --hide`: a cause that only the rig knows, and moves that reveal it."""
 
 from math import isnan
 
@@ -18,7 +18,7 @@ _SLOW_RAD_S, _FAST_RAD_S = 0.03, 0.2
 def draw_effect(seed: int, duration_s: float) -> dict[str, Value]:
     """Cause, size, sign and onset from a seed, within what the catalogue calls typical; an [[effects]] entry.
 
-    A clock that steps is the camera's: a live rig has no hand in the controller's.
+    A clock that steps is the camera's: a live rig cannot step the controller's.
     """
     random = np.random.default_rng((seed, _STREAM))
     cause = CAUSES[str(random.choice(list(CAUSES)))]

@@ -1,4 +1,4 @@
-"""The demo's output folder: of one demo at a time, and never one that holds anything but a demo's files."""
+"""The demo's output folder: it belongs to one demo at a time, and holds nothing but a demo's files."""
 
 import fcntl
 import os

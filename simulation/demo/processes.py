@@ -1,4 +1,4 @@
-"""The demo's processes: started, watched, stopped. Each writes what it says to a log of its own."""
+"""Starts, watches and stops the demo's processes. Each writes its output to a log of its own."""
 
 import subprocess
 import time
@@ -38,7 +38,7 @@ class DemoProcesses:
         return self._running[name].pid
 
     def wait_for(self, name: str, timeout_s: float, progress: Callable[[float], None]) -> None:
-        """Wait until a process has ended, the others running on.
+        """Wait until a process has ended, while the others run on.
 
         progress: told the seconds that have passed. Raises UserError, with the last words of the process that failed.
         """

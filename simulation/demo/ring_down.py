@@ -1,4 +1,4 @@
-"""What a true deflection says of the arm's damping: envelope, settling time, damping ratio."""
+"""The arm's damping from a true deflection: envelope, settling time, damping ratio."""
 
 from math import log, pi
 

@@ -1,4 +1,4 @@
-"""The demo's figures of merit: damping and predictions against what the rig truly did."""
+"""The demo's figures of merit: damping and predictions against the rig's true motion."""
 
 from dataclasses import dataclass
 from math import isfinite, nan, pi
@@ -25,7 +25,7 @@ _DAMPED_FIT_DOWN_TO = 0.1
 
 @dataclass(frozen=True)
 class Truth:
-    """What the rig truly did, on the controller's clock.
+    """The rig's true motion, on the controller's clock.
 
     time_s, deflection_m: each step, shape (steps,). strikes_s: times of the strikes. mid_exposure_s: by frame.
     """

@@ -1,4 +1,4 @@
-"""What a simulated run leaves: the truth beside the recording, a clock that jumps in it, the process that writes it.
+"""Output of a simulated run: the truth beside the recording, a clock that jumps in it, the process that writes it.
 
 Not here: the recording file (common/recording). Begin with truth.py.
 """

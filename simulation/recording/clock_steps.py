@@ -1,7 +1,7 @@
-"""clock_step on the controller's side: what the rows of a recording made in virtual time show of a clock that jumps.
+"""clock_step on the controller's side: the rows of a recording made in virtual time, with a clock that jumps.
 
-The loop itself counts cycles and is not affected. A live rig has no hand in the controller's clock; it can step the
-camera's only (frame_timing_effects).
+The loop itself counts cycles and is not affected. A live rig cannot step the controller's clock, only the camera's
+(frame_timing_effects).
 """
 
 from typing import TypeVar
@@ -58,7 +58,7 @@ def refuse_step_of_absent_stamps(model: Model, rig: Rig, name: str) -> None:
 
 
 def refuse_step_of_controller_clock(model: Model, name: str) -> None:
-    """Raise UserError where a live rig is asked to step the controller's clock, which it has no hand in."""
+    """Raise UserError if a live rig is asked to step the controller's clock, which it cannot."""
     for step in effects_of(model, "clock_step"):
         if step["clock"] != "camera":
             raise UserError(

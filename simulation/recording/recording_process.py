@@ -118,7 +118,7 @@ def _write_batches(connection: Connection, writers: list[RecordingWriter]) -> No
 
 
 def _drain(connection: Connection) -> None:
-    """Take what still comes, so that the simulation does not wait for ever."""
+    """Empty the pipe, so that the simulation does not wait for ever."""
     try:
         while connection.recv_bytes():
             pass

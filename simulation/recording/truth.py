@@ -1,4 +1,4 @@
-"""What the simulated rig truly did, as messages for the truth file: for scoring, never for replay or diagnosis."""
+"""The simulated rig's true motion as messages for the truth file: for scoring, never for replay or diagnosis."""
 
 from typing import TYPE_CHECKING
 

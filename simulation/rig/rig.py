@@ -137,8 +137,8 @@ def run(
 def fall_into_step(clock: CycleClock, following: int, cycle_s: float, drive: RigDrive) -> None:
     """Wait for the drive's first command, no longer than to the following cycle; put that a third of a cycle after it.
 
-    Else the offset of two clocks, another one each time, would decide whether commands act a cycle late: which no model
-    of the rig says.
+    Otherwise the offset of two clocks, which differs from run to run, would decide whether commands act a cycle late,
+    and no model of the rig states that.
     """
     while (left := clock.origin_s + following * cycle_s - time.monotonic()) > 0.0:
         time.sleep(min(left, cycle_s / _LOOKS))

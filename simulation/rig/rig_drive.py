@@ -1,4 +1,4 @@
-"""The drive that the simulated rig presents itself through: an emulator that speaks the configured drive's language.
+"""The simulated rig's drive: an emulator that speaks the configured drive's language.
 
 Each returns the joint velocity that the controller's commands ask for, and gets the joint's motion to report. Each has
 the dead man of its kind; the amplifier behind the DAC drops its enable when the DAC is not written for 0.1 s.

@@ -1,4 +1,4 @@
-"""What `import stillarm` offers beside `diagnose`: recordings as arrays, replay, simulation, one's own estimator.
+"""The Python interface beside `diagnose`: recordings as arrays, replay, simulation, an estimator of your own.
 
 Not here: anything that the command line or a daemon needs. stillarm/__init__.py loads a name when it is asked for.
 Begin with channels.py.

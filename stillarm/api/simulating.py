@@ -13,7 +13,7 @@ from stillarm.common.user_error import UserError
 
 @dataclass(frozen=True)
 class Simulated:
-    """What the controller recorded, and what the simulated rig truly did. recording.path and truth.path are files."""
+    """The controller's recording, and the simulated rig's truth. recording.path and truth.path are files."""
 
     recording: Channels
     truth: Channels

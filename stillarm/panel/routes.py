@@ -1,4 +1,4 @@
-"""What the page asks the server for, beside its files and its socket."""
+"""The requests of the page, beside its files and its socket."""
 
 import time
 from collections.abc import Awaitable, Callable
@@ -124,7 +124,7 @@ def add_operate_routes(application: web.Application, guard: Guard, desk: Desk, f
 
 
 def add_recording_routes(application: web.Application, guard: Guard, library: Library) -> None:
-    """The folder's recordings. Reading needs no session; what takes the computer's time does."""
+    """Routes to the folder's recordings. Reading needs no session; requests that take computing time do."""
 
     async def listed(request: web.Request) -> web.Response:
         return web.json_response({"recordings": library.listed()})

@@ -1,4 +1,4 @@
-"""Telemetry as a page draws it: decoded, packed into few bytes, with its age; and what is known of the loop now.
+"""Telemetry as a page draws it: decoded, packed into few bytes, with its age; and the present knowledge of the loop.
 
 Not here: sockets to pages (server), files (recordings). Begin with `telemetry.py`.
 """

@@ -60,7 +60,7 @@ class Feed:
         return self._status(self.known, self._clock())
 
     def tell_status(self) -> None:
-        """Send the status where it is another one, or a second has passed. Call it ten times a second."""
+        """Send the status on change, and once a second. Call it ten times a second."""
         status, now_s = self.status(), self._clock()
         if status != self._sent or now_s >= self._due_s:
             self._sent, self._due_s = status, now_s + _STATUS_EVERY_S

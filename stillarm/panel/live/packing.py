@@ -1,4 +1,5 @@
-"""Rows as binary messages for the page: a head, the times as float64, then one column of float32 after another. Pure.
+"""Packs rows as binary messages for the page: a head, the times as float64, then one column of float32 after another.
+Pure.
 
 Head, little-endian: kind (u8), columns (u8), rows (u16), 4 bytes unused. page/samples.js reads it.
 """

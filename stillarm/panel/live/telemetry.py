@@ -1,4 +1,5 @@
-"""The datagrams of docs/telemetry.md as values. Pure: bytes in, rows out; what does not fit is refused as a whole."""
+"""The datagrams of docs/telemetry.md as values. Pure: bytes in, rows out; a datagram that does not fit is refused as a
+whole."""
 
 from math import nan
 from typing import Any

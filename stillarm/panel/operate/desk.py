@@ -1,4 +1,5 @@
-"""Does what a page asks for, if the state machine permits it. Edge: the sender, and the simulated rig's strikes."""
+"""Carries out a page's requests, if the state machine permits them. Edge: the sender, and the simulated rig's
+strikes."""
 
 import asyncio
 import contextlib
@@ -51,7 +52,7 @@ class Desk:
             self._holding = None
 
     def situation(self, known: Known, now_s: float, *, signed_in: bool) -> Situation:
-        """What decides over the actions at `now_s`, s on the monotonic clock."""
+        """The situation that decides which actions are possible at `now_s`, s on the monotonic clock."""
         return Situation(
             known.words.state,
             known.words.reason,
@@ -79,7 +80,7 @@ class Desk:
         }
 
     def _settings(self, known: Known, now: Situation) -> dict[str, Any]:
-        """What is in force, null where the controller has not said it; why it may not be adjusted now."""
+        """The settings in force, null before the controller has told them; and why they may not be adjusted now."""
         ratio = known.words.added_damping_ratio
         return {
             "method": known.words.method or None,

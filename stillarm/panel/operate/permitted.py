@@ -9,10 +9,9 @@ from stillarm.panel.operate.actions import COMMANDS, Action
 
 
 class Situation(NamedTuple):
-    """What decides.
-
-    state, reason: the controller's words, empty where it has not been heard. silent: no telemetry now. signed_in: the
-    page may operate. held: this panel holds the damping. damping_allowed: the controller's view. simulated: the rig is.
+    """The facts that decide. state, reason: the controller's words, empty before it was heard. silent: no telemetry
+    now. signed_in: the page may operate. held: this panel holds the damping. damping_allowed: the controller's view.
+    simulated: the rig is.
     """
 
     state: str = ""

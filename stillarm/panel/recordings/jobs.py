@@ -20,7 +20,7 @@ _NICENESS = 10
 
 
 def _beginning(niceness: int) -> Callable[[], None]:
-    """For the child: it ends with the panel, and gives way by its niceness."""
+    """Set-up of the child: it ends with the panel, and runs at a lower priority."""
     ask = ended_with_parent()
 
     def begin() -> None:

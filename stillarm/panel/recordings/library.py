@@ -22,7 +22,7 @@ _MOST_INTERVALS = MOST_ROWS // 2
 class Library:
     """A folder of recordings, and a cache. A recording that was opened is known by a key from then on.
 
-    A file that has grown since has another key: what is drawn of it stays as it was opened.
+    A file that has grown since has another key; its drawing stays as it was opened.
     """
 
     def __init__(self, folder: Path, cache: Path) -> None:
@@ -73,7 +73,7 @@ class Library:
         return self._opened[key]
 
     def about(self, key: str) -> dict[str, Any]:
-        """What an opened recording holds, and what has been done with it. Raises UserError."""
+        """Content of an opened recording, and the jobs done on it. Raises UserError."""
         self._path(key)
         cache = self._cache / key
         told: dict[str, Any] = json.loads((cache / "about.json").read_text())

@@ -1,4 +1,5 @@
-"""What `stillarm replay` wrote, as one column file for each method: `python -m ... DIR`, a process of its own.
+"""Turns the tables of `stillarm replay` into one column file for each method: `python -m ... DIR`, a process of its
+own.
 
 estimates.csv (time_s, method, status, deflection_m, deflection_std_m) and frames.csv (received_s, method, delay_s,
 delay_std_s) become replay_METHOD.npy: time_s, deflection_m, deflection_std_m, delay_s, delay_std_s, where the delay is

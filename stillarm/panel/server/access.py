@@ -1,4 +1,4 @@
-"""Who may do what: the one-time token, the sessions that it opens, and which Host and Origin are the panel's own. Pure.
+"""Access control: the one-time token, the sessions that it opens, and the panel's own Host and Origin. Pure.
 
 A token is exchanged once for a session, whose number the browser keeps in a cookie that no script can read. Both are
 compared in constant time.

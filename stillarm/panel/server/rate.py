@@ -1,4 +1,4 @@
-"""How often one address may ask: a bucket that fills at a rate (token bucket). Pure: times in, answers out."""
+"""Rate limit for one address: a bucket that fills at a rate (token bucket). Pure: times in, answers out."""
 
 from collections import OrderedDict
 

@@ -1,4 +1,4 @@
-"""The WebSocket of a page: what its queue holds goes out, and pings are answered. Nothing else is taken."""
+"""The WebSocket of a page: sends the messages of its queue and answers pings. It takes nothing else."""
 
 import asyncio
 import contextlib
