@@ -34,8 +34,49 @@ _HOLD_TIME_S = 5.0  # s: an unobserved delay's uncertainty grows back to its pri
 _LEAST_SPREAD_S = 0.005  # s: lower bound of the delay's spread, whatever the model states
 
 
+class RecursiveCorrelation:
+    """Eq. 11 with its means and powers: the correlation coefficient of x at several lags with y, with forgetting."""
+
+    def __init__(self, lags: int) -> None:
+        """No sample yet."""
+        self._weight = 0.0
+        self._x, self._xx, self._xy = np.zeros(lags), np.zeros(lags), np.zeros(lags)
+        self._y = self._yy = 0.0
+        self._power = self._power_squared = 0.0
+
+    def add(self, x: NDArray[np.float64], y: float, gain: float) -> None:
+        """Process y with x at each lag, (lags,), at the weight `gain` against all that was seen before."""
+        self._weight += gain * (1.0 - self._weight)
+        self._x += gain * (x - self._x)
+        self._xx += gain * (x * x - self._xx)
+        self._xy += gain * (x * y - self._xy)
+        self._y += gain * (y - self._y)
+        self._yy += gain * (y * y - self._yy)
+        share = gain * (y - self._y / self._weight) ** 2
+        self._power += share - gain * self._power
+        self._power_squared += share * share - gain * (2.0 - gain) * self._power_squared
+
+    @property
+    def variance_y(self) -> float:
+        """Of y about its mean, in its unit squared."""
+        w = self._weight
+        return self._yy / w - (self._y / w) ** 2
+
+    def observed(self, elapsed: float) -> float:
+        """Time in which equally strong samples of y would tell as much, if one came every `elapsed`."""
+        return elapsed * self._power**2 / max(self._power_squared, 1e-300)
+
+    def coefficients(self) -> NDArray[np.float64]:
+        """The correlation coefficient at each lag, (lags,)."""
+        w = self._weight
+        variance_x = self._xx / w - (self._x / w) ** 2
+        covariance = self._xy / w - self._x * (self._y / (w * w))
+        result: NDArray[np.float64] = covariance / np.sqrt(np.maximum(variance_x * self.variance_y, 1e-30))
+        return result
+
+
 class CorrelationDelay:
-    """Recursive normalised cross-correlation with forgetting (eq. 11)."""
+    """The delay at the peak of the correlation: recursive, normalised, with forgetting."""
 
     def __init__(self, model: Model, settings: Correlation) -> None:
         """Search around model.timing.capture_delay_s for the first mode of the model."""
@@ -71,10 +112,7 @@ class CorrelationDelay:
         self._cycle: int | None = None
         self._window = settings.window_s / cycle_s
         count = self._last - self._first + 1
-        self._weight = 0.0
-        self._mean_x, self._mean_xx, self._mean_xy = np.zeros(count), np.zeros(count), np.zeros(count)
-        self._mean_y = self._mean_yy = 0.0
-        self._sum_power = self._sum_power_squared = 0.0  # of the effectively observed vibration
+        self._sums = RecursiveCorrelation(count)
         self._half_period = 0.5 * period
         self._noise_m = (
             model.accelerometer.noise_std_m_s2
@@ -128,44 +166,43 @@ class CorrelationDelay:
         rho = self._settings.forgetting
         gain = rho * elapsed / ((1.0 - rho) * (self._window - elapsed) + rho * elapsed)
         x = self._smooth.lags(age + self._first, age + self._last)[::-1]
-        self._weight += gain * (1.0 - self._weight)
-        self._mean_x += gain * (x - self._mean_x)
-        self._mean_xx += gain * (x * x - self._mean_xx)
-        self._mean_xy += gain * (x * deflection_m - self._mean_xy)
-        self._mean_y += gain * (deflection_m - self._mean_y)
-        self._mean_yy += gain * (deflection_m * deflection_m - self._mean_yy)
-        share = gain * (deflection_m - self._mean_y / self._weight) ** 2
-        self._sum_power += share - gain * self._sum_power
-        self._sum_power_squared += share * share - gain * (2.0 - gain) * self._sum_power_squared
-        self._find_peak(elapsed)
+        self._sums.add(x, deflection_m, gain)
+        self.correlation = self._sums.coefficients()
+        measured = self._measured(elapsed)
+        if measured is None:
+            self._hold(elapsed * self._cycle_s)
+        else:
+            self.estimate = measured
 
-    def _find_peak(self, elapsed: float) -> None:
-        w = self._weight
-        power_y = self._mean_yy / w - (self._mean_y / w) ** 2
-        amplitude = sqrt(max(0.0, 2.0 * power_y))
-        power_x = self._mean_xx / w - (self._mean_x / w) ** 2
-        covariance = self._mean_xy / w - self._mean_x * (self._mean_y / (w * w))
-        self.correlation = covariance / np.sqrt(np.maximum(power_x * power_y, 1e-30))
-        # cycles, weighted by power
-        seen = elapsed * self._sum_power**2 / max(self._sum_power_squared, 1e-300)
+    def _measured(self, elapsed: float) -> DelayEstimate | None:
+        """The delay at the peak; None where there is none to trust, or the held delay is better."""
+        amplitude = sqrt(max(0.0, 2.0 * self._sums.variance_y))
+        seen = self._sums.observed(elapsed)
         if amplitude < self._settings.min_amplitude_m or seen < self._half_period:
-            return self._hold(elapsed * self._cycle_s)
-        reach = self._peak_reach
-        peak = int(np.argmax(self.correlation))
-        if not reach <= peak < len(self.correlation) - reach:
-            return self._hold(elapsed * self._cycle_s)
-        cosine, sine = self._to_quadratures @ self.correlation[peak - reach : peak + reach + 1]
-        offset = atan2(sine, cosine) / self._angle_per_cycle
-        height = hypot(cosine, sine)
-        if height < self._settings.min_correlation or abs(offset) > reach or not isfinite(offset):
-            return self._hold(elapsed * self._cycle_s)
-        delay = (self._first + peak + offset) * self._cycle_s + self._shift_s
+            return None
+        peak = self._peak()
+        if peak is None:
+            return None
+        lag, height = peak
+        delay = lag * self._cycle_s + self._shift_s
         std = self._std_s(min(height, 1.0), amplitude, seen)
         known = self.estimate.status is not Status.UNESTIMATED
         if known and std > self._held_std_s(elapsed * self._cycle_s):
-            return self._hold(elapsed * self._cycle_s)  # the held delay is still better
-        self.estimate = DelayEstimate(max(0.0, delay), std, Status.ESTIMATED)
-        return None
+            return None
+        return DelayEstimate(max(0.0, delay), std, Status.ESTIMATED)
+
+    def _peak(self) -> tuple[float, float] | None:
+        """Lag, in cycles, and height of a cosine fitted around the largest coefficient; None for no peak."""
+        reach = self._peak_reach
+        largest = int(np.argmax(self.correlation))
+        if not reach <= largest < len(self.correlation) - reach:
+            return None
+        cosine, sine = self._to_quadratures @ self.correlation[largest - reach : largest + reach + 1]
+        offset = atan2(sine, cosine) / self._angle_per_cycle
+        height = hypot(cosine, sine)
+        if height < self._settings.min_correlation or abs(offset) > reach or not isfinite(offset):
+            return None
+        return self._first + largest + offset, height
 
     def _std_s(self, height: float, amplitude_m: float, seen: float) -> float:
         """Standard deviation of the delay from the phase of two sinusoids: sqrt(noise / signal / independent samples) /
