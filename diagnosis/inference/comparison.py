@@ -76,7 +76,7 @@ def compared(
         begun, screening = begun_fits(data, last, tried)
         slopes = slopes_of(last)
         quick = _each(lambda one: (one, refitted(one, last, split, slopes)), begun, found)
-        best = best_of_each(quick, last)
+        best = best_of_each(quick, last, before, split)
         ended = _each(lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found)
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
         later = _each(
@@ -185,16 +185,23 @@ def gain_of(fitted: Fit, last: Fit) -> float:
     return fitted.train_log_likelihood - last.train_log_likelihood + float(np.sum(gained))
 
 
-def best_of_each(quick: list[tuple[Begun, Fit]], last: Fit) -> list[tuple[Begun, Fit]]:
-    """The best start of each form, without those that explain next to nothing of what the best of their place does."""
-    best: dict[tuple[str, str], tuple[Begun, Fit]] = {}
+def best_of_each(
+    quick: list[tuple[Begun, Fit]], last: Fit, before: Score, split: Split
+) -> list[tuple[Begun, Fit]]:
+    """The best start of each form, without those that explain next to nothing of what the best of their place does.
+
+    Noise that is coloured as what the last fit leaves foretells a large smooth rest so well that to be rid of it gains
+    nothing: the log score by frequency, in which the level is learnt anew, has a say too.
+    """
+    best: dict[tuple[str, str], tuple[float, Begun, Fit]] = {}
     for one, fitted in quick:
         key = (one.form.id, one.form.name)
-        if key not in best or gain_of(fitted, last) > gain_of(best[key][1], last):
-            best[key] = (one, fitted)
-    top = max((gain_of(fitted, last) for _, fitted in best.values()), default=0.0)
-    kept = [pair for pair in best.values() if _goes_on(pair[0], gain_of(pair[1], last), top)]
-    return sorted(kept, key=lambda pair: -gain_of(pair[1], last))
+        gain = max(gain_of(fitted, last), float(score(fitted, split).gain(before).sum()))
+        if key not in best or gain > best[key][0]:
+            best[key] = (gain, one, fitted)
+    top = max((gain for gain, _, _ in best.values()), default=0.0)
+    kept = [found for found in best.values() if _goes_on(found[1], found[0], top)]
+    return [(one, fitted) for _, one, fitted in sorted(kept, key=lambda found: -found[0])]
 
 
 def _goes_on(one: Begun, gain: float, top: float) -> bool:
