@@ -36,6 +36,7 @@ _WANDERS = 2.0  # times the stated deviation: a delay that strays further is no 
 SETTLED_NATS = 0.02
 """A step of a fit that gains less is its last, unless the caller says otherwise."""
 
+_FEW = 97  # of a column's values are looked at first
 _DAMPING, _DAMPED = 1e-4, 6  # at the start; steps tried with ever more of it
 
 CHANGED_NATS = 20.0
@@ -216,9 +217,13 @@ class _Descent:
             residual = thinned(name, now.residuals[name])[mask]
             size = np.abs(residual) / spread
             weight = np.sqrt(np.minimum(1.0, HUBER / np.maximum(size, 1e-12))) / spread
-            weighted = slope[mask] * weight[:, None]
-            normal = normal + weighted.T @ weighted
-            right = right + weighted.T @ (residual * weight)
+            seen = _not_zero(slope)
+            weighted = np.empty((len(residual), len(seen)), order="F")
+            rows = np.flatnonzero(mask)
+            for place, column in enumerate(seen):
+                np.multiply(slope[:, column].take(rows), weight, out=weighted[:, place])
+            normal[np.ix_(seen, seen)] += weighted.T @ weighted
+            right[seen] += weighted.T @ (residual * weight)
         return normal, right
 
     def stepped(
@@ -287,6 +292,12 @@ def fit(
     return Fit(
         world, now.vector, free, std, sigma, colour, now.residuals, now.predicted, float(train.sum()), held, train,
     )  # fmt: skip
+
+
+def _not_zero(slope: Array) -> NDArray[np.int64]:
+    """Places of the quantities that a channel shows at all: an impact on the arm is none of the joint's."""
+    columns = range(slope.shape[1])
+    return np.array([i for i in columns if slope[::_FEW, i].any() or slope[:, i].any()], dtype=np.int64)
 
 
 def slopes_of(last: Fit) -> dict[str, dict[str, Array]]:
