@@ -258,7 +258,7 @@ def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
     inside = fitted.box.split.held
     held = float((fitted.held_out - before.held_out)[inside].sum())
     worth = min(gained, 3.0 * held) - PRICE * form.price
-    if not believable(form.numbers, fitted.numbers):
+    if not believable(form.numbers, fitted.numbers, fitted.box.driven.step_s):
         worth = -inf
     return Tried(form, fitted, worth if np.isfinite(worth) else -inf, held)
 
