@@ -1,14 +1,14 @@
 """Identification compared with its peers on the same data: `stillarm benchmark identification`.
 
-PySINDy (sparse regression of x' on monomials of y, y', u), SysIdentPy (polynomial NARX by forward regression) and ours
-use the same input and output, and are scored by the same error: a free run over data that none of them has fitted. The
-benchmark also compares the simulation with scipy's solve_ivp. Install the peers with pip install stillarm[peers].
+PySINDy (sparse regression of x' on monomials of y, y', u), SysIdentPy (polynomial NARX by forward regression), a plain
+linear subspace fit and ours use the same input and output, and are scored by the same error: a free run over data that
+none of them has fitted. The benchmark also compares the simulation with scipy's solve_ivp. Install the peers with
+pip install stillarm[peers].
 """
 
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.benchmarks.identification_data import Pair, pairs
+from stillarm.benchmarks.identification_driven import as_driven
+from stillarm.benchmarks.subspace_peer import best_subspace
 from stillarm.common.csv_bundle.mapped_data import import_mapped
 from stillarm.common.files.model import Arm, Drive, Mode, Model
 from stillarm.common.user_error import UserError
@@ -27,43 +30,22 @@ from stillarm.simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
-SILVERBOX_HZ = 1e7 / 2**14
-_GROWING = 40500  # samples: noise of growing amplitude, held out
-_FITTED = 30000  # samples of the multisines after it
 _DEGREE = 3
 _SINDY_THRESHOLDS = (0.0, 1e-4, 1e-3, 5e-3, 2e-2, 1e-1)  # of the speed's deviation
 _NARX = ((2, 8), (2, 14), (3, 14), (3, 24))  # lags, terms
 
 
-@dataclass(frozen=True)
-class Pair:
-    """One input, one output; `train` and `test` are spans of samples."""
-
-    name: str
-    file: Path
-    columns: dict[str, str]
-    u: Array
-    y: Array
-    rate_hz: float
-    train: slice
-    test: slice
-
-
-def silverbox(folder: Path) -> Pair | None:
-    """The electronic Duffing oscillator of Wigren and Schoukens (2013); None without the data."""
-    file = folder / "silverbox" / "SNLS80mV.csv"
-    if not file.is_file():
-        return None
-    data = np.genfromtxt(file, delimiter=",", skip_header=1, usecols=(0, 1))[: _GROWING + _FITTED]
-    train = slice(_GROWING, _GROWING + _FITTED)
-    columns = {"input": "V1", "output": "V2"}
-    return Pair("Silverbox", file, columns, data[:, 0], data[:, 1], SILVERBOX_HZ, train, slice(0, _GROWING))
-
-
 def compare(pair: Pair) -> list[dict[str, Any]]:
     """A row for each method: its result, its held-out error in free run, and its time."""
     rows = []
-    for name, method in (("stillarm", _ours), ("PySINDy", _pysindy), ("SysIdentPy", _sysidentpy)):
+    ours = as_driven if pair.accelerates else _ours
+    methods = (
+        ("stillarm", ours),
+        ("subspace", _subspace),
+        ("PySINDy", _pysindy),
+        ("SysIdentPy", _sysidentpy),
+    )
+    for name, method in methods:
         began, spent = time.perf_counter(), time.process_time()
         try:
             shown, returned = method(pair)
@@ -115,6 +97,11 @@ def _ours(pair: Pair) -> tuple[Array, str]:
         said.append(f"{one['cause']} ({values})")
     text = f"{found.table['verdict']}: {'; '.join(said) or 'no cause'}"
     return found.found.final.predicted.channels["deflection"][pair.test], text
+
+
+def _subspace(pair: Pair) -> tuple[Array, str]:
+    shown, order = best_subspace(pair.u, pair.y, pair.train, pair.test)
+    return shown, f"linear, of order {order}"
 
 
 def _peak_hz(pair: Pair) -> float:
@@ -279,11 +266,15 @@ def run_all(data: Path | None, progress: Callable[[float], None] = lambda done: 
     """The result file: rows of the comparison, and the simulation's speed. data: folder of the measured data."""
     speed = simulation_speed()
     progress(0.1)
-    pair = silverbox(data) if data is not None else None
-    if data is not None and pair is None:
+    found = pairs(data) if data is not None else []
+    if data is not None and not found:
         raise UserError(
-            f"--data {data}: contains no silverbox/SNLS80mV.csv; omit --data to measure the speed alone"
+            f"--data {data}: contains none of silverbox/SNLS80mV.csv, robot_arm/robot_arm.dat and "
+            "f16_vibration/f-16.txt; omit --data to measure the speed alone"
         )
-    rows = compare(pair) if pair is not None else []
+    rows = []
+    for number, pair in enumerate(found, 1):
+        rows += compare(pair)
+        progress(0.1 + 0.9 * number / len(found))
     progress(1.0)
     return {"rows": rows, "simulation": speed}

@@ -25,6 +25,9 @@ NEAR_NATS, NEAR_SHARE = 3.0, 0.02  # within which two causes are a class
 SHARE_TO_NAME = 0.35  # of what all findings gain
 BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
+LEAST_OF_PLAY = (
+    MATTERS_OF_NOISE  # impacts that fall to one sample or the next fit some noise: they must matter
+)
 _QUIET = 0.25  # of the blocks
 _FEWEST_BLOCKS = 6
 _MOST_COLOUR = 3.0  # times the white noise, of the quietest blocks
@@ -77,7 +80,8 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
     for one in [other for other in taken if other.form.cause != STRUCTURE]:
         without = _without(final, one.form, taken, found.start.numbers)
         worth = judged(one.form, final, without).merit if left_s() > 0.0 else one.merit
-        if worth >= CONVINCES and _channel(*_where(one.form, without, final))[1] >= LEAST_OF_NOISE:
+        least = LEAST_OF_PLAY if one.form.play else LEAST_OF_NOISE
+        if worth >= CONVINCES and _channel(*_where(one.form, without, final))[1] >= least:
             needed.append((one, worth, without))
     of_cause = {one.form.cause: 0.0 for one, _, _ in needed}
     for one, worth, _ in needed:

@@ -21,7 +21,7 @@ def anew_with_friction(fitted: DrivenFit) -> Iterator[dict[str, float]]:
     """Numbers of joint, first mode and friction, where nothing but the linear start has been fitted yet."""
     box, driven = fitted.box, fitted.box.driven
     plain = set(fitted.free) <= set(free_of(box)) and not box.play and STATED not in fitted.numbers
-    if not plain or box.modes > 1 or driven.joins or not has_joint(driven):
+    if not plain or box.modes > 1 or not has_joint(driven):
         return
     rigid, size = box.without_arm(), float(np.std(driven.u))
     free = (*free_of(rigid), "coulomb")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
+from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA, believable
 from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
@@ -258,6 +258,8 @@ def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
     inside = fitted.box.split.held
     held = float((fitted.held_out - before.held_out)[inside].sum())
     worth = min(gained, 3.0 * held) - PRICE * form.price
+    if not believable(form.numbers, fitted.numbers, fitted.box.driven.step_s):
+        worth = -inf
     return Tried(form, fitted, worth if np.isfinite(worth) else -inf, held)
 
 

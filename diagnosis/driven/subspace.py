@@ -22,10 +22,10 @@ from stillarm.diagnosis.driven.signals import Driven
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_ROWS = 12  # of blocks of past and of future data: twice the largest order and more
+_ROWS = 20  # of blocks of past and of future data: several times the largest order
 _FEWEST = 400  # samples
 _MOST = 12_000  # samples: more make it slow, and no better a start
-_SLOWEST_HZ = 24.0  # to which a recording is thinned: below that even a slow arm has no sample to spare
+_SLOWEST_HZ = 8.0  # to which a recording is thinned: four samples a period of a slow arm
 _THINNER = 2.5  # from one rate to the next
 _STABLE = 0.99999
 _LEAST_ZETA, _LIKELY_ZETA, _MOST_ZETA = (

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from stillarm.benchmarks import identification
-from stillarm.benchmarks.identification import Pair, compare, run_all, silverbox, simulation_speed
+from stillarm.benchmarks.identification import compare, run_all, simulation_speed
+from stillarm.benchmarks.identification_data import Pair, silverbox
 from stillarm.common.user_error import UserError
 
 
@@ -22,10 +23,11 @@ def test_each_method_is_a_row_and_what_runs_away_has_no_error(monkeypatch: pytes
         raise ModuleNotFoundError("no", name="pysindy")
 
     monkeypatch.setattr(identification, "_ours", lambda pair: (0.9 * pair.y[pair.test], "named: x"))
+    monkeypatch.setattr(identification, "_subspace", lambda pair: (pair.y[pair.test], "linear"))
     monkeypatch.setattr(identification, "_pysindy", absent)
     monkeypatch.setattr(identification, "_sysidentpy", lambda pair: (np.full(300, np.nan), "9 terms"))
-    ours, sindy, narx = compare(_pair())
-    assert ours["nrmse"] == pytest.approx(0.1, rel=0.02)
+    ours, subspace, sindy, narx = compare(_pair())
+    assert ours["nrmse"] == pytest.approx(0.1, rel=0.02) and subspace["nrmse"] == 0.0
     assert (sindy["nrmse"], narx["nrmse"]) == (None, None)
     assert "pip install stillarm[peers]" in sindy["returned"]
     assert "diverges" in narx["returned"]
@@ -41,5 +43,5 @@ def test_data_that_are_not_there_are_told_of(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(identification, "simulation_speed", dict)
     assert silverbox(tmp_path) is None
     assert run_all(None) == {"rows": [], "simulation": {}}
-    with pytest.raises(UserError, match="contains no silverbox"):
+    with pytest.raises(UserError, match="contains none of silverbox"):
         run_all(tmp_path)

@@ -83,7 +83,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"duration of the measurement, in place of trials; live: duration of each run ({durations})",
     )
     parser.add_argument(
-        "--data", type=Path, metavar="DIR", help="identification: folder with silverbox/SNLS80mV.csv"
+        "--data",
+        type=Path,
+        metavar="DIR",
+        help="identification: folder with silverbox, robot_arm, f16_vibration",
     )
     parser.add_argument("--methods", metavar="A,B", help="estimators, live: only these methods (all)")
     parser.add_argument("--regimes", metavar="A,B", help="estimators: only these regimes, such as live (all)")

@@ -113,7 +113,9 @@ def _identification(arguments: argparse.Namespace, trials: int) -> dict[str, Any
         f"{speed['solve_ivp_times_real_time']:.1f} times; largest difference {speed['largest_difference']:.1e}"
     )
     if arguments.data is None:
-        print("--data FOLDER with silverbox/SNLS80mV.csv adds a comparison with PySINDy and SysIdentPy")
+        print(
+            "--data FOLDER with the measured sets adds a comparison with a subspace fit, PySINDy and SysIdentPy"
+        )
     return result
 
 

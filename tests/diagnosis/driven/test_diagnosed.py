@@ -62,6 +62,7 @@ def test_no_period_of_blocks_is_held_out_throughout() -> None:
     """As the blocks of every period up to ten come, some train and some are held out."""
     split = irregular(60.0)
     assert split.held.sum() * 3 == len(split.held)
+    assert not split.held[0]  # the start from rest is like nothing that comes later
     for period in range(2, 8):
         for phase in range(period):
             assert not split.held[phase::period].all()
