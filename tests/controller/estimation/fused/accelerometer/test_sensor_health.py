@@ -165,7 +165,7 @@ FAULTS: dict[str, tuple[Callable[[int, float, np.random.Generator], float], str]
 }  # fmt: skip
 
 
-@pytest.mark.blind(each_run=4)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_each_fault_is_named_and_does_little(name: str) -> None:
     """A second after its onset: named in most cycles, and a mean error of 1.5 % under a free-running camera."""
