@@ -17,6 +17,7 @@ from tests.hidden_world.whitened import whitened
 from tests.hidden_world.world import Case, run
 
 pytestmark = pytest.mark.slow
+TAKES_TURNS = pytest.mark.blind(each_run=5, group="the oracle")
 
 SECONDS = 8.0
 
@@ -93,6 +94,7 @@ def test_a_pitch_that_is_off_from_the_start_is_found_by_the_refit_wherever_it_is
     assert oracle.nats(to_the_end=True) < 3.0
 
 
+@TAKES_TURNS
 def test_creep_is_sized_by_what_a_full_refit_leaves() -> None:
     """Far above its rate creep is a little stiffness and damping, which the baseline has: little else is left."""
     case = replace(draw_case(900, "viscoelastic_creep", None, SECONDS), damped=False)
@@ -121,6 +123,7 @@ def test_white_noise_by_chance_is_worth_nothing_and_coloured_noise_what_the_text
         assert cells(slow, 1000.0, window).nats(amount) == pytest.approx(expected, rel=0.15)
 
 
+@TAKES_TURNS
 def test_a_law_is_worth_less_than_the_course_it_took() -> None:
     for name in ("second_axis", "aliased_gear_mesh", "correlated_bursts"):
         case = scale_to(replace(draw_case(901, name, None, SECONDS), damped=False), 100.0)
@@ -137,6 +140,7 @@ def test_bursts_have_to_be_placed() -> None:
     assert burst_nats(louder, 0.1, 0.1, 20.0) > 500.0
 
 
+@TAKES_TURNS
 @pytest.mark.parametrize(
     ("name", "nats"),
     [
@@ -151,6 +155,7 @@ def test_an_effect_is_scaled_to_the_nats_asked_for(name: str, nats: float) -> No
     assert expected_nats(scale_to(case, nats)) == pytest.approx(nats, rel=0.15)
 
 
+@TAKES_TURNS
 @pytest.mark.parametrize(
     ("name", "values"),
     [
@@ -164,12 +169,14 @@ def test_the_plain_form_fits_itself_exactly(name: str, values: dict[str, float])
     assert best_plain(hidden(name, values)).values == pytest.approx(values, rel=1e-6)
 
 
+@TAKES_TURNS
 def test_a_rough_form_is_described_by_a_plain_one_that_is_near_and_better() -> None:
     case = hidden("cubic_stiffness", {"coefficient_per_m2": 120.0}, detail=1.0)
     fitted = best_plain(case)
     assert 0.3 * 120.0 < fitted["coefficient_per_m2"] < 120.0
 
 
+@TAKES_TURNS
 def test_a_knee_that_no_small_change_of_a_corner_touches_is_described_by_scanning() -> None:
     """The drive bends off above its soft top; a corner there touches nothing that is commanded."""
     bare = hidden("drive_saturation", {"max_velocity_rad_s": 1.0})
@@ -180,6 +187,7 @@ def test_a_knee_that_no_small_change_of_a_corner_touches_is_described_by_scannin
     assert left < 0.7 * expected_nats(case)
 
 
+@TAKES_TURNS
 @pytest.mark.parametrize("cause", ["drive_saturation", "camera_tilt_coupling", "accelerometer_lag"])
 def test_a_blind_trial_hides_what_the_plain_form_describes(cause: str, tmp_path: Path) -> None:
     hidden_there = prepare("one", 1, 31, tmp_path, SECONDS, cause)["hidden"][0]

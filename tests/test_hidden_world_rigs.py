@@ -22,6 +22,7 @@ from tests.hidden_world.rigs.rig import FINE, TICK_S
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.blind(each_run=3, seed=(1, 2, 3))
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("what", ["none", "clock_step", "stop_contact"])
 def test_a_bundle_comes_in_without_complaint(what: str, seed: int, tmp_path: Path) -> None:

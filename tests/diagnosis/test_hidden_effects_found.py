@@ -51,7 +51,7 @@ def _marked(cause: str) -> object:
     return pytest.param(cause, marks=marks)
 
 
-@pytest.mark.blind(each_run=4, seed=SEED)
+@pytest.mark.blind(each_run=2, seed=SEED)
 @pytest.mark.parametrize("cause", [_marked(cause) for cause in sorted(CAUSES)])
 def test_the_hidden_cause_is_named(cause: str, tmp_path: Path) -> None:
     truth = prepare("one", 0, SEED, tmp_path / "data", SECONDS, cause) | {"number": 0}

@@ -6,11 +6,15 @@ import sys
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 
 import stillarm
 from stillarm.common.user_error import UserError
 from tests.fixtures.imports import ROOT
-from tests.fixtures.simulated import effect, record
+from tests.fixtures.simulated import SCENARIO, effect, record
+
+SHORT = structs.replace(SCENARIO, duration_s=9.0, strikes=SCENARIO.strikes[:1], moves=SCENARIO.moves[:5])
+"""Enough to name a gross effect: how exactly it is measured is judged elsewhere."""
 
 HEAVY = ("numpy", "scipy", "numba", "matplotlib")
 
@@ -41,7 +45,7 @@ def test_the_pages_example_does_what_it_says(
     page = (ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, re.S)
     (shown,) = re.findall(r"this prints\n\n((?:    .*\n)+)", page)
-    record(tmp_path, effect("gravity_leakage")).rename(tmp_path / "rec.mcap")
+    record(tmp_path, effect("gravity_leakage"), scenario=SHORT).rename(tmp_path / "rec.mcap")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     exec(code, names)

@@ -1,8 +1,9 @@
 """Blind cases take turns: each run asks some of them, chosen by the date; `make campaign` asks all.
 
-A test function marked `blind(each_run=N, seed=S)` runs N of its parametrized cases, or one less. The turn is the number
-of days since 1970 (UTC), or STILLARM_SLICE: the number of another day runs that day's slice, `all` runs every case. A
-case that guards against a past mistake does not carry the mark.
+A test function marked `blind(each_run=N, seed=S)` runs N of its parametrized cases, or one less; functions marked with
+the same `group="..."` take turns together. The seed is left out where nothing is drawn. The turn is the number of days
+since 1970 (UTC), or STILLARM_SLICE: the number of another day runs that day's slice, `all` runs every case. A case that
+guards against a past mistake does not carry the mark.
 """
 
 import os
@@ -61,7 +62,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         mark = cases[0].get_closest_marker("blind")
         assert mark is not None
         for case in cases:
-            case.user_properties.append((_SEED, str(mark.kwargs["seed"])))
+            case.user_properties.append((_SEED, str(mark.kwargs.get("seed", ""))))
         if turn is not None:
             mine = slice_of(len(cases), mark.kwargs["each_run"], turn)
             left_out |= {case for place, case in enumerate(cases) if place not in mine}
@@ -71,12 +72,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _blind(items: Sequence[pytest.Item]) -> list[list[pytest.Item]]:
-    """The blind cases of each test function, in the order of collection."""
-    by_function: dict[str, list[pytest.Item]] = {}
+    """The blind cases of each test function or group, in the order of collection."""
+    together: dict[str, list[pytest.Item]] = {}
     for item in items:
-        if item.get_closest_marker("blind") is not None:
-            by_function.setdefault(item.nodeid.partition("[")[0], []).append(item)
-    return list(by_function.values())
+        mark = item.get_closest_marker("blind")
+        if mark is not None:
+            name = mark.kwargs.get("group", item.nodeid.partition("[")[0])
+            together.setdefault(name, []).append(item)
+    return list(together.values())
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -85,7 +88,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     called = [one for one in finished if isinstance(one, pytest.TestReport) and one.when == "call"]
     seeds = [value for one in called for name, value in one.user_properties if name == _SEED]
     if seeds:
-        turn, named = os.environ[VARIABLE], "; ".join(sorted(set(seeds)))
+        turn, named = os.environ[VARIABLE], "; ".join(sorted(set(seeds) - {""})) or "none"
         terminalreporter.write_line(
             f"blind cases: {len(seeds)}, slice {turn}, seed {named}; again: {VARIABLE}={turn} make test; "
             "all: make campaign"

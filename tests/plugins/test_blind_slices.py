@@ -34,6 +34,23 @@ def test_turns_are_days() -> None:
     assert turn_of(date(2026, 3, 1)) == turn_of(date(2026, 2, 28)) + 1
 
 
+def test_functions_of_a_group_take_turns_together(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In another file, too, and without a seed."""
+    mark = "import pytest\n\n@pytest.mark.blind(each_run=1, group='same')\ndef test_it(): pass\n"
+    pytester.makeini("[pytest]\nmarkers =\n    blind: takes turns")
+    pytester.makepyfile(test_a=mark, test_b=mark, test_c=mark)
+    ran = []
+    for turn in "345":
+        monkeypatch.setenv(VARIABLE, turn)
+        result = pytester.runpytest_inprocess("-v", "-p", "tests.plugins.blind_slices")
+        result.assert_outcomes(passed=1, deselected=2)
+        assert f"blind cases: 1, slice {turn}, seed none" in result.stdout.str()
+        ran += [name for name in "abc" if f"test_{name}.py::test_it" in result.stdout.str()]
+    assert sorted(ran) == ["a", "b", "c"]
+
+
 @pytest.mark.parametrize("text", ["", "-1", "2.5", "every"])
 def test_a_slice_that_is_none_is_refused(text: str) -> None:
     assert turn_from("all") is None and turn_from("12") == 12

@@ -19,6 +19,7 @@ CONTRACT = {
 }  # fmt: skip
 
 
+@pytest.mark.blind(each_run=2, group="long runs of the real processes")
 def test_a_run_gives_the_rows_of_the_contract_and_starts_when_all_is_warm(tmp_path: Path) -> None:
     """No figure of this machine is judged, but that the stack started as one: cycle 0 first, an image soon after."""
     words = [
@@ -47,6 +48,7 @@ def test_a_run_gives_the_rows_of_the_contract_and_starts_when_all_is_warm(tmp_pa
     assert recording.columns("/frames")["received_s"][0] < 1.0
 
 
+@pytest.mark.blind(each_run=2, group="long runs of the real processes")
 def test_a_killed_supervisor_is_replaced_and_what_follows_is_scored(tmp_path: Path) -> None:
     """The gap has the requested length, up to the time to start a process; the successor is recognised as a
     new supervisor.

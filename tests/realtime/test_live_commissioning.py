@@ -45,6 +45,7 @@ def skip_where_images_starve(folder: Path) -> None:
         pytest.skip("this machine is too busy to track images")
 
 
+@pytest.mark.blind(each_run=2, group="long runs of the real processes")
 @pytest.mark.parametrize("how", ["interrupt", "stop"])
 def test_an_interruption_leaves_the_joint_still(rig: Path, how: str) -> None:
     """Ctrl-C, or the operator's emergency stop: the command ends, one line says so, no model is written."""

@@ -47,6 +47,7 @@ def shown(tmp_path: Path) -> Iterator[tuple[ShownPage, Path]]:
             stop_process(panel, 20.0)
 
 
+@pytest.mark.blind(each_run=2, group="long runs of the real processes")
 def test_a_rig_is_commissioned_from_the_page(shown: tuple[ShownPage, Path]) -> None:
     page, recordings = shown
     told = "document.getElementById('commission-told').textContent"

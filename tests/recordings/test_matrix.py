@@ -13,13 +13,13 @@ from tests.recordings.outcome import (
     fault_of,
     run_all,
 )
-from tests.recordings.shapes import HZ, SHAPES
+from tests.recordings.shapes import HZ, SEED, SHAPES
 from tests.recordings.table import PAGE, page
 
 LONG_BUDGET_S = 8.0  # of ten minutes at 1 kHz
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=12, seed=SEED)
 @pytest.mark.parametrize("name", SHAPES)
 def test_every_command_ends_in_an_answer_or_in_one_line(name: str, tmp_path: Path) -> None:
     budget_s = {"10 min at 1 kHz": LONG_BUDGET_S}.get(name, 2.0)
@@ -57,7 +57,7 @@ def test_the_page_is_the_matrix() -> None:
     assert PAGE.read_text() == page(), "run `python -m tests.recordings.table`, and commit docs/recordings.md"
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=2, seed=SEED)
 @pytest.mark.parametrize(
     "name",
     [
@@ -80,7 +80,7 @@ def test_a_plain_recording_shows_nothing_but_its_frequency(name: str, tmp_path: 
     assert not table["looked_at"]["left_out"]
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=1, seed=SEED)
 @pytest.mark.parametrize("base", ["images alone", "accelerometer and images"])
 def test_the_start_of_time_changes_nothing(base: str, tmp_path: Path) -> None:
     """Unix epoch seconds, and a start below zero, against the same recording from zero: one verdict, one fit, one

@@ -92,7 +92,7 @@ def test_nothing_heavy_is_loaded_before_a_command_s_first_sign_of_life(tmp_path:
         "simulate": f"--model {model} -o simulated.mcap",
         "replay": "rec.mcap",
         "recover": "rec.mcap",
-        "diagnose": "rec.mcap --no-use",
+        "diagnose": "rec.mcap",
         "calibrate": f"rec.mcap --model {model} -o new.toml",
         "export": "rec.mcap -o tables",
         "import": "bundle/fast.csv --look",

@@ -129,8 +129,8 @@ def _alone(arguments: argparse.Namespace, model: "Model | None") -> "Done":
         path, arguments.out, model, tuple(arguments.hold_out), _use_pairs(arguments), arguments.budget_s
     )
     with (
-        beside() if job.use_pairs else nullcontext(map) as run_each,
         progress_bar(f"diagnose {path.name}") as progress,
+        beside() if job.use_pairs else nullcontext(map) as run_each,
     ):
         return diagnose_one(job, progress, run_each)
 

@@ -30,6 +30,7 @@ def world_of(method: str) -> tuple[World, Verdict]:
     return world, run_in_child(world, Plan(()), None)
 
 
+@pytest.mark.blind(each_run=2)
 @pytest.mark.parametrize("method", METHODS)
 def test_every_field_at_once(method: str) -> None:
     """NaN, then 1e300 (2^40 for a counter) in every field, in thirty cycles or samples each, while the damping acts."""
@@ -45,6 +46,7 @@ def test_every_field_at_once(method: str) -> None:
         check(world, Plan((*floats, *others), damping=True), usual)
 
 
+@pytest.mark.blind(each_run=8)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("cycles", [10, 1000, 1001, 10**6])
 def test_pauses(method: str, cycles: int) -> None:
@@ -52,6 +54,7 @@ def test_pauses(method: str, cycles: int) -> None:
     check(world, Plan((Odd(7, "pause", cycles),), damping=True), usual)
 
 
+@pytest.mark.blind(each_run=2)
 @pytest.mark.parametrize("method", METHODS)
 def test_drawn_plans(method: str) -> None:
     world, usual = world_of(method)

@@ -73,7 +73,7 @@ def test_a_wrong_effect_is_refused_in_one_line(effect: dict[str, float | str], s
     assert "\n" not in str(told.value)
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=1, group="a recording of what its model declares")
 def test_with_its_extended_model_a_recording_has_nothing_more(tmp_path: Path) -> None:
     path = write_recording(tmp_path / "rec.mcap", coulomb=4.0)
     first = diagnose(path)

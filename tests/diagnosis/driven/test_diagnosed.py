@@ -21,7 +21,7 @@ def _diagnosed(folder: Path, coulomb: float = 0.0, offset: float = 0.0) -> Drive
     return result
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=2, group="driven joints")
 def test_dry_friction_is_named_from_data_alone_with_its_size(tmp_path: Path) -> None:
     result = _diagnosed(tmp_path, coulomb=4.0)
     assert result.table["verdict"] == "named"
@@ -45,13 +45,13 @@ def test_dry_friction_is_named_from_data_alone_with_its_size(tmp_path: Path) -> 
     assert "<svg" in page and "joint_coulomb_friction" in page
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=2, group="driven joints")
 def test_a_joint_without_fault_has_none(tmp_path: Path) -> None:
     result = _diagnosed(tmp_path)
     assert result.table["verdict"] == "none" and result.table["findings"] == []
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=2, group="driven joints")
 def test_a_constant_torque_is_no_friction(tmp_path: Path) -> None:
     result = _diagnosed(tmp_path, offset=2.0)
     assert result.table["findings"][0]["cause"] == "torque_offset"

@@ -29,7 +29,7 @@ def test_what_is_found_again_takes_the_place_of_what_was_declared() -> None:
     assert both == [other, new]
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=1, group="a recording of what its model declares")
 def test_an_extended_model_s_recording_holds_nothing_unknown(tmp_path: Path) -> None:
     effects = [effect("cubic_stiffness"), effect("gravity_leakage"), effect("drive_lag"), effect("mains_hum")]
     recording = record(tmp_path, *effects)

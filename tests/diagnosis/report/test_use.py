@@ -43,7 +43,7 @@ def test_a_play_that_is_known_of_is_crossed_in_time() -> None:
     assert runs[0]["note"] is None
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=1)
 @pytest.mark.parametrize(
     "cause", ["drive_lag", "accelerometer_lag", "second_bending_mode", "stale_frame_buffer"]
 )

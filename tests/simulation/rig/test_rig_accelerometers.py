@@ -18,6 +18,7 @@ from stillarm.drivers.accelerometers.accelerometer_factory import open_accelerom
 pytestmark = pytest.mark.realtime
 
 
+@pytest.mark.blind(each_run=2)
 @pytest.mark.parametrize("name", ["lis3dh", "adxl355", "icm20948", "witmotion", "xsens", "microcontroller"])
 def test_the_driver_reads_the_rig_s_emulated_device(tmp_path: Path, name: str) -> None:
     """At rest: noise about zero along the arm, gravity across, and samples that go on coming."""

@@ -34,7 +34,7 @@ MISSED = {
 """What each misses, and by how much; a case that keeps all moves up."""
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=3, seed=1000)
 @pytest.mark.parametrize("seed", KEPT)
 def test_a_strangers_swings_are_followed(seed: int, tmp_path: Path) -> None:
     assert _missed(seed, tmp_path) == {}

@@ -22,7 +22,7 @@ def _diagnosed(
     return diagnose_rig([read_driven(open_recording(one)) for one in paths], LABELS[: len(coulomb)], None)
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=2, group="driven joints")
 def test_friction_in_one_recording_is_named_there_alone(tmp_path: Path) -> None:
     result = _diagnosed(tmp_path, (0.0, 4.0, 0.0))
     (one,) = result.rig.table["findings"]
@@ -36,7 +36,7 @@ def test_friction_in_one_recording_is_named_there_alone(tmp_path: Path) -> None:
     assert [row["worse"] for row in result.rig.table["recordings"]] == [False, False, False]
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=2, group="driven joints")
 def test_friction_in_all_and_a_load_in_one(tmp_path: Path) -> None:
     result = _diagnosed(tmp_path, (2.0, 2.0, 2.0), (1.0, 1.0, 1.3))
     found = {one["cause"]: one for one in result.rig.table["findings"]}
