@@ -77,17 +77,17 @@ def _at_its_noise(usual: Fit, split: Split) -> bool:
     """Whether one frequency leaves the sensors at the tip little more than their noise for most of the time: no course
     of the frequency needs to be sought then, which takes long."""
     levels = [
-        level(usual, split)
+        level(sensor.residual, usual, split)
         for name, level in (("acceleration", _left_about_the_mode), ("displacement", _left_in_images))
-        if usual.channel(name) is not None
+        if (sensor := usual.channel(name)) is not None
     ]
     return bool(levels) and max(levels) < _LITTLE
 
 
-def _left_about_the_mode(usual: Fit, split: Split) -> float:
+def _left_about_the_mode(residual: Array, usual: Fit, split: Split) -> float:
     """What is left of the accelerometer about the first mode's frequency, median of the blocks, over its noise. What
     rings far above says nothing of that frequency."""
-    residual, levels = usual.residuals["acceleration"], []
+    levels = []
     hz = usual.value("modes.0.frequency_hz")
     block = split.blocks_of(usual.world.cycle_times)
     for one in range(len(split.held)):
@@ -102,9 +102,8 @@ def _left_about_the_mode(usual: Fit, split: Split) -> float:
     return float(np.median(levels)) ** 0.5 / max(white_noise(residual), _NO_NOISE) if levels else np.inf
 
 
-def _left_in_images(usual: Fit, split: Split) -> float:
+def _left_in_images(residual: Array, usual: Fit, split: Split) -> float:
     """What is left of the images, median of the blocks, over their noise."""
-    residual = usual.residuals["displacement"]
     block = split.blocks_of(usual.world.instants(usual.vector))
     levels = [std_about_zero(off) for one in range(len(split.held)) if (off := residual[block == one]).size]
     return float(np.nanmedian(levels)) / max(white_noise(residual), _NO_NOISE) if levels else np.inf

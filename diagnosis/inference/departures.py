@@ -46,7 +46,10 @@ def is_loud(off: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
 def long_stretch(last: Fit, struck: float) -> tuple[float, float] | None:
     """The stretch about an impact in which the images depart from the model, s: a smaller departure than a loud one, as
     it lasts for some images; None where there is none."""
-    off = last.residuals["displacement"]
+    images = last.channel("displacement")
+    if images is None:
+        return None
+    off = images.residual
     known = np.isfinite(off)
     if known.sum() < _FEWEST:
         return None

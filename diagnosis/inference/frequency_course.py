@@ -178,17 +178,18 @@ def _shown(world: World, motion: Motion) -> list[_Shown]:
     pull = world.length * motion.joint[:, 2]
     middles = np.asarray(h * many * np.arange(len(pull) // many), np.float64)
     shown = []
-    if "acceleration" in world.channels:
+    felt, bent, seen = (world.channels.get(name) for name in ("acceleration", "deflection", "displacement"))
+    if felt is not None:
         per_m = world.model.accelerometer.scale * (2.0 * pi * f0) ** 2
         rigid = _means(pull, many)[:, None]
-        means = _means(world.channels["acceleration"], many)
+        means = _means(felt, many)
         shown.append(_Shown(middles, means, rigid, lambda w: _means(_answer(pull, w, h, False), many), per_m))
-    if "deflection" in world.channels:
-        means = _means(world.channels["deflection"], many)
+    if bent is not None:
+        means = _means(bent, many)
         none = np.empty((len(means), 0))
         shown.append(_Shown(middles, means, none, lambda w: _means(_answer(pull, w, h, True), many), 1.0))
     per_px = world.model.camera.scale_px_per_m
-    if "displacement" in world.channels and per_px != 0.0:
+    if seen is not None and per_px != 0.0:
         at_s = world.instants(world.space.vector())
         known = np.isfinite(at_s)
         at_s = at_s[known]
@@ -197,7 +198,7 @@ def _shown(world: World, motion: Motion) -> list[_Shown]:
         shown.append(
             _Shown(
                 at_s,
-                world.channels["displacement"][known],
+                seen[known],
                 turned,
                 lambda w: np.interp(at_s, grid, _answer(pull, w, h, True)),
                 per_px,
