@@ -77,7 +77,7 @@ def _at_its_noise(usual: Fit, split: Split) -> bool:
     """Whether one frequency leaves the sensors at the tip little more than their noise for most of the time: no course
     of the frequency needs to be sought then, which takes long."""
     levels = [
-        level(sensor.residual, usual, split)
+        level(sensor.residual, usual, split) / max(white_noise(sensor.residual), _NO_NOISE)
         for name, level in (("acceleration", _left_about_the_mode), ("displacement", _left_in_images))
         if (sensor := usual.channel(name)) is not None
     ]
@@ -85,8 +85,8 @@ def _at_its_noise(usual: Fit, split: Split) -> bool:
 
 
 def _left_about_the_mode(residual: Array, usual: Fit, split: Split) -> float:
-    """What is left of the accelerometer about the first mode's frequency, median of the blocks, over its noise. What
-    rings far above says nothing of that frequency."""
+    """What is left of the accelerometer about the first mode's frequency, m/s^2, median of the blocks. What rings far
+    above says nothing of that frequency."""
     levels = []
     hz = usual.value("modes.0.frequency_hz")
     block = split.blocks_of(usual.world.cycle_times)
@@ -99,14 +99,14 @@ def _left_about_the_mode(residual: Array, usual: Fit, split: Split) -> float:
         about = (at > _ABOUT[0] * hz) & (at < _ABOUT[1] * hz)
         if about.any() and known.any():
             levels.append(float(np.mean(power[about])))
-    return float(np.median(levels)) ** 0.5 / max(white_noise(residual), _NO_NOISE) if levels else np.inf
+    return float(np.median(levels)) ** 0.5 if levels else np.inf
 
 
 def _left_in_images(residual: Array, usual: Fit, split: Split) -> float:
-    """What is left of the images, median of the blocks, over their noise."""
+    """What is left of the images, px, median of the blocks."""
     block = split.blocks_of(usual.world.instants(usual.vector))
     levels = [std_about_zero(off) for one in range(len(split.held)) if (off := residual[block == one]).size]
-    return float(np.nanmedian(levels)) / max(white_noise(residual), _NO_NOISE) if levels else np.inf
+    return float(np.nanmedian(levels)) if levels else np.inf
 
 
 def _with_limit(world: World, split: Split, ceiling: float) -> Fit:

@@ -22,8 +22,11 @@ _GAP_PERIODS = 0.25  # within a stretch
 _ABOUT_PERIODS = 0.35  # from an impact to where what it has wrong shows
 
 
-def loud_at(last: Fit, name: str) -> tuple[Array, NDArray[np.bool_]] | None:
-    """When a channel was measured, s, and whether it departs from the model by far more than it usually does."""
+def loud_at(
+    last: Fit, name: str, width: int | None = None, times: float = _LOUD
+) -> tuple[Array, NDArray[np.bool_]] | None:
+    """When a channel was measured, s, and whether it departs from the model by far more than it usually does. width:
+    samples over which it is looked at, if not the usual ones; times: the usual departure."""
     if name not in last.residuals:
         return None
     off = last.residuals[name]
@@ -32,8 +35,8 @@ def loud_at(last: Fit, name: str) -> tuple[Array, NDArray[np.bool_]] | None:
         return None
     time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
     time, off = time[known], off[known]
-    width = max(_LEAST_FRAMES, round(LOUD_OVER_S / last.world.step_s(name)))
-    return time, is_loud(off, width)
+    width = width or max(_LEAST_FRAMES, round(LOUD_OVER_S / last.world.step_s(name)))
+    return time, is_loud(off, width, times)
 
 
 def is_loud(off: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
@@ -46,19 +49,12 @@ def is_loud(off: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
 def long_stretch(last: Fit, struck: float) -> tuple[float, float] | None:
     """The stretch about an impact in which the images depart from the model, s: a smaller departure than a loud one, as
     it lasts for some images; None where there is none."""
-    images = last.channel("displacement")
-    if images is None:
+    loud = loud_at(last, "displacement", _LONG_FRAMES, _LONG_LOUD)
+    if loud is None:
         return None
-    off = images.residual
-    known = np.isfinite(off)
-    if known.sum() < _FEWEST:
-        return None
-    time, step = last.world.instants(last.vector)[known], last.world.step_s("displacement")
-    loud = is_loud(off[known], _LONG_FRAMES, _LONG_LOUD)
-    as_long = (
-        _LONG_FRAMES * step / _GAP_PERIODS
-    )  # a period of which the gaps that are bridged are so many images
-    return loud_stretch(time, loud, struck, max(as_long, 1.0 / last.value("modes.0.frequency_hz")))
+    # a period of which the gaps that are bridged are as many images
+    as_long = _LONG_FRAMES * last.world.step_s("displacement") / _GAP_PERIODS
+    return loud_stretch(*loud, struck, max(as_long, 1.0 / last.value("modes.0.frequency_hz")))
 
 
 def is_one_sided(off: Array, width: int) -> NDArray[np.bool_]:

@@ -98,23 +98,25 @@ def _without_pushes_seen(baseline: Fit, split: Split) -> Fit:
         if max(nats) > CHANGED_NATS:
             baseline = tried[int(np.argmax(nats))]
             continue
-        for span in _seen_about(baseline, struck, period):
-            without = _left_out(baseline, [span], split)
-            ends = any(span[0] <= i * cycle_s <= span[1] for i in without.world.impacts)
-            if ends and _no_worse(without, baseline):
-                baseline = without
+        span = _seen_about(baseline, struck, period)
+        if span is None:
+            continue
+        without = _left_out(baseline, [span], split)
+        ends = any(span[0] <= i * cycle_s <= span[1] for i in without.world.impacts)
+        if ends and _no_worse(without, baseline):
+            baseline = without
     return baseline
 
 
-def _seen_about(baseline: Fit, struck: float, period: float) -> list[tuple[float, float]]:
-    """The stretch about an impact in which the images depart from the model, as a span, s, if it is a short one: a
+def _seen_about(baseline: Fit, struck: float, period: float) -> tuple[float, float] | None:
+    """The stretch about an impact in which the images depart from the model, as a span, s; None unless it is short: a
     push that lasts swings the arm while it does, and the impact stands at its end."""
     stretch = long_stretch(baseline, struck)
     if stretch is None:
-        return []
+        return None
     start, end = max(stretch[0] - 0.5 * period, 0.0), max(stretch[1], struck) + 0.25 * period
     short = end - start < min(_LONGEST_S, _MOST_OF_ONE * baseline.world.measured.duration_s)
-    return [(start, end)] if short else []
+    return (start, end) if short else None
 
 
 def _nats_where_both(found: Fit, before: Fit) -> float:

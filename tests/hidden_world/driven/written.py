@@ -12,7 +12,7 @@ _COMMAND_ROLE = {
     "current": ("motor_current_command_a", "A"),
     "voltage": ("motor_voltage_v", "V"),
 }
-_ROLE = {
+ROLE = {
     "position": "joint_position_rad",
     "motor_position": "motor_position_rad",
     "velocity": "joint_velocity_rad_s",
@@ -73,7 +73,7 @@ def _command(case: Case, chance: np.random.Generator) -> Column:
 
 
 def _measured(channel: Channel, values: Values, chance: np.random.Generator) -> Column:
-    name, role = str(chance.choice(_NAMES[channel.kind])), _ROLE[channel.kind]
+    name, role = str(chance.choice(_NAMES[channel.kind])), ROLE[channel.kind]
     numbers = values / channel.size
     if channel.unit == "counts":
         return Column(name, numbers, role, "", "counts", channel.size, whole=channel.quantum == channel.size)
