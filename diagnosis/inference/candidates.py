@@ -32,6 +32,9 @@ ALWAYS_THERE = "second_bending_mode"
 
 _AT_LIMIT, _OFTEN = 1e-6, 0.01  # of a limit; of the samples, which no noise has at one value
 _TENTHS = 10
+_NEAR_A_MODE = (
+    0.1  # of its frequency: some widths of the resonance of an arm with a damping ratio of 0.01 to 0.02
+)
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
 
 
@@ -96,12 +99,19 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
         return False
     if one.law is not None:
         return True
-    if beside:
-        return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
-    if one.cause == ALWAYS_THERE:
+    if beside or one.cause == ALWAYS_THERE or _rings_with_a_mode(one):
         return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
     return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
+
+
+def _rings_with_a_mode(one: Candidate) -> bool:
+    """Whether a force that a cause puts on the arm has the frequency of one of its modes: the resonance makes every small
+    error of the model look like that, such as a damping that wanders."""
+    if DECLARED[one.cause].acts != "force" or "frequency_hz" not in one.values:
+        return False
+    modes = [one.fit.value(f"modes.{mode}.frequency_hz") for mode in range(one.fit.world.modes)]
+    return any(abs(one.values["frequency_hz"][0] / hz - 1.0) < _NEAR_A_MODE for hz in modes)
 
 
 def turns_the_joint(cause: str) -> bool:

@@ -7,6 +7,9 @@ import pytest
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION
 from stillarm.diagnosis.inference.candidates import (
+    CONVINCING_NATS,
+    Candidate,
+    convinces,
     least_that_matters,
     size_in_noise,
     white_noise,
@@ -55,3 +58,17 @@ def test_a_sensor_at_its_limit_has_the_noise_that_it_has_below_it() -> None:
     noise = np.random.default_rng(2).normal(0.0, NOISE["acceleration"], data.cycles)
     left = replace(fit, residuals={**fit.residuals, "acceleration": np.where(pinned, 0.0, noise)})
     assert white_noise(left, "acceleration") == pytest.approx(NOISE["acceleration"], rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("times", "of_noise", "told"), [(1.0, 0.3, False), (1.0, 0.7, True), (1.5, 0.3, True)]
+)
+def test_a_small_force_at_a_modes_own_frequency_is_not_told(
+    plain: Fit, times: float, of_noise: float, told: bool
+) -> None:
+    """The resonance makes other small errors of the model look like that."""
+    before = with_rest(plain, "acceleration", of_noise * NOISE["acceleration"])
+    hz = times * plain.value("modes.0.frequency_hz")
+    values = {"frequency_hz": (hz, 0.01), "amplitude_m_s2": (0.01, 0.001)}
+    one = Candidate("periodic_disturbance", plain, 0.0, 0.0, values, merit=2.0 * CONVINCING_NATS)
+    assert convinces(one, before, beside=False) is told
