@@ -106,8 +106,8 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
 
 
 def _rings_with_a_mode(one: Candidate) -> bool:
-    """Whether a force that a cause puts on the arm has the frequency of one of its modes: the resonance makes every small
-    error of the model look like that, such as a damping that wanders."""
+    """Whether a force that a cause puts on the arm has the frequency of one of its modes: the resonance makes every
+    small error of the model look like that, such as a damping that wanders."""
     if DECLARED[one.cause].acts != "force" or "frequency_hz" not in one.values:
         return False
     modes = [one.fit.value(f"modes.{mode}.frequency_hz") for mode in range(one.fit.world.modes)]

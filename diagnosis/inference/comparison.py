@@ -26,6 +26,7 @@ from stillarm.diagnosis.physics.computing import OutOfTime, side_by_side
 from stillarm.diagnosis.physics.world import World
 
 _Item = TypeVar("_Item")
+_Key = TypeVar("_Key")
 Array = NDArray[np.float64]
 Slopes = Mapping[str, Mapping[str, Array]]
 """Derivatives by quantity and channel (stillarm.diagnosis.inference.fit.slopes_of)."""
@@ -65,6 +66,14 @@ class Begun:
 _Pair = tuple[Begun, Fit | None]
 
 
+@dataclass(frozen=True)
+class _Promise:
+    """What a quick fit gains, in nats by the log score that makes more of it."""
+
+    begun: Begun
+    gain: float
+
+
 def compared(
     last: Fit, tried: Sequence[Form], split: Split, found: Found
 ) -> tuple[list[Scored], list[Candidate]]:
@@ -75,8 +84,8 @@ def compared(
         before, data = score(last, split), make_data(last.world, split)
         begun, screening = begun_fits(data, last, tried)
         slopes = slopes_of(last)
-        quick = _each(lambda one: (one, refitted(one, last, split, slopes)), begun, found)
-        best = best_of_each(quick, last, before, split)
+        quick = _each(lambda one: _quickly(one, last, before, split, slopes), begun, found)
+        best = best_of_each(quick)
         ended = _each(lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found)
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
         later = _each(
@@ -95,10 +104,12 @@ def compared(
     return screening, sorted(candidates, key=lambda one: -one.merit)
 
 
-def _each(work: Callable[[_Item], _Pair], items: Sequence[_Item], found: Found) -> list[tuple[Begun, Fit]]:
+def _each(
+    work: Callable[[_Item], tuple[_Key, Fit | None]], items: Sequence[_Item], found: Found
+) -> list[tuple[_Key, Fit]]:
     """The work on each item; what the time did not suffice for is left out, and told."""
 
-    def tried(item: _Item) -> _Pair | None:
+    def tried(item: _Item) -> tuple[_Key, Fit | None] | None:
         try:
             return work(item)
         except OutOfTime:
@@ -185,23 +196,32 @@ def gain_of(fitted: Fit, last: Fit) -> float:
     return fitted.train_log_likelihood - last.train_log_likelihood + float(np.sum(gained))
 
 
-def best_of_each(
-    quick: list[tuple[Begun, Fit]], last: Fit, before: Score, split: Split
-) -> list[tuple[Begun, Fit]]:
-    """The best start of each form, without those that explain next to nothing of what the best of their place does.
+def _quickly(
+    one: Begun, last: Fit, before: Score, split: Split, slopes: Slopes
+) -> tuple[_Promise, Fit | None]:
+    """A quick fit without what it shows of the recording, of which a hundred would take a gigabyte.
 
     Noise that is coloured as what the last fit leaves foretells a large smooth rest so well that to be rid of it gains
     nothing: the log score by frequency, in which the level is learnt anew, has a say too.
     """
-    best: dict[tuple[str, str], tuple[float, Begun, Fit]] = {}
+    fitted = refitted(one, last, split, slopes)
+    if fitted is None:
+        return _Promise(one, 0.0), None
+    gain = max(gain_of(fitted, last), float(score(fitted, split).gain(before).sum()))
+    one.world.forget()
+    return _Promise(one, gain), replace(fitted, residuals={}, predicted=replace(last.predicted, channels={}))
+
+
+def best_of_each(quick: list[tuple[_Promise, Fit]]) -> list[tuple[Begun, Fit]]:
+    """The best start of each form, without those that explain next to nothing of what the best of their place does."""
+    best: dict[tuple[str, str], tuple[_Promise, Fit]] = {}
     for one, fitted in quick:
-        key = (one.form.id, one.form.name)
-        gain = max(gain_of(fitted, last), float(score(fitted, split).gain(before).sum()))
-        if key not in best or gain > best[key][0]:
-            best[key] = (gain, one, fitted)
-    top = max((gain for gain, _, _ in best.values()), default=0.0)
-    kept = [found for found in best.values() if _goes_on(found[1], found[0], top)]
-    return [(one, fitted) for _, one, fitted in sorted(kept, key=lambda found: -found[0])]
+        key = (one.begun.form.id, one.begun.form.name)
+        if key not in best or one.gain > best[key][0].gain:
+            best[key] = (one, fitted)
+    top = max((one.gain for one, _ in best.values()), default=0.0)
+    kept = [found for found in best.values() if _goes_on(found[0].begun, found[0].gain, top)]
+    return [(one.begun, fitted) for one, fitted in sorted(kept, key=lambda found: -found[0].gain)]
 
 
 def _goes_on(one: Begun, gain: float, top: float) -> bool:

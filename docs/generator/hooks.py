@@ -10,6 +10,7 @@ from typing import Any
 
 import commands_page
 import configuration_page
+import constants_page
 import python_page
 
 from stillarm.common.datagrams.protocol_document import message_tables
@@ -20,6 +21,7 @@ _TITLE = "# Datagrams\n\n[protocol.md](../protocol.md) says what surrounds these
 GENERATED = {
     "reference/commands.md": commands_page.page,
     "reference/configuration.md": configuration_page.page,
+    "reference/constants.md": constants_page.page,
     "reference/python.md": python_page.page,
     "reference/datagrams.md": lambda: _TITLE + message_tables(),
 }

@@ -24,6 +24,7 @@ DEFAULT_TRIALS = {
     "live": 5,
 }
 BENCHMARKS = tuple(DEFAULT_TRIALS)
+_COUNTED = {"live": "--runs", "commission": "--rigs"}  # what its trials are called
 _ONLY_FOR = {
     "out": ("estimators", "live"),
     "methods": ("estimators", "live"),
@@ -108,7 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the benchmark and print its tables."""
     trials = DEFAULT_TRIALS[arguments.name] if arguments.trials is None else arguments.trials
     if trials < 1:
-        raise UserError(f"--trials {trials}: at least 1")
+        raise UserError(f"{_COUNTED.get(arguments.name, '--trials')} {trials}: at least 1")
     for option, names in _ONLY_FOR.items():
         if getattr(arguments, option) not in (None, False) and arguments.name not in names:
             raise UserError(
