@@ -19,7 +19,7 @@ from stillarm.diagnosis.data.robust import std_about_median, std_about_zero
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-_WIDTH = 24  # hypotheses
+_WIDTH = 24  # hypotheses that go on from a frame: time grows with them
 _FURTHER_NATS = 1.1  # each further lost frame of a run
 _ENTER_NATS, _EARLY_NATS, _LEAVE_NATS, _STAY_NATS = 4.0, 16.0, 2.0, 0.003  # a burst, or a clock that was set
 _JUMP = 3.0  # deviation of a burst's lateness, periods

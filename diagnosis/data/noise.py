@@ -41,7 +41,7 @@ _FINE = 0.5  # of the least level
 _SAME = 1e-9  # rad: values that a file's rounding alone tells apart
 _FEWEST = 200  # known values: fewer do not tell how fine a sensor is
 _QUIET = 0.1  # of the pieces, which are as quiet as the image gets
-_PIECE = 32  # frames
+_PIECE = 32  # frames: a second at 30 Hz
 
 
 @dataclass(frozen=True)

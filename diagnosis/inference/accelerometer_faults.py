@@ -23,9 +23,9 @@ from stillarm.diagnosis.physics.quantities import RANGE
 Array = NDArray[np.float64]
 
 SURE_NATS = 6.0
-"""From here on outliers are taken for pulses, or for strikes."""
+"""From here on outliers are taken for pulses, or for strikes: 400 to 1."""
 
-_OF_TWO = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares
+_OF_TWO = (0.0, 0.25, 0.5, 0.75, 1.0)  # of spikes, that are two samples long: all are tried
 _NOISE, _NEVER = 2.0, 1e-12  # deviations; a density below which no sample says more
 # of a jump of the motion: an instant half a sample off; samples on either side in which one may have been
 _STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3

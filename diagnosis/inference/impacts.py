@@ -21,8 +21,8 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 
 _GRID_S = 0.01  # between the instants looked at, unless 2 % of a period are more
-_OUTSTANDING = 9.0  # times the usual jump
-_NEAR = 5.0  # times those near by
+_OUTSTANDING = 9.0  # times the median jump: by noise, whose jumps are Rayleigh's, one in 2^81
+_NEAR = 5.0  # times the median of those near by: by noise one in 2^25
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large

@@ -29,20 +29,20 @@ Array = NDArray[np.float64]
 _SOUGHT = 2  # times that pulls, and pushes, are looked for: what one leaves out shows the next
 # a pull
 _WINDOW_S = 0.2  # over which an image's departure is looked at
-_GAP_S, _LEAD_S = 0.15, 0.3  # within a pull; before it shows
+_GAP_S, _LEAD_S = 0.15, 0.3  # quiet within a pull; left out before a pull shows, as it begins below the noise
 _SHORTEST_S, _LONGEST_S = 0.25, 8.0  # a push is shorter; nothing longer is looked for
 _ONE_SIDED = 0.5  # of the departure's power beyond the noise is its mean's: a swing has none
-_MOST = 0.3  # of the recording
+_MOST = 0.3  # of the recording, that pulls leave unjudged: of more none is believed
 
 # a push
 _PUSH_PERIODS = 1.6  # longest: a longer one swings the arm while it lasts, and is a pull
 _BESIDE_PERIODS = 1.0  # before and after it, the model holds
-_WORSE = 1.02  # times the power left
-_HOLDS = 0.1  # of that time may depart from the model
+_WORSE = 1.02  # times the power that was left, in any channel: more, and a push is not left out
+_HOLDS = 0.1  # of the time beside a push, that may depart from the model
 # before and after an impact, in the images alone
 _SPANS_PERIODS = ((0.5, 0.5), (1.0, 0.5), (0.5, 1.0), (1.0, 1.0))
-_MOST_TRIED = 6  # impacts
-_MOST_OF_ONE = 0.1  # of the recording
+_MOST_TRIED = 6  # impacts tried as pushes, in four spans each
+_MOST_OF_ONE = 0.1  # of the recording, that a push may take
 
 
 def without_pulls(baseline: Fit, split: Split) -> Fit:

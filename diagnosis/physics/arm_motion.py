@@ -28,7 +28,7 @@ from stillarm.simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
-_DECAYS = 4  # remembered
+_DECAYS = 4  # free decays of a mode that are remembered: memory against time
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 _OF_THE_LOOP = (
     "drive.further_dead_time_s",

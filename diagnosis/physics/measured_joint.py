@@ -23,7 +23,7 @@ from stillarm.diagnosis.physics.linear_modes import answer_of_mode
 
 Array = NDArray[np.float64]
 
-_SEGMENT_S = 2.0  # of the departure's spectrum
+_SEGMENT_S = 2.0  # a segment of the departure's spectrum: lines 0.5 Hz apart
 _OUTSTANDING = (
     4.0  # times the noise: a Welch spectrum of 20 segments strays from its mean by less than a half
 )
