@@ -18,7 +18,9 @@ from stillarm.diagnosis.data.robust import OUTLYING, SIDE, std_about_zero, step_
 Array = NDArray[np.float64]
 
 _LARGEST_STEP = 200  # frames: a counter that jumps further was reset
+# frames that tell a rate; by how much a clock jumps at least, s; jumps, of more of which no rate is left to be told
 _FEWEST, _LEAST_JUMP_S, _MOST_JUMPS = 100, 1e-3, 5
+# s/s: ten times the 20 ppm that crystals are sold to, more is no clock's rate; standard errors: chance 1 in 370
 _QUARTZ, _SURE = 2e-4, 3.0
 _WHOLE, _SET = 0.15, 0.5  # of a frame; of the frames lost
 

@@ -18,14 +18,12 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.measured import Frames, Measured
-from stillarm.diagnosis.data.noise import Colour, wander_colours
+from stillarm.diagnosis.data.noise import MIN_ARRIVALS, Colour, wander_colours
 from stillarm.diagnosis.data.robust import SIDE, WHOLE, std_about_median, std_about_zero, step_at
 
 Array = NDArray[np.float64]
 
 # a step of the arrivals
-_FEWEST = 60
-
 _SURE_NATS = 5.0  # beyond what the best of so many places gains by chance
 
 # a buffer that holds images back
@@ -33,7 +31,7 @@ MOST_HELD = 4
 """Frames that a queue is taken to hold at most, where nothing but the images tells."""
 
 _SAME_S = 1e-4  # between stamps of one exposure
-_MOST_FRAMES = 32
+_MOST_FRAMES = 32  # before a frame, among which its exposure is looked for
 _STAYS = 0.5  # of the frames held: so much later images stay
 
 # requests
@@ -60,7 +58,7 @@ def arrival_step(residual: Array, longest_frames: float) -> ArrivalStep | None:
     """The step that the residual arrivals (s, NaN where unknown) show, if one does. longest_frames: of a wander."""
     known = np.flatnonzero(np.isfinite(residual))
     n = len(known)
-    if n < _FEWEST:
+    if n < MIN_ARRIVALS:
         return None
     r = residual[known] - float(np.median(residual[known]))
     none, best, place, size, doubt = -np.inf, -np.inf, 0, 0.0, 0.0

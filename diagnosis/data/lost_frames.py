@@ -19,18 +19,18 @@ from stillarm.diagnosis.data.robust import std_about_median, std_about_zero
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-_WIDTH = 24  # hypotheses
+_WIDTH = 24  # hypotheses that go on from a frame: time grows with them
 _FURTHER_NATS = 1.1  # each further lost frame of a run
 _ENTER_NATS, _EARLY_NATS, _LEAVE_NATS, _STAY_NATS = 4.0, 16.0, 2.0, 0.003  # a burst, or a clock that was set
 _JUMP = 3.0  # deviation of a burst's lateness, periods
 _MOST_NATS, _HUBER, _FAR = 7.0, 3.0, 5.0  # one frame's surprise; deviations
-_BEAM_NATS = 25.0
+_BEAM_NATS = 25.0  # behind the best hypothesis, at which another is dropped: e^25 to 1
 _SLOPE = 3e-3  # deviation of skew and drift, s/s
-_USUAL_LOSS = 0.01
-_WANDER_S = 2.0
+_USUAL_LOSS = 0.01  # of the frames: the first pass's; the second takes the rate that the first finds
+_WANDER_S = 2.0  # correlation time of the delay's wander in the search; its strength is tried
 # intervals' scatter, and that off whole periods (0.26 where no number of them is likelier), periods
 _BLURRED = ((0.3, 0.22), (0.45, 0.19))
-_NEVER_NATS = 1e6
+_NEVER_NATS = 1e6  # a loss in the path without any: over 140 000 of the costliest frames (_MOST_NATS)
 _LEAST_NATS = 0.0  # by which losses have to explain the arrivals better than a wander and bursts alone
 
 

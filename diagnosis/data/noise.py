@@ -16,9 +16,12 @@ from stillarm.diagnosis.data.robust import in_differences, std_about_zero, white
 
 Array = NDArray[np.float64]
 
+MIN_ARRIVALS = 60
+"""Frames whose arrivals tell a law of the delay, two seconds of them at 30 Hz: of fewer none is learnt."""
 HUBER = 4.0
+"""Standard deviations from which on a residual counts in proportion to its size, not to its square (Huber, Annals of
+Mathematical Statistics 35, 1964): six normal values in a hundred thousand lie beyond."""
 _LEVEL_STEPS = 4  # of a fixed-point iteration that gains a digit a step where outliers are few
-_LOG_2PI = log(2.0 * pi)
 LEAST = {
     "acceleration": 1e-3,
     "joint_position": 1e-4,  # a 16-bit encoder
@@ -27,6 +30,7 @@ LEAST = {
     "displacement": 1e-2,  # trackers stray by as much
     "arrival": 2e-5,
 }
+"""Noise that a channel is taken to have at least, in its unit: the simulation, or a tracker, is no nearer the truth."""
 MATTERS_OF_NOISE = 0.5
 """A rest that matters is over this part of a channel's noise (contract.md)."""
 MATTERS_OF_MOTION = 1.0 / 2000.0
@@ -35,9 +39,9 @@ MATTERS_AT_LEAST = {"displacement": 0.02, "arrival": 20e-6}
 """And over this, px and s (contract.md)."""
 _FINE = 0.5  # of the least level
 _SAME = 1e-9  # rad: values that a file's rounding alone tells apart
-_FEWEST = 200
+_FEWEST = 200  # known values: fewer do not tell how fine a sensor is
 _QUIET = 0.1  # of the pieces, which are as quiet as the image gets
-_PIECE = 32  # frames
+_PIECE = 32  # frames: a second at 30 Hz
 
 
 @dataclass(frozen=True)
@@ -62,13 +66,14 @@ class Colour:
         return sqrt(1.0 + (self.stay - self.moving) ** 2 / max(1.0 - self.stay**2, 1e-12))
 
 
-_TIMES = 12
+_TIMES = 12  # correlation times tried, in equal ratios
 
 
+# of the variance, that wander: a grid, finer where almost none or almost all of it does
 _SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.985)
 
 
-_WANDER_NATS = 6.0
+_WANDER_NATS = 6.0  # to gain over white noise: _TIMES by _SHARES, 132 laws, are tried, and log 132 = 4.9
 
 
 def wander_colour(residual: Array, longest_frames: float, most: float = inf) -> Colour:
@@ -81,7 +86,7 @@ def wander_colour(residual: Array, longest_frames: float, most: float = inf) -> 
     """
     r = residual[np.isfinite(residual)]
     n = len(r)
-    if n < 60:
+    if n < MIN_ARRIVALS:
         return Colour()
     x = np.linspace(-1.0, 1.0, n)
     r = r - np.median(r)
@@ -252,7 +257,7 @@ def log_likelihood(u: Array, std: float) -> Array:
     """Per sample: normal in the middle, with Huber's tails; u: residual over its standard deviation `std`."""
     size = np.abs(u)
     cost = np.where(size < HUBER, 0.5 * u * u, HUBER * size - 0.5 * HUBER**2)
-    result: Array = -cost - log(std) - 0.5 * _LOG_2PI
+    result: Array = -cost - log(std) - 0.5 * log(2.0 * pi)
     return result
 
 

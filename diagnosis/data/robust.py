@@ -12,6 +12,9 @@ Array = NDArray[np.float64]
 OUTLYING = 6.0
 """Robust deviations beyond which a value is an outlier: of normal values two in a thousand million are."""
 
+MIN_USUAL = 100
+"""Values that tell how much is usual: the median absolute deviation of as many normal ones is right to 12 %."""
+
 SIDE = 15
 """Values on either side of a step: their medians tell it to 1.25 sqrt(2 / 15), under half of the values' scatter."""
 
@@ -19,7 +22,7 @@ WHOLE = 0.25
 """Off a whole number of frames or intervals, within which it is taken for that number: half the way to where the next
 is as near."""
 
-_MAD_TO_STD = 1.4826
+_MAD_TO_STD = 1.4826  # 1 / 0.6745: half of normal values lie within 0.6745 deviations
 _ABOUT_A_SPIKE = 5  # samples, of which a spike of two is the lesser part
 
 

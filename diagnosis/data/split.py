@@ -11,8 +11,9 @@ from stillarm.common.user_error import UserError
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+# s, of a block; blocks at most, ten of them held out: a gain's standard error is over these
 _SHORTEST_S, _BLOCKS = 0.8, 30
-_EVERY = 3
+_EVERY = 3  # blocks, of which one is held out: two thirds of the time train
 
 
 @dataclass(frozen=True)

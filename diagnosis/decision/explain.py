@@ -38,7 +38,7 @@ from stillarm.diagnosis.inference.laws import LawFound, laws
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
 
-MOST_CAUSES = 3
+MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
 _WHOLE = 3  # forms of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _FULL = 12  # steps of a fit

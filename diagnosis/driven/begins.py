@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 Numbers = dict[str, float]
 
 _SAME_W, _SAME_CARRIED = 0.02, 0.25  # of the larger: two sets of modes that begin one fit
-_MOST_SETS = 9
+_MOST_SETS = 9  # of modes that a fit begins from: each costs a look
 _DAMPINGS = (8.0, 30.0, 100.0)  # 1/s: a joint that stops within 0.1 s to 0.01 s
 _LOOK = 2  # steps of a fit, after which a begin shows what it is worth
 

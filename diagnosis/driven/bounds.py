@@ -61,7 +61,7 @@ def believable(names: Iterable[str], numbers: Mapping[str, float], step_s: float
 
 _OF_A_SENSOR = ("delay ", "lag ")
 _FINEST = 0.05  # of a sample
-_BOUNDS = {
+_BOUNDS = {  # in each number's own unit; a delay within 2 % of the longest was stopped there
     "share": (LEAST_SHARE, 1.0 - LEAST_SHARE),
     "inertia_step": (LEAST_INERTIA, MOST_INERTIA),
     "inertia_excess": (LEAST_INERTIA, MOST_INERTIA),

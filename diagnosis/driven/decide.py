@@ -29,9 +29,9 @@ LEAST_OF_PLAY = (
     MATTERS_OF_NOISE  # impacts that fall to one sample or the next fit some noise: they must matter
 )
 _QUIET = 0.25  # of the blocks
-_FEWEST_BLOCKS = 6
+_FEWEST_BLOCKS = 6  # from more of them on the loudest is left out
 _MOST_COLOUR = 3.0  # times the white noise, of the quietest blocks
-_MOST_CONFIDENCE = 0.99
+_MOST_CONFIDENCE = 0.99  # the most that is stated, whatever the odds
 
 
 @dataclass(frozen=True)

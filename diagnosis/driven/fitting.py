@@ -22,9 +22,9 @@ Simulate = Callable[[dict[str, float], Array], Run]
 
 _DIFFERENCE = 1e-3  # of a number: over much less, the corners of friction make a derivative of their own
 _OF_PLAY = 0.05  # of play's own numbers: an impact falls to a simulated step, and moves by whole ones
-_DAMPING, _MOST_DAMPING = 1e-3, 1e7
+_DAMPING, _MOST_DAMPING = 1e-3, 1e7  # of the diagonal (Levenberg, Marquardt): at first; a step is then none
 _SETTLED = 1e-4  # of the cost, from one step to the next
-_RIDGE = 1e-9
+_RIDGE = 1e-9  # on the diagonal: so that a number which nothing shows leaves the equations solvable
 _MOST_UNEVEN = 0.15  # of the largest share of an output's variation that is left: the least of another
 _ASTRAY = 1e8  # times the deviation: no number any more
 

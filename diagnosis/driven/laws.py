@@ -15,7 +15,7 @@ _OF_ARM = ("arm_cubic", "arm_coulomb")
 _NO_TORQUE = ("stribeck_velocity", "ripple_cycles", *_OF_ARM)
 OF_JOINT = [k for k, name in enumerate(LAWS) if name not in _NO_TORQUE]
 """Torques at the joint over its inertia: another inertia leaves the torque as it is."""
-_LEAST_FOLLOWS = 1e-12
+_LEAST_FOLLOWS = 1e-12  # below it a mode does not follow the joint: against a division by zero
 
 
 def pull_of(numbers: Numbers, mode: int) -> float:

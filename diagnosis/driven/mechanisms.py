@@ -25,7 +25,7 @@ from stillarm.diagnosis.driven.waves import strongest_waves
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
-_HUNDREDTH = 0.01
+_HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
 
 @dataclass(frozen=True)

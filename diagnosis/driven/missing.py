@@ -17,8 +17,8 @@ from stillarm.diagnosis.driven.regression import joint_motion
 
 Array = NDArray[np.float64]
 
-_WINDOW_S = 0.06
-_BINS = 24
+_WINDOW_S = 0.06  # of a local cubic: it halves an acceleration's power at 11 Hz
+_BINS = 24  # over the middle 99 % of angles or velocities
 _FEWEST = 12  # samples of a bin
 
 

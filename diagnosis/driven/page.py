@@ -17,7 +17,7 @@ from stillarm.diagnosis.driven.diagnosed import DrivenResult
 from stillarm.diagnosis.driven.missing import Curve, MissingForce, missing_force
 from stillarm.diagnosis.report.drawing import AFTER, BEFORE, MEASURED, Picture, figure, svg
 
-_MOST_POINTS = 1200
+_MOST_POINTS = 1200  # of a picture: more hide one another
 
 
 def names_of(cause: str) -> str:

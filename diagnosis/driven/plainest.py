@@ -12,7 +12,7 @@ from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.search import CONVINCES, Round, Searched, holds_in, judged
 
-_STEPS = 10
+_STEPS = 10  # of a fit from the final model, which is near its end
 
 
 def plainest(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Searched:

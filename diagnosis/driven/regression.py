@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 
 JOINT = ("position", "motor", "velocity")
 """Kinds of sensors that look at the joint, the best first."""
-_WINDOW_S = 0.05
+_WINDOW_S = 0.05  # of a local cubic: it halves an acceleration's power at 13 Hz
 
 
 def scale_is_open(output: Output, position: Output) -> bool:

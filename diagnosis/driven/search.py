@@ -28,10 +28,10 @@ Tick = Callable[[float, str], None]
 
 CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
-_MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
-_TRIED_ANYWAY = 1.0
-_MOST_PLAYS = 3
-_LEAST_PART, _MOST_PART = 0.003, 3.0
+_MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18  # of a round; of a form; of a fit: what a round costs
+_TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted before all others
+_MOST_PLAYS = 3  # starts with play that are fitted, the best first: play is the slowest to simulate
+_LEAST_PART, _MOST_PART = 0.003, 3.0  # of the way to a start: further the first order does not hold
 _NO_DIRECTION = (
     "limit",
     "gap",
@@ -41,8 +41,8 @@ _NO_DIRECTION = (
 _ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
 _SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
-_MOST_ROUNDS = 7
-_MOST_MODES = 3
+_MOST_ROUNDS = 7  # and so causes and structure, beside the first model
+_MOST_MODES = 3  # that a fit adds to the arm, each with four numbers of its own and more
 _CAUSE_FIRST, _LINEAR_FIRST = 0.3, 0.7  # of what structure gains
 _OF_NO_ARM = 0.1  # of what a mode gains counts, that is none of an arm
 _LINEAR = (

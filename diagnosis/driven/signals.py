@@ -36,7 +36,7 @@ OUTPUTS: dict[str, Kind] = {
     "acceleration_m_s2": "acceleration",
 }
 _FEWEST = 200  # samples of a channel
-_FEWEST_VALUES = 4
+_FEWEST_VALUES = 4  # different ones: of fewer a channel is a switch, no measurement
 MOST_SAMPLES = 60_000  # beyond that every second one is taken, and so on
 _COUNTED_SHARE = 0.98  # of the values on the grid of their smallest step: an encoder or a converter
 

@@ -31,8 +31,8 @@ from stillarm.diagnosis.driven.stated import Stated
 
 Array = NDArray[np.float64]
 
-_LOWEST_HZ, _TRIED_HZ = 0.4, 48
-_DAMPING_TRIED = 0.02
+_LOWEST_HZ, _TRIED_HZ = 0.4, 48  # from where; in so many equal ratios, of 1.16 at 1 kHz
+_DAMPING_TRIED = 0.02  # ratio: where a mode's fit begins, the upper end of a usual arm's
 STATED = "stated"  # a number of a grey box whose structure a model file states
 _INERTIA_TRIED = (0.1, 1.0)  # of a mode, over the hub's: how much higher it rings on a free hub
 _QUICK, _KEPT = 8, 3  # steps of a fit; fits that go on of those that a look has ranked

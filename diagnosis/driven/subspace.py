@@ -27,10 +27,10 @@ _FEWEST = 400  # samples
 _MOST = 12_000  # samples: more make it slow, and no better a start
 _SLOWEST_HZ = 8.0  # to which a recording is thinned: four samples a period of a slow arm
 _THINNER = 2.5  # from one rate to the next
-_STABLE = 0.99999
+_STABLE = 0.99999  # of a pole's size: one that noise brings outside is put back
 # a hub's own damping makes a pole's larger than the arm's
 _LEAST_ZETA, _LIKELY_ZETA, _MOST_ZETA = 1e-3, 0.03, 0.3
-_LEAST_CARRIED, _MOST_CARRIED = 0.01, 20.0
+_LEAST_CARRIED, _MOST_CARRIED = 0.01, 20.0  # inertia of a mode over the hub's: between them a fit begins
 _USUAL_CARRIED = 0.2  # where no zero shows
 
 

@@ -21,10 +21,10 @@ Complex = NDArray[np.complex128]
 _FEWEST_PERIODS, _MOST_PERIODS = 1.25, 160.0
 """Over the travel: about one is a slope or a bow, as of gravity or a cable."""
 _APART = 0.25  # periods, between two that are tried
-_STRONGEST = 3
-_MOST_SAMPLES = 16_000
+_STRONGEST = 3  # that are fitted, of all peaks
+_MOST_SAMPLES = 16_000  # every second one, and so on, of more: what a wave over them costs
 _TAKEN_AWAY = 3  # powers of time, of each block
-_BLOCKS = 15
+_BLOCKS = 15  # without what an initial state makes: as many as blocks.py has of a long recording
 _STILL = 0.02  # of the largest velocity: below that friction turns over
 
 

@@ -15,7 +15,7 @@ from scipy.ndimage import maximum_filter1d
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.noise import HUBER, log_likelihood
-from stillarm.diagnosis.data.robust import OUTLYING, std_about_median
+from stillarm.diagnosis.data.robust import MIN_USUAL, OUTLYING, std_about_median
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fitted import Data, Fit
 from stillarm.diagnosis.physics.quantities import RANGE
@@ -23,14 +23,14 @@ from stillarm.diagnosis.physics.quantities import RANGE
 Array = NDArray[np.float64]
 
 SURE_NATS = 6.0
-"""From here on outliers are taken for pulses, or for strikes."""
+"""From here on outliers are taken for pulses, or for strikes: 400 to 1."""
 
-_OF_TWO = (0.0, 0.25, 0.5, 0.75, 1.0)  # shares
+_OF_TWO = (0.0, 0.25, 0.5, 0.75, 1.0)  # of spikes, that are two samples long: all are tried
 _NOISE, _NEVER = 2.0, 1e-12  # deviations; a density below which no sample says more
-_AT_THE_LIMIT, _FEWEST_SAMPLES = 0.9, 100
+# of a jump of the motion: an instant half a sample off; samples on either side in which one may have been
 _STEEP_SHARE, _STEEP_SAMPLES = 0.5, 3
-_BEGUN_S = 0.01
-_CROWD_SAMPLES, _CROWD = 12, 4
+_BEGUN_S = 0.01  # after the start or an impact: what a sensor's filter holds of before is not known
+_CROWD_SAMPLES, _CROWD = 12, 4  # samples on either side; flags among them, one's own with them, of a stretch
 _TURNING, _BEFORE_S, _AFTER_S = 1e-3, 0.02, 0.06  # of the largest speed; about the instant it turns
 
 # blocks that nobody could have foretold
@@ -38,9 +38,9 @@ _MISFIT = 2.0  # times the channel's variance, outliers bounded
 _SHOWING = ("acceleration", "deflection", "displacement")
 
 # a limit
-_CLOSE = 0.9
+_CLOSE = 0.9  # of it: from there on a reading, or the motion, may be at the limit
 _LEVELS = np.linspace(1.0, 0.7, 61)  # of the largest sample
-_LEAST_NATS, _LEAST_OF_A_PEAK = 20.0, 3.0
+_LEAST_NATS, _LEAST_OF_A_PEAK = 20.0, 3.0  # gained by a limit, the best of 61; by a peak that counts, 20 to 1
 _FLAT, _FLAT_ALONE, _SURE = 0.4, 0.25, 2.0  # of the motion's own slope; deviations of it
 _STEPS, _FEWEST_SAME, _MOSTLY = 3.0, 6, 0.8  # of a converter, in the noise; samples; of them
 _BEYOND, _FEWEST, _FEWEST_PEAKS = 1.0, 8, 2  # deviations; samples; separate stretches
@@ -64,9 +64,9 @@ def outliers(data: Data, last: Fit) -> Outliers | None:
         return None
     predicted, residual = sensor.predicted, sensor.off
     # a reading at the limit where none is foretold stands out like any other
-    known = np.isfinite(residual) & (np.abs(predicted) < _AT_THE_LIMIT * last.value(RANGE))
+    known = np.isfinite(residual) & (np.abs(predicted) < _CLOSE * last.value(RANGE))
     known &= ~unpredictable(data, last)[data.blocks_of("acceleration")] & ~_just_begun(data)
-    if known.sum() < _FEWEST_SAMPLES:
+    if known.sum() < MIN_USUAL:
         return None
     sigma = std_about_median(residual[known]) + 1e-12
     doubt = np.hypot(sigma, _STEEP_SHARE * _steepness(predicted))

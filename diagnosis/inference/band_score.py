@@ -14,9 +14,10 @@ from scipy.special import gammaln
 Array = NDArray[np.float64]
 
 SHAPES = (1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 1e4)
+"""Shapes a that are tried: a block's level strays by about 1 / sqrt(a) of itself, at the last not at all."""
 _LOWEST_HZ, _WIDTH = 0.3, 1.25  # of the bands: a quarter wide, as a ringing of a few periods is
 _TURNS = 30  # of the fixed point that gives S: to 1e-3
-_FEWEST = 12  # samples of a block
+_FEWEST = 12  # known samples of a block: of fewer it counts for nothing
 
 
 @dataclass(frozen=True)

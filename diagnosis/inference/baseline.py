@@ -32,6 +32,7 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 
 HURRIED_STEPS = 5
+"""Steps of a fit that only shows the way, or that there is no time for more of."""
 _MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
 _LITTLE = 1.5  # times the noise: a rest below it makes no impacts up
 _NO_NOISE = 1e-300  # in a channel's unit: of one without noise any rest is too much
@@ -43,7 +44,7 @@ _LIMIT_KNOWN = 0.97  # of the stated range: an accelerometer at that limit is si
 _FAR, _LEAST, _LARGEST = 0.03, 0.5, 2.0  # of the model's frequency; of its participation
 _SEEN = 0.2  # standard deviation of the participation, over the model's
 _OFF = (1.0, 0.98, 1.02)  # of the model's frequency
-_BETTER_NATS = 3.0
+_BETTER_NATS = 3.0  # 20 to 1 that a mode begun again is the better one
 
 
 def moved_as_measured(world: World, split: Split) -> World:

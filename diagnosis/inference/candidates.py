@@ -31,7 +31,7 @@ ALWAYS_THERE = "second_bending_mode"
 """Every arm has more modes than its model has: one is named where it matters (contract.md)."""
 
 _AT_LIMIT, _OFTEN = 1e-6, 0.01  # of a limit; of the samples, which no noise has at one value
-_TENTHS = 10
+_TENTHS = 10  # parts of the recording: what acts now and then matters if it does in one of them
 _NEAR_A_MODE = (
     0.1  # of its frequency: some widths of the resonance of an arm with a damping ratio of 0.01 to 0.02
 )

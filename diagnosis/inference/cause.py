@@ -22,6 +22,8 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 Overrides = Mapping[str, float]
 
+MOST_PENALTY_NATS = 100.0
+"""Most that a prior takes from a form: eight times what convinces, so that the data decide where they are plain."""
 _LINEAR = 0.2  # of the least that is usual: what adds to a sensor does so in proportion
 _TRIED = 4  # values across the usual range
 

@@ -38,16 +38,16 @@ from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
 
-_ONE_STEP_S = 1.0
-_RECLOCKED_NATS = 10.0
-_MOST_GAPS = 3
-_MANY_GAPS, _AS_LONG = 4, 3.0
+_ONE_STEP_S = 1.0  # steps nearer each other are parts of one
+_RECLOCKED_NATS = 10.0  # by which the frames have to fit better without a gap in time_s: 20 000 to 1
+_MOST_GAPS = 3  # that are taken back, the longest first: each asks for a fit with impacts
+_MANY_GAPS, _AS_LONG = 4, 3.0  # other gaps, of which the longest is one if within so many medians
 _REPEATED = "captured_s comes twice: the buffer hands over the stamp with the old image"
 _QUEUED = "received_s steps by whole frames, started_s does not: each image is handed over that much later"
-_ASIDE_S = 0.4
+_ASIDE_S = 0.4  # on either side of a gap, where its frames are compared: four at 10 Hz
 
 # a longer queue
-_SURE = 2.0  # standard deviations of the step
+_SURE = 2.0  # standard deviations of the step: 19 of 20 steps by whole frames lie within
 _ALIKE, _FEWEST = 0.25, 5  # of the step; frames on either side
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import std_about_zero, white_noise
+from stillarm.diagnosis.data.robust import MIN_USUAL, std_about_zero, white_noise
 from stillarm.diagnosis.inference.fitted import Fit
 
 Array = NDArray[np.float64]
@@ -17,7 +17,6 @@ _LONG_LOUD = (
     2.5  # times the usual departure, in which one window of so many in a hundred thousand lies by chance
 )
 _HELD = 4.0  # times the usual mean of a window, in which six of normal ones in a hundred thousand lie
-_FEWEST = 100  # values that tell how much is usual
 _GAP_PERIODS = 0.25  # within a stretch
 _ABOUT_PERIODS = 0.35  # from an impact to where what it has wrong shows
 
@@ -31,7 +30,7 @@ def loud_at(
         return None
     off = last.residuals[name]
     known = np.isfinite(off)
-    if known.sum() < _FEWEST:
+    if known.sum() < MIN_USUAL:
         return None
     time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
     time, off = time[known], off[known]

@@ -32,6 +32,7 @@ from stillarm.diagnosis.physics.world import Predicted, World
 Array = NDArray[np.float64]
 
 WANDER_S = 15.0
+"""Longest correlation time of a delay's wander: what lasts longer is a drift, s."""
 _WANDERS = 2.0  # times the stated deviation: a delay that strays further is no wander of the usual one
 SETTLED_NATS = 0.02
 """A step of a fit that gains less is its last, unless the caller says otherwise."""

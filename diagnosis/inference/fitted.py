@@ -17,6 +17,7 @@ Mask = NDArray[np.bool_]
 Colours = dict[str, Colour | InstantUncertainty]
 
 THIN = {"joint_position": 8, "joint_velocity": 8}
+"""Samples of a channel that are averaged to one: at 1 kHz 8 ms, within which a joint shows nothing new."""
 _SET_OFF_S = 0.3  # within which a mode of 40 Hz and 1 % damping rings down to a twentieth
 
 

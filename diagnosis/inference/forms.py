@@ -175,8 +175,8 @@ def _one_limit(quantity: str) -> Callable[[Fit], Values]:
     return lambda fit: plain(fit, range_m_s2=quantity)
 
 
-_OF_TOP_ACCELERATION = (0.8, 0.5, 0.3, 0.15, 0.07)
-_OF_TOP_COMMAND = (0.97, 0.9, 0.8, 0.6, 0.4)
+_OF_TOP_ACCELERATION = (0.8, 0.5, 0.3, 0.15, 0.07)  # of the largest: limits that a fit begins from
+_OF_TOP_COMMAND = (0.97, 0.9, 0.8, 0.6, 0.4)  # of the largest, as above
 _LIMITS = tuple(
     _further("drive_saturation", name, {quantity: sizes}, _fastest, unit_of=unit_of)
     for name, quantity, sizes, unit_of in (
@@ -192,7 +192,7 @@ _LIMITS = tuple(
         ("of the velocity the other way", "drive.fastest_down_rad_s", _OF_TOP_COMMAND, _top_command),
     )
 )
-_OF_TOP_READING = (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+_OF_TOP_READING = (0.95, 0.88, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)  # of the largest, as above
 _ONE_SIDED = tuple(
     _further(
         "accelerometer_clipping", name, {quantity: _OF_TOP_READING}, _one_limit(quantity),

@@ -28,14 +28,15 @@ Array = NDArray[np.float64]
 _PERIODS = 4.0  # of a window
 _PER_PERIOD = 24  # samples
 _RATIOS = np.exp(np.linspace(np.log(0.6), np.log(1.6), 197))  # half a per cent apart
-_DAMPING = 0.01
-_LEAST_NATS = 15.0
-_LEAST_CHANGE = 0.015
+_DAMPING = 0.01  # ratio taken for the mode in every window: that of a usual arm
+_LEAST_NATS = 15.0  # over one frequency: three million to 1, if the samples' noise is white
+_LEAST_CHANGE = 0.015  # of a frequency: three steps of _RATIOS
 _LEAST_OF_BEST = 0.5  # nats: a course that explains less is not worth a start
 _FAR = 0.03  # of a frequency: beyond it the phase is a quarter turn off within eight periods
 _FEWEST = 3  # windows on either side of a change
+# tried: of a frequency to the recording's end, or of its square at the largest amplitude
 _CHANGES = np.concatenate([-np.geomspace(0.5, 0.01, 40), np.geomspace(0.01, 1.0, 40)])
-_PIECES = 16
+_PIECES = 16  # of a recording: the length of a segment of its spectrum, of which 31 overlap by half
 
 
 @dataclass(frozen=True)

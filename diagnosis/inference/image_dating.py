@@ -29,11 +29,12 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
+# frames, fewer show no change of their dates; largest irregularities that are tried as a step, a fit each
 _FEWEST_REQUESTS, _MOST_STEPS = 20, 3
 
 # a recount
 _NEAR_S = 2.0  # between where images grow older and where the arrivals seemed to jump
-_MOST = 4
+_MOST = 4  # losses mended: a fit or three each
 _LATE = 1.5  # periods: fewer would have been seen, or may be the delay's own wander
 
 

@@ -20,16 +20,16 @@ from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
 
-_GRID_S = 0.01
-_OUTSTANDING = 9.0  # times the usual jump
-_NEAR = 5.0  # times those near by
+_GRID_S = 0.01  # between the instants looked at, unless 2 % of a period are more
+_OUTSTANDING = 9.0  # times the median jump: by noise, whose jumps are Rayleigh's, one in 2^81
+_NEAR = 5.0  # times the median of those near by: by noise one in 2^25
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large
 _AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
-_MOST = 40
-_SIGNIFICANT = 6.0
-_CLOSE_S = 2.0
+_MOST = 40  # impacts that one look finds
+_SIGNIFICANT = 6.0  # standard deviations of its size: by chance two in a thousand million have it
+_CLOSE_S = 2.0  # between impacts of which only the least is dropped at a time
 
 
 def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> list[tuple[Array, Array]]:

@@ -14,12 +14,13 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from stillarm.diagnosis.data.noise import MIN_ARRIVALS
 from stillarm.diagnosis.data.robust import std_about_median
 
 Array = NDArray[np.float64]
 
-_SHORTEST_FRAMES = 2.5
-_LONGEST_STAY = 0.9995
+_SHORTEST_FRAMES = 2.5  # mean length of a burst at least: what is shorter is the delay's scatter
+_LONGEST_STAY = 0.9995  # correlation of a wander from frame to frame at most: 2000 frames
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def _filter(
 def find_bursts(residual_s: Array, used: NDArray[np.bool_]) -> Bursts | None:
     """Fit both laws to the residuals that are `used`; nats of all. None: no bursts fit at all."""
     known = residual_s[np.isfinite(residual_s)]
-    if len(known) < 60:
+    if len(known) < MIN_ARRIVALS:
         return None
     scale = std_about_median(known) + 1e-6
     r = (residual_s - float(np.median(known))) / scale

@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 
 OF_STAMPS = "captured_s alone steps: the camera's own clock"
 _LONE_SPIKE = 15.0  # robust deviations; an impact that strikes so hard is heard to ring
-_USUAL_LOSS = 1e-3
-_LEAST_NATS = 8.0
+_USUAL_LOSS = 1e-3  # of the frames: what a sound link is taken to lose
+_LEAST_NATS = 8.0  # bursts over a wander alone: 3000 to 1
 
 # within so many deviations of the delay that the model states late frames are normal, but for so many in a row
 _BURST, _LASTING = 2.0, 5.0
@@ -170,7 +170,7 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     )  # fmt: skip
 
 
-_HELD_UP = 0.75
+_HELD_UP = 0.75  # of a burst's median lateness: a frame below that only follows it
 
 
 def _ends(residual: Array, runs: list[tuple[int, int]]) -> list[int]:

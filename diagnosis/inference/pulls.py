@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.robust import white_noise
+from stillarm.diagnosis.data.robust import MIN_USUAL, white_noise
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.departures import (
     LOUD_OVER_S,
@@ -26,31 +26,30 @@ from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts,
 
 Array = NDArray[np.float64]
 
-_PULLS_SOUGHT, _PUSHES_SOUGHT = 2, 2
-_FEWEST = 100  # values that tell how much is usual
+_SOUGHT = 2  # times that pulls, and pushes, are looked for: what one leaves out shows the next
 # a pull
 _WINDOW_S = 0.2  # over which an image's departure is looked at
-_GAP_S, _LEAD_S = 0.15, 0.3  # within a pull; before it shows
-_SHORTEST_S, _LONGEST_S = 0.25, 8.0
+_GAP_S, _LEAD_S = 0.15, 0.3  # quiet within a pull; left out before a pull shows, as it begins below the noise
+_SHORTEST_S, _LONGEST_S = 0.25, 8.0  # a push is shorter; nothing longer is looked for
 _ONE_SIDED = 0.5  # of the departure's power beyond the noise is its mean's: a swing has none
-_MOST = 0.3  # of the recording
+_MOST = 0.3  # of the recording, that pulls leave unjudged: of more none is believed
 
 # a push
 _PUSH_PERIODS = 1.6  # longest: a longer one swings the arm while it lasts, and is a pull
 _BESIDE_PERIODS = 1.0  # before and after it, the model holds
-_WORSE = 1.02  # times the power left
-_HOLDS = 0.1  # of that time may depart from the model
+_WORSE = 1.02  # times the power that was left, in any channel: more, and a push is not left out
+_HOLDS = 0.1  # of the time beside a push, that may depart from the model
 # before and after an impact, in the images alone
 _SPANS_PERIODS = ((0.5, 0.5), (1.0, 0.5), (0.5, 1.0), (1.0, 1.0))
-_MOST_TRIED = 6  # impacts
-_MOST_OF_ONE = 0.1  # of the recording
+_MOST_TRIED = 6  # impacts tried as pushes, in four spans each
+_MOST_OF_ONE = 0.1  # of the recording, that a push may take
 
 
 def without_pulls(baseline: Fit, split: Split) -> Fit:
     """The baseline with what held the arm for a while left out, and impacts sought once more: beside a pull none that
     is less than it shows."""
     cycle_s = baseline.world.measured.cycle_s
-    for _ in range(_PULLS_SOUGHT):
+    for _ in range(_SOUGHT):
         spans = pull_spans_s(baseline)
         if not spans:
             break
@@ -66,7 +65,7 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
 
 def without_pushes(baseline: Fit, split: Split) -> Fit:
     """The baseline with pushes left out. From the end of each the arm rings as from the impact that accounts for it."""
-    for _ in range(_PUSHES_SOUGHT):
+    for _ in range(_SOUGHT):
         spans = push_spans_s(baseline)
         if not spans:
             break
@@ -193,7 +192,7 @@ def _holds_beside(time: Array, loud: NDArray[np.bool_], span: tuple[float, float
 def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     """Spans in which something held the arm, from and to, s; each ends where the vibration jumps, or at none."""
     images = last.channel("displacement")
-    if images is None or len(images.off) < _FEWEST:
+    if images is None or len(images.off) < MIN_USUAL:
         return ()
     known = np.isfinite(images.off)
     time, off = last.world.instants(last.vector)[known], images.off[known]

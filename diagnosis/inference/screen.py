@@ -20,8 +20,8 @@ from stillarm.diagnosis.physics.world import Predicted, World
 
 Array = NDArray[np.float64]
 
-_PEAKS = 6
-_LEAST_PERIODS = 3.0
+_PEAKS = 6  # of a spectrum, by height, and as many by height over the level about them
+_LEAST_PERIODS = 3.0  # within the recording: a slower wave is a drift
 _MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
 
 

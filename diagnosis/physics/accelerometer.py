@@ -27,8 +27,8 @@ from stillarm.simulation.arm.free_run import reads_later
 
 Array = NDArray[np.float64]
 
-_AS_NOISE = 3.0  # deviations
-_SHAKES_S = 0.01
+_AS_NOISE = 3.0  # deviations: as far as one normal value in 370 lies
+_SHAKES_S = 0.01  # after flanks meet: a shake lasts some milliseconds
 _KEPT = ("accelerometer.bias_m_s2", ACCELEROMETER_BEGIN, OF_ARRIVALS)  # the baseline's, or no effect
 
 

@@ -19,7 +19,7 @@ from stillarm.simulation.arm.free_run import driven_run, free_run
 from stillarm.simulation.arm.state import make_arm
 
 _COMPILING = "compiling the simulation, once after an installation"
-_CYCLES = 4
+_CYCLES = 4  # simulated so that all is compiled: any few do
 _OF_THE_STEPPER = ("force", "friction", "frequency", "command")
 
 

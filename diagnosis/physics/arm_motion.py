@@ -28,7 +28,7 @@ from stillarm.simulation.arm.state import make_arm
 
 Array = NDArray[np.float64]
 
-_DECAYS = 4  # remembered
+_DECAYS = 4  # free decays of a mode that are remembered: memory against time
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 _OF_THE_LOOP = (
     "drive.further_dead_time_s",
@@ -45,7 +45,7 @@ _OF_THE_LOOP = (
 _OF_TIME = ("periodic_disturbance",)  # forces that ask for no state: a linear mode stays one
 _TURN = 0.03  # rad of the first mode in a step of its laws: to 1e-7 of the amplitude
 _TURN_OF_PAIR = 0.25  # to 1e-4: a pair has few samples a period
-_SUBSTEPS_OF_PAIR = 2
+_SUBSTEPS_OF_PAIR = 2  # simulated steps a sample of a pair: its force is interpolated between samples
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.declared_effects import declared_quantities, own_quantities, waves_to_refit
 from stillarm.diagnosis.physics.space import Quantity, Space
 
-_NEVER_S = 1e9
+_NEVER_S = 1e9  # an onset at 30 years: after any recording's end
 UNLIMITED = 1e9
+"""A limit, in its unit, that no rig reaches: the largest number that a model file takes."""
 HIGHER = "arm.higher_modes_share"  # of a change of the first mode's frequency, what the others' takes
 ARRIVAL = "drive.arrival_s"  # by which commands come later than the dead time says: a part of a cycle
 _ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integrator with a step of a tenth

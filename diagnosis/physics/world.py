@@ -27,7 +27,7 @@ from stillarm.diagnosis.physics.space import Added, Quantity
 Array = NDArray[np.float64]
 
 _JUST_S = 1e-7  # less than between frames read at once
-_GRANTED = 0.9
+_GRANTED = 0.9  # of what a simulated drive may be off; the tenth that is not shows a fit the way
 _STROKE_S = 0.02  # to either side of an impact: a soft hammer's lasts 5 to 20 ms
 _ABOUT_EXPOSED_S = 0.02  # by which an image's instant is uncertain
 

@@ -12,6 +12,11 @@ sys.path.insert(0, str(ROOT / "docs" / "generator"))
 import constants_page
 
 
+def test_every_constant_says_what_it_is() -> None:
+    silent = [f"{one.module}: {one.name}" for one in constants_page.constants() if not one.about]
+    assert silent == []
+
+
 @pytest.mark.parametrize("package", constants_page.PACKAGES)
 def test_every_package_is_looked_through(package: str) -> None:
     assert any(one.module.startswith(f"diagnosis/{package}/") for one in constants_page.constants())

@@ -13,7 +13,7 @@ import numpy as np
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.own import recording_of
 
-_STEPS = 6
+_STEPS = 6  # of a fit from the numbers that all recordings gave: it is near its end
 WORSE_NATS = 3.0  # lost: 20 to 1
 
 

@@ -4,12 +4,11 @@ import numpy as np
 
 from stillarm.diagnosis.data.frame_times import request_intervals
 from stillarm.diagnosis.data.robust import OUTLYING, SIDE, std_about_median, step_at
-from stillarm.diagnosis.inference.cause import Cause, Context, Trial, free_of, has, plain
+from stillarm.diagnosis.inference.cause import MOST_PENALTY_NATS, Cause, Context, Trial, free_of, has, plain
 from stillarm.diagnosis.inference.clocks import step_of_arrivals
 from stillarm.diagnosis.inference.fitted import Fit
 
 _ASIDE_S = 0.3  # of an onset: a frame that is under way when the clock is set was asked for before
-_MOST_NATS = 100.0
 
 
 def _trials(context: Context) -> list[Trial]:
@@ -59,7 +58,7 @@ def _unseen(fit: Fit) -> float:
         return 0.0
     intervals = request_intervals(world.measured)
     missed = float(np.min(np.abs(intervals.off_s[near] - fit.value("timing.step_s")))) / intervals.usual_s
-    return min(0.5 * missed**2, _MOST_NATS)
+    return min(0.5 * missed**2, MOST_PENALTY_NATS)
 
 
 CAUSE = Cause(

@@ -27,7 +27,7 @@ def _values(fit: Fit) -> Values:
     return found
 
 
-_MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0)
+_MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0)  # the two mains, their second and third harmonics
 
 
 _RARE_HZ = (16.7, 33.3, 400.0)  # railways, ships and aircraft

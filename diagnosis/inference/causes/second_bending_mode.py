@@ -63,7 +63,7 @@ def _rings(fit: Fit) -> bool:
     return _apart(hz[-1], hz[:-1]) and _LEAST_DAMPING < damping < _MOST_DAMPING
 
 
-_ABOVE_FIRST, _APART = 2.0, 1.25
+_ABOVE_FIRST, _APART = 2.0, 1.25  # ratio to the first mode, a third of 6.3; to any other
 
 
 _MOST_DAMPING = 0.3  # what is gone within a swing is no ring

@@ -1,6 +1,15 @@
 """A buffer that hands over old images."""
 
-from stillarm.diagnosis.inference.cause import Cause, Context, Trial, Values, free_of, has, plain
+from stillarm.diagnosis.inference.cause import (
+    MOST_PENALTY_NATS,
+    Cause,
+    Context,
+    Trial,
+    Values,
+    free_of,
+    has,
+    plain,
+)
 from stillarm.diagnosis.inference.fitted import Fit
 
 
@@ -15,14 +24,14 @@ def _values(fit: Fit) -> Values:
     return plain(fit, onset_s="timing.stale_onset_s", frames="timing.stale_frames")
 
 
-_WHOLE, _MOST_NATS = 0.02, 100.0  # frames; nats
+_WHOLE = 0.02  # frames: to which the fit's own doubt of a whole number is not believed
 
 
 def _unwhole(fit: Fit) -> float:
     """A buffer holds whole frames, at least one."""
     frames = fit.value("timing.stale_frames")
     doubt = max(fit.std.get("timing.stale_frames", 0.0), _WHOLE)
-    return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, _MOST_NATS)
+    return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, MOST_PENALTY_NATS)
 
 
 CAUSE = Cause(
