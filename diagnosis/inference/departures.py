@@ -75,7 +75,9 @@ def loud_stretch(
     nearest = int(np.argmin(np.abs(at - struck)))
     if abs(at[nearest] - struck) > _ABOUT_PERIODS * period:
         return None
-    breaks = np.flatnonzero(np.diff(at) > _GAP_PERIODS * period)
+    # where nothing is judged, as at a stroke, it is not quiet either
+    quiet_s = np.diff(np.flatnonzero(loud)) * float(np.median(np.diff(time)))
+    breaks = np.flatnonzero(quiet_s > _GAP_PERIODS * period)
     first = breaks[breaks < nearest]
     last = breaks[breaks >= nearest]
     return float(at[first[-1] + 1 if len(first) else 0]), float(at[last[0] if len(last) else len(at) - 1])

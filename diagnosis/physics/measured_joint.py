@@ -11,7 +11,7 @@ microradians. In the joint that is less than a simulation reaches; in the image 
 pixel, and the arm rings with it. Where the encoder resolves it, the image is told by where the joint was.
 """
 
-from math import isfinite, sqrt
+from math import isfinite, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +78,18 @@ def within_reach(measured: Array, simulated: Array) -> Array:
     """By how much the joint was elsewhere than simulated, rad, no more than a simulation is taken to be off; straight
     across what was not measured. Both: (n,) rad."""
     return np.clip(bridged(measured - simulated), -LEAST["joint_position"], LEAST["joint_position"])
+
+
+def noise_at_tip(noise_rad: float, modes: Array, length_m: float, step_s: float) -> float:
+    """Standard deviation of what an encoder's white noise makes of `tip_moved`, m: a resonance of gain p l / (2 z) lets
+    through what lies within its noise bandwidth of pi z f, of a noise of 2 noise_rad^2 step_s per Hz; far above, a mode
+    takes p l of the path back. modes as there."""
+    through = [
+        2.0 * step_s * pi * damping * hz * (participation / (2.0 * damping)) ** 2
+        for hz, damping, participation in modes
+    ]
+    quick = 1.0 - sum(participation for _, _, participation in modes)
+    return noise_rad * length_m * sqrt(quick**2 + sum(through))
 
 
 def tip_moved(off: Array, modes: Array, length_m: float, step_s: float) -> Array:

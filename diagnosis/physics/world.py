@@ -15,12 +15,13 @@ from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.channels import ARM_CHANNELS, FRAME_CHANNELS, present_channels
 from stillarm.diagnosis.data.frame_clock import FrameClock, frame_clock
 from stillarm.diagnosis.data.measured import Measured
-from stillarm.diagnosis.data.noise import resolution
+from stillarm.diagnosis.data.noise import LEAST, MATTERS_OF_NOISE, resolution
+from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
 from stillarm.diagnosis.physics.arm_motion import ArmMotion, Motion
 from stillarm.diagnosis.physics.camera import Camera
 from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
-from stillarm.diagnosis.physics.measured_joint import tip_moved, within_reach
+from stillarm.diagnosis.physics.measured_joint import noise_at_tip, tip_moved, within_reach
 from stillarm.diagnosis.physics.quantities import QUARTZ, SKEW, Layout
 from stillarm.diagnosis.physics.space import Added, Quantity
 
@@ -92,6 +93,7 @@ class World:
         for group in added:
             for name in group.amounts:
                 self.space.add(Quantity(name, 0.0, step=1e-3 * group.prior_std, prior_std=group.prior_std))
+        self._tip_follows_encoder = self._encoder_tells_tip()
         self._variation: dict[str, float] = {}
         self._resolution: dict[str, float] = {}
         none = np.empty(0)
@@ -261,9 +263,22 @@ class World:
         """By how much a fine encoder saw the joint elsewhere, rad, as far as a simulated drive may be off."""
         return within_reach(self.measured.position, self._arm.reported(motion, 0))
 
+    def _encoder_tells_tip(self) -> bool:
+        """Whether an encoder is so fine that its noise, through the arm's resonances, would not matter in the image."""
+        if not self.measured.has_fine_encoder or self.joint_hz > 0.0:
+            return False
+        modes = np.array(
+            [(one.frequency_hz, one.damping_ratio, one.participation) for one in self.model.arm.modes]
+        )
+        noise_rad = white_noise(self.measured.position, 2)
+        moved_m = noise_at_tip(noise_rad, modes, self.length, self.measured.cycle_s)
+        camera = self.model.camera
+        least_px = max(LEAST["displacement"], camera.noise_std_px)
+        return moved_m * camera.scale_px_per_m < MATTERS_OF_NOISE * least_px
+
     def _tip_of_joint_seen(self, motion: Motion, vector: Array) -> Array:
         """The tip's path, m, if the joint was where a fine encoder saw it, as far as a simulated drive may be off."""
-        if not self.measured.has_fine_encoder or self.joint_hz > 0.0:
+        if not self._tip_follows_encoder:
             return motion.tip
         first = [self.space.place[f"modes.{i}.frequency_hz"] for i in range(self.modes)]
         modes = np.array([vector[place : place + 3] for place in first])

@@ -85,7 +85,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="several recordings: a Dask scheduler whose workers have the same files (default: this machine's cores)",
     )
     parser.add_argument(
-        "--out", type=Path, default=Path("diagnosed"), metavar="DIR", help="folder for the results (diagnosed)"
+        "--out",
+        type=Path,
+        default=Path("diagnosed"),
+        metavar="DIR",
+        help="folder for the results (diagnosed)",
     )
 
 

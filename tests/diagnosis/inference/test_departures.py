@@ -51,6 +51,17 @@ def test_a_loud_stretch_is_found_from_within_and_beside_it(
     assert loud_stretch(*found, since_s - 0.4 * PERIOD_S, PERIOD_S) is None
 
 
+def test_where_nothing_is_judged_a_stretch_is_not_over(arm: Fit) -> None:
+    """As at the stroke in the middle of a push: the arm swings faster than a stroke is left out."""
+    period_s = 0.1
+    shaken = with_more(arm, "acceleration", 3.0, 3.1, 50.0)
+    time = arm.world.cycle_times
+    off = np.where((time > 3.03) & (time < 3.07), np.nan, shaken.residuals["acceleration"])
+    found = loud_at(replace(shaken, residuals={**shaken.residuals, "acceleration": off}), "acceleration")
+    assert found is not None
+    assert loud_stretch(*found, 3.05, period_s) == pytest.approx((3.0, 3.1), abs=0.011)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_what_stays_to_one_side_shows_below_the_noise_of_a_sample(seed: int) -> None:
     off = np.random.default_rng(seed).normal(size=2000)

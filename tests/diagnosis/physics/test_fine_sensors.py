@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.noise import LEAST, is_fine_encoder, is_fine_image
-from stillarm.diagnosis.physics.measured_joint import tip_moved, within_reach
+from stillarm.diagnosis.physics.measured_joint import noise_at_tip, tip_moved, within_reach
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures import synthetic
 
@@ -94,6 +94,14 @@ def test_the_arm_rings_with_the_joint() -> None:
     truth = length * off + solved.y[0]
     found = tip_moved(off, _MODE, length, _STEP_S)
     assert np.max(np.abs(found - truth)) < 0.01 * np.max(np.abs(truth))
+
+
+@pytest.mark.parametrize(("hz", "damping"), [(10.0, 0.006), (2.0, 0.01)])
+def test_an_encoders_noise_rings_the_tip_as_is_foretold(hz: float, damping: float) -> None:
+    modes, length, noise = np.array([[hz, damping, 1.5]]), 0.9, 3e-5
+    off = np.random.default_rng(4).normal(0.0, noise, 200_000)
+    moved = tip_moved(off, modes, length, _STEP_S)[20_000:]
+    assert noise_at_tip(noise, modes, length, _STEP_S) == pytest.approx(float(np.std(moved)), rel=0.15)
 
 
 def _late_commands(position_noise: float) -> Measured:
