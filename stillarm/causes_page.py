@@ -1,9 +1,17 @@
 """The causes' declarations as text for people and as a JSON schema; makes docs/causes.md."""
 
+from collections.abc import Mapping
+from math import isnan
 from typing import Any
 
 from stillarm.common.causes import CAUSES, Cause, Parameter, experiment_between
 from stillarm.common.causes.declaration import SEPARATES
+from stillarm.common.causes.driven import DRIVEN_CAUSES, DrivenCause
+
+ALL_CAUSES: Mapping[str, Cause | DrivenCause] = {**CAUSES, **DRIVEN_CAUSES}
+"""Both catalogues by identifier; they share no name."""
+DRIVEN = "driven joint"
+"""Where the causes of the second catalogue act, as a list has it."""
 
 _HEAD = """# Causes: how a rig departs from its model
 
@@ -34,6 +42,17 @@ writes its model.toml).
 A closed damping loop hides what the arm does by itself: for the arm's causes record with damping off.
 """
 
+_DRIVEN_HEAD = """## The joint that a torque, a current or a voltage drives
+
+`stillarm diagnose` names these where such an input was recorded ([measured-rigs.md](measured-rigs.md)), and states
+them in extended.toml; `simulate`, `replay` and the daemons refuse a model with one of them in one line. theta is the
+joint's angle; all torques are divided by the hub's inertia. gear_backlash, drive_saturation, coulomb_damping,
+cubic_stiffness and accelerometer_lag, above, are named there as well.
+"""
+_TELLS_APART = (
+    "move the joint to and fro at several constant speeds, slow ones too, and let it rest in several places"
+)
+
 _PLACES = {
     "arm": "The arm",
     "drive": "The drive",
@@ -49,24 +68,39 @@ def page() -> str:
     for place, title in _PLACES.items():
         parts.append(f"## {title}\n")
         parts += [section(cause) for cause in CAUSES.values() if cause.place == place]
+    parts.append(_DRIVEN_HEAD)
+    parts += [section(cause) for cause in DRIVEN_CAUSES.values()]
     return "\n".join(parts)
 
 
-def section(cause: Cause) -> str:
+def place_of(cause: Cause | DrivenCause) -> str:
+    """Where a cause acts, in a word or two."""
+    return cause.place if isinstance(cause, Cause) else DRIVEN
+
+
+def section(cause: Cause | DrivenCause) -> str:
     """All that is said of one cause."""
-    told = f"{cause.sees[0].upper()}{cause.sees[1:]}. {cause.note}".strip()
+    note = cause.note if isinstance(cause, Cause) else ""
+    told = f"{cause.sees[0].upper()}{cause.sees[1:]}. {note}".strip()
     lines = [f"### {cause.identifier}", "", told + (" *May be repeated.*" if cause.repeatable else ""), ""]
     lines += [f"    {cause.equation}", ""]
     lines += [f"- `{one.name}`: {_allowed(one)}" for one in cause.parameters]
     lines += ["", f"To provoke it: {cause.provoke}", ""]
     lines += [f"To tell it from {other}: {how}." for other, how in _separated(cause).items()] or [
-        f"To tell it from others: {SEPARATES[cause.place]}."
+        f"To tell it from others: {SEPARATES[cause.place] if isinstance(cause, Cause) else _TELLS_APART}."
     ]
     return "\n".join([*lines, ""])
 
 
-def _separated(cause: Cause) -> dict[str, str]:
+def _separated(cause: Cause | DrivenCause) -> dict[str, str]:
     """Experiments that tell a cause from those that it is easily confused with."""
+    if isinstance(cause, DrivenCause):
+        said_there = {
+            name: other.confused_with[cause.identifier]
+            for name, other in DRIVEN_CAUSES.items()
+            if cause.identifier in other.confused_with
+        }
+        return {**cause.confused_with, **said_there}
     between = {
         other: experiment_between(cause.identifier, other) for other in CAUSES if other != cause.identifier
     }
@@ -75,6 +109,8 @@ def _separated(cause: Cause) -> dict[str, str]:
 
 def _allowed(parameter: Parameter) -> str:
     left_out = "" if parameter.default is None else f"; {_said(parameter.default)} when left out"
+    if parameter.default == "":
+        left_out = "; all of them when left out"
     if parameter.kind == "truth":
         return f"true or false{left_out}"
     if parameter.kind == "text":
@@ -91,6 +127,8 @@ def _allowed(parameter: Parameter) -> str:
 def _said(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, float) and isnan(value):
+        return "as the rig shows it"
     return f"{value:g}" if isinstance(value, int | float) else f'"{value}"'
 
 
@@ -99,11 +137,11 @@ def schema() -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "effect",
-        "oneOf": [_schema_of(cause) for cause in CAUSES.values()],
+        "oneOf": [_schema_of(cause) for cause in ALL_CAUSES.values()],
     }
 
 
-def _schema_of(cause: Cause) -> dict[str, Any]:
+def _schema_of(cause: Cause | DrivenCause) -> dict[str, Any]:
     properties: dict[str, Any] = {"cause": {"const": cause.identifier}}
     for one in cause.parameters:
         if one.kind == "truth":
@@ -114,7 +152,8 @@ def _schema_of(cause: Cause) -> dict[str, Any]:
             kind = "integer" if one.kind == "whole" else "number"
             properties[one.name] = {"type": kind, "minimum": one.lowest, "maximum": one.highest}
             properties[one.name]["description"] = one.unit
-        if one.default is not None:
+        shown_by_the_rig = isinstance(one.default, float) and isnan(one.default)  # no number that JSON has
+        if one.default is not None and not shown_by_the_rig and one.default != "":
             properties[one.name]["default"] = one.default
     return {
         "type": "object",

@@ -14,6 +14,7 @@ from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, Verdict, decide
 from stillarm.diagnosis.driven.declared import declared_numbers, with_findings
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.laws import carried_by
 from stillarm.diagnosis.driven.search import Searched, search
 from stillarm.diagnosis.driven.signals import Driven, read_driven
 from stillarm.diagnosis.driven.stated import stated_by
@@ -126,7 +127,7 @@ def start_numbers(fitted: DrivenFit) -> dict[str, dict[str, float]]:
         hz = exp(numbers[f"log_w_{i}"]) / (2.0 * pi)
         found[f"mode_{i}_clamped_frequency_hz"] = (hz, hz * std.get(f"log_w_{i}", 0.0))
         found[f"mode_{i}_damping_ratio"] = (numbers[f"zeta_{i}"], std.get(f"zeta_{i}", 0.0))
-        found[f"mode_{i}_inertia_over_hub"] = (numbers[f"carries_{i}"], std.get(f"carries_{i}", 0.0))
+        found[f"mode_{i}_inertia_over_hub"] = (carried_by(numbers, i), std.get(f"carries_{i}", 0.0))
     return {name: {"value": float(value), "std": float(spread)} for name, (value, spread) in found.items()}
 
 

@@ -7,9 +7,9 @@ on, shows against the other recordings, where no model says what it should be.
 from dataclasses import replace
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.freedom import STATED, has_joint
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, Starts, forms_for
 from stillarm.diagnosis.driven.own import named_in
-from stillarm.diagnosis.driven.start import STATED, has_joint
 
 _ONSET = "onset"  # s from a recording's start: no time that recordings have in common
 _MORE = 1.2  # times what the others have: where the search for another value begins

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.driven.bounds import within
+from stillarm.diagnosis.driven.gauss_newton import RIDGE, Piece, normal_of, state_steps, stepped
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
 from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of, with_own
 from stillarm.diagnosis.inference.band_score import nats, spectra
@@ -24,7 +24,6 @@ _DIFFERENCE = 1e-3  # of a number: over much less, the corners of friction make 
 _OF_PLAY = 0.05  # of play's own numbers: an impact falls to a simulated step, and moves by whole ones
 _DAMPING, _MOST_DAMPING = 1e-3, 1e7  # of the diagonal (Levenberg, Marquardt): at first; a step is then none
 _SETTLED = 1e-4  # of the cost, from one step to the next
-_RIDGE = 1e-9  # on the diagonal: so that a number which nothing shows leaves the equations solvable
 _MOST_UNEVEN = 0.15  # of the largest share of an output's variation that is left: the least of another
 _ASTRAY = 1e8  # times the deviation: no number any more
 
@@ -90,15 +89,12 @@ def fit(
     normal = np.eye(len(free))
     for _ in range(steps):
         pieces = _derivatives(box, numbers, free, states, sigma, errors)
-        normal, gradient = _normal(box, pieces, len(free))
+        normal, gradient = normal_of(pieces, len(free))
         moved = False
         while damping < _MOST_DAMPING:
-            scaled = normal + damping * np.diag(np.diag(normal)) + _RIDGE * np.eye(len(free))
-            step: Array = np.asarray(np.linalg.solve(scaled, gradient), np.float64)
-            trial = within({**numbers, **{n: numbers[n] + d for n, d in zip(free, step, strict=True)}}, box)
-            # numbers that were brought back within their bounds move the states by what they moved
-            step = np.array([trial[name] - numbers[name] for name in free], np.float64)
-            trial_states = states + _state_steps(pieces, step)
+            scaled = normal + damping * np.diag(np.diag(normal)) + RIDGE * np.eye(len(free))
+            trial, step = stepped(box, numbers, free, scaled, gradient)
+            trial_states = states + state_steps(pieces, step)
             trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
             if not trial_cost < cost:
                 # a block's own step is not damped: where it goes astray, at a corner of friction, its state stays
@@ -155,10 +151,6 @@ def _cost(
         errors[one.name] = error
         total += 0.5 * float(np.nansum(error[train] ** 2))
     return total, errors
-
-
-Piece = tuple[Array, Array, Array, bool]
-"""Of a block: derivatives by the numbers and by its state, residual, and whether it trains."""
 
 
 def levels_of_fit(fitted: DrivenFit) -> dict[str, float]:
@@ -224,36 +216,6 @@ def stacked(box: GreyBox, run: Run, sigma: dict[str, float]) -> Array:
     return np.concatenate([run.outputs[one.name] / sigma[one.name] for one in box.driven.outputs])
 
 
-def _normal(box: GreyBox, pieces: list[Piece], count: int) -> tuple[Array, Array]:
-    normal, gradient = np.zeros((count, count)), np.zeros(count)
-    for j, k, r, trains in pieces:
-        if not trains or not len(r):
-            continue
-        q = orthonormal(k)
-        j_free, r_free = j - q @ (q.T @ j), r - q @ (q.T @ r)
-        normal += j_free.T @ j_free
-        gradient += j_free.T @ r_free
-    return normal, gradient
-
-
-def orthonormal(k: Array) -> Array:
-    """A basis of what the columns span, (n, at most m); without those that the others make up."""
-    size = np.linalg.norm(k, axis=0)
-    q, r = np.linalg.qr(k / np.where(size > 0.0, size, 1.0))
-    kept = np.abs(np.diag(r)) > 1e-7
-    return np.asarray(q[:, kept])
-
-
-def _state_steps(pieces: list[Piece], step: Array) -> Array:
-    rows = []
-    for j, k, r, _ in pieces:
-        size = np.linalg.norm(k, axis=0)
-        size = np.where(size > 0.0, size, 1.0)
-        left = r - j @ step
-        rows.append(np.linalg.lstsq(k / size, left, rcond=1e-6)[0] / size if len(r) else np.zeros(k.shape[1]))
-    return np.array(rows)
-
-
 def _settled(
     box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float], turns: int = 2
 ) -> Array:
@@ -262,7 +224,7 @@ def _settled(
     by_block = _by_block(box, errors)
     for _ in range(turns):
         pieces = _derivatives(box, numbers, (), states, sigma, errors)
-        trial = states + _state_steps(pieces, np.zeros(0))
+        trial = states + state_steps(pieces, np.zeros(0))
         _, trial_errors = _cost(box, numbers, trial, sigma)
         better = _by_block(box, trial_errors) < by_block
         if not better.any():
@@ -304,7 +266,7 @@ def _finished(
         blocks = box.recording == k
         held[blocks], whole[blocks] = _scored(box.parts[k], residuals, blocks[box.block])
     try:
-        spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + _RIDGE * np.eye(len(free)))), 0.0))
+        spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + RIDGE * np.eye(len(free)))), 0.0))
     except np.linalg.LinAlgError:
         spread = np.full(len(free), np.nan)
     std = dict(zip(free, spread.tolist(), strict=True))

@@ -21,7 +21,14 @@ _LEAST_FOLLOWS = 1e-12  # below it a mode does not follow the joint: against a d
 def pull_of(numbers: Numbers, mode: int) -> float:
     """How a mode pulls at the joint, by the inertia that it carries over the hub's, which no sensor's sign changes."""
     follows = numbers[f"follows_{mode}"]
-    return numbers[f"carries_{mode}"] / follows if abs(follows) > _LEAST_FOLLOWS else 0.0
+    return carried_by(numbers, mode) / follows if abs(follows) > _LEAST_FOLLOWS else 0.0
+
+
+def carried_by(numbers: Numbers, mode: int) -> float:
+    """The inertia that a mode carries, over the hub's. Where a model states how the tip follows the joint
+    (`stated_follows_I`), another participation carries another inertia: m (participation length)^2."""
+    carries, stated = numbers[f"carries_{mode}"], numbers.get(f"stated_follows_{mode}", 0.0)
+    return carries * (numbers[f"follows_{mode}"] / stated) ** 2 if stated else carries
 
 
 def laws_of(numbers: Numbers) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import gaps
 from stillarm.diagnosis.driven.laws import pull_of
 from stillarm.diagnosis.driven.missing import missing_force
@@ -19,12 +20,12 @@ from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.regression import regressed_joint
 from stillarm.diagnosis.driven.rubbing import anew_with_friction
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
-from stillarm.diagnosis.driven.start import STATED
 from stillarm.diagnosis.driven.waves import strongest_waves
 
 Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
+AMPLIFIER_LAG = "a lag of the amplifier"
 _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
 
@@ -201,7 +202,7 @@ FORMS = (
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
     Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
-    Form(STRUCTURE, "a lag of the amplifier", ("lag",), _lag, _before_amplifier, hidden=True),
+    Form(STRUCTURE, AMPLIFIER_LAG, ("lag",), _lag, _before_amplifier, hidden=True),
     Form(STRUCTURE, "a stiffness of the joint", ("stiffness",), _small("stiffness"), _has("position", "motor")),
 )  # fmt: skip
 
@@ -240,7 +241,8 @@ def _against_the_model(fitted: DrivenFit) -> list[Form]:
         carried = tuple(f"carries_{i}" for i in range(1, fitted.box.modes + 1))
         forms.append(Form("inertia_change", "a payload at the tip", carried, _more(*carried)))
     for one in fitted.box.driven.outputs:
-        if one.stated and one.kind != "acceleration" and f"scale {one.name}" not in fitted.free:
+        seen_in_its_size = one.stated and f"direct {one.name}" not in fitted.free
+        if seen_in_its_size and f"scale {one.name}" not in fitted.free:
             forms.append(Form("sensor_scale", f"of {one.name}", (f"scale {one.name}",), _scale(one.name)))
     return [one for one in forms if not set(one.numbers) <= set(fitted.free)]
 

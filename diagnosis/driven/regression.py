@@ -91,6 +91,11 @@ def joint_numbers(driven: Driven) -> dict[str, float]:
     return numbers
 
 
+def numbers_without_joint(driven: Driven) -> dict[str, float]:
+    """Start values where no sensor looks at the joint."""
+    return {"gain": 1.0 / size_of(driven.u), "damping": 0.0, "delay": 0.0}
+
+
 def _scale_second_sensors(driven: Driven, numbers: dict[str, float], omega: Array) -> None:
     """Start values of the scales against the first angle."""
     first = next((one for kind in ("position", "motor") for one in driven.outputs if one.kind == kind), None)

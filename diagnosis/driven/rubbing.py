@@ -11,7 +11,8 @@ import numpy as np
 
 from stillarm.diagnosis.driven.begins import best_begins, damped_joints, on_a_damped_joint, seen_begins
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.start import STATED, free_of, has_joint, modes_to_try
+from stillarm.diagnosis.driven.freedom import STATED, free_of, has_joint
+from stillarm.diagnosis.driven.start import modes_to_try
 
 _SHARES = (0.15, 0.5)  # of the usual torque, which friction takes
 _QUICK = 8  # steps of a fit

@@ -16,11 +16,12 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA, believable
 from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
+from stillarm.diagnosis.driven.freedom import STATED, has_joint
+from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, STRUCTURE, Form, box_of, forms_for
 from stillarm.diagnosis.driven.own import base_of, recording_of
 from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
-from stillarm.diagnosis.driven.start import STATED, has_joint, linear_start, with_another_mode
+from stillarm.diagnosis.driven.start import linear_start, with_another_mode
 from stillarm.diagnosis.driven.stated import Stated
 
 Array = NDArray[np.float64]
@@ -156,13 +157,21 @@ def cause_first(tried: list[Tried]) -> list[Tried]:
     imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers, and so has play, as a mode
     and play imitate each other."""
     most = tried[0].merit
-    if tried[0].form.words == ANOTHER_MODE.words and _at_a_bound(tried[0].fit):
-        most *= _OF_NO_ARM
+    lag = max((one.merit for one in tried if one.form.words == AMPLIFIER_LAG), default=-inf)
     for one in tried:
-        lead = _LINEAR_FIRST if one.form.cause in _LINEAR or one.form.play else _CAUSE_FIRST
-        if one.form.cause != STRUCTURE and one.merit >= max(CONVINCES, lead * most):
+        ahead = max(CONVINCES, lead_of(one.form) * most)
+        if (
+            "late" in one.form.numbers
+        ):  # every amplifier lags, and late inputs are a delay by odds against that
+            ahead = max(ahead, lag + CONVINCES)
+        if one.form.cause != STRUCTURE and one.merit >= ahead:
             return [one, *(other for other in tried if other is not one)]
     return tried
+
+
+def lead_of(form: Form) -> float:
+    """How much a cause must gain, of what structure does, to go first."""
+    return _LINEAR_FIRST if form.cause in _LINEAR or form.play else _CAUSE_FIRST
 
 
 def _at_a_bound(fitted: DrivenFit) -> bool:
@@ -205,7 +214,8 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             mode = judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current)
             # noise may ring at any of the recording's frequencies, and the best of them was chosen
             elsewhere = log(max(current.box.driven.samples // 2, 1))
-            finished.append(replace(mode, merit=mode.merit - elsewhere))
+            counts = _OF_NO_ARM if _at_a_bound(bent) else 1.0
+            finished.append(replace(mode, merit=counts * (mode.merit - elsewhere)))
     return sorted(finished, key=lambda one: -one.merit)
 
 

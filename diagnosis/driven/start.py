@@ -15,72 +15,26 @@ from scipy.signal import savgol_filter
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.begins import best_begins, damped_joints, on_a_damped_joint, seen_begins
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.freedom import free_of, has_joint, needs_mode
 from stillarm.diagnosis.driven.greybox import GreyBox
-from stillarm.diagnosis.driven.own import named_in
 from stillarm.diagnosis.driven.regression import (
-    JOINT,
     joint_motion,
     joint_numbers,
+    numbers_without_joint,
     resonance,
-    scale_is_open,
-    size_of,
     width_of,
 )
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.stated import Stated
+from stillarm.diagnosis.driven.stated_start import stated_start
 
 Array = NDArray[np.float64]
 
 _LOWEST_HZ, _TRIED_HZ = 0.4, 48  # from where; in so many equal ratios, of 1.16 at 1 kHz
 _DAMPING_TRIED = 0.02  # ratio: where a mode's fit begins, the upper end of a usual arm's
-STATED = "stated"  # a number of a grey box whose structure a model file states
 _INERTIA_TRIED = (0.1, 1.0)  # of a mode, over the hub's: how much higher it rings on a free hub
 _QUICK, _KEPT = 8, 3  # steps of a fit; fits that go on of those that a look has ranked
 _SHARES_TRIED = (0.2, 0.6)  # of the motor in the inertia, where there is play
-
-
-def has_joint(driven: Driven) -> bool:
-    """Whether a sensor looks at the joint itself."""
-    return any(one.kind in JOINT for one in driven.outputs)
-
-
-def needs_mode(driven: Driven) -> bool:
-    """Whether a sensor looks at the arm's bending."""
-    return any(one.kind in ("deflection", "acceleration") for one in driven.outputs)
-
-
-def free_of(box: GreyBox) -> tuple[str, ...]:
-    """The numbers of the linear model that the sensors can show."""
-    driven, free = box.driven, ["gain", "damping", "delay"]
-    bends = any(one.kind == "deflection" for one in driven.outputs)
-    for i in range(1, box.modes + 1):
-        free += [f"log_w_{i}", f"zeta_{i}"]
-        free += [f"follows_{i}"] if bends else []
-        if has_joint(driven):
-            free.append(f"carries_{i}")
-    if not has_joint(driven):
-        free = [one for one in free if one not in ("damping", "gain" if bends else "")]
-    positions = [one for one in driven.outputs if one.kind in ("position", "motor")]
-    for one in driven.outputs:
-        first_position = bool(positions) and one is positions[0]
-        if not first_position:
-            free.append(f"offset {one.name}")
-        if one.kind == "acceleration":
-            free += [f"direct {one.name}"] if has_joint(driven) else []
-            free += [f"share_{i} {one.name}" for i in range(1, box.modes + 1)]
-            if not has_joint(driven) and not bends and box.modes:
-                free.remove("gain")
-        elif (
-            one.kind in ("velocity", "motor")
-            and positions
-            and not first_position
-            and scale_is_open(one, positions[0])
-        ):
-            free.append(f"scale {one.name}")
-    offsets = [one for one in free if one.startswith("offset ")]
-    free = [one for one in free if one not in box.declared]
-    free += [named_in(one, k) for k in range(1, driven.recordings) for one in offsets]
-    return tuple(free)
 
 
 def linear_start(
@@ -97,8 +51,8 @@ def linear_start(
 def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
     driven, declared = plain.driven, plain.declared
     if stated is not None:
-        return _from_stated(plain, stated)
-    numbers = {**(joint_numbers(driven) if has_joint(driven) else _without_joint(driven)), **declared}
+        return stated_start(plain, stated)
+    numbers = {**(joint_numbers(driven) if has_joint(driven) else numbers_without_joint(driven)), **declared}
     if "gap" in declared:
         return _start_with_play(plain, numbers)
     joint = plain.without_arm()
@@ -131,45 +85,6 @@ def _start_with_play(plain: GreyBox, numbers: dict[str, float]) -> DrivenFit:
         for on_motor in (0.0, 1.0)
     ]
     return max(tried, key=lambda one: float(one.whole.sum()))
-
-
-def _from_stated(plain: GreyBox, stated: Stated) -> DrivenFit:
-    """The stated joint, refitted in what may be off without being a cause."""
-    driven = plain.driven
-    box = replace(plain, modes=stated.modes)
-    begun = joint_numbers(driven) if has_joint(driven) else _without_joint(driven)
-    first = next((kind for kind in JOINT if any(one.kind == kind for one in driven.outputs)), "")
-    if first == "motor":  # the regression is of the motor's angle, the model of the joint's
-        turns = next(stated.numbers[f"scale {one.name}"] for one in driven.outputs if one.kind == "motor")
-        begun["gain"] /= turns
-    numbers = {**begun, **stated.numbers, STATED: 1.0, **plain.declared}
-    for one in driven.outputs:
-        numbers.setdefault(f"offset {one.name}", 0.0)
-        if one.kind == "acceleration":
-            for i in range(1, stated.modes + 1):
-                numbers.setdefault(f"share_{i} {one.name}", 1.0)
-    free = tuple(one for one in free_of(box) if one not in stated.fixed)
-    return fit(box, _with_bending_scaled(box, numbers), free)
-
-
-def _with_bending_scaled(box: GreyBox, numbers: dict[str, float]) -> dict[str, float]:
-    """The numbers with a scale for a bending whose unit nobody knows: what the stated arm, from rest, makes of the
-    input, against what was measured."""
-    bent = next((one for one in box.driven.outputs if one.kind == "deflection" and not one.stated), None)
-    if bent is None or not box.modes:
-        return numbers
-    simulated = box.run(numbers, np.zeros((len(box.split.held), box.size))).outputs[bent.name]
-    known = np.isfinite(bent.values)
-    columns = np.column_stack([simulated[known], np.ones(known.sum())])
-    scale = float(np.linalg.lstsq(columns, bent.values[known], rcond=None)[0][0])
-    if scale == 0.0:
-        return numbers
-    follows = [f"follows_{i}" for i in range(1, box.modes + 1)]
-    return {**numbers, **{name: scale * numbers[name] for name in follows}}
-
-
-def _without_joint(driven: Driven) -> dict[str, float]:
-    return {"gain": 1.0 / size_of(driven.u), "damping": 0.0, "delay": 0.0}
 
 
 def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[str, float]]:

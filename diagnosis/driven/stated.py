@@ -48,28 +48,51 @@ def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
         "lag": _or(drive.amplifier_lag_s, 0.0),
         "hub_inertia_kg_m2": hub,
     }
-    for output in driven.outputs:
-        if output.kind == "motor":
-            numbers[f"scale {output.name}"] = _or(drive.gear_ratio, 1.0)
-        elif output.stated:
-            numbers[f"scale {output.name}"] = 1.0
-    if drive.input_limit is not msgspec.UNSET:
-        numbers["limit"] = drive.input_limit
-    bends = any(one.kind == "deflection" for one in driven.outputs)
     for i, (mode, inertia) in enumerate(zip(heavy, carried, strict=True), 1):
         numbers[f"log_w_{i}"] = log(mode.angular_frequency)
         numbers[f"zeta_{i}"] = mode.damping_ratio
-        numbers[f"follows_{i}"] = mode.participation * (length or nan) if bends else 1.0
         numbers[f"carries_{i}"] = inertia / hub
-    known = any(one.stated for one in driven.outputs if one.kind in ("position", "motor", "velocity"))
-    fixed = ("damping", *(f"carries_{i}" for i in range(1, len(heavy) + 1))) if known else ()
-    if known and driven.drive_stated:
-        fixed += ("gain",)
-    fixed += tuple(f"scale {one.name}" for one in driven.outputs if one.stated)
+    if drive.input_limit is not msgspec.UNSET:
+        numbers["limit"] = drive.input_limit
+    fixed = ["damping", *(f"carries_{i}" for i in range(1, len(heavy) + 1))]
+    tips = [one.participation * (length or nan) for one in heavy]
+    fixed += _sensors(numbers, driven, _or(drive.gear_ratio, 1.0), tips, length)
+    if driven.drive_stated and any(one.stated for one in driven.outputs):
+        fixed.append("gain")
     if not driven.drive_stated:  # counts of a converter, say: what a unit of them is nobody knows
         del numbers["gain"]
         numbers.pop("limit", None)
-    return Stated(numbers, fixed, len(heavy))
+    return Stated(numbers, tuple(fixed), len(heavy))
+
+
+def _sensors(
+    numbers: dict[str, float], driven: Driven, gear_ratio: float, tips: list[float], length: float | None
+) -> list[str]:
+    """Adds what the sensors see of the stated joint and arm; returns which of it no baseline refits.
+
+    tips: m/rad, how each mode's tip follows the joint. A sensor of known unit sees the stated arm in its own size: a
+    mode's participation may be off, but then it carries another inertia, too (carried_by).
+    """
+    fixed = []
+    tip = {one.kind: one.stated for one in driven.outputs if one.kind in ("deflection", "acceleration")}
+    in_metres = tip.get("deflection", tip.get("acceleration", False)) and length is not None
+    for i, follows in enumerate(tips, 1):
+        numbers[f"follows_{i}"] = follows if in_metres or "deflection" in tip else 1.0
+        if in_metres:
+            numbers[f"stated_follows_{i}"] = follows
+    for one in driven.outputs:
+        if one.kind == "acceleration" and one.stated and length is not None:
+            numbers[f"direct {one.name}"] = length
+            fixed.append(f"direct {one.name}")
+            if in_metres:
+                fixed += [f"share_{i} {one.name}" for i in range(1, len(tips) + 1)]
+        if one.kind == "motor":
+            numbers[f"scale {one.name}"] = gear_ratio
+        elif one.stated:
+            numbers[f"scale {one.name}"] = 1.0
+        if one.stated:
+            fixed.append(f"scale {one.name}")
+    return fixed
 
 
 def _or(value: float | msgspec.UnsetType, default: float) -> float:

@@ -4,8 +4,7 @@ import argparse
 import difflib
 import json
 
-from stillarm.causes_page import page, schema, section
-from stillarm.common.causes import CAUSES
+from stillarm.causes_page import ALL_CAUSES, page, place_of, schema, section
 from stillarm.common.user_error import UserError
 
 
@@ -24,12 +23,12 @@ def run(arguments: argparse.Namespace) -> int:
     elif arguments.schema:
         print(json.dumps(schema(), indent=2))
     elif arguments.name is None:
-        for cause in CAUSES.values():
-            print(f"{cause.identifier:<32} {cause.place:<14} {cause.name}")
-    elif arguments.name in CAUSES:
-        print(section(CAUSES[arguments.name]), end="")
+        for cause in ALL_CAUSES.values():
+            print(f"{cause.identifier:<32} {place_of(cause):<14} {cause.name}")
+    elif arguments.name in ALL_CAUSES:
+        print(section(ALL_CAUSES[arguments.name]), end="")
     else:
-        near = difflib.get_close_matches(arguments.name, CAUSES, n=1, cutoff=0.0)[0]
+        near = difflib.get_close_matches(arguments.name, ALL_CAUSES, n=1, cutoff=0.0)[0]
         raise UserError(
             f"causes {arguments.name}: no such cause; the nearest is {near}, and `stillarm causes` lists all"
         )

@@ -1,11 +1,14 @@
 """What a model file says of a driven joint."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
 
 from stillarm.common.files.model import Arm, Drive, Mode, Model, check_model
 from stillarm.common.user_error import UserError
+from stillarm.diagnosis.driven.laws import carried_by
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.stated import stated_by
 
@@ -45,3 +48,23 @@ def test_a_driven_joint_without_inertia_is_refused_and_a_velocity_joint_states_n
     with pytest.raises(UserError, match="inertia_kg_m2: needed where"):
         check_model(Model(drive=Drive(kind="current")), "m")
     assert stated_by(Model(), DRIVEN, "m") is None
+
+
+def test_a_mode_that_follows_less_than_stated_carries_less() -> None:
+    """m (participation length)^2 over the hub's inertia; a bending of unknown unit says nothing of it."""
+    bending = Output("deflection_m", "deflection", np.zeros(3), True, 0.0)
+    for known in (True, False):
+        sensors = (POSITION, replace(bending, stated=known))
+        model = Model(arm=Arm(length_m=1.0, modes=[MODE]), drive=DRIVE)
+        found = stated_by(model, replace(DRIVEN, outputs=sensors), "m")
+        assert found is not None
+        less = {**found.numbers, "follows_1": 0.5 * found.numbers["follows_1"]}
+        assert carried_by(less, 1) == pytest.approx((0.25 if known else 1.0) * found.numbers["carries_1"])
+
+
+def test_an_accelerometer_of_known_unit_sees_the_tip_in_its_own_size() -> None:
+    tip = Output("acceleration_m_s2", "acceleration", np.zeros(3), True, 0.0)
+    model = Model(arm=Arm(length_m=0.7, modes=[MODE]), drive=DRIVE)
+    found = stated_by(model, replace(DRIVEN, outputs=(POSITION, tip)), "m")
+    assert found is not None and found.numbers["direct acceleration_m_s2"] == 0.7
+    assert {"direct acceleration_m_s2", "share_1 acceleration_m_s2"} <= set(found.fixed)

@@ -1,0 +1,52 @@
+"""Which numbers of the linear model a recording's sensors can show."""
+
+from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.own import named_in
+from stillarm.diagnosis.driven.regression import JOINT, scale_is_open
+from stillarm.diagnosis.driven.signals import Driven
+
+STATED = "stated"  # a number of a grey box whose structure a model file states
+
+
+def has_joint(driven: Driven) -> bool:
+    """Whether a sensor looks at the joint itself."""
+    return any(one.kind in JOINT for one in driven.outputs)
+
+
+def needs_mode(driven: Driven) -> bool:
+    """Whether a sensor looks at the arm's bending."""
+    return any(one.kind in ("deflection", "acceleration") for one in driven.outputs)
+
+
+def free_of(box: GreyBox) -> tuple[str, ...]:
+    """The numbers of the linear model that the sensors can show."""
+    driven, free = box.driven, ["gain", "damping", "delay"]
+    bends = any(one.kind == "deflection" for one in driven.outputs)
+    for i in range(1, box.modes + 1):
+        free += [f"log_w_{i}", f"zeta_{i}"]
+        free += [f"follows_{i}"] if bends else []
+        if has_joint(driven):
+            free.append(f"carries_{i}")
+    if not has_joint(driven):
+        free = [one for one in free if one not in ("damping", "gain" if bends else "")]
+    positions = [one for one in driven.outputs if one.kind in ("position", "motor")]
+    for one in driven.outputs:
+        first_position = bool(positions) and one is positions[0]
+        if not first_position:
+            free.append(f"offset {one.name}")
+        if one.kind == "acceleration":
+            free += [f"direct {one.name}"] if has_joint(driven) else []
+            free += [f"share_{i} {one.name}" for i in range(1, box.modes + 1)]
+            if not has_joint(driven) and not bends and box.modes:
+                free.remove("gain")
+        elif (
+            one.kind in ("velocity", "motor")
+            and positions
+            and not first_position
+            and scale_is_open(one, positions[0])
+        ):
+            free.append(f"scale {one.name}")
+    offsets = [one for one in free if one.startswith("offset ")]
+    free = [one for one in free if one not in box.declared]
+    free += [named_in(one, k) for k in range(1, driven.recordings) for one in offsets]
+    return tuple(free)
