@@ -70,7 +70,7 @@ class Pace:
         """One step a cycle."""
         self._assumed = assumed.update
         self.steps = 1
-        self._cycles = self._idle = 0
+        self._cycles = self._idle = self._untold = 0
 
     def see_cycle(self, *, idle: bool) -> None:
         """A cycle had time for steps; idle: none was due."""
@@ -79,9 +79,10 @@ class Pace:
 
     def see_frame(self, *, told: bool) -> None:
         """Another frame comes; told: whether the one before has been told."""
-        if not told:
+        self._untold = 0 if told else self._untold + 1
+        if self._untold >= self._assumed.untold_frames:
             self.steps = min(self.steps + 1, self._assumed.most_steps)
-        elif self.steps > 1 and self._idle > self._assumed.spare_cycles * self._cycles:
+        elif told and self.steps > 1 and self._idle > self._assumed.spare_cycles * self._cycles:
             self.steps -= 1
         self._cycles = self._idle = 0
 

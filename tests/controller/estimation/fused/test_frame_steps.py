@@ -88,13 +88,13 @@ def test_frames_of_a_fast_arm_are_all_told() -> None:
         joint.send(0.0)
     late = behind[frames // 4 :]
     assert frames > 150
-    assert max(late) <= 2
-    assert sum(one > 0 for one in late) < 0.3 * len(late)
+    assert max(late) <= 3
+    assert sum(one > 0 for one in late) < 0.4 * len(late)
 
 
-def test_a_cycle_does_one_step_more_after_each_frame_that_was_not_told() -> None:
+def test_a_cycle_does_one_step_more_after_each_frame_but_the_first_that_was_not_told() -> None:
     pace = Pace()
-    for wanted in (2, 3, 4, 4):
+    for wanted in (1, 2, 3, 4, 4):
         pace.see_frame(told=False)
         assert pace.steps == wanted
 
@@ -102,6 +102,7 @@ def test_a_cycle_does_one_step_more_after_each_frame_that_was_not_told() -> None
 @pytest.mark.parametrize(("idle", "wanted"), [(4, 2), (5, 1)])
 def test_a_step_is_taken_back_where_cycles_are_left(idle: int, wanted: int) -> None:
     pace = Pace()
+    pace.see_frame(told=False)
     pace.see_frame(told=False)
     for cycle in range(10):
         pace.see_cycle(idle=cycle < idle)
