@@ -7,7 +7,8 @@ The sequence is a generator. It yields the name of its next step and does that s
 caller can see what is due.
 
 If the next frame comes before the last step, this frame's measurement is processed first. The steps from the mixture
-on only tell of this frame; they are left to the next one.
+on only tell of this frame; they are left to the next one. Where that happens, cycles do more steps each (Pace): an arm
+of 8 Hz has blocks of five cycles, and with them a frame has more steps than there are cycles to the next one.
 """
 
 from collections.abc import Generator
@@ -16,6 +17,7 @@ from typing import TypeAlias
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.controller.estimation.fused.accelerometer.impact_detector import ImpactReport
 from stillarm.controller.estimation.fused.arm.joint_input import JointInput
+from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPTIONS, Assumptions
 from stillarm.controller.estimation.fused.block_history import BlockHistory
 from stillarm.controller.estimation.fused.fusion.fusion import FrameFusion
 
@@ -58,6 +60,33 @@ class SpreadWork:
             self.due = self._steps.send(True)
 
 
+class Pace:
+    """How many steps a cycle does: so many that a frame is told before the next one comes.
+
+    steps: at present. One too many is taken back where cycles are left without a step.
+    """
+
+    def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
+        """One step a cycle."""
+        self._assumed = assumed.update
+        self.steps = 1
+        self._cycles = self._idle = self._untold = 0
+
+    def see_cycle(self, *, idle: bool) -> None:
+        """A cycle had time for steps; idle: none was due."""
+        self._cycles += 1
+        self._idle += idle
+
+    def see_frame(self, *, told: bool) -> None:
+        """Another frame comes; told: whether the one before has been told."""
+        self._untold = 0 if told else self._untold + 1
+        if self._untold >= self._assumed.untold_frames:
+            self.steps = min(self.steps + 1, self._assumed.most_steps)
+        elif told and self.steps > 1 and self._idle > self._assumed.spare_cycles * self._cycles:
+            self.steps -= 1
+        self._cycles = self._idle = 0
+
+
 class FrameSteps:
     """now_s: time of the cycle, set by the caller. last_frame_s: when the image compared last was read.
 
@@ -69,6 +98,8 @@ class FrameSteps:
         """No frame yet."""
         self._fusion, self._history, self._joint_input = fusion, history, joint_input
         self._work = SpreadWork()
+        self._pace = Pace(fusion.state.assumed)
+        self._told = True  # whether the present tells of the frame begun last
         self.now_s = 0.0
         self._ahead_s = fusion.state.assumed.update.ahead_frames * fusion.state.frame_s
         self._last_instant_s = float("-inf")
@@ -78,20 +109,27 @@ class FrameSteps:
     def see(self, samples: list[VisualSample]) -> None:
         """Leave the last one to the cycles that follow; those before it have to be done with at once."""
         samples = samples[-self._fusion.state.assumed.update.dated_in_cycle :]
+        self._pace.see_frame(told=self._told)
+        self._told = False
         first_looked_at = len(samples) - self._fusion.state.assumed.update.images_in_cycle
         for place, sample in enumerate(samples):
             self.finish_frame()
             self._work.begin(self._steps(sample, self.now_s, sample.measured and place >= first_looked_at))
 
     def work_off(self) -> None:
-        """A step."""
+        """A cycle's steps."""
+        self._pace.see_cycle(idle=self._told and self._work.due == NOTHING)
+        for _ in range(self._pace.steps):
+            self._do_step()
+
+    def _do_step(self) -> None:
         if not self._fusion.blocks.advance():
             self._work.advance()
 
     def finish_frame(self) -> None:
         """All steps that are left of the last frame but for those that only tell of it."""
         while self._work.due in _OF_FRAME:
-            self.work_off()
+            self._do_step()
 
     def finish_update(self) -> None:
         """To be called before anything else changes the bank. An image that was only prepared is prepared again."""
@@ -122,6 +160,7 @@ class FrameSteps:
         history.merge(self.now_s)
         yield PRESENT
         history.restart_present(self.now_s)
+        self._told = True
         yield LEARN
         if fusion.learn():
             history.forget_snapshot()

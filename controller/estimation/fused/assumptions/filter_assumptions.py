@@ -81,6 +81,9 @@ class UpdateAssumptions:
     images_in_cycle: int = assumed(2, "images", "bound: no cycle may be long")
     dated_in_cycle: int = assumed(4, "frames", "measured: 0.1 to 0.25 ms each, and no cycle may be long")
     ahead_frames: float = assumed(0.9, "frames after an image, whose blocks are processed with it", TRIED)
+    most_steps: int = assumed(4, "steps of a frame in a cycle", "bound: no cycle may be long")
+    untold_frames: int = assumed(2, "frames in a row", "chosen: one now and then is told with the next")
+    spare_cycles: float = assumed(0.45, "of the cycles that a frame has for steps", TRIED)
     delay_shown_stds: float = assumed(
         3.0, "standard deviations of the deflection", "derived: less may be none"
     )

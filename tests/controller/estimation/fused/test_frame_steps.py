@@ -2,11 +2,14 @@
 
 from itertools import pairwise
 
+import pytest
+
 from stillarm.common.datagrams.visual_sample import VisualSample
 from stillarm.common.files.configuration import Controller as Settings
+from stillarm.common.files.model import Mode
 from stillarm.controller.estimation.estimate import Estimate, Observation
 from stillarm.controller.estimation.fused import frame_steps as steps
-from stillarm.controller.estimation.fused.frame_steps import NOTHING
+from stillarm.controller.estimation.fused.frame_steps import NOTHING, Pace
 from stillarm.controller.estimation.fused.method import FusedMethod
 from stillarm.controller.joint.joint_motion import JointMotion
 from tests.reference.ringing_world import CYCLE_S, model_for, ring
@@ -66,3 +69,44 @@ def test_of_two_images_read_at_once_both_are_dated() -> None:
     _, said = run(2.0, doubled=True)
     told = [frame.frame for one in said for frame in one.dated]
     assert told == list(range(told[0], told[0] + len(told))) and len(told) > 50
+
+
+def test_frames_of_a_fast_arm_are_all_told() -> None:
+    """Blocks of an 8 Hz arm take five cycles and three steps each. With a step a cycle the present told of one frame in
+    ten, and lay up to a second behind the filters."""
+    model = model_for(0.006, 0.3, modes=[Mode(frequency_hz=8.0)])
+    trial = ring(model, 5, 3.0, delay="constant", excitation="steady")
+    method, joint = FusedMethod(model, Settings().fused, "model"), JointMotion(model, 2.0)
+    behind, frames = [], 0
+    for cycle in range(len(trial.deflection)):
+        joint.begin_cycle(cycle, float("nan"))
+        samples = trial.samples.get(cycle, [])
+        if samples:  # before this frame: whether the present tells of the last one
+            behind.append(0 if method._steps._told else 1 + (behind[-1] if behind else 0))
+            frames += 1
+        method.update(Observation(cycle, cycle * CYCLE_S, float(trial.acceleration[cycle]), samples, joint))
+        joint.send(0.0)
+    late = behind[frames // 4 :]
+    assert frames > 150
+    assert max(late) <= 3
+    assert sum(one > 0 for one in late) < 0.4 * len(late)
+
+
+def test_a_cycle_does_one_step_more_after_each_frame_but_the_first_that_was_not_told() -> None:
+    pace = Pace()
+    for wanted in (1, 2, 3, 4, 4):
+        pace.see_frame(told=False)
+        assert pace.steps == wanted
+
+
+@pytest.mark.parametrize(("idle", "wanted"), [(4, 2), (5, 1)])
+def test_a_step_is_taken_back_where_cycles_are_left(idle: int, wanted: int) -> None:
+    pace = Pace()
+    pace.see_frame(told=False)
+    pace.see_frame(told=False)
+    for cycle in range(10):
+        pace.see_cycle(idle=cycle < idle)
+    pace.see_frame(told=True)
+    assert pace.steps == wanted
+    pace.see_frame(told=True)
+    assert pace.steps == wanted  # without a cycle for steps nothing is known
