@@ -11,6 +11,8 @@ from stillarm.diagnosis.driven.greybox import GreyBox
 
 Array = NDArray[np.float64]
 RIDGE = 1e-9
+"""On the diagonal, so that a number which nothing shows leaves the equations solvable."""
+
 _STOPPED = 1e-9  # of a step: less is rounding
 
 Piece = tuple[Array, Array, Array, bool]
