@@ -6,7 +6,7 @@ arrival (per frame: when it was read, less when it was exposed).
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.channels import ARM_CHANNELS, FRAME_CHANNELS, present_channels
 from stillarm.diagnosis.data.frame_clock import FrameClock, frame_clock
 from stillarm.diagnosis.data.measured import Measured
-from stillarm.diagnosis.data.noise import LEAST, MATTERS_OF_NOISE, resolution
+from stillarm.diagnosis.data.noise import LEAST, resolution
 from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
 from stillarm.diagnosis.physics.arm_motion import ArmMotion, Motion
@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 _JUST_S = 1e-7  # less than between frames read at once
 _GRANTED = 0.9  # of what a simulated drive may be off; the tenth that is not shows a fit the way
 _STROKE_S = 0.02  # to either side of an impact: a soft hammer's lasts 5 to 20 ms
+_UNSEEN = 0.1  # of an image's noise: n x^2 / 2 = 10 nats in two thousand images, as much as chance brings
 _ABOUT_EXPOSED_S = 0.02  # by which an image's instant is uncertain
 
 
@@ -264,17 +265,15 @@ class World:
         return within_reach(self.measured.position, self._arm.reported(motion, 0))
 
     def _encoder_tells_tip(self) -> bool:
-        """Whether an encoder is so fine that its noise, through the arm's resonances, would not matter in the image."""
+        """Whether an encoder is so fine that its noise, through the arm's resonances, would not show in the image."""
         if not self.measured.has_fine_encoder or self.joint_hz > 0.0:
             return False
-        modes = np.array(
-            [(one.frequency_hz, one.damping_ratio, one.participation) for one in self.model.arm.modes]
-        )
-        noise_rad = white_noise(self.measured.position, 2)
+        arm, camera, position = self.model.arm, self.model.camera, self.measured.position
+        modes = np.array([(one.frequency_hz, one.damping_ratio, one.participation) for one in arm.modes])
+        known = position[np.isfinite(position)]
+        noise_rad = max(white_noise(known, 2), resolution(known) / sqrt(12.0))
         moved_m = noise_at_tip(noise_rad, modes, self.length, self.measured.cycle_s)
-        camera = self.model.camera
-        least_px = max(LEAST["displacement"], camera.noise_std_px)
-        return moved_m * camera.scale_px_per_m < MATTERS_OF_NOISE * least_px
+        return moved_m * camera.scale_px_per_m < _UNSEEN * max(LEAST["displacement"], camera.noise_std_px)
 
     def _tip_of_joint_seen(self, motion: Motion, vector: Array) -> Array:
         """The tip's path, m, if the joint was where a fine encoder saw it, as far as a simulated drive may be off."""
