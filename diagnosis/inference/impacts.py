@@ -219,13 +219,15 @@ def carried_over(last: Fit, world: World) -> Array:
 
 
 def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
-    """Impacts moved to where they leave the deflection without a jump."""
+    """Impacts moved to where they leave the deflection without a jump; not those that end what is not judged: the arm
+    comes out of that in any state."""
     world = last.world
     cycle_s = world.measured.cycle_s
+    ends = {round(end / cycle_s) for _, end in world.unjudged_s}
     for _ in range(2):
         moved = []
         for j, cycle in enumerate(world.impacts, start=1):
-            shift = min(max(_refined(last, j), -0.12), 0.12)
+            shift = min(max(_refined(last, j), -0.12), 0.12) if cycle not in ends else 0.0
             moved.append(min(max(cycle + round(shift / cycle_s), 1), world.measured.cycles - 2))
         moved = sorted(set(moved))
         if tuple(moved) == world.impacts:

@@ -22,10 +22,14 @@ from stillarm.diagnosis.inference.departures import (
 )
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.held import held_spans_s
 from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
 
 Array = NDArray[np.float64]
 
+_MOST_TURNS = (
+    4  # in which pulls are looked for; after the second, those of a bend that holds over whole swings alone
+)
 _SOUGHT = 2  # times that pulls, and pushes, are looked for: what one leaves out shows the next
 # a pull
 _WINDOW_S = 0.2  # over which an image's departure is looked at
@@ -47,20 +51,28 @@ _MOST_OF_ONE = 0.1  # of the recording, that a push may take
 
 def without_pulls(baseline: Fit, split: Split) -> Fit:
     """The baseline with what held the arm for a while left out, and impacts sought once more: beside a pull none that
-    is less than it shows."""
+    is less than it shows. From the end of a pull the arm rings from a state of its own."""
     cycle_s = baseline.world.measured.cycle_s
-    for _ in range(_SOUGHT):
-        spans = pull_spans_s(baseline)
-        if not spans:
+    for turn in range(_MOST_TURNS):
+        spans = held_spans_s(baseline)
+        ends = {round(end / cycle_s) for _, end in spans if end < baseline.world.measured.duration_s}
+        if turn < _SOUGHT:
+            spans += tuple(one for one in pull_spans_s(baseline) if not _within(one, spans))
+        if not spans or sum(end - start for start, end in spans) > _MOST * baseline.world.measured.duration_s:
             break
-        inside = [
-            i for i in baseline.world.impacts if any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
-        ]
-        kept = tuple(i for i in baseline.world.impacts if i not in inside)
         unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))
-        world = baseline.world.changed(impacts=kept, unjudged_s=unjudged_s)
+        kept = {
+            i
+            for i in baseline.world.impacts
+            if not any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
+        }
+        world = baseline.world.changed(impacts=tuple(sorted(kept | ends)), unjudged_s=unjudged_s)
         baseline = fit_with_impacts(world, split, carried_over(baseline, world))
     return baseline
+
+
+def _within(span: tuple[float, float], others: Sequence[tuple[float, float]]) -> bool:
+    return any(start < span[1] and span[0] < end for start, end in others)
 
 
 def without_pushes(baseline: Fit, split: Split) -> Fit:
