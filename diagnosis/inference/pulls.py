@@ -180,7 +180,7 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
             continue
         start, end = min(a for _, (a, _) in found), max(b for _, (_, b) in found)
         (time, flags), (since, until) = found[0]  # an image that is wrong for another reason is loud for long
-        if until - since > _PUSH_PERIODS * period:
+        if until - since - 2.0 * LOUD_OVER_S > _PUSH_PERIODS * period:  # at either end it is seen over that
             continue
         start, end = max(start, since - period), min(end, until + period)
         if _holds_beside(time, flags, (since, until), period):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import pi
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -111,6 +112,23 @@ def test_a_push_is_found_where_either_sensor_shows_it(data: Measured, px: float,
     assert len(spans) == 1
     assert spans[0][0] == pytest.approx(since, abs=0.06)
     assert spans[0][1] == pytest.approx(until, abs=0.06)
+
+
+def test_a_push_of_a_swing_and_a_half_is_found_where_the_arm_swings_quickly() -> None:
+    """Over as long as a departure is looked for, such an arm goes through a fifth of a swing."""
+    hz = 9.0
+    modes = [msgspec.structs.replace(MODEL.arm.modes[0], frequency_hz=hz)]
+    model = msgspec.structs.replace(MODEL, arm=msgspec.structs.replace(MODEL.arm, modes=modes))
+    jump = {"jump.1.0.v": 2.0 * pi * hz * 0.02}
+    shaken = measured(SECONDS, 3, jump, impacts=(RELEASED,), model=model)
+    since, until = RELEASED_S - 1.4 / hz, RELEASED_S + 0.01
+    inside = (data_cycles(shaken) >= since) & (data_cycles(shaken) < until)
+    shaken = replace(shaken, acceleration=shaken.acceleration + np.where(inside, 20.0, 0.0))
+    world = World(shaken, model, (RELEASED,))
+    vector = world.space.with_values(world.space.vector(), {**jump, "jump.0.0.q": 0.02})
+    spans = push_spans_s(fit(make_data(world, SPLIT), vector, (), iterations=0))
+    assert len(spans) == 1
+    assert spans[0][0] == pytest.approx(since, abs=0.04) and spans[0][1] == pytest.approx(until, abs=0.05)
 
 
 def test_a_push_is_not_judged_and_the_arm_rings_on_from_it(data: Measured) -> None:
