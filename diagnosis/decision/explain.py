@@ -39,7 +39,7 @@ from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
 
 MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
-_WHOLE = 3  # forms of the drive that are fitted to all channels
+_WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _FULL = 12  # steps of a fit
 
@@ -161,7 +161,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     if upstream:
         drive = [one for one in allowed if turns_the_joint(one.id)]
         screening, candidates = compared(_joint_alone(last, split), drive, split, found)
-        candidates = [_of_the_whole(one, last, split) for one in candidates[:_WHOLE]]
+        candidates = [_of_the_whole(one, last, split) for one in _best_of_each(candidates)[:_WHOLE]]
     else:
         screening, candidates = [], []
         if found.findings and not anything_matters(last, split):
@@ -174,17 +174,21 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
             candidates += [of_law(last, law) for law in known if law.cause not in taken]
         except OutOfTime:
             found.left_out.append("laws of noise and timing")
-    candidates.sort(key=lambda one: -one.merit)
-    best_of: dict[str, Candidate] = {}
-    for one in candidates:
-        best_of.setdefault(one.cause, one)
-    ranked = list(best_of.values())
+    ranked = _best_of_each(candidates)
     beside = bool(found.findings)
     convincing = [one for one in ranked if convinces(one, last, beside)]
     chosen = convincing[0] if convincing else None
     if chosen is not None and any(one.cause == ALWAYS_THERE and one.merit > chosen.merit for one in ranked):
         chosen = None  # what is always there, and too little to be named, explains it better
     return Stage(screening, ranked, chosen)
+
+
+def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The best form of each cause, the best cause first."""
+    best: dict[str, Candidate] = {}
+    for one in sorted(candidates, key=lambda one: -one.merit):
+        best.setdefault(one.cause, one)
+    return list(best.values())
 
 
 def _convincing_elsewhere(found: Found) -> set[str]:
