@@ -1,4 +1,5 @@
-"""Memory shared between processes by name, its removal after a killed process, locking a process's memory, and giving it back.
+"""Memory shared between processes by name, its removal after a killed process, and a process's own: locked, or given
+back.
 
 Not here: what is laid out in a block (the module that owns the block says it). Begin with shared_memory.py.
 """
