@@ -23,7 +23,7 @@ def brief_estimator_row(row: dict[str, Any]) -> dict[str, Any]:
     """The columns that fit a terminal, under short names; the file of --json has all columns."""
     row = row | {f"{name}_error": error for name, error in row.get("standard_errors", {}).items()}
     brief = {short: row[name] for name, short in _SHORT.items() if name in row}
-    return brief if row["failure"] is None else brief | {"trials": f"{brief['trials']}: {row['failure']}"}
+    return brief if row.get("failure") is None else brief | {"trials": f"{brief['trials']}: {row['failure']}"}
 
 
 _SHORT = {

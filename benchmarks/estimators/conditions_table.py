@@ -39,6 +39,7 @@ from stillarm.benchmarks.estimators.world.regimes import (
     Arm,
     Regime,
 )
+from stillarm.common.files.model import Model
 
 REGIMES_CHANGED = ("freerun drift", "triggered drift")
 NOISE = 0.3
@@ -129,7 +130,7 @@ class Withstood:
 def withstand(job: ConditionJob) -> Withstood:
     """Run every method under the condition."""
     regime = REGIMES[job.regime]
-    seed = (job.seed, job.trial, 3, CONDITIONS.index(job.condition))
+    seed = seed_of(job.seed, job.trial, job.condition)
     closed = job.condition in CLOSED_LOOP or job.condition in CLOSED_STARTS
     judge = (_closed if closed else _open)(job.condition, regime, seed)
     scores, during, failures = {}, {}, {}
@@ -143,20 +144,41 @@ def withstand(job: ConditionJob) -> Withstood:
     return Withstood(job, scores, failures, during)
 
 
-Judge = Callable[[str], tuple[Score, During | None]]
+def seed_of(seed: int, trial: int, condition: str) -> tuple[int, ...]:
+    """The seed of a condition's trial."""
+    return (seed, trial, 3, CONDITIONS.index(condition))
 
 
-def _open(name: str, regime: Regime, seed: tuple[int, ...]) -> Judge:
+@dataclass(frozen=True)
+class OpenTrial:
+    """A trial in open loop. scale: true image scale over that of the model."""
+
+    condition: Condition
+    data: Data
+    model: Model
+    scale: float
+
+
+def open_trial(name: str, regime: Regime, seed: tuple[int, ...]) -> OpenTrial:
+    """Draw a trial of a condition in open loop."""
     condition = OPEN_LOOP[name] if name in OPEN_LOOP else OPEN_STARTS[name]
     data = generate(
         regime, NOISE, seed, condition.duration_s, condition.arm, condition.change, condition.excite
     )
     data = condition.change_data(data, np.random.default_rng((*seed, 1)))
-    model = assumed_model(regime, NOISE)
     scale = condition.scale_factor * (1.0 + scale_error(seed))
+    return OpenTrial(condition, data, assumed_model(regime, NOISE), scale)
+
+
+Judge = Callable[[str], tuple[Score, During | None]]
+
+
+def _open(name: str, regime: Regime, seed: tuple[int, ...]) -> Judge:
+    trial = open_trial(name, regime, seed)
+    condition, data = trial.condition, trial.data
 
     def judge(method: str) -> tuple[Score, During | None]:
-        answers = run_method(method, data, model, scale)
+        answers = run_method(method, data, trial.model, trial.scale)
         scored = score(data, answers, condition.from_s)
         if condition.during is None:
             return scored, None

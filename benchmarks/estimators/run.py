@@ -23,6 +23,7 @@ from stillarm.benchmarks.estimators.damping_table import (
     damp,
     damping_rows,
 )
+from stillarm.benchmarks.estimators.doubts_table import DOUBTED, Doubted, DoubtJob, doubt, doubt_rows
 from stillarm.benchmarks.estimators.empty_cycle import empty_cycle_us
 from stillarm.benchmarks.estimators.tables import Job, Judged, comparison_rows, estimator_rows, judge
 from stillarm.benchmarks.estimators.world.regimes import DURATION_S, NOISES, REGIMES, regimes_named
@@ -31,16 +32,17 @@ from stillarm.controller.estimation.methods import all_methods
 
 MOST_TRIALS_OF_LATER_TABLES = 10
 QUICK_REGIMES = ("freerun constant", "freerun drift", "triggered jitter")
-TABLES = ("estimators", "damping", "conditions")
+USUAL_TABLES = ("estimators", "damping", "conditions")
+TABLES = (*USUAL_TABLES, "doubts")
 
-AnyJob = Job | DampingJob | ConditionJob
-AnyResult = Judged | Damped | Withstood
+AnyJob = Job | DampingJob | ConditionJob | DoubtJob
+AnyResult = Judged | Damped | Withstood | Doubted
 Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """What to run. tables: some of TABLES; conditions: of the third table."""
+    """What to run. tables: some of TABLES; conditions: of the third and fourth table."""
 
     trials: int
     seed: int
@@ -48,7 +50,7 @@ class Campaign:
     regimes: tuple[str, ...] = tuple(REGIMES)
     noises: tuple[float, ...] = NOISES
     duration_s: float = DURATION_S
-    tables: tuple[str, ...] = TABLES
+    tables: tuple[str, ...] = USUAL_TABLES
     conditions: tuple[str, ...] = CONDITIONS
 
     def jobs(self) -> list[AnyJob]:
@@ -77,12 +79,21 @@ class Campaign:
                 if regime in self.regimes
                 for trial in later
             ]
+        if "doubts" in self.tables:
+            jobs += [
+                DoubtJob(condition, regime, trial, self.seed, self.methods)
+                for condition in self.conditions
+                if condition in DOUBTED
+                for regime in regimes_of(condition)
+                if regime in self.regimes
+                for trial in later
+            ]
         return jobs
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the benchmark; None: everything. rows: conditions of the third table."""
+    """A part of the benchmark; None: everything. rows: conditions of the third and fourth table."""
 
     methods: Sequence[str] | None = None
     regimes: Sequence[str] | None = None
@@ -108,7 +119,7 @@ def campaign(trials: int, seed: int, part: Part = Part(), quick: bool = False) -
         for name in asked or ():
             if name not in known:
                 raise UserError(f"--{option} {name}: unknown; use some of {','.join(known)}")
-    tables = tuple(part.tables or TABLES)
+    tables = tuple(part.tables or USUAL_TABLES)
     if part.tables is None and (part.rows or part.regimes or part.noises):
         tables = ("conditions",) if part.rows else ("estimators",)
     methods, noises = tuple(part.methods or all_methods()), tuple(part.noises or NOISES)
@@ -132,6 +143,7 @@ def run(what: Campaign, progress: Progress = lambda done: None, workers: int | N
         "rows": estimator_rows(judged),
         "damping": damping_rows(one for one in results if isinstance(one, Damped)),
         "conditions": condition_rows(one for one in results if isinstance(one, Withstood)),
+        "doubts": doubt_rows(one for one in results if isinstance(one, Doubted)),
         "comparisons": comparison_rows(judged),
         "empty_cycle_us": empty_cycle_us(),
         "seed": what.seed,
@@ -162,6 +174,8 @@ def run_job(job: AnyJob) -> AnyResult:
     """Run one trial of any table."""
     if isinstance(job, Job):
         return judge(job)
+    if isinstance(job, DoubtJob):
+        return doubt(job)
     return damp(job) if isinstance(job, DampingJob) else withstand(job)
 
 

@@ -37,13 +37,17 @@ _ANSWERED_CYCLES = 20  # cycles within which a method dates a frame
 
 @dataclass(frozen=True)
 class Answers:
-    """A method's estimates. Shapes (cycles,), and (frames,) for delays: stillarm.controller.replay.frame_delays."""
+    """A method's estimates. Shapes (cycles,), and (frames,) for delays: stillarm.controller.replay.frame_delays.
+
+    trust: the word of each cycle.
+    """
 
     deflection_m: Values
     deflection_std_m: Values
     delay_s: Values
     delay_std_s: Values
     step_us: Values
+    trust: NDArray[np.str_]
 
 
 @dataclass(frozen=True)
@@ -153,16 +157,18 @@ def run_method(name: str, data: Data, model: Model, scale_factor: float = 1.0) -
     count = len(acceleration)
     said = np.full((3, count), nan)
     nothing: list[VisualSample] = []
+    trust: list[str] = []
     delays, of_frame = FrameDelays(), np.full((2, len(data.frames.read_cycle)), nan)
     for cycle in range(count):
         read = CycleInput(cycle, acceleration[cycle], 0.0, 0.0, 0.0, 0.0, False, samples.get(cycle, nothing))
         began = perf_counter_ns()
         estimate = controller.step(read).estimate
         ended = perf_counter_ns()
+        trust.append(estimate.trust or "")
         said[:, cycle] = estimate.deflection_m, estimate.deflection_std_m, 1e-3 * (ended - began)
         for frame, delay in delays.told(read.samples, estimate):
             of_frame[:, frame] = delay.delay_s, delay.std_s
-    return Answers(said[0], said[1], of_frame[0], of_frame[1], said[2])
+    return Answers(said[0], said[1], of_frame[0], of_frame[1], said[2], np.array(trust))
 
 
 def swinging_cycles(data: Data, from_s: float) -> Mask:

@@ -77,10 +77,10 @@ class Pace:
         self._cycles += 1
         self._idle += idle
 
-    def see_frame(self, *, told: bool) -> None:
-        """Another frame comes; told: whether the one before has been told."""
+    def see_frame(self, *, told: bool, urgent: bool = False) -> None:
+        """Another frame comes; told: whether the one before has been told; urgent: whether each has to be."""
         self._untold = 0 if told else self._untold + 1
-        if self._untold >= self._assumed.untold_frames:
+        if self._untold >= (1 if urgent else self._assumed.untold_frames):
             self.steps = min(self.steps + 1, self._assumed.most_steps)
         elif told and self.steps > 1 and self._idle > self._assumed.spare_cycles * self._cycles:
             self.steps -= 1
@@ -109,7 +109,9 @@ class FrameSteps:
     def see(self, samples: list[VisualSample]) -> None:
         """Leave the last one to the cycles that follow; those before it have to be done with at once."""
         samples = samples[-self._fusion.state.assumed.update.dated_in_cycle :]
-        self._pace.see_frame(told=self._told)
+        state = self._fusion.state
+        urgent = state.held_force.active or state.fresh.astray(self.now_s)
+        self._pace.see_frame(told=self._told, urgent=urgent)
         self._told = False
         first_looked_at = len(samples) - self._fusion.state.assumed.update.images_in_cycle
         for place, sample in enumerate(samples):

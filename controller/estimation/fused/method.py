@@ -1,6 +1,6 @@
 """The fused method: one call a cycle, and the estimate that it returns; docs/fused.md derives it.
 
-Implements Eqs. 1, 42, 60, 61 of docs/fused.md.
+Implements Eqs. 1, 42, 60, 61, 65 of docs/fused.md.
 """
 
 from cmath import exp
@@ -162,6 +162,10 @@ class StatedEstimate:
             square += abs(one) ** 2
         amplitude = sqrt(square)
         delay_std_s = state.delay_std_s * factor
+        if (
+            state.blind and not self._known
+        ):  # all hangs on the configured delay, which no filter's phasor contains
+            std = hypot(std, rate * delay_std_s, 0.5 * deflection * (self._w_first * delay_std_s) ** 2)
         suspected = abs(state.date_watch.suspected_rad)
         if suspected:  # by so much all of it may be off
             std = hypot(std, suspected * amplitude)

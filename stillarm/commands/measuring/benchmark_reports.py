@@ -45,7 +45,7 @@ def _estimators(arguments: argparse.Namespace, trials: int) -> dict[str, Any]:
     what = campaign(trials, arguments.seed, part, arguments.quick)
     with progress_bar("benchmark estimators") as progress:
         result = run_estimators(what, progress)
-    for table in ("rows", "damping", "conditions"):
+    for table in ("rows", "damping", "conditions", "doubts"):
         if result[table]:
             print_rows([brief_estimator_row(row) for row in result[table]])
             print()

@@ -21,6 +21,7 @@ from stillarm.benchmarks.estimators.trial import (
 from stillarm.benchmarks.estimators.world.generator import Data, generate
 from stillarm.benchmarks.estimators.world.regimes import CYCLE_S, REGIMES, Arm
 from stillarm.common.files.model import Commissioned
+from stillarm.controller.estimation.estimate import Trust
 
 DATA = generate(REGIMES["freerun drift"], 0.3, (1,), 9.0, Arm())
 
@@ -34,6 +35,7 @@ def answers(data: Data, error: float = 0.0, delay_error_s: float = 0.0) -> Answe
         data.frames.delay_s + delay_error_s,
         np.full(len(data.frames.number), 2.0 * abs(delay_error_s) + 1e-12),
         np.full(cycles, 5.0),
+        np.full(cycles, Trust.SETTLED.value),
     )
 
 

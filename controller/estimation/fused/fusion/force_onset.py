@@ -14,12 +14,14 @@ from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
     """Let a force begin at that time, and return whether it may: not while a steady random force shakes the arm, and
-    not before the image's zero is known, from which a force deflects the tip."""
+    not before the image's zero is known, from which a force deflects the tip. It is asked of the likeliest quiet
+    filter: those hold the force, and the disturbed ones have been loosened for another explanation."""
     held = state.held_force
     if not held.may_begin(time_s):
         return False
     if not held.active:
-        zero_variance = state.bank.zero_variance(state.evidence.best, state.held_m)
+        quiet = int(state.evidence.weights[QUIET].argmax())
+        zero_variance = state.bank.zero_variance(quiet, state.held_m)
         if state.shaken or zero_variance > state.assumed.held_force.zero_known * state.image_m2:
             return False
         give_force(state.bank, state.slow_pull.followed_m())

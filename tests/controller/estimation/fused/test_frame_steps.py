@@ -97,6 +97,9 @@ def test_a_cycle_does_one_step_more_after_each_frame_but_the_first_that_was_not_
     for wanted in (1, 2, 3, 4, 4):
         pace.see_frame(told=False)
         assert pace.steps == wanted
+    pace = Pace()
+    pace.see_frame(told=False, urgent=True)
+    assert pace.steps == 2
 
 
 @pytest.mark.parametrize(("idle", "wanted"), [(4, 2), (5, 1)])

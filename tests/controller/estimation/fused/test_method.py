@@ -1,7 +1,7 @@
 """The whole method in virtual time: a force held and let go in closed loop, and dates that have gone wrong."""
 
 from dataclasses import dataclass
-from math import pi, sin
+from math import nan, pi, sin
 
 import numpy as np
 import pytest
@@ -142,3 +142,17 @@ def test_dates_that_have_gone_wrong_are_found_again(shift_s: float, seed: int) -
     trial, said = led_astray(shift_s, seed)
     assert float(np.mean(np.abs(trial.error[7500:]))) < 0.04
     assert sum(one.trusted is Trust.DOUBTFUL for one in said[8000:]) == 0
+
+
+@pytest.mark.parametrize("excitation", ["steady", "once"])
+def test_a_delay_that_was_never_known_is_in_the_deflections_deviation(excitation: str) -> None:
+    """No accelerometer, and a configured delay that is 15 ms off: 0.24 rad. The filters average a date's error away as
+    if it were each image's noise, so that the normalised error squared was 5.8 and 4.4."""
+    model = model_for(A, 0.3, capture_delay_s=0.074 - 0.015)
+    trial = judge(
+        FusedMethod(model, Settings().fused, "model"), model,
+        ring(model, 3, 6.0, amplitude_m=A, excitation=excitation, delay="constant"), lambda cycle, shown: nan,
+    )  # fmt: skip
+    late = trial.ratio[2000:]
+    assert np.mean(np.abs(trial.error[2000:])) > 0.1
+    assert np.mean(late**2) < 3.0
