@@ -8,6 +8,7 @@ from stillarm.diagnosis.driven.own import base_of, named_in, recording_of
 
 LEAST_ZETA, MOST_ZETA = 1e-5, 0.3  # of an arm that rings
 LEAST_SHARE = 0.02  # of the motor in the inertia of motor and hub
+MOST_BOUNCE = 0.8  # of the velocity at which teeth meet
 LEAST_INERTIA, MOST_INERTIA = -0.8, 10.0  # of what it was, that an inertia changes by
 SLOWEST_STRIBECK, QUICKEST_STRIBECK = (
     -12.0,
@@ -30,6 +31,8 @@ def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
             numbers[marked] = min(max(value, 0.0), 50.0)
         elif name == "onset":
             numbers[marked] = min(max(value, 0.0), box.driven.duration_s)
+        elif name == "bounce":
+            numbers[marked] = min(max(value, 0.0), MOST_BOUNCE)
         elif name == "share":
             numbers[marked] = min(max(value, LEAST_SHARE), 1.0 - LEAST_SHARE)
         elif name in ("inertia_step", "inertia_excess"):
