@@ -69,6 +69,8 @@ def curves(result: DrivenResult) -> Picture:
     if found is None:
         return Picture((_overlay(result),), "measured and simulated")
     final = result.verdict.final
+    if found.mode and final.box.driven.joins:
+        final = final.part(0)
     after = missing_bend(final) if found.mode else missing_force(final)
     assert after is not None
     given = final.run.forces[:, 1 if found.mode else 0]
