@@ -15,7 +15,8 @@ SLOWEST_STRIBECK, QUICKEST_STRIBECK = (
     10.0,
 )  # log of rad/s: beyond, friction is the same at all speeds of a rig
 _NEAR = 0.02  # of the way from one bound to the other: no size that a rig has, but where a fit was stopped
-LONGEST_DELAY_S = 0.5  # of a cause; without one: a sample and a half
+LONGEST_DELAY_S = 0.5  # of a cause
+LONGEST_SAMPLES = 1.5  # of a delay without a cause
 
 
 def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
@@ -39,7 +40,7 @@ def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
             numbers[marked] = min(max(value, LEAST_INERTIA), MOST_INERTIA)
         elif name == "delay":
             cause = "late" if recording is None else named_in("late", recording)
-            late = LONGEST_DELAY_S if numbers.get(cause, 0.0) else 1.5 * h
+            late = LONGEST_DELAY_S if numbers.get(cause, 0.0) else LONGEST_SAMPLES * h
             numbers[marked] = min(max(value, -h), late)
         elif name == "log_stribeck_velocity":
             numbers[marked] = min(max(value, SLOWEST_STRIBECK), QUICKEST_STRIBECK)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA, believable
+from stillarm.diagnosis.driven.bounds import LEAST_ZETA, LONGEST_SAMPLES, MOST_ZETA, believable
 from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.freedom import STATED, has_joint
@@ -284,6 +284,9 @@ def gains(form: Form, fitted: DrivenFit, before: DrivenFit) -> tuple[float, floa
 
 def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
     """A form's merit against the fit before it."""
+    if "late" in form.numbers and fitted.numbers["delay"] <= LONGEST_SAMPLES * fitted.box.driven.step_s:
+        # what the plain model may have, and its fit did not reach
+        form = replace(form, cause=STRUCTURE, words="a delay of the input within a sample or two")
     gained, held = gains(form, fitted, before)
     worth = min(gained, 3.0 * held) - PRICE * form.price
     travel = float(np.std(fitted.run.states[:, 0]))
