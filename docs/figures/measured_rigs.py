@@ -42,6 +42,7 @@ def draw(path: Path) -> None:
 def _panel(axes: Axes, curve: Curve, over: str) -> None:
     axes.errorbar(curve.at, curve.mean, 2.0 * curve.error, color=BLUE, ecolor=ORANGE, lw=1.2, elinewidth=0.8)
     axes.axhline(0.0, color=RED, lw=0.6)
+    axes.locator_params(axis="x", nbins=5)
     axes.set_xlabel(over)
 
 
