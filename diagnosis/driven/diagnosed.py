@@ -14,8 +14,9 @@ from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, Verdict, decide
 from stillarm.diagnosis.driven.declared import declared_numbers, with_findings
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.judging import gains
 from stillarm.diagnosis.driven.laws import carried_by
-from stillarm.diagnosis.driven.search import Searched, gains, search
+from stillarm.diagnosis.driven.search import Searched, search
 from stillarm.diagnosis.driven.signals import Driven, read_driven
 from stillarm.diagnosis.driven.stated import stated_by
 

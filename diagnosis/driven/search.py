@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.bounds import LEAST_ZETA, LONGEST_SAMPLES, MOST_ZETA, believable
+from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
 from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.freedom import STATED, has_joint
+from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import BOUNCE, HARD_PLAY
-from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, STRUCTURE, Form, box_of, forms_for
+from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged, lags_told
+from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
 from stillarm.diagnosis.driven.own import base_of, recording_of
 from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
@@ -28,12 +29,9 @@ from stillarm.diagnosis.driven.stated import Stated
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
 
-CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
-PRICE = 3.0  # nats for each number
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18
 _TRIED_ANYWAY = 1.0
 _MOST_PLAYS = 3
-_LEAST_GAP = 2e-4  # of the angle's deviation: less is a gear without play
 _LEAST_PART, _MOST_PART = 0.003, 3.0
 # no small part of these is a small effect of the same kind
 _NO_DIRECTION = ("limit", "gap", "onset", "dead_cut")
@@ -55,16 +53,6 @@ _LINEAR = (
 ANOTHER_MODE = Form(
     STRUCTURE, "a further mode", ("log_w", "zeta", "follows", "carries"), lambda fitted: iter(())
 )
-
-
-@dataclass(frozen=True)
-class Tried:
-    """A form with its best fit. merit: nats; held: gained on held-out blocks."""
-
-    form: Form
-    fit: DrivenFit
-    merit: float
-    held: float
 
 
 @dataclass(frozen=True)
@@ -155,14 +143,8 @@ def cause_first(tried: list[Tried]) -> list[Tried]:
     imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers, and so has play, as a mode
     and play imitate each other."""
     most = tried[0].merit
-    lag = max((one.merit for one in tried if one.form.words == AMPLIFIER_LAG), default=-inf)
     for one in tried:
-        ahead = max(CONVINCES, lead_of(one.form) * most)
-        if (
-            "late" in one.form.numbers
-        ):  # every amplifier lags, and late inputs are a delay by odds against that
-            ahead = max(ahead, lag + CONVINCES)
-        if one.form.cause != STRUCTURE and one.merit >= ahead:
+        if one.form.cause != STRUCTURE and one.merit >= max(CONVINCES, lead_of(one.form) * most):
             return [one, *(other for other in tried if other is not one)]
     return tried
 
@@ -214,7 +196,7 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             elsewhere = log(max(current.box.driven.samples // 2, 1))
             counts = _OF_NO_ARM if _at_a_bound(bent) else 1.0
             finished.append(replace(mode, merit=counts * (mode.merit - elsewhere)))
-    return sorted(finished, key=lambda one: -one.merit)
+    return sorted(lags_told(finished), key=lambda one: -one.merit)
 
 
 def _fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit:
@@ -264,37 +246,3 @@ def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> di
         shape = base_of(name).startswith(_SHAPES)
         moved[name] = value if shape else before + part * (value - before)
     return moved
-
-
-def gains(form: Form, fitted: DrivenFit, before: DrivenFit) -> tuple[float, float]:
-    """Nats that a form gains, on all blocks and on those held out.
-
-    An impact that falls a sample late doubles what is left at high frequencies, whatever it explains at low ones. So a
-    model with impacts foretells up to a frequency, beyond which the fit before it does, and pays the logarithm of the
-    number of frequencies that this one was chosen from.
-    """
-    whole = (fitted.whole_bands - before.whole_bands).sum(axis=0)
-    held = (fitted.held_bands - before.held_bands)[fitted.box.split.held].sum(axis=0)
-    if not form.play:
-        return float(whole.sum()), float(held.sum())
-    reached = np.cumsum(whole)
-    last = int(np.argmax(np.where(np.isfinite(reached), reached, -inf)))
-    return float(reached[last]) - log(len(whole)), float(held[: last + 1].sum())
-
-
-def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
-    """A form's merit against the fit before it."""
-    if "late" in form.numbers and fitted.numbers["delay"] <= LONGEST_SAMPLES * fitted.box.driven.step_s:
-        # what the plain model may have, and its fit did not reach
-        form = replace(form, cause=STRUCTURE, words="a delay of the input within a sample or two")
-    gained, held = gains(form, fitted, before)
-    worth = min(gained, 3.0 * held) - PRICE * form.price
-    travel = float(np.std(fitted.run.states[:, 0]))
-    if form.play and fitted.numbers["gap"] < _LEAST_GAP * travel:
-        worth = -inf
-    if not believable(form.numbers, fitted.numbers, fitted.box.driven.step_s):
-        worth = -inf
-    return Tried(form, fitted, worth if np.isfinite(worth) else -inf, held)
-
-
-__all__ = ["CONVINCES", "Round", "Searched", "Tried", "has_joint", "search"]
