@@ -8,13 +8,15 @@ from stillarm.diagnosis.driven.own import base_of, named_in, recording_of
 
 LEAST_ZETA, MOST_ZETA = 1e-5, 0.3  # of an arm that rings
 LEAST_SHARE = 0.02  # of the motor in the inertia of motor and hub
+MOST_BOUNCE = 0.8  # of the velocity at which teeth meet
 LEAST_INERTIA, MOST_INERTIA = -0.8, 10.0  # of what it was, that an inertia changes by
 SLOWEST_STRIBECK, QUICKEST_STRIBECK = (
     -12.0,
     10.0,
 )  # log of rad/s: beyond, friction is the same at all speeds of a rig
 _NEAR = 0.02  # of the way from one bound to the other: no size that a rig has, but where a fit was stopped
-LONGEST_DELAY_S = 0.5  # of a cause; without one: a sample and a half
+LONGEST_DELAY_S = 0.5  # of a cause
+LONGEST_SAMPLES = 1.5  # of a delay without a cause
 
 
 def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
@@ -30,13 +32,15 @@ def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
             numbers[marked] = min(max(value, 0.0), 50.0)
         elif name == "onset":
             numbers[marked] = min(max(value, 0.0), box.driven.duration_s)
+        elif name == "bounce":
+            numbers[marked] = min(max(value, 0.0), MOST_BOUNCE)
         elif name == "share":
             numbers[marked] = min(max(value, LEAST_SHARE), 1.0 - LEAST_SHARE)
         elif name in ("inertia_step", "inertia_excess"):
             numbers[marked] = min(max(value, LEAST_INERTIA), MOST_INERTIA)
         elif name == "delay":
             cause = "late" if recording is None else named_in("late", recording)
-            late = LONGEST_DELAY_S if numbers.get(cause, 0.0) else 1.5 * h
+            late = LONGEST_DELAY_S if numbers.get(cause, 0.0) else LONGEST_SAMPLES * h
             numbers[marked] = min(max(value, -h), late)
         elif name == "log_stribeck_velocity":
             numbers[marked] = min(max(value, SLOWEST_STRIBECK), QUICKEST_STRIBECK)

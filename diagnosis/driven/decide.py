@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION, MATTERS_OF_NOISE
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.judging import CONVINCES, PRICE, Tried, judged
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.own import recording_of
 from stillarm.diagnosis.driven.plainest import plainest
 from stillarm.diagnosis.driven.quantised import quantised
-from stillarm.diagnosis.driven.search import CONVINCES, PRICE, Searched, Tried, holds_in, judged
+from stillarm.diagnosis.driven.search import Searched, holds_in
 
 Array = NDArray[np.float64]
 

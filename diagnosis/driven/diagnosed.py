@@ -14,6 +14,7 @@ from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, Verdict, decide
 from stillarm.diagnosis.driven.declared import declared_numbers, with_findings
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.judging import gains
 from stillarm.diagnosis.driven.laws import carried_by
 from stillarm.diagnosis.driven.search import Searched, search
 from stillarm.diagnosis.driven.signals import Driven, read_driven
@@ -154,7 +155,6 @@ def channel_row(driven: Driven, start: DrivenFit, final: DrivenFit, rest: Rest) 
 def _finding_row(driven: Driven, one: DrivenFinding, final: DrivenFit) -> dict[str, Any]:
     without = one.without
     usual = next(float(np.nanstd(each.values)) for each in driven.outputs if each.name == one.channel)
-    inside = final.box.split.held
     return {
         "cause": one.form.cause,
         "form": one.form.words,
@@ -173,7 +173,7 @@ def _finding_row(driven: Driven, one: DrivenFinding, final: DrivenFit) -> dict[s
             "nrmse_before": without.rms(one.channel, True) / usual,
             "nrmse_after": final.rms(one.channel, True) / usual,
             "reduction": one.reduction,
-            "log_score_gain": float((final.held_out - without.held_out)[inside].sum()),
+            "log_score_gain": gains(one.form, final, without)[1],
         },
         "indistinguishable_from": list(one.near),
         "experiment": _EXPERIMENT if one.near else None,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.driven.gauss_newton import RIDGE, Piece, normal_of, state_steps, stepped
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
 from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of, with_own
-from stillarm.diagnosis.inference.band_score import nats, spectra
+from stillarm.diagnosis.inference.band_score import nats_by_band, spectra
 
 Array = NDArray[np.float64]
 Simulate = Callable[[dict[str, float], Array], Run]
@@ -32,8 +32,8 @@ _ASTRAY = 1e8  # times the deviation: no number any more
 class DrivenFit:
     """numbers: all of them; free: those fitted; std: of these, by the spread that their residual has.
 
-    residuals: by output, NaN where not measured. blocks: nats of each block, held_out with levels learnt on those that
-    trained; whole, on all.
+    residuals: by output, NaN where not measured. held_bands, whole_bands: nats of each block and band of frequency,
+    (blocks, bands + 1), with levels learnt on the blocks that trained, and on all.
     """
 
     box: GreyBox
@@ -43,8 +43,18 @@ class DrivenFit:
     std: dict[str, float]
     residuals: dict[str, Array]
     run: Run
-    held_out: Array
-    whole: Array
+    held_bands: Array
+    whole_bands: Array
+
+    @property
+    def held_out(self) -> Array:
+        """Nats of each block, with levels learnt on those that trained."""
+        return np.asarray(self.held_bands.sum(axis=1))
+
+    @property
+    def whole(self) -> Array:
+        """Nats of each block, with levels learnt on all."""
+        return np.asarray(self.whole_bands.sum(axis=1))
 
     def rms(self, name: str, held: bool) -> float:
         """Of an output's residual, on the blocks that are held out, or those that trained."""
@@ -65,7 +75,7 @@ class DrivenFit:
         return DrivenFit(
             box, numbers_in(self.numbers, recording), own, self.states[blocks],
             numbers_in(self.std, recording), {name: one[rows] for name, one in self.residuals.items()},
-            seen, self.held_out[blocks], self.whole[blocks],
+            seen, self.held_bands[blocks], self.whole_bands[blocks],
         )  # fmt: skip
 
 
@@ -206,6 +216,8 @@ def difference_of(name: str, value: float, box: GreyBox) -> float:
     """By how much a number is moved for its derivative."""
     if name.startswith(("delay", "lag", "onset")):
         return 0.02 * box.driven.step_s
+    if name == "bounce":
+        return _OF_PLAY
     if name in ("gap", "share"):
         return _OF_PLAY * max(value, 1e-9)
     return _DIFFERENCE * max(abs(value), 1e-3)
@@ -242,18 +254,18 @@ def _by_block(box: GreyBox, errors: dict[str, Array]) -> Array:
 
 
 def _scored(part: GreyBox, residuals: dict[str, Array], rows: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Nats of a recording's blocks, by levels of those that trained, and of all."""
+    """Nats of a recording's blocks and bands, by levels of those that trained, and of all."""
     count = len(part.split.held)
-    held, whole = np.zeros(count), np.zeros(count)
+    held, whole = [], []
     for one in part.driven.outputs:
         least = max(0.29 * one.step, 1e-6 * float(np.nanstd(one.values)))
         by_bands = spectra(residuals[one.name][rows], part.driven.step_s, part.block, count, least)
         # a block's own initial state takes its residual's mean away: how exactly says nothing of the model
         by_bands.count[:, 0], by_bands.power[:, 0] = 0.0, 0.0
-        if not part.split.held.all():
-            held += nats(by_bands, ~part.split.held)
-        whole += nats(by_bands, np.ones(count, bool))
-    return held, whole
+        whole.append(nats_by_band(by_bands, np.ones(count, bool)))
+        trains = ~part.split.held
+        held.append(nats_by_band(by_bands, trains) if trains.any() else np.zeros_like(whole[-1]))
+    return np.asarray(sum(held)), np.asarray(sum(whole))
 
 
 def _finished(
@@ -261,10 +273,11 @@ def _finished(
 ) -> DrivenFit:
     run = box.run(numbers, states)
     residuals = {one.name: one.values - run.outputs[one.name] for one in box.driven.outputs}
-    held, whole = np.zeros(len(states)), np.zeros(len(states))
-    for k in range(box.driven.recordings):  # each has noise of its own
-        blocks = box.recording == k
-        held[blocks], whole[blocks] = _scored(box.parts[k], residuals, blocks[box.block])
+    scored = [  # each recording has noise of its own
+        _scored(box.parts[k], residuals, (box.recording == k)[box.block])
+        for k in range(box.driven.recordings)
+    ]
+    held, whole = (np.concatenate([one[i] for one in scored]) for i in (0, 1))
     try:
         spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + RIDGE * np.eye(len(free)))), 0.0))
     except np.linalg.LinAlgError:

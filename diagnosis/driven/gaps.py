@@ -7,6 +7,8 @@ import numpy as np
 from stillarm.diagnosis.driven.fitting import DrivenFit
 
 _SHARES = (0.15, 0.35, 0.65)  # of the motor in the inertia of motor and hub
+BOUNCE = 0.3  # of the velocity at which teeth meet: steel on steel with oil between
+HARD_PLAY = ("gap", "share", "bounce")
 _GAPS = (0.001, 0.02)  # of the angle's deviation
 
 
@@ -23,4 +25,9 @@ def gaps(fitted: DrivenFit) -> Iterator[dict[str, float]]:
     for angle, rate in sides:
         for share in _SHARES:
             for gap in _GAPS:
-                yield {"gap": gap * travel, "share": share, "on_motor": angle, "rate_on_motor": rate}
+                yield {
+                    "gap": gap * travel,
+                    "share": share,
+                    "on_motor": angle,
+                    "rate_on_motor": rate,
+                }

@@ -203,9 +203,8 @@ class GreyBox:
         link = link_of(whole, share)
         phi, g = transition(link, step)
         held = np.ascontiguousarray(g[:, 2])
-        play_run(
-            share, whole.gain, whole.damping, gap, law, phi, held, u, parts, step, self.starts, states, out, contact
-        )  # fmt: skip
+        joint = share, whole.gain, whole.damping, gap, numbers.get("bounce", 0.0)
+        play_run(*joint, law, phi, held, u, parts, step, self.starts, states, out, contact)
         at = u[::parts, 0]
         forces = np.column_stack([contact, np.zeros(driven.samples)])
         a, _ = link.equations()

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from stillarm.common.causes.driven import DRIVEN_CAUSES
 from stillarm.common.recording.header import program_version
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
-from stillarm.diagnosis.driven.missing import Curve, MissingForce, missing_force
+from stillarm.diagnosis.driven.missing import Curve, MissingForce, missing_bend, missing_force
 from stillarm.diagnosis.report.drawing import AFTER, BEFORE, MEASURED, Picture, figure, svg
 
 _MOST_POINTS = 1200  # of a picture: more hide one another
@@ -63,21 +63,36 @@ def main_figure(result: DrivenResult) -> Figure:
 
 
 def curves(result: DrivenResult) -> Picture:
-    """The force that the start lacks, and what the final model gives in its place; without a sensor at the joint,
-    measured and simulated."""
-    before = missing_force(result.searched.start)
-    if before is None:
+    """The force that the start lacks, and what the final model gives in its place: on the joint, or without a sensor
+    there on the arm; with neither, measured and simulated."""
+    found = missing_before(result)
+    if found is None:
         return Picture((_overlay(result),), "measured and simulated")
-    final = missing_force(result.verdict.final)
-    assert final is not None
-    given = result.verdict.final.run.forces[:, 0]
-    trimmed = (len(given) - len(final.force)) // 2
-    law = given[trimmed : trimmed + len(final.force)]
+    final = result.verdict.final
+    if found.mode and final.box.driven.joins:
+        final = final.part(0)
+    after = missing_bend(final) if found.mode else missing_force(final)
+    assert after is not None
+    given = final.run.forces[:, 1 if found.mode else 0]
+    trimmed = (len(given) - len(after.force)) // 2
+    law = given[trimmed : trimmed + len(after.force)]
+    over = ("angle, rad", "velocity, rad/s")
+    if found.mode:
+        over = (f"deflection of mode {found.mode}", f"rate of mode {found.mode}")
     panels = [
-        _curve("angle, rad", before.over_angle, before.theta, before, final.theta, law),
-        _curve("velocity, rad/s", before.over_velocity, before.omega, before, final.omega, law),
+        _curve(over[0], found.over_angle, found.theta, found, after.theta, law),
+        _curve(over[1], found.over_velocity, found.omega, found, after.omega, law),
     ]
-    return Picture(panels, "the force that the linear model lacks, over angle and over velocity")
+    return Picture(panels, "the force that the linear model lacks, over position and over velocity")
+
+
+def missing_before(result: DrivenResult) -> MissingForce | None:
+    """The force that the linear start lacks: on the joint, or without a sensor there on the arm. Where the search found
+    more structure and no cause, what that lacks."""
+    structure_alone = not result.verdict.findings
+    fitted = result.verdict.final if structure_alone else result.searched.start
+    joint = missing_force(fitted)
+    return joint if joint is not None else missing_bend(fitted)
 
 
 def _curve(
@@ -101,7 +116,9 @@ def _curve(
         low, high = np.quantile(before.force, [0.01, 0.99])
         axes.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
         axes.set_xlabel(over)
-        axes.set_title("missing acceleration of the joint, rad/s^2")
+        axes.set_title(
+            "missing force per modal mass" if before.mode else "missing acceleration of the joint, rad/s^2"
+        )
         axes.legend(loc="best", fontsize=8)
 
     return draw

@@ -9,8 +9,9 @@ from dataclasses import replace
 from math import inf
 
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.judging import CONVINCES, judged
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
-from stillarm.diagnosis.driven.search import CONVINCES, Round, Searched, holds_in, judged
+from stillarm.diagnosis.driven.search import Round, Searched, holds_in
 
 _STEPS = 10  # of a fit from the final model, which is near its end
 

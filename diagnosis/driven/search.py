@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA, believable
+from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
 from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.freedom import STATED, has_joint
-from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, STRUCTURE, Form, box_of, forms_for
+from stillarm.diagnosis.driven.freedom import STATED
+from stillarm.diagnosis.driven.gaps import BOUNCE, HARD_PLAY
+from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged, lags_told
+from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
 from stillarm.diagnosis.driven.own import base_of, recording_of
 from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
@@ -27,20 +29,14 @@ from stillarm.diagnosis.driven.stated import Stated
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
 
-CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
-PRICE = 3.0  # nats for each number
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18  # of a round; of a form; of a fit: what a round costs
 _TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted before all others
 _MOST_PLAYS = 3  # starts with play that are fitted, the best first: play is the slowest to simulate
 _LEAST_PART, _MOST_PART = 0.003, 3.0  # of the way to a start: further the first order does not hold
-_NO_DIRECTION = (
-    "limit",
-    "gap",
-    "onset",
-    "dead_cut",
-)  # no small part of these is a small effect of the same kind
+# no small part of these is a small effect of the same kind
+_NO_DIRECTION = ("limit", "gap", "onset", "dead_cut")
 _ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
-_SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share")
+_SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share", "bounce")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
 _MOST_ROUNDS = 7  # and so causes and structure, beside the first model
 _MOST_MODES = 3  # that a fit adds to the arm, each with four numbers of its own and more
@@ -57,16 +53,6 @@ _LINEAR = (
 ANOTHER_MODE = Form(
     STRUCTURE, "a further mode", ("log_w", "zeta", "follows", "carries"), lambda fitted: iter(())
 )
-
-
-@dataclass(frozen=True)
-class Tried:
-    """A form with its best fit. merit: nats; held: gained on held-out blocks."""
-
-    form: Form
-    fit: DrivenFit
-    merit: float
-    held: float
 
 
 @dataclass(frozen=True)
@@ -157,14 +143,8 @@ def cause_first(tried: list[Tried]) -> list[Tried]:
     imitates a mode; a cause that is linear itself has a smaller lead, for its fewer numbers, and so has play, as a mode
     and play imitate each other."""
     most = tried[0].merit
-    lag = max((one.merit for one in tried if one.form.words == AMPLIFIER_LAG), default=-inf)
     for one in tried:
-        ahead = max(CONVINCES, lead_of(one.form) * most)
-        if (
-            "late" in one.form.numbers
-        ):  # every amplifier lags, and late inputs are a delay by odds against that
-            ahead = max(ahead, lag + CONVINCES)
-        if one.form.cause != STRUCTURE and one.merit >= ahead:
+        if one.form.cause != STRUCTURE and one.merit >= max(CONVINCES, lead_of(one.form) * most):
             return [one, *(other for other in tried if other is not one)]
     return tried
 
@@ -216,7 +196,7 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             elsewhere = log(max(current.box.driven.samples // 2, 1))
             counts = _OF_NO_ARM if _at_a_bound(bent) else 1.0
             finished.append(replace(mode, merit=counts * (mode.merit - elsewhere)))
-    return sorted(finished, key=lambda one: -one.merit)
+    return sorted(lags_told(finished), key=lambda one: -one.merit)
 
 
 def _fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit:
@@ -241,7 +221,13 @@ def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], 
     ranked.sort(key=lambda one: -one[0])
     starts = [one for _, one in ranked[:_MOST_PLAYS]]
     fits = [_fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
-    return [judged(form, one, current) for one in fits]
+    found = sorted((judged(form, one, current) for one in fits), key=lambda one: -one.merit)
+    if found and left_s() > 0.0:  # hard blows part again; small play at rest does not
+        best, hard = found[0].fit, replace(form, words=f"{form.words}, teeth part", numbers=HARD_PLAY)
+        free = tuple(dict.fromkeys((*best.free, *HARD_PLAY)))
+        parts = fit(best.box, {**best.numbers, "bounce": BOUNCE}, free, best.states, steps=_STEPS)
+        found.append(judged(hard, parts, current))
+    return found
 
 
 def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> dict[str, float]:
@@ -260,17 +246,3 @@ def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> di
         shape = base_of(name).startswith(_SHAPES)
         moved[name] = value if shape else before + part * (value - before)
     return moved
-
-
-def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
-    """A form's merit against the fit before it."""
-    gained, held = float((fitted.whole - before.whole).sum()), 0.0
-    inside = fitted.box.split.held
-    held = float((fitted.held_out - before.held_out)[inside].sum())
-    worth = min(gained, 3.0 * held) - PRICE * form.price
-    if not believable(form.numbers, fitted.numbers, fitted.box.driven.step_s):
-        worth = -inf
-    return Tried(form, fitted, worth if np.isfinite(worth) else -inf, held)
-
-
-__all__ = ["CONVINCES", "Round", "Searched", "Tried", "has_joint", "search"]

@@ -80,7 +80,11 @@ def _start_with_play(plain: GreyBox, numbers: dict[str, float]) -> DrivenFit:
     """With declared play, whose side and inertias the recording tells."""
     box = replace(plain, play=True, modes=0)
     tried = [
-        fit(box, {**numbers, "share": share, "on_motor": on_motor}, (*free_of(box), "share"))
+        fit(
+            box,
+            {**numbers, "share": share, "bounce": 0.3, "on_motor": on_motor},
+            (*free_of(box), "share", "bounce"),
+        )
         for share in _SHARES_TRIED
         for on_motor in (0.0, 1.0)
     ]

@@ -62,6 +62,11 @@ def log_density(count: Array, power: Array, level: Array, shape: Array | float) 
 
 def nats(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> Array:
     """Log density of each block, by the likeliest level and shape of each band on some blocks."""
+    return np.asarray(nats_by_band(by_bands, learnt_on).sum(axis=1))
+
+
+def nats_by_band(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> Array:
+    """The same of each block and band, (blocks, bands + 1)."""
     count, power = by_bands.count[learnt_on], by_bands.power[learnt_on]
     total = np.maximum(count.sum(axis=0), 1e-9)
     first = np.maximum(power.sum(axis=0) / total, by_bands.least)
@@ -77,4 +82,4 @@ def nats(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> Array:
         better = density > best
         level[better], shape[better], best[better] = at[better], tried, density[better]
     found = log_density(by_bands.count, by_bands.power, level, shape)
-    return np.asarray(np.where(by_bands.count > 0.0, found, 0.0).sum(axis=1))
+    return np.asarray(np.where(by_bands.count > 0.0, found, 0.0))

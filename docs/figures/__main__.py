@@ -1,7 +1,8 @@
 """`make figures`: draws every picture of the documentation that no other command draws, into docs/images/.
 
 `python docs/figures NAME ...` draws some. The seeds are fixed, so that the pictures come out the same again.
-docs/overview.png is the demo's; docs/diagnosis-*.png are `stillarm benchmark diagnosis`'s.
+measured-rigs is drawn from ../shared/data, and stays as it is without. docs/overview.png is the demo's;
+docs/diagnosis-*.png are `stillarm benchmark diagnosis`'s.
 """
 
 import sys
@@ -12,6 +13,7 @@ import bound
 import equations
 import fused
 import late_images
+import measured_rigs
 import phase
 import stilled
 import verdict
@@ -23,6 +25,7 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "equations": equations.draw,
     "fused": fused.draw,
     "late-images": late_images.draw,
+    "measured-rigs": measured_rigs.draw,
     "phase": phase.draw,
     "stilled": stilled.draw,
     "verdict": verdict.draw,

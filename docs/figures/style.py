@@ -28,6 +28,14 @@ def new_figure(rows: int = 1, height: float = 3.2, *, sharex: bool = False) -> t
     return figure, [row[0] for row in axes]
 
 
+def new_pairs(rows: int, height: float) -> tuple[Figure, list[tuple[Axes, Axes]]]:
+    """A figure of 7.5 inches' width with two axes side by side in each row."""
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(7.5, height), layout="constrained")
+        axes = figure.subplots(rows, 2, squeeze=False)
+    return figure, [(left, right) for left, right in axes]
+
+
 def save(figure: Figure, path: Path) -> None:
     """Write as SVG, without a date."""
     with mpl.rc_context(_STYLE):

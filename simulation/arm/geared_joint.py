@@ -1,10 +1,11 @@
-"""A motor, play in its gear, and a link with the arm's modes: the equations of motion, compiled. Impacts are inelastic.
+"""A motor, play in its gear, and a link with the arm's modes: the equations of motion, compiled.
 
     share theta_m'' = gain u - d theta_m' + f(theta_m, theta_m') - c
     (1 - share) theta'' = c + sum_i pull_i (2 zeta_i w_i q_i' + w_i^2 q_i)
 
 over the inertia J_hub of motor and hub together, as in stillarm.simulation.arm.torque_joint. c >= 0 acts where
-theta_m - theta = gap / 2, c <= 0 at - gap / 2: it lets both move at one velocity at the step's end (Moreau, 1988).
+theta_m - theta = gap / 2, c <= 0 at - gap / 2: it lets them part, at the step's end, at `bounce` times the velocity
+at which they met (Newton's law of impact in Moreau's time stepping, 1988); 0 where the teeth give way without return.
 share: of the motor in J_hub, 0 to 1. Friction and all other laws act on the motor.
 """
 
@@ -26,8 +27,8 @@ def link_of(whole: LinearJoint, share: float) -> LinearJoint:
 
 @compiled
 def play_run(
-    share: float, gain: float, damping: float, gap: float, laws: Array, phi: Array, g: Array, u: Array, substeps: int,
-    step_s: float, starts: Integers, states: Array, out: Array, out_contact: Array,
+    share: float, gain: float, damping: float, gap: float, bounce: float, laws: Array, phi: Array, g: Array, u: Array,
+    substeps: int, step_s: float, starts: Integers, states: Array, out: Array, out_contact: Array,
 ) -> None:  # fmt: skip
     """Free runs over the segments of a recording, as `torque_run`.
 
@@ -55,10 +56,12 @@ def play_run(
                     new[i] = total
                 pushed = rate + light * push
                 contact = 0.0
-                ahead = motor - z[0] + h * (rate - z[1])
+                meets = rate - z[1]
+                ahead = motor - z[0] + h * meets
                 if ahead >= 0.5 * gap or ahead <= -0.5 * gap:
+                    parts = bounce * (max(meets, 0.0) if ahead > 0.0 else min(meets, 0.0))
                     rub = min(max(-pushed / light - new[1] / yields, -forward), backward)
-                    contact = (pushed + light * rub - new[1]) / (light + yields)
+                    contact = (pushed + light * rub - new[1] + parts) / (light + yields)
                     if (ahead > 0.0) != (contact >= 0.0):  # it lets go
                         contact = 0.0
                 if contact == 0.0:

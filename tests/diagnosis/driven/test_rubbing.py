@@ -1,41 +1,14 @@
 """Measured rigs whose joint is driven: what is published of them is found. docs/measured-rigs.md has the figures."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from stillarm.common.recording.reader import open_recording
+from stillarm.benchmarks.measured_rigs import QUANSER_FILE, quanser
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.rubbing import anew_with_friction
-from stillarm.diagnosis.driven.signals import read_driven
 from stillarm.diagnosis.driven.start import linear_start
-from stillarm.tables.description import parse_description
-from stillarm.tables.importing import import_tables
-from stillarm.tables.readers.read_file import read_table_file
 from tests.conftest import DATA
-
-QUANSER = DATA / "quanser_flexible_link" / "lqr_full_10deg.mat"
-DESCRIPTION = """
-source = "lqr_full_10deg.mat"
-[[tables]]
-name = "10000 rows"
-time_column = "data_Im1(:,1)"
-time_unit = "s"
-[[tables.channels]]
-column = "data_Im1(:,3)"
-role = "motor_current_a"
-unit = "A"
-[[tables.channels]]
-column = "data_th11(:,3)"
-role = "joint_position_rad"
-unit = "deg"
-[[tables.channels]]
-column = "data_th12(:,3)"
-role = "strain"
-unit = "unknown"
-"""
 
 
 def _held_out(fitted: DrivenFit, name: str) -> float:
@@ -46,14 +19,11 @@ def _held_out(fitted: DrivenFit, name: str) -> float:
 
 @pytest.mark.hardware_data
 @pytest.mark.slow
-@pytest.mark.skipif(not QUANSER.is_file(), reason="../shared/data is not there")
-def test_friction_takes_most_of_the_quanser_joints_current(tmp_path: Path) -> None:
+@pytest.mark.skipif(not (DATA / QUANSER_FILE).is_file(), reason="../shared/data is not there")
+def test_friction_takes_most_of_the_quanser_joints_current() -> None:
     """The joint's dry friction, as published, takes most of the current; nobody tells the program where it is."""
-    recording = tmp_path / "rec.mcap"
-    import_tables(
-        read_table_file(QUANSER), parse_description(DESCRIPTION, "description"), DESCRIPTION, recording
-    )
-    driven = read_driven(open_recording(recording))
+    driven = quanser(DATA)
+    assert driven is not None
     start = linear_start(driven, irregular(driven.duration_s))
     fits = [
         fit(start.box, {**start.numbers, **one}, (*start.free, "coulomb"), start.states, steps=18)

@@ -3,7 +3,8 @@
 import pytest
 
 from stillarm.diagnosis.driven.blocks import irregular
-from stillarm.diagnosis.driven.search import CONVINCES, tried_forms
+from stillarm.diagnosis.driven.judging import CONVINCES
+from stillarm.diagnosis.driven.search import tried_forms
 from stillarm.diagnosis.driven.start import linear_start
 from tests.fixtures.driven_world import driven_of
 from tests.hidden_world.driven.case import make

@@ -1,0 +1,63 @@
+"""What a form is worth: up to a frequency where there are impacts, and a late input against an amplifier's lag."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stillarm.diagnosis.driven.blocks import irregular
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.judging import CONVINCES, PRICE, Tried, gains, judged, lags_told
+from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, FORMS, STRUCTURE
+from stillarm.diagnosis.driven.signals import Driven, Output
+
+STEP_S = 0.01
+LATE = next(one for one in FORMS if "late" in one.numbers)
+LAG = next(one for one in FORMS if one.words == AMPLIFIER_LAG)
+PLAY = next(one for one in FORMS if one.play)
+
+
+def _fitted(delay_s: float = 0.0) -> DrivenFit:
+    u = np.random.default_rng(1).standard_normal(900)
+    seen = Output("joint_position_rad", "position", np.cumsum(np.cumsum(u)) * STEP_S**2, True, 0.0)
+    driven = Driven("x", STEP_S, 0.0, "motor_voltage_v", u, True, (seen,), {})
+    numbers = {
+        "gain": 1.0,
+        "damping": 0.0,
+        "delay": delay_s,
+        "offset joint_position_rad": 0.0,
+        "gap": 1.0,
+        "share": 0.4,
+    }
+    return fit(GreyBox(driven, irregular(9.0)), numbers, (), steps=0)
+
+
+def test_play_is_judged_up_to_the_frequency_that_its_impacts_leave_alone() -> None:
+    """Here it gains 10 nats in each of three low bands, and loses 900 above: other forms would be worth that."""
+    before = _fitted()
+    more = np.zeros_like(before.whole_bands)
+    more[:, 1:4], more[:, -1] = 10.0, -900.0
+    after = replace(before, whole_bands=before.whole_bands + more, held_bands=before.held_bands + more)
+    blocks, bands = more.shape
+    held = int(before.box.split.held.sum())
+    assert gains(PLAY, after, before) == pytest.approx((30.0 * blocks - np.log(bands), 30.0 * held))
+    assert gains(LAG, after, before)[0] == pytest.approx(-870.0 * blocks)
+    none_at_all = replace(after, numbers={**after.numbers, "gap": 0.0})
+    assert judged(PLAY, after, before).merit > 0.0 and judged(PLAY, none_at_all, before).merit == -np.inf
+
+
+def test_a_late_input_is_a_cause_by_odds_against_an_amplifiers_lag() -> None:
+    fitted = _fitted(0.05)
+    lag = Tried(LAG, fitted, 60.0, 60.0)
+    for merit, cause in ((60.0 + CONVINCES + 1.0, LATE.cause), (60.0 + CONVINCES - 1.0, STRUCTURE)):
+        told = lags_told([lag, Tried(LATE, fitted, merit, merit)])
+        assert [one.form.cause for one in told] == [STRUCTURE, cause]
+    assert lags_told([Tried(LATE, fitted, 20.0, 20.0)])[0].form.cause == LATE.cause
+
+
+def test_a_delay_that_the_plain_model_may_have_is_none() -> None:
+    for delay_s, cause in ((0.014, STRUCTURE), (0.016, LATE.cause)):
+        fitted = _fitted(delay_s)
+        assert judged(LATE, fitted, fitted).form.cause == cause
+        assert judged(LATE, fitted, fitted).merit == pytest.approx(-PRICE)
