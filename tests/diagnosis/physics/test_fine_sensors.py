@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -102,6 +103,26 @@ def test_an_encoders_noise_rings_the_tip_as_is_foretold(hz: float, damping: floa
     off = np.random.default_rng(4).normal(0.0, noise, 200_000)
     moved = tip_moved(off, modes, length, _STEP_S)[20_000:]
     assert noise_at_tip(noise, modes, length, _STEP_S) == pytest.approx(float(np.std(moved)), rel=0.15)
+
+
+@pytest.mark.parametrize("scale", [800.0, -800.0])
+@pytest.mark.parametrize(("noise", "told"), [(1e-6, True), (3e-5, False)])
+def test_an_encoder_that_would_ring_the_image_does_not_correct_it(
+    scale: float, noise: float, told: bool
+) -> None:
+    model = msgspec.structs.replace(
+        synthetic.MODEL, camera=msgspec.structs.replace(synthetic.MODEL.camera, scale_px_per_m=scale)
+    )
+    bare = synthetic.empty(6.0, model)
+    true = World(bare, model)
+    position = true.predict(true.space.vector()).channels["joint_position"]
+    data = replace(bare, position=position + np.random.default_rng(2).normal(0.0, noise, bare.cycles))
+    shown = World(data, model)
+    moved = replace(data, position=data.position + 5e-5 * (np.arange(data.cycles) > 3000))
+    elsewhere = World(moved, model)
+    vector = shown.space.vector()
+    there, here = (one.predict(vector).channels["displacement"] for one in (elsewhere, shown))
+    assert bool(np.abs(there - here).max() > 0.01) is told
 
 
 def _late_commands(position_noise: float) -> Measured:
