@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from stillarm.common.files.model import Model
-from stillarm.common.memory.returned_memory import return_freed_memory
 from stillarm.common.process.blas_threads import one_blas_thread
 from stillarm.common.user_error import UserError
 
@@ -61,7 +60,6 @@ def diagnose_one(
     """
     began_s = time.monotonic()
     one_blas_thread()
-    return_freed_memory()
     from stillarm.diagnosis.physics.ahead import compile_ahead
 
     compiling_s = compile_ahead()
