@@ -17,12 +17,12 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
 from stillarm.diagnosis.decision.rest import anything_matters
 from stillarm.diagnosis.inference.candidates import (
-    ALWAYS_THERE,
     PRICE_NATS,
     Candidate,
     Found,
     Stage,
     convinces,
+    is_too_little,
     of_law,
     turns_the_joint,
     white_noise,
@@ -178,7 +178,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     beside = bool(found.findings)
     convincing = [one for one in ranked if convinces(one, last, beside)]
     chosen = convincing[0] if convincing else None
-    if chosen is not None and any(one.cause == ALWAYS_THERE and one.merit > chosen.merit for one in ranked):
+    if chosen is not None and any(is_too_little(one, last) and one.merit > chosen.merit for one in ranked):
         chosen = None  # what is always there, and too little to be named, explains it better
     return Stage(screening, ranked, chosen)
 

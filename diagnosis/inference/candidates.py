@@ -99,10 +99,19 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
         return False
     if one.law is not None:
         return True
-    if beside or one.cause == ALWAYS_THERE or _rings_with_a_mode(one):
+    if beside or _is_in_every_arm(one):
         return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
     return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
+
+
+def is_too_little(one: Candidate, last: Fit) -> bool:
+    """Whether a candidate is what a small departure of any arm from its model looks like, and is small."""
+    return _is_in_every_arm(one) and size_in_noise(last, one.fit) <= MATTERS_OF_NOISE
+
+
+def _is_in_every_arm(one: Candidate) -> bool:
+    return one.cause == ALWAYS_THERE or _rings_with_a_mode(one)
 
 
 def _rings_with_a_mode(one: Candidate) -> bool:

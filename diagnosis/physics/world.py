@@ -273,7 +273,9 @@ class World:
         known = position[np.isfinite(position)]
         noise_rad = max(white_noise(known, 2), resolution(known) / sqrt(12.0))
         moved_m = noise_at_tip(noise_rad, modes, self.length, self.measured.cycle_s)
-        return moved_m * abs(camera.scale_px_per_m) < _UNSEEN * max(LEAST["displacement"], camera.noise_std_px)
+        return moved_m * abs(camera.scale_px_per_m) < _UNSEEN * max(
+            LEAST["displacement"], camera.noise_std_px
+        )
 
     def _tip_of_joint_seen(self, motion: Motion, vector: Array) -> Array:
         """The tip's path, m, if the joint was where a fine encoder saw it, as far as a simulated drive may be off."""

@@ -10,6 +10,7 @@ from stillarm.diagnosis.inference.candidates import (
     CONVINCING_NATS,
     Candidate,
     convinces,
+    is_too_little,
     least_that_matters,
     size_in_noise,
     white_noise,
@@ -72,3 +73,4 @@ def test_a_small_force_at_a_modes_own_frequency_is_not_told(
     values = {"frequency_hz": (hz, 0.01), "amplitude_m_s2": (0.01, 0.001)}
     one = Candidate("periodic_disturbance", plain, 0.0, 0.0, values, merit=2.0 * CONVINCING_NATS)
     assert convinces(one, before, beside=False) is told
+    assert is_too_little(one, before) is (times == 1.0 and not told)
