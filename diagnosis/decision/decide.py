@@ -33,8 +33,8 @@ ODDS_NATS = 3.0
 """Odds of 20 to 1 (contract.md)."""
 MOST_CONFIDENCE = 0.9
 """However large the odds: of 59 names that the odds alone put above 0.9 in recordings of another simulator, 54 were
-right (tests.hidden_world.rigs, seeds 89, 97, 101, 103; rule of succession). A cause that is in no catalogue may look
-like one that is, whatever the odds against the others."""
+right (docs/benchmark-diagnosis.md; rule of succession). A cause that is in no catalogue may look like one that is,
+whatever the odds against the others."""
 _STEPS = 4  # of a fit of free terms: they are linear
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
 EXPLAINED = 0.35
