@@ -81,9 +81,10 @@ def bend(last: Fit) -> tuple[Array, Array, float] | None:
     still = {
         name: 0.0 for name in world.space.place if name.startswith("jump.") and not name.startswith("jump.0.")
     }
-    off = (
-        images.measured - world.predict(world.space.with_values(last.vector, still)).channels["displacement"]
-    )
+    shown = world.predict(world.space.with_values(last.vector, still)).channels.get("displacement")
+    if shown is None:
+        return None
+    off = images.measured - shown
     known = np.isfinite(off)
     if known.sum() < MIN_USUAL:
         return None

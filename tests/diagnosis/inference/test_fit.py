@@ -1,5 +1,7 @@
 """A fit finds what the data were made with, and its standard deviations are those of its errors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -40,7 +42,7 @@ def test_what_is_held_out_is_not_fitted() -> None:
     spoilt = np.where(
         (world.cycle_times > 2.0) & (world.cycle_times < 4.0), data.acceleration + 5.0, data.acceleration
     )
-    other = World(data.__class__(**{**data.__dict__, "acceleration": spoilt}), MODEL)
+    other = World(replace(data, acceleration=spoilt), MODEL)
     free = world.baseline_names()
     first = fit(make_data(world, split), world.space.vector(), free)
     second = fit(make_data(other, split), other.space.vector(), free)
