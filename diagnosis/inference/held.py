@@ -26,6 +26,9 @@ _MARGIN = 0.25  # of the mean's width, before it was seen to begin and after it 
 _PLAIN = 3.0  # times the white noise, that a pull leaves of the images
 _SHORTEST_S = 0.25  # a push is shorter
 _LET_GO = 0.5  # of the bend is left, at the middle of the mean's fall
+_BEFORE = (
+    0.6  # of the mean's width, that a pull lasts: a shorter one is not told from the beginning of a swing
+)
 _ABOUT = 0.75  # of the mean's width, from there to the impact
 
 
@@ -43,7 +46,10 @@ def held_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
         strong = np.flatnonzero(np.abs(bent[first:after]) > _LET_GO * top)
         ends = float(time[first + strong[-1]])
         begins = _begins(time, bent, first, max(_OF_TOP * top, usual))
-        near = [one for one in struck if abs(one - ends) < _ABOUT * width_s]
+        # a swing that begins bends the arm too, from half the mean's width before its impact on
+        near = [
+            one for one in struck if abs(one - ends) < _ABOUT * width_s and one - begins > _BEFORE * width_s
+        ]
         if near and ends - begins > max(_SHORTEST_S, 0.5 * width_s):
             margin = _MARGIN * width_s
             spans.append((max(begins - margin, 0.0), max(*near, ends) + margin))

@@ -74,6 +74,15 @@ def test_an_impact_is_no_pull(jump: float) -> None:
     assert held_spans_s(fitted_baseline(World(data, MODEL), SPLIT)) == ()
 
 
+def test_an_impact_on_an_arm_that_its_model_does_not_know_is_no_pull() -> None:
+    """A swing bends the arm until its first is over, and a stiffness that grows leaves much of it."""
+    stiff = {"arm.cubic_per_m2": 800.0, "jump.1.0.v": 2.0 * pi * HZ * 0.05}
+    data = measured(SECONDS, 3, stiff, impacts=(9000,))
+    baseline = fitted_baseline(World(data, MODEL), SPLIT)
+    assert np.nanstd(baseline.residuals["displacement"]) > 5.0 * NOISE["displacement"]
+    assert held_spans_s(baseline) == ()
+
+
 def test_a_slow_course_of_the_images_without_a_release_is_no_pull() -> None:
     data = measured(SECONDS, 3)
     time = World(data, MODEL).instants(World(data, MODEL).space.vector())
