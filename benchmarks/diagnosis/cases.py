@@ -20,7 +20,7 @@ Answer = Callable[[Path, Path, float], str]
 
 
 def stillarm(*arguments: Path | str) -> str:
-    """Run the command; returns the first line of its last word, on standard output or error."""
+    """Run the command; returns the first line that it printed, on standard output or else on standard error."""
     done = subprocess.run(
         [sys.executable, "-m", "stillarm", *map(str, arguments)], capture_output=True, text=True, check=False
     )

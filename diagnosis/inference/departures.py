@@ -38,6 +38,12 @@ def loud_at(
     return time, is_loud(off, width, times)
 
 
+def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """The runs of flags that are set, each by its first place and the place after its last. flags: (n,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
 def is_loud(off: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
     """Where a departure, over so many samples, is so many times what it usually is. off: (n,), none missing."""
     loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))

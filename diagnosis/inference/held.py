@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.robust import MIN_USUAL, std_about_zero, white_noise
+from stillarm.diagnosis.inference.departures import stretches
 from stillarm.diagnosis.inference.fitted import Fit
 
 Array = NDArray[np.float64]
@@ -26,9 +27,7 @@ _MARGIN = 0.25  # of the mean's width, before it was seen to begin and after it 
 _PLAIN = 3.0  # times the white noise, that a pull leaves of the images
 _SHORTEST_S = 0.25  # a push is shorter
 _LET_GO = 0.5  # of the bend is left, at the middle of the mean's fall
-_BEFORE = (
-    0.6  # of the mean's width, that a pull lasts: a shorter one is not told from the beginning of a swing
-)
+_BEFORE = 0.6  # of the mean's width, that a pull lasts: a shorter one is like the beginning of a swing
 _ABOUT = 0.75  # of the mean's width, from there to the impact
 
 
@@ -41,7 +40,7 @@ def held_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     usual = max(std_about_zero(bent), 1e-12)
     struck = [cycle * last.world.measured.cycle_s for cycle in last.world.impacts]
     spans = []
-    for first, after in _stretches(np.abs(bent) > _HELD * usual):
+    for first, after in stretches(np.abs(bent) > _HELD * usual):
         top = float(np.max(np.abs(bent[first:after])))
         strong = np.flatnonzero(np.abs(bent[first:after]) > _LET_GO * top)
         ends = float(time[first + strong[-1]])
@@ -111,11 +110,6 @@ def _whole_swings(images: float, least: float) -> int:
         if abs(many * images - round(many * images)) < _UNEVEN * many * images:
             return round(many * images)
     return round(first * images)
-
-
-def _stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _begins(time: Array, bent: Array, first: int, least: float) -> float:

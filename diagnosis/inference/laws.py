@@ -13,6 +13,7 @@ from stillarm.diagnosis.data.frame_times import held_back, missing_requests
 from stillarm.diagnosis.data.noise import HUBER, LEAST
 from stillarm.diagnosis.data.robust import std_about_median
 from stillarm.diagnosis.inference.accelerometer_faults import SURE_NATS, outliers, pulses, strikes, tops_of
+from stillarm.diagnosis.inference.departures import stretches
 from stillarm.diagnosis.inference.fitted import Data, Fit
 from stillarm.diagnosis.inference.late_bursts import find_bursts
 
@@ -136,7 +137,7 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     if whole is None:
         return None
     late = whole.late > 0.5
-    runs = _runs(late)
+    runs = stretches(late)
     total = float((whole.nats - whole.plain_nats).sum())
     if len(runs) < 2 or total < _LEAST_NATS or whole.size_s < 2.0 * LEAST["arrival"]:
         return None
@@ -196,11 +197,6 @@ def _depths(residual: Array, runs: list[tuple[int, int]]) -> Array:
         if len(near) > 2:
             depths.append(float(np.median(residual[a:b]) - np.median(residual[near])))
     return np.array(depths or [float(np.median(residual[inside]) - np.median(residual[~inside]))])
-
-
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(int), [0]))))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def _stamp_step(data: Data, last: Fit) -> LawFound | None:

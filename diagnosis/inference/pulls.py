@@ -27,9 +27,7 @@ from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts,
 
 Array = NDArray[np.float64]
 
-_MOST_TURNS = (
-    4  # in which pulls are looked for; after the second, those of a bend that holds over whole swings alone
-)
+_MOST_TURNS = 4  # in which pulls are looked for; after the second, those that hold over whole swings alone
 _SOUGHT = 2  # times that pulls, and pushes, are looked for: what one leaves out shows the next
 # a pull
 _WINDOW_S = 0.2  # over which an image's departure is looked at
@@ -57,7 +55,7 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
         spans = held_spans_s(baseline)
         ends = {round(end / cycle_s) for _, end in spans if end < baseline.world.measured.duration_s}
         if turn < _SOUGHT:
-            spans += tuple(one for one in pull_spans_s(baseline) if not _within(one, spans))
+            spans += tuple(one for one in pull_spans_s(baseline) if not _overlaps(one, spans))
         if not spans or sum(end - start for start, end in spans) > _MOST * baseline.world.measured.duration_s:
             break
         unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))
@@ -71,7 +69,7 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
     return baseline
 
 
-def _within(span: tuple[float, float], others: Sequence[tuple[float, float]]) -> bool:
+def _overlaps(span: tuple[float, float], others: Sequence[tuple[float, float]]) -> bool:
     return any(start < span[1] and span[0] < end for start, end in others)
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.diagnosis.inference.departures import is_one_sided, loud_at, loud_stretch
+from stillarm.diagnosis.inference.departures import is_one_sided, loud_at, loud_stretch, stretches
 from stillarm.diagnosis.inference.fitted import Fit
 from tests.fixtures.synthetic import fitted, measured
 
@@ -30,6 +30,14 @@ def with_more(arm: Fit, name: str, since_s: float, until_s: float, size: float) 
 def test_noise_is_not_loud(arm: Fit, name: str) -> None:
     found = loud_at(arm, name)
     assert found is not None and not found[1].any()
+
+
+@pytest.mark.parametrize(
+    ("flags", "found"),
+    [([], []), ([0, 0], []), ([1, 1, 0, 1], [(0, 2), (3, 4)]), ([0, 1, 1, 0], [(1, 3)]), ([1], [(0, 1)])],
+)
+def test_runs_of_flags_are_told_by_their_ends(flags: list[int], found: list[tuple[int, int]]) -> None:
+    assert stretches(np.array(flags, bool)) == found
 
 
 def test_a_channel_that_was_not_measured_tells_nothing(arm: Fit) -> None:
