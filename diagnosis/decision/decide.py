@@ -1,5 +1,6 @@
 """From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import exp
 
@@ -9,13 +10,20 @@ from numpy.typing import NDArray
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.rest import Rest, anything_matters, explainable, rest_of, times_what_matters
+from stillarm.diagnosis.decision.rest import (
+    Rest,
+    anything_matters,
+    explainable,
+    rest_of,
+    times_what_matters,
+)
 from stillarm.diagnosis.inference.candidates import (
     CONVINCING_NATS,
     PRICE_NATS,
     Candidate,
     Found,
     Stage,
+    is_of_free_form,
     turns_the_joint,
 )
 from stillarm.diagnosis.inference.comparison import Slopes, free_names
@@ -44,7 +52,7 @@ _TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no fo
 _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
 _OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
-_RIVAL = 0.05  # of a finding's nats: a free form is no better by less, as no formula is quite the true one
+_RIVAL = 0.05  # of a finding's nats: free terms are no better by less, as no formula is quite the true one
 
 
 @dataclass(frozen=True)
@@ -86,8 +94,9 @@ def judge(found: Found, split: Split) -> Judged:
     try:
         if material or (first is not None and _may_rival(first, found.final, split)):
             beside = best_free(found.final, split)
-        if first is not None and first.law is None and _may_lead(first, found.baseline, split):
-            alone = best_free(found.baseline, split)
+        rivals = beside is not None or (first is not None and _may_lead(first, found.baseline, split))
+        if first is not None and first.law is None and rivals:
+            alone = best_free(found.baseline, split, (beside.group,) if beside is not None else ())
     except OutOfTime:
         left_out.append("structure without a name")
     if first is None:
@@ -116,7 +125,7 @@ def _odds_of_name(
     doubts = (
         _SHARPNESS * (share - EXPLAINED),
         _SHARPNESS * (free - 0.5),
-        2.0 * _SHARPNESS * (ahead + _RIVAL),
+        2.0 * _SHARPNESS * (ahead + (0.0 if is_of_free_form(first, found.baseline) else _RIVAL)),
     )
     return _logistic(min(doubts))
 
@@ -224,14 +233,17 @@ def stage_of(found: Found, one: Candidate) -> Stage:
     return next(stage for stage in found.stages if stage.taken is one)
 
 
-def best_free(last: Fit, split: Split) -> Free | None:
-    """The group of free terms that adds most to a fit's log score."""
+def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | None:
+    """The group of free terms that adds most to a fit's log score. others: tried too, such as a resonance that shows
+    only where the arm's own vibration is explained."""
     before = score(last, split)
     peaks: list[float] = []
     for seen in residual_peaks(last).values():
         peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
     slopes = slopes_of(last)
-    found = side_by_side(lambda group: _with_free(group, last, before, split, slopes), groups(peaks))
+    found = side_by_side(
+        lambda group: _with_free(group, last, before, split, slopes), (*groups(peaks), *others)
+    )
     tried = [one for one in found if one is not None]
     best = max(tried, key=lambda one: one.merit, default=None)
     return best if best is not None and best.merit > 0.0 else None

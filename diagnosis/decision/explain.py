@@ -36,6 +36,7 @@ from stillarm.diagnosis.inference.forms import forms
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.laws import LawFound, laws
 from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.measured_joint import departure_hz
 from stillarm.diagnosis.physics.world import World
 
 MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
@@ -180,6 +181,10 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     chosen = convincing[0] if convincing else None
     if chosen is not None and any(is_too_little(one, last) and one.merit > chosen.merit for one in ranked):
         chosen = None  # what is always there, and too little to be named, explains it better
+    if chosen is not None and chosen.law is None and turns_the_joint(chosen.cause):
+        foretold = _moved_as_foretold(chosen, split)
+        ranked = [foretold if one is chosen else one for one in ranked]
+        chosen = foretold
     return Stage(screening, ranked, chosen)
 
 
@@ -231,6 +236,23 @@ def _of_the_whole(one: Candidate, last: Fit, split: Split) -> Candidate:
     names = free_names(last, world, one.free)
     fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=last.colour)
     return replace(one, fit=fitted)
+
+
+def _moved_as_foretold(one: Candidate, split: Split) -> Candidate:
+    """A finding of the drive with the arm moved by the simulated joint, as far as the finding foretells that: the
+    measured one moves it by the encoder's noise and steps as well, which an arm's resonances enlarge."""
+    last, world = one.fit, one.fit.world
+    if world.joint_hz <= 0.0:
+        return one
+    foretold = world.changed(joint_hz=0.0).reported_position(last.vector)
+    hz = departure_hz(world.measured.position, foretold, world.measured.cycle_s)
+    if hz >= world.joint_hz:
+        return one
+    there = world.changed(joint_hz=hz)
+    start, names = carried_over(last, there), free_names(last, there, one.free)
+    anew = fit(make_data(there, split), start, names, iterations=_FULL, colour=last.colour)
+    better = float(score(anew, split).gain(score(last, split)).sum()) > 0.0
+    return replace(one, fit=anew) if better else one
 
 
 def _joint_departs(last: Fit) -> bool:

@@ -99,7 +99,7 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
         return False
     if one.law is not None:
         return True
-    if beside or _is_in_every_arm(one):
+    if beside or _is_in_every_arm(one) or is_of_free_form(one, last):
         return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
     return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
@@ -107,7 +107,13 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
 
 def is_too_little(one: Candidate, last: Fit) -> bool:
     """Whether a candidate is what a small departure of any arm from its model looks like, and is small."""
-    return _is_in_every_arm(one) and size_in_noise(last, one.fit) <= MATTERS_OF_NOISE
+    usual = _is_in_every_arm(one) or is_of_free_form(one, last)
+    return usual and size_in_noise(last, one.fit) <= MATTERS_OF_NOISE
+
+
+def is_of_free_form(one: Candidate, last: Fit) -> bool:
+    """Whether a form takes any course: so it takes a part of any discrepancy in its channel as well."""
+    return len(one.fit.world.added) > len(last.world.added)
 
 
 def _is_in_every_arm(one: Candidate) -> bool:

@@ -47,6 +47,8 @@ _PROMISING = 0.02  # of the best score: what promises less says more in a later 
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
 _ONSETS = 6  # tried over the recording
 _ONSET_COARSE_S, _ONSET_LEAST_S = 0.02, 0.001  # to which an onset is sought: of all forms; of those that lead
+_TIMES_THE_WHOLE = (1.0, 3.0)  # what acts in a part of the recording is larger than what fits the whole of it
+_SIZE_FOLLOWS = 3  # steps of a fit, in which the size follows an onset that is off by up to a swing
 _WORTH_A_FIT = (
     0.1  # of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest
 )
@@ -258,7 +260,12 @@ def polished(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -
     """The same with all derivatives worked out where it is, and an onset sought to the end."""
     data = make_data(one.world, split)
     if one.form.begins is not None:
-        fitted = _onset_sought(one.form.begins, fitted, last, data, slopes, (_ONSET_COARSE_S, _ONSET_LEAST_S))
+        swing_s = 1.0 / fitted.value("modes.0.frequency_hz")
+        for steps, iterations in (
+            ((swing_s, _ONSET_COARSE_S), _SIZE_FOLLOWS),
+            ((_ONSET_COARSE_S, _ONSET_LEAST_S), 1),
+        ):
+            fitted = _onset_sought(one.form.begins, fitted, last, data, slopes, steps, iterations)
     settled = _settled_nats(fitted, last)
     return fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
 
@@ -293,9 +300,13 @@ def with_onset(pair: tuple[Begun, Fit], last: Fit, split: Split, slopes: Slopes)
     data, begins = make_data(one.world, split), one.form.begins
     assert begins is not None
     duration = one.world.measured.duration_s
+    sizes = {name: whole.value(name) for name in one.form.cause.free(one.world)}
     starts = [
-        one.world.space.with_values(whole.vector, {begins: float(onset)})
+        one.world.space.with_values(
+            whole.vector, {name: times * size for name, size in sizes.items()} | {begins: float(onset)}
+        )
         for onset in np.linspace(0.1, 0.85, _ONSETS) * duration
+        for times in _TIMES_THE_WHOLE
     ]
     tried = [fit(data, start, whole.free, iterations=1, colour=last.colour, known=slopes) for start in starts]
     best = max(tried, key=lambda fitted: gain_of(fitted, last))
@@ -307,9 +318,16 @@ def with_onset(pair: tuple[Begun, Fit], last: Fit, split: Split, slopes: Slopes)
 
 
 def _onset_sought(
-    begins: str, best: Fit, last: Fit, data: Data, slopes: Slopes, steps: tuple[float, float]
+    begins: str,
+    best: Fit,
+    last: Fit,
+    data: Data,
+    slopes: Slopes,
+    steps: tuple[float, float],
+    iterations: int = 1,
 ) -> Fit:
-    """A fit's onset moved to where it gains most, by halving steps. begins: its quantity; steps: first and least, s."""
+    """A fit's onset moved to where it gains most, by halving steps. begins: its quantity; steps: first and least, s;
+    iterations: of the fit of all else at each onset."""
     step, least = steps
     space = best.world.space
     while step > least:
@@ -317,7 +335,8 @@ def _onset_sought(
             space.with_values(best.vector, {begins: best.value(begins) + way * step}) for way in (1, -1)
         ]
         tried = [
-            fit(data, start, best.free, iterations=1, colour=last.colour, known=slopes) for start in starts
+            fit(data, start, best.free, iterations=iterations, colour=last.colour, known=slopes)
+            for start in starts
         ]
         better = max(tried, key=lambda one: gain_of(one, last))
         if gain_of(better, last) > gain_of(best, last) + _settled_nats(best, last):

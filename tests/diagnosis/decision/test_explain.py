@@ -1,13 +1,21 @@
 """The rounds of the search on recordings made by the simulation itself: statistics, not physics."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
+from stillarm.diagnosis.inference.baseline import moved_as_measured
 from stillarm.diagnosis.inference.candidates import Found
-from tests.fixtures.synthetic import fitted, measured
+from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fitted import make_data
+from stillarm.diagnosis.physics.world import World
+from tests.fixtures.synthetic import MODEL, NOISE, fitted, measured
 
 SECONDS = 20.0
+STEP_RAD = 2e-3
 
 
 def _explained(values: dict[str, float], *only: str) -> Found:
@@ -42,3 +50,29 @@ def test_the_hidden_cause_comes_first(quantity: str, value: float, cause: str) -
 def test_a_cause_that_is_not_looked_for_is_not_found() -> None:
     found = _explained({"camera.rate_px_per_s": 0.1}, "cubic_stiffness")
     assert "tracking_drift" not in [one.cause for one in found.findings]
+
+
+@pytest.mark.slow
+def test_friction_that_begins_is_found_from_its_beginning() -> None:
+    """What acts in a part of the recording is several times larger than what fits the whole."""
+    friction, onset_s = 0.1, 12.3
+    found = _explained(
+        {"arm.coulomb_m_s2": friction, "arm.begin_s": onset_s}, "coulomb_damping", "stiffness_drift"
+    )
+    first = found.findings[0]
+    assert (first.cause, first.begins_s) == ("coulomb_damping", pytest.approx(onset_s, abs=0.1))
+    assert found.final.value("arm.coulomb_m_s2") == pytest.approx(friction, rel=0.05)
+
+
+def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
+    """A coarse encoder moves it by its steps, as long as the drive's model does not foretell the joint."""
+    data = measured(SECONDS, 5, {"drive.velocity_loss_rad_s": 0.02})
+    coarse = replace(data, position=np.round(data.position / STEP_RAD) * STEP_RAD)
+    split = interleaved(SECONDS)
+    departing = moved_as_measured(World(coarse, MODEL), split)
+    assert departing.joint_hz > 0.0
+    begun = fit(make_data(departing, split), departing.space.vector(), departing.baseline_names())
+    found = explain(begun, split, only=("joint_friction",))
+    assert found.findings[0].cause == "joint_friction"
+    assert found.final.world.joint_hz < departing.joint_hz
+    assert found.final.sigma["acceleration"] < 1.1 * NOISE["acceleration"]

@@ -10,12 +10,14 @@ from stillarm.diagnosis.inference.candidates import (
     CONVINCING_NATS,
     Candidate,
     convinces,
+    is_of_free_form,
     is_too_little,
     least_that_matters,
     size_in_noise,
     white_noise,
 )
 from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.physics.space import Added
 from tests.fixtures.synthetic import NOISE, fitted, measured
 
 
@@ -59,6 +61,20 @@ def test_a_sensor_at_its_limit_has_the_noise_that_it_has_below_it() -> None:
     noise = np.random.default_rng(2).normal(0.0, NOISE["acceleration"], data.cycles)
     left = replace(fit, residuals={**fit.residuals, "acceleration": np.where(pinned, 0.0, noise)})
     assert white_noise(left, "acceleration") == pytest.approx(NOISE["acceleration"], rel=0.15)
+
+
+@pytest.mark.parametrize(("of_noise", "told"), [(0.3, False), (0.7, True)])
+def test_a_free_course_is_told_where_it_matters(plain: Fit, of_noise: float, told: bool) -> None:
+    """A course of any shape takes a part of whatever else a model lacks."""
+    before = with_rest(plain, "acceleration", of_noise * NOISE["acceleration"])
+    column = np.ones((len(plain.residuals["acceleration"]), 1))
+    course = plain.world.changed(added=(Added("course", {"acceleration": column}, 1.0),))
+    one = Candidate(
+        "accelerometer_bias_drift", replace(plain, world=course), 0.0, 0.0, {}, merit=2.0 * CONVINCING_NATS
+    )
+    assert is_of_free_form(one, before)
+    assert convinces(one, before, beside=False) is told
+    assert is_too_little(one, before) is not told
 
 
 @pytest.mark.parametrize(
