@@ -185,7 +185,7 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         ):
             continue
         done[key] = done.get(key, 0) + 1
-        finished.append(judged(form, _fitted_from(form, start, current, _STEPS), current))
+        finished.append(judged(form, fitted_from(form, start, current, _STEPS), current))
     bends = current.box.modes < _MOST_MODES and current.numbers.get(STATED, 0.0) == 0.0
     if bends and left_s() > 0.0:
         bent = with_another_mode(current)
@@ -199,7 +199,7 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     return sorted(lags_told(finished), key=lambda one: -one.merit)
 
 
-def _fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit:
+def fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit:
     """A form's fit from a start beside what there is."""
     from_here = box_of(form, current)
     free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
@@ -220,7 +220,7 @@ def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], 
                 )
     ranked.sort(key=lambda one: -one[0])
     starts = [one for _, one in ranked[:_MOST_PLAYS]]
-    fits = [_fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
+    fits = [fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
     found = sorted((judged(form, one, current) for one in fits), key=lambda one: -one.merit)
     if found and left_s() > 0.0:  # hard blows part again; small play at rest does not
         best, hard = found[0].fit, replace(form, words=f"{form.words}, teeth part", numbers=HARD_PLAY)

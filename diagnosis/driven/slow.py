@@ -1,0 +1,77 @@
+"""Torques that are slower than a block, sought on longer blocks once all that is quicker is in the model.
+
+A block's own initial state takes away what is slower than the block: a constant torque, or gravity on a joint that turns
+slowly, is then mistaken for the other or missed. Between longer blocks less is taken away, and what the model lacks
+adds up for longer. Other causes are judged on the short ones: there no error of theirs adds up.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+
+from stillarm.diagnosis.driven.blocks import longer
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged
+from stillarm.diagnosis.driven.mechanisms import FORMS, STIFF_JOINT, STRUCTURE, Form
+from stillarm.diagnosis.driven.search import (
+    Round,
+    Searched,
+    cause_first,
+    fitted_from,
+    plainer_first,
+    settled,
+)
+
+_OF_SLOW_TORQUES = ("torque_offset", "gravity_load")
+_STEPS = 18  # of a fit: as many as one of the search
+_MOST_ROUNDS = 2  # an offset and gravity
+
+
+def with_slow_torques(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Searched:
+    """What the search found, with what longer blocks say of slow torques in place of what short ones said. The same
+    where they say nothing, or where the blocks were held out by somebody."""
+    split = longer(found.final.box.split) if not found.final.box.driven.joins else None
+    if split is None or left_s() < 0.0:
+        return found
+    kept = [one for one in found.rounds if not _is_slow(one.taken.form)]
+    current = _without_slow(found, replace(found.final.box, split=split))
+    rounds: list[Round] = []
+    for _ in range(_MOST_ROUNDS):
+        tried = _tried(current, left_s)
+        if not tried or tried[0].merit < CONVINCES:
+            break
+        tried = plainer_first(cause_first(tried))
+        rounds.append(Round(current, tuple(tried)))
+        current = settled(tried[0].fit)
+    if all(one.taken.form.cause == STRUCTURE for one in rounds):
+        return found
+    return replace(found, rounds=(*kept, *rounds), final=current)
+
+
+def _is_slow(form: Form) -> bool:
+    return form.cause in _OF_SLOW_TORQUES or form.words == STIFF_JOINT
+
+
+def _without_slow(found: Searched, box: GreyBox) -> DrivenFit:
+    """The final model on longer blocks, without the slow torques that short ones have shown."""
+    gone = {name for one in found.rounds if _is_slow(one.taken.form) for name in one.taken.form.numbers}
+    numbers = {name: value for name, value in found.final.numbers.items() if name not in gone}
+    free = tuple(one for one in found.final.free if one not in gone)
+    return fit(box, numbers, free, steps=_STEPS)
+
+
+def _tried(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
+    """Every slow torque beside what there is, each from all of its starts, best first."""
+    forms = [
+        one
+        for one in FORMS
+        if _is_slow(one) and one.fits(current) and not set(one.numbers) <= set(current.free)
+    ]
+    tried = [
+        judged(form, fitted_from(form, start, current, _STEPS), current)
+        for form in forms
+        for start in form.starts(current)
+        if left_s() > 0.0
+    ]
+    return sorted(tried, key=lambda one: -one.merit)
