@@ -31,6 +31,9 @@ Tick = Callable[[float, str], None]
 
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18  # of a round; of a form; of a fit: what a round costs
 _TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted before all others
+_PLAY_PROMISES = (
+    0.15  # of what the best start explains: play that explains less is fitted in a later round, if ever
+)
 _MOST_PLAYS = 3  # starts with play that are fitted, the best first: play is the slowest to simulate
 _LEAST_PART, _MOST_PART = 0.003, 3.0  # of the way to a start: further the first order does not hold
 # no small part of these is a small effect of the same kind
@@ -165,14 +168,15 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     screen = Screen(current)
     begins: list[tuple[float, Form, dict[str, float]]] = []
     finished: list[Tried] = []
-    for form in (forms_for if not current.box.driven.joins else forms_of_all)(current):
-        if form.play:
-            finished += _plays(form, current, screen, left_s)
-            continue
+    forms = (forms_for if not current.box.driven.joins else forms_of_all)(current)
+    for form in [one for one in forms if not one.play]:
         for start in form.starts(current):
             share, along = (_TRIED_ANYWAY, 1.0) if form.hidden else screen.share(start)
             here = start if form.hidden else moved_along(current, start, along)
             begins.append((share, form, here))
+    promised = max((share for share, form, _ in begins if not form.hidden), default=0.0)
+    for form in [one for one in forms if one.play]:
+        finished += _plays(form, current, screen, left_s, _PLAY_PROMISES * promised)
     done: dict[tuple[str, str, bool, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
         key = (form.cause, form.words, form.hidden, recording_of(form.numbers[0]))
@@ -207,8 +211,11 @@ def fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: 
     return fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=steps)
 
 
-def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], float]) -> list[Tried]:
-    """The best fits with play. Each start's gap is as wide as explains most to first order, against no gap at all."""
+def _plays(
+    form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], float], least: float
+) -> list[Tried]:
+    """The best fits with play. Each start's gap is as wide as explains most to first order, against no gap at all.
+    least: share of the squared residual below which no start is fitted."""
     from_here = box_of(form, current)
     ranked: list[tuple[float, dict[str, float]]] = []
     for start in form.starts(current):
@@ -219,7 +226,7 @@ def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], 
                     (share, {**start, "gap": min(max(along, _LEAST_PART), _MOST_PART) * start["gap"]})
                 )
     ranked.sort(key=lambda one: -one[0])
-    starts = [one for _, one in ranked[:_MOST_PLAYS]]
+    starts = [one for share, one in ranked[:_MOST_PLAYS] if share >= least]
     fits = [fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
     found = sorted((judged(form, one, current) for one in fits), key=lambda one: -one.merit)
     if found and left_s() > 0.0:  # hard blows part again; small play at rest does not

@@ -1,26 +1,31 @@
 """Torques that are slower than a block, sought on longer blocks once all that is quicker is in the model.
 
-A block's own initial state takes away what is slower than the block: a constant torque, or gravity on a joint that turns
-slowly, is then mistaken for the other or missed. Between longer blocks less is taken away, and what the model lacks
-adds up for longer. Other causes are judged on the short ones: there no error of theirs adds up.
+A block's own initial state takes away what is slower than the block: a constant torque, or gravity on a joint that
+turns slowly, is then mistaken for the other or missed. Longer blocks lose less to their states, and what the model
+lacks adds up for longer. Other causes are judged on the short ones, where no error of the model adds up; but where these have
+asked for a further mode that is slower than a block, which can pass for anything slow, all is judged anew.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf
+from math import exp, inf, pi
 
+import numpy as np
+
+from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.blocks import longer
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged
 from stillarm.diagnosis.driven.mechanisms import FORMS, STIFF_JOINT, STRUCTURE, Form
 from stillarm.diagnosis.driven.search import (
+    ANOTHER_MODE,
     Round,
     Searched,
     cause_first,
     fitted_from,
     plainer_first,
     settled,
+    tried_forms,
 )
 
 _OF_SLOW_TORQUES = ("torque_offset", "gravity_load")
@@ -34,11 +39,14 @@ def with_slow_torques(found: Searched, left_s: Callable[[], float] = lambda: inf
     split = longer(found.final.box.split) if not found.final.box.driven.joins else None
     if split is None or left_s() < 0.0:
         return found
+    slow_modes = _slow_modes(found)
     kept = [one for one in found.rounds if not _is_slow(one.taken.form)]
-    current = _without_slow(found, replace(found.final.box, split=split))
+    for _ in range(slow_modes):
+        kept.remove([one for one in kept if one.taken.form.words == ANOTHER_MODE.words][-1])
+    current = _without_slow(found, slow_modes, split)
     rounds: list[Round] = []
-    for _ in range(_MOST_ROUNDS):
-        tried = _tried(current, left_s)
+    for _ in range(_MOST_ROUNDS + slow_modes):
+        tried = tried_forms(current, left_s) if slow_modes else _tried(current, left_s)
         if not tried or tried[0].merit < CONVINCES:
             break
         tried = plainer_first(cause_first(tried))
@@ -53,11 +61,26 @@ def _is_slow(form: Form) -> bool:
     return form.cause in _OF_SLOW_TORQUES or form.words == STIFF_JOINT
 
 
-def _without_slow(found: Searched, box: GreyBox) -> DrivenFit:
-    """The final model on longer blocks, without the slow torques that short ones have shown."""
+def _slow_modes(found: Searched) -> int:
+    """How many of the further modes, the last ones, have a period that is longer than a block."""
+    box, count = found.final.box, 0
+    longest_s = float(np.max(np.diff(box.split.edges_s)))
+    while box.modes - count > found.start.box.modes:
+        if 2.0 * pi / exp(found.final.numbers[f"log_w_{box.modes - count}"]) < longest_s:
+            break
+        count += 1
+    return count
+
+
+def _without_slow(found: Searched, slow_modes: int, split: Split) -> DrivenFit:
+    """The final model on longer blocks, without the slow torques and modes that short ones have shown."""
+    final = found.final
     gone = {name for one in found.rounds if _is_slow(one.taken.form) for name in one.taken.form.numbers}
-    numbers = {name: value for name, value in found.final.numbers.items() if name not in gone}
-    free = tuple(one for one in found.final.free if one not in gone)
+    box = replace(final.box, split=split, modes=final.box.modes - slow_modes)
+    for i in range(box.modes + 1, final.box.modes + 1):
+        gone |= {name for name in final.numbers if name.partition(" ")[0].endswith(f"_{i}")}
+    numbers = {name: value for name, value in final.numbers.items() if name not in gone}
+    free = tuple(one for one in final.free if one not in gone)
     return fit(box, numbers, free, steps=_STEPS)
 
 
