@@ -2,8 +2,8 @@
 
 A block's own initial state takes away what is slower than the block: a constant torque, or gravity on a joint that
 turns slowly, is then mistaken for the other or missed. Longer blocks lose less to their states, and what the model
-lacks adds up for longer. Other causes are judged on the short ones, where no error of the model adds up; but where these have
-asked for a further mode that is slower than a block, which can pass for anything slow, all is judged anew.
+lacks adds up for longer. Other causes are judged on the short ones, where no error of the model adds up; but where
+these have asked for a further mode that is slower than a block, which can pass for anything slow, all is judged anew.
 """
 
 from collections.abc import Callable
