@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
 from stillarm.diagnosis.driven.extents import forms_of_all
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit, runs_away
 from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import BOUNCE, HARD_PLAY
 from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged, lags_told
@@ -41,6 +41,7 @@ _NO_DIRECTION = ("limit", "gap", "onset", "dead_cut")
 _ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
 _SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share", "bounce")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
+_MOST_HALVINGS = 6  # of the way to a start that runs away: a 32nd is as good as no way
 _MOST_ROUNDS = 7  # and so causes and structure, beside the first model
 _MOST_MODES = 3  # that a fit adds to the arm, each with four numbers of its own and more
 _CAUSE_FIRST, _LINEAR_FIRST = 0.3, 0.7  # of what structure gains
@@ -189,7 +190,8 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         ):
             continue
         done[key] = done.get(key, 0) + 1
-        finished.append(judged(form, fitted_from(form, start, current, _STEPS), current))
+        fitted = fitted_from(form, start, current, _STEPS)
+        finished += [judged(form, fitted, current)] if fitted is not None else []
     bends = current.box.modes < _MOST_MODES and current.numbers.get(STATED, 0.0) == 0.0
     if bends and left_s() > 0.0:
         bent = with_another_mode(current)
@@ -203,12 +205,18 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     return sorted(lags_told(finished), key=lambda one: -one.merit)
 
 
-def fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit:
-    """A form's fit from a start beside what there is."""
+def fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit | None:
+    """A form's fit from a start beside what there is. A start whose simulation runs away is moved back towards what
+    there is; None where even that runs away."""
     from_here = box_of(form, current)
     free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
     kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
-    return fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=steps)
+    for _ in range(_MOST_HALVINGS):
+        numbers = {**current.numbers, **kept}
+        if not runs_away(from_here.box, numbers, from_here.states):
+            return fit(from_here.box, numbers, free, from_here.states, steps=steps)
+        kept = _moved(current, kept, 0.5)
+    return None
 
 
 def _plays(
@@ -228,7 +236,8 @@ def _plays(
     ranked.sort(key=lambda one: -one[0])
     starts = [one for share, one in ranked[:_MOST_PLAYS] if share >= least]
     fits = [fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
-    found = sorted((judged(form, one, current) for one in fits), key=lambda one: -one.merit)
+    found = [judged(form, one, current) for one in fits if one is not None]
+    found.sort(key=lambda one: -one.merit)
     if found and left_s() > 0.0:  # hard blows part again; small play at rest does not
         best, hard = found[0].fit, replace(form, words=f"{form.words}, teeth part", numbers=HARD_PLAY)
         free = tuple(dict.fromkeys((*best.free, *HARD_PLAY)))
@@ -245,6 +254,11 @@ def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> di
     part = min(max(abs(along), _LEAST_PART), _MOST_PART)
     if along < 0.0:  # the other way, where that can be: no friction drives a joint on
         part = _LEAST_PART if any(base_of(name).startswith(_ONE_SIDED) for name in start) else -part
+    return _moved(current, start, part)
+
+
+def _moved(current: DrivenFit, start: dict[str, float], part: float) -> dict[str, float]:
+    """A part of the way from what there is to a start."""
     held = {**current.box.declared, **current.numbers}
     moved = {}
     for name, value in start.items():

@@ -91,10 +91,12 @@ def _tried(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         for one in FORMS
         if _is_slow(one) and one.fits(current) and not set(one.numbers) <= set(current.free)
     ]
-    tried = [
-        judged(form, fitted_from(form, start, current, _STEPS), current)
+    fits = [
+        (form, fitted_from(form, start, current, _STEPS))
         for form in forms
         for start in form.starts(current)
         if left_s() > 0.0
     ]
-    return sorted(tried, key=lambda one: -one.merit)
+    return sorted(
+        (judged(form, one, current) for form, one in fits if one is not None), key=lambda one: -one.merit
+    )
