@@ -17,7 +17,9 @@ _MOST_BLOCKS, _SHORTEST_S = (
     0.8,
 )  # each has a state of its own, which takes away what is slower than the block
 _LONGEST_PERIOD, _SHIFTS = 7, 50  # blocks; where few blocks are, not every beginning avoids every period
-_LONG_HELD = (False, True, False, False, False, True)  # a third; between others, and at the end
+# a third, each between two that train: where a joint has drifted to at the end is like nothing before. Their jumps may
+# well be all held out: what is slow has none.
+_LONG_HELD = (False, True, False, False, True, False)
 _GOLDEN = 0.6180339887498949  # multiples of it are the least periodic
 
 

@@ -35,7 +35,7 @@ _MOST_ROUNDS = 2  # an offset and gravity
 
 def with_slow_torques(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Searched:
     """What the search found, with what longer blocks say of slow torques in place of what short ones said. The same
-    where they say nothing, or where the blocks were held out by somebody."""
+    where they say less, or where the blocks were held out by somebody."""
     split = longer(found.final.box.split) if not found.final.box.driven.joins else None
     if split is None or left_s() < 0.0:
         return found
@@ -52,7 +52,9 @@ def with_slow_torques(found: Searched, left_s: Callable[[], float] = lambda: inf
         tried = plainer_first(cause_first(tried))
         rounds.append(Round(current, tuple(tried)))
         current = settled(tried[0].fit)
-    if all(one.taken.form.cause == STRUCTURE for one in rounds):
+    causes = [one.taken for one in rounds if one.taken.form.cause != STRUCTURE]
+    said = [one.taken.merit for one in found.rounds if one.taken.form.cause in _OF_SLOW_TORQUES]
+    if not causes or max(one.merit for one in causes) < max(said, default=0.0):
         return found
     return replace(found, rounds=(*kept, *rounds), final=current)
 
