@@ -46,6 +46,7 @@ _MOST_ROUNDS = 7  # and so causes and structure, beside the first model
 _MOST_MODES = 3  # that a fit adds to the arm, each with four numbers of its own and more
 _CAUSE_FIRST, _LINEAR_FIRST = 0.3, 0.7  # of what structure gains
 _OF_NO_ARM = 0.1  # of what a mode gains counts, that is none of an arm
+_SOME_FORMS = "some forms of causes"
 _LINEAR = (
     "channel_delay",
     "sensor_lag",
@@ -107,6 +108,8 @@ def search(
             left_out.append("further rounds")
             break
         tried = tried_forms(current, left_s)
+        if left_s() < 0.0:  # an answer that says nothing of it would pass for one that has tried them all
+            left_out.append(_SOME_FORMS)
         if not tried or tried[0].merit < CONVINCES:
             last = tuple(tried)
             break
