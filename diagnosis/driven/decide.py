@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION, MATTERS_OF_NOISE
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.judging import CONVINCES, PRICE, Tried, judged
+from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, PRICE, Tried, judged
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.own import recording_of
 from stillarm.diagnosis.driven.plainest import plainest
@@ -26,7 +26,6 @@ Array = NDArray[np.float64]
 
 NEAR_NATS, NEAR_SHARE = 3.0, 0.02  # within which two causes are a class
 SHARE_TO_NAME = 0.35  # of what all findings gain
-BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
 LEAST_OF_PLAY = (
     MATTERS_OF_NOISE  # impacts that fall to one sample or the next fit some noise: they must matter

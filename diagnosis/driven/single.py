@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import inf
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.judging import CONVINCES, PRICE, gains
+from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, PRICE, gains, judged
 from stillarm.diagnosis.driven.mechanisms import FORMS, STRUCTURE, Form
 from stillarm.diagnosis.driven.removal import without_form
 from stillarm.diagnosis.driven.search import Round, Searched, fitted_from, holds_in
@@ -24,9 +24,12 @@ def one_for_two(found: Searched, left_s: Callable[[], float] = lambda: inf) -> S
     taken = [one.taken.form for one in found.rounds if one.taken.form.cause != STRUCTURE]
     for plain in taken:
         for other in taken:
-            if other.cause == plain.cause or other.play or plain.play:
+            fuller_forms = _fuller(plain, found.final)
+            if other.cause == plain.cause or other.play or plain.play or not fuller_forms:
                 continue
-            for fuller in _fuller(plain, found.final):
+            if _worth(found, other) < BESIDE_SHARE * _worth(found, plain):
+                continue  # it would not be told beside the other
+            for fuller in fuller_forms:
                 if left_s() < 0.0:
                     return found
                 single = _fitted(found, plain, fuller, other)
@@ -38,6 +41,12 @@ def one_for_two(found: Searched, left_s: Callable[[], float] = lambda: inf) -> S
 def _fuller(plain: Form, final: DrivenFit) -> list[Form]:
     """The forms that hold a plainer one, where the recording can show them."""
     return [one for one in FORMS if not one.hidden and holds_in(plain, one) and one.fits(final)]
+
+
+def _worth(found: Searched, form: Form) -> float:
+    """What the final model loses without a form."""
+    forms = [one.taken.form for one in found.rounds]
+    return judged(form, found.final, without_form(found.final, form, forms, found.start.numbers)).merit
 
 
 def _fitted(found: Searched, plain: Form, fuller: Form, other: Form) -> DrivenFit | None:
