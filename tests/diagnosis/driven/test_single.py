@@ -38,13 +38,18 @@ def _with(fitted: DrivenFit, **numbers: float) -> DrivenFit:
 
 
 def test_friction_that_is_larger_one_way_is_one_cause() -> None:
-    """4 both ways and 1.5 that pushes on are 2.5 one way and 5.5 the other: the same equation."""
-    found = one_for_two(_searched(4.0, 1.5))
+    """4 both ways and 3 that pushes on are 1 one way and 7 the other: the same equation."""
+    found = one_for_two(_searched(4.0, 3.0))
     (only,) = found.rounds
     assert only.taken.form.cause == "joint_coulomb_friction" and only.taken.form.words == "by direction"
     assert found.final.numbers["coulomb"] == pytest.approx(4.0, rel=0.03)
-    assert found.final.numbers["coulomb_difference"] == pytest.approx(-1.5, rel=0.03)
+    assert found.final.numbers["coulomb_difference"] == pytest.approx(-3.0, rel=0.03)
     assert "offset" not in found.final.free
+
+
+def test_what_would_not_be_told_beside_friction_asks_for_no_fuller_form() -> None:
+    two = _searched(4.0, 0.0)
+    assert one_for_two(two) is two
 
 
 def test_a_torque_beyond_all_friction_stays_a_cause_of_its_own() -> None:
