@@ -17,6 +17,9 @@ _MOST_BLOCKS, _SHORTEST_S = (
     0.8,
 )  # each has a state of its own, which takes away what is slower than the block
 _LONGEST_PERIOD, _SHIFTS = 7, 50  # blocks; where few blocks are, not every beginning avoids every period
+# a third, each between two that train: where a joint has drifted to at the end is like nothing before. Their jumps may
+# well be all held out: what is slow has none.
+_LONG_HELD = (False, True, False, False, True, False)
 _GOLDEN = 0.6180339887498949  # multiples of it are the least periodic
 
 
@@ -27,6 +30,16 @@ def irregular(duration_s: float) -> Split:
     tried = [_held(len(split.held), shift) for shift in range(_SHIFTS)]
     seen = [one for one in tried if not one[0]]
     return replace(split, held=next((one for one in seen if not _has_a_period(one)), seen[0]))
+
+
+def longer(split: Split) -> Split | None:
+    """A few long blocks in place of those of `irregular`, for what is slower than these; None of any other split: what
+    somebody holds out stays so."""
+    duration_s = float(split.edges_s[-1])
+    own = irregular(duration_s)
+    if len(own.held) != len(split.held) or not (own.held == split.held).all():
+        return None
+    return Split(np.linspace(0.0, duration_s, len(_LONG_HELD) + 1), np.array(_LONG_HELD), split.lends)
 
 
 def _held(blocks: int, shift: int) -> NDArray[np.bool_]:

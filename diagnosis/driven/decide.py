@@ -5,26 +5,27 @@ taken out of the final model once more, and what the others cannot make up for i
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import exp, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION, MATTERS_OF_NOISE
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.judging import CONVINCES, PRICE, Tried, judged
+from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, PRICE, Tried, judged
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.own import recording_of
 from stillarm.diagnosis.driven.plainest import plainest
 from stillarm.diagnosis.driven.quantised import quantised
+from stillarm.diagnosis.driven.removal import without_form
 from stillarm.diagnosis.driven.search import Searched, holds_in
+from stillarm.diagnosis.driven.single import one_for_two
 
 Array = NDArray[np.float64]
 
 NEAR_NATS, NEAR_SHARE = 3.0, 0.02  # within which two causes are a class
 SHARE_TO_NAME = 0.35  # of what all findings gain
-BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
 LEAST_OF_PLAY = (
     MATTERS_OF_NOISE  # impacts that fall to one sample or the next fit some noise: they must matter
@@ -74,12 +75,13 @@ class Verdict:
 
 def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdict:
     """Judge what the search took."""
-    found = plainest(found, left_s)
+    found = one_for_two(plainest(found, left_s), left_s)
     taken = [one.taken for one in found.rounds]
+    forms = [one.form for one in taken]
     final = found.final
     needed: list[tuple[Tried, float, DrivenFit]] = []
     for one in [other for other in taken if other.form.cause != STRUCTURE]:
-        without = _without(final, one.form, taken, found.start.numbers)
+        without = without_form(final, one.form, forms, found.start.numbers)
         worth = judged(one.form, final, without).merit if left_s() > 0.0 else one.merit
         least = LEAST_OF_PLAY if one.form.play else LEAST_OF_NOISE
         if worth >= CONVINCES and _channel(*_where(one.form, without, final))[1] >= least:
@@ -103,19 +105,6 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
     unnamed = "unexplained" if findings or any(one.matters for one in rests) else "none"
     verdict = "named" if sure else unnamed
     return Verdict(verdict, findings, rests, final)
-
-
-def _without(final: DrivenFit, form: Form, taken: list[Tried], start: dict[str, float]) -> DrivenFit:
-    """The final model refitted without a form's numbers, unless another form has them too; they are as at the start."""
-    others = {name for one in taken if one.form is not form for name in one.form.numbers}
-    gone = set(form.numbers) - others
-    numbers = {name: value for name, value in final.numbers.items() if name not in gone}
-    numbers |= {name: start[name] for name in gone if name in start}
-    free = tuple(one for one in final.free if one not in gone or one == "delay")
-    box, states = final.box, final.states
-    if form.play:
-        box, states = replace(box, play=False), states[:, :-2]
-    return fit(box, numbers, free, states, steps=10)
 
 
 def _finding(

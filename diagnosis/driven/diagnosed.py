@@ -18,6 +18,7 @@ from stillarm.diagnosis.driven.judging import gains
 from stillarm.diagnosis.driven.laws import carried_by
 from stillarm.diagnosis.driven.search import Searched, search
 from stillarm.diagnosis.driven.signals import Driven, read_driven
+from stillarm.diagnosis.driven.slow import with_slow_torques
 from stillarm.diagnosis.driven.stated import stated_by
 
 Tick = Callable[[float, str], None]
@@ -72,9 +73,12 @@ def diagnose_read(
     known = stated_by(model, driven, model_name) if model is not None else None
     causes = declared_numbers(model, driven) if model is not None else {}
     whole_s = left_s()
-    searched = search(
-        driven, split, tick, lambda: left_s() - (1.0 - _SEARCH_SHARE) * min(whole_s, 1e9), known, causes
-    )
+
+    def left_for_search() -> float:
+        return left_s() - (1.0 - _SEARCH_SHARE) * min(whole_s, 1e9)
+
+    searched = search(driven, split, tick, left_for_search, known, causes)
+    searched = with_slow_torques(searched, left_for_search)
     tick(0.9, "verdict")
     verdict = decide(searched, left_s)
     return DrivenResult(

@@ -163,6 +163,12 @@ def _cost(
     return total, errors
 
 
+def runs_away(box: GreyBox, numbers: dict[str, float], states: Array) -> bool:
+    """Whether the simulation leaves all bounds: a joint that friction drives on, or a spring that pushes."""
+    _, errors = _cost(box, numbers, states, _levels(box))
+    return any(bool(np.any(np.abs(one) >= _ASTRAY)) for one in errors.values())
+
+
 def levels_of_fit(fitted: DrivenFit) -> dict[str, float]:
     """The outputs' deviations, by what the fit leaves where it was trained."""
     ones = dict.fromkeys(fitted.residuals, 1.0)
@@ -185,14 +191,13 @@ def _derivatives(
     columns = []
     for name in free:
         step = difference_of(name, numbers[name], box)
-        moved = stacked(box, box.run({**numbers, name: numbers[name] + step}, states), sigma)
-        columns.append((moved - base) / step)
+        columns.append(_slope(box, {**numbers, name: numbers[name] + step}, states, sigma, base, step))
     scale = np.maximum(np.std(states, axis=0), 1e-3 * np.max(np.abs(states)) + 1e-9)
     turned = []
     for place in range(box.size):
         other = states.copy()
         other[:, place] += _DIFFERENCE * scale[place]
-        turned.append((stacked(box, box.run(numbers, other), sigma) - base) / (_DIFFERENCE * scale[place]))
+        turned.append(_slope(box, numbers, other, sigma, base, _DIFFERENCE * scale[place]))
     residual = np.concatenate([errors[one.name] for one in box.driven.outputs])
     by_numbers, by_state = np.array(columns).T.reshape(len(residual), -1), np.array(turned).T
     pieces = []
@@ -200,6 +205,17 @@ def _derivatives(
         j, k, r = by_numbers[rows], by_state[rows], residual[rows]
         pieces.append((np.nan_to_num(j), np.nan_to_num(k), r, not box.split.held[s]))
     return pieces
+
+
+def _slope(
+    box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float], base: Array, step: float
+) -> Array:
+    """A derivative by what was moved by `step`; none where the moved simulation runs away, so that no step is taken."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        change = stacked(box, box.run(numbers, states), sigma) - base
+    known = change[~np.isnan(base)]
+    sound = bool(np.isfinite(known).all()) and float(np.max(np.abs(known), initial=0.0)) < _ASTRAY
+    return change / step if sound else np.zeros_like(base)
 
 
 def _rows_of_blocks(box: GreyBox, residual: Array) -> list[NDArray[np.int64]]:

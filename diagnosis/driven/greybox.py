@@ -57,6 +57,8 @@ class GreyBox:
     """A motor and a link with play between them."""
     declared: Mapping[str, float] = field(default_factory=dict, hash=False)
     """Numbers that a model file declares: they hold where a fit has none of its own, and no baseline sets them free."""
+    begun: Mapping[str, float] = field(default_factory=dict, hash=False)
+    """Numbers from which the start's fit began: what is large draws that fit astray, and is then sought from here."""
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
@@ -82,7 +84,9 @@ class GreyBox:
 
     def without_arm(self) -> "GreyBox":
         """The same, judged by the sensors at the joint alone."""
-        return replace(self, driven=self.driven.with_outputs("position", "motor", "velocity"), modes=0)
+        return replace(
+            self, driven=self.driven.with_outputs("position", "motor", "velocity"), modes=0, begun={}
+        )
 
     def driving(self, numbers: Numbers, parts: int) -> Array:
         """What reaches the joint at the start and the end of each substep, (n parts, 2), in the input's unit.
@@ -149,7 +153,7 @@ class GreyBox:
             a, b = first[k], first[k + 1]
             begins_s = edges[k] * self.driven.step_s
             split = Split(self.split.edges_s[a : b + 1] - begins_s, self.split.held[a:b])
-            found.append(replace(self, driven=self.driven.part(k), split=split))
+            found.append(replace(self, driven=self.driven.part(k), split=split, begun={}))
         return tuple(found)
 
     @cached_property

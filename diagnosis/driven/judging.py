@@ -11,6 +11,7 @@ from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, STRUCTURE, Form
 
 CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
+BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
 _LEAST_GAP = 2e-4  # of the angle's deviation: less is a gear without play
 DELAY = "a delay of the input"
 

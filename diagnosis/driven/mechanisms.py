@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.driven.anew import anew_with
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import gaps
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
 AMPLIFIER_LAG = "a lag of the amplifier"
+STIFF_JOINT = "a stiffness of the joint"
 _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
 
@@ -191,8 +193,11 @@ FORMS = (
     Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, _joint),
     Form("torque_ripple", "over the joint's angle", ("ripple_cycles", "ripple_sine", "ripple_cosine"), _ripple, _joint),
     Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
+    Form("torque_offset", "constant", ("offset",), anew_with("offset"), _joint, hidden=True),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
          _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
+    Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
+         anew_with("gravity_sine", "gravity_cosine"), _has("position", "motor"), hidden=True),
     Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, _before_amplifier),
     Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
     Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
@@ -203,7 +208,7 @@ FORMS = (
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
     Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
     Form(STRUCTURE, AMPLIFIER_LAG, ("lag",), _lag, _before_amplifier, hidden=True),
-    Form(STRUCTURE, "a stiffness of the joint", ("stiffness",), _small("stiffness"), _has("position", "motor")),
+    Form(STRUCTURE, STIFF_JOINT, ("stiffness",), _small("stiffness"), _has("position", "motor")),
 )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
 from stillarm.diagnosis.driven.extents import forms_of_all
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit, runs_away
 from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import BOUNCE, HARD_PLAY
 from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged, lags_told
@@ -31,6 +31,9 @@ Tick = Callable[[float, str], None]
 
 _MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18  # of a round; of a form; of a fit: what a round costs
 _TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted before all others
+_PLAY_PROMISES = (
+    0.15  # of what the best start explains: play that explains less is fitted in a later round, if ever
+)
 _MOST_PLAYS = 3  # starts with play that are fitted, the best first: play is the slowest to simulate
 _LEAST_PART, _MOST_PART = 0.003, 3.0  # of the way to a start: further the first order does not hold
 # no small part of these is a small effect of the same kind
@@ -38,10 +41,12 @@ _NO_DIRECTION = ("limit", "gap", "onset", "dead_cut")
 _ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
 _SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share", "bounce")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
+_MOST_HALVINGS = 6  # of the way to a start that runs away: a 32nd is as good as no way
 _MOST_ROUNDS = 7  # and so causes and structure, beside the first model
 _MOST_MODES = 3  # that a fit adds to the arm, each with four numbers of its own and more
 _CAUSE_FIRST, _LINEAR_FIRST = 0.3, 0.7  # of what structure gains
 _OF_NO_ARM = 0.1  # of what a mode gains counts, that is none of an arm
+_SOME_FORMS = "some forms of causes"
 _LINEAR = (
     "channel_delay",
     "sensor_lag",
@@ -103,6 +108,8 @@ def search(
             left_out.append("further rounds")
             break
         tried = tried_forms(current, left_s)
+        if left_s() < 0.0:  # an answer that says nothing of it would pass for one that has tried them all
+            left_out.append(_SOME_FORMS)
         if not tried or tried[0].merit < CONVINCES:
             last = tuple(tried)
             break
@@ -165,14 +172,15 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     screen = Screen(current)
     begins: list[tuple[float, Form, dict[str, float]]] = []
     finished: list[Tried] = []
-    for form in (forms_for if not current.box.driven.joins else forms_of_all)(current):
-        if form.play:
-            finished += _plays(form, current, screen, left_s)
-            continue
+    forms = (forms_for if not current.box.driven.joins else forms_of_all)(current)
+    for form in [one for one in forms if not one.play]:
         for start in form.starts(current):
             share, along = (_TRIED_ANYWAY, 1.0) if form.hidden else screen.share(start)
             here = start if form.hidden else moved_along(current, start, along)
             begins.append((share, form, here))
+    promised = max((share for share, form, _ in begins if not form.hidden), default=0.0)
+    for form in [one for one in forms if one.play]:
+        finished += _plays(form, current, screen, left_s, _PLAY_PROMISES * promised)
     done: dict[tuple[str, str, bool, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
         key = (form.cause, form.words, form.hidden, recording_of(form.numbers[0]))
@@ -185,7 +193,8 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         ):
             continue
         done[key] = done.get(key, 0) + 1
-        finished.append(judged(form, _fitted_from(form, start, current, _STEPS), current))
+        fitted = fitted_from(form, start, current, _STEPS)
+        finished += [judged(form, fitted, current)] if fitted is not None else []
     bends = current.box.modes < _MOST_MODES and current.numbers.get(STATED, 0.0) == 0.0
     if bends and left_s() > 0.0:
         bent = with_another_mode(current)
@@ -199,16 +208,25 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     return sorted(lags_told(finished), key=lambda one: -one.merit)
 
 
-def _fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit:
-    """A form's fit from a start beside what there is."""
+def fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit | None:
+    """A form's fit from a start beside what there is. A start whose simulation runs away is moved back towards what
+    there is; None where even that runs away."""
     from_here = box_of(form, current)
     free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
     kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
-    return fit(from_here.box, {**current.numbers, **kept}, free, from_here.states, steps=steps)
+    for _ in range(_MOST_HALVINGS):
+        numbers = {**current.numbers, **kept}
+        if not runs_away(from_here.box, numbers, from_here.states):
+            return fit(from_here.box, numbers, free, from_here.states, steps=steps)
+        kept = _moved(current, kept, 0.5)
+    return None
 
 
-def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], float]) -> list[Tried]:
-    """The best fits with play. Each start's gap is as wide as explains most to first order, against no gap at all."""
+def _plays(
+    form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], float], least: float
+) -> list[Tried]:
+    """The best fits with play. Each start's gap is as wide as explains most to first order, against no gap at all.
+    least: share of the squared residual below which no start is fitted."""
     from_here = box_of(form, current)
     ranked: list[tuple[float, dict[str, float]]] = []
     for start in form.starts(current):
@@ -219,9 +237,10 @@ def _plays(form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], 
                     (share, {**start, "gap": min(max(along, _LEAST_PART), _MOST_PART) * start["gap"]})
                 )
     ranked.sort(key=lambda one: -one[0])
-    starts = [one for _, one in ranked[:_MOST_PLAYS]]
-    fits = [_fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
-    found = sorted((judged(form, one, current) for one in fits), key=lambda one: -one.merit)
+    starts = [one for share, one in ranked[:_MOST_PLAYS] if share >= least]
+    fits = [fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
+    found = [judged(form, one, current) for one in fits if one is not None]
+    found.sort(key=lambda one: -one.merit)
     if found and left_s() > 0.0:  # hard blows part again; small play at rest does not
         best, hard = found[0].fit, replace(form, words=f"{form.words}, teeth part", numbers=HARD_PLAY)
         free = tuple(dict.fromkeys((*best.free, *HARD_PLAY)))
@@ -238,6 +257,11 @@ def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> di
     part = min(max(abs(along), _LEAST_PART), _MOST_PART)
     if along < 0.0:  # the other way, where that can be: no friction drives a joint on
         part = _LEAST_PART if any(base_of(name).startswith(_ONE_SIDED) for name in start) else -part
+    return _moved(current, start, part)
+
+
+def _moved(current: DrivenFit, start: dict[str, float], part: float) -> dict[str, float]:
+    """A part of the way from what there is to a start."""
     held = {**current.box.declared, **current.numbers}
     moved = {}
     for name, value in start.items():

@@ -59,7 +59,7 @@ def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
     damped = [{**one, **declared} for one in damped_joints(driven, numbers)] if has_joint(driven) else []
     if not needs_mode(driven):
         best = best_begins(plain, [numbers, *damped], free_of(plain), None, 1)[0]
-        return fit(plain, best.numbers, best.free, best.states)
+        return fit(replace(plain, begun=best.numbers), best.numbers, best.free, best.states)
     box = replace(plain, modes=1)
     states = None
     if has_joint(driven):
@@ -71,7 +71,10 @@ def _start(plain: GreyBox, stated: Stated | None) -> DrivenFit:
     if has_joint(driven):
         begins += [on_a_damped_joint(one, numbers) for one in own]
     looked = best_begins(box, ({**one, **declared} for one in begins), free_of(box), states, _KEPT)
-    tried = [fit(box, one.numbers, one.free, one.states, steps=_QUICK) for one in looked]
+    tried = [
+        fit(replace(box, begun=one.numbers), one.numbers, one.free, one.states, steps=_QUICK)
+        for one in looked
+    ]
     best = max(tried, key=lambda one: float(one.whole.sum()))
     return fit(best.box, best.numbers, best.free, best.states, steps=20)
 

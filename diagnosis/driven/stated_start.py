@@ -36,7 +36,8 @@ def stated_start(plain: GreyBox, stated: Stated) -> DrivenFit:
         free += [f"follows_{i}" for i in range(1, stated.modes + 1) if f"stated_follows_{i}" in numbers]
     if "gain" in stated.fixed:  # nothing else takes up the scale of a sensor whose unit nobody knows
         free += [f"scale {one.name}" for one in driven.outputs if one.kind in JOINT and not one.stated]
-    return fit(box, _with_sensors_scaled(box, numbers, free), tuple(dict.fromkeys(free)))
+    begun = _with_sensors_scaled(box, numbers, free)
+    return fit(replace(box, begun=begun), begun, tuple(dict.fromkeys(free)))
 
 
 def _with_sensors_scaled(box: GreyBox, numbers: dict[str, float], free: list[str]) -> dict[str, float]:

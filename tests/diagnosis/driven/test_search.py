@@ -1,11 +1,16 @@
 """Play that a world of its own hides: contacts that give way, where the diagnosis has inelastic impacts."""
 
+from itertools import chain, repeat
+
+import numpy as np
 import pytest
 
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.judging import CONVINCES
-from stillarm.diagnosis.driven.search import tried_forms
+from stillarm.diagnosis.driven.search import search, tried_forms
+from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.start import linear_start
+from tests.fixtures.current_joint import STEP_S, drive_input, moved
 from tests.fixtures.driven_world import driven_of
 from tests.hidden_world.driven.case import make
 
@@ -23,3 +28,14 @@ def test_play_is_found_with_its_gap_with_and_without_a_mode(seed: int) -> None:
     # an angle of the motor is before the gear, whose ratio the diagnosis does not know
     ratio = case.rig.drive.gear_ratio if any(one.kind == "motor" for one in driven.outputs) else 1.0
     assert best.fit.numbers["gap"] == pytest.approx(ratio * case.effect.size, rel=0.25)
+
+
+def test_a_round_that_the_time_did_not_suffice_for_is_told() -> None:
+    """The joint rubs. An answer without a cause, as none could be tried, must not pass for one that has tried all."""
+    u = drive_input()
+    angle, _ = moved(u, 4.0, 0.0)
+    seen = Output("joint_position_rad", "position", np.asarray(angle), True, 0.0)
+    driven = Driven("x", STEP_S, 0.0, "motor_voltage_v", u, True, (seen,), {})
+    left = chain([10.0, 10.0], repeat(-1.0))
+    found = search(driven, irregular(driven.duration_s), lambda done, what: None, lambda: next(left))
+    assert found.rounds == () and found.left_out == ("some forms of causes",)
