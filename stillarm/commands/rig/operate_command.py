@@ -93,6 +93,7 @@ def adjust(configuration: Configuration, method: str, added_damping_ratio: float
     does not tell in time. The state is for the controller to judge.
     """
     from stillarm.controller.safety.adjusting import adjustment_refusal
+    from stillarm.panel.answer import awaited_answer
 
     asked = Adjustment(method, added_damping_ratio)
     if why := adjustment_refusal(asked, configuration.controller, None):
@@ -108,36 +109,12 @@ def adjust(configuration: Configuration, method: str, added_damping_ratio: float
         )
     try:
         where = _sent(configuration, lambda sender: sender.adjustment(method, added_damping_ratio))
-        return _told(asked, listener, where)
+        try:
+            return awaited_answer(asked, lambda: listener.drain(_MOST_DATAGRAMS))
+        except UserError as error:
+            raise UserError(f"operate: the controller at {where} {error}") from None
     finally:
         listener.close()
-
-
-def _told(asked: Adjustment, listener: UdpSocket, where: str) -> str:
-    """Wait for the controller's word on what was asked. Raises UserError for a refusal, or without a word."""
-    from stillarm.panel.live.known import Known
-    from stillarm.panel.live.telemetry import rows_of
-    from stillarm.panel.operate.answered import in_force, refusal_since
-
-    known, began_s = Known(), time.monotonic()
-    while (waited_s := time.monotonic() - began_s) < _TOLD_WITHIN_S:
-        for datagram in listener.drain(_MOST_DATAGRAMS):
-            known.take(rows_of(datagram), time.monotonic())
-        if why := refusal_since(known, nan):
-            raise UserError(f"operate: refused by the controller at {where}: {why}")
-        if waited_s > _REFUSED_WITHIN_S and in_force(asked, known):
-            words = known.words
-            return f"in force (method {words.method}, added damping ratio {words.added_damping_ratio:g})"
-        time.sleep(_PAUSE_S)
-    if not known.words.method:
-        raise UserError(
-            f"operate: the controller at {where} has answered, but no telemetry of it came to "
-            f"{listener.address[0]}:{listener.address[1]} within {_TOLD_WITHIN_S:g} s; its log says what became of it"
-        )
-    raise UserError(
-        f"operate: the controller at {where} has not taken it within {_TOLD_WITHIN_S:g} s; "
-        f"in force are method {known.words.method} and added damping ratio {known.words.added_damping_ratio:g}"
-    )
 
 
 def _sent(configuration: Configuration, packed: Callable[[OperatorSender], bytes]) -> str:

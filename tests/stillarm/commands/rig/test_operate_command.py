@@ -118,7 +118,9 @@ def test_what_the_controller_took_is_told_as_in_force() -> None:
 
 
 def test_a_refusal_is_told_with_its_reason() -> None:
-    refused = r"refused by the controller at 127\.0\.0\.1:\d+: the method does not change while the state is damping"
+    refused = (
+        r"the controller at 127\.0\.0\.1:\d+ refuses: the method does not change while the state is damping"
+    )
     with a_controller(State.DAMPING) as configuration, pytest.raises(UserError, match=refused):
         adjust(configuration, "timestamps", nan)
 
@@ -130,7 +132,10 @@ def test_what_is_in_force_already_and_refused_is_refused() -> None:
 
 @pytest.mark.slow
 def test_a_controller_that_tells_nothing_is_said_to_tell_nothing() -> None:
-    with a_controller(None) as configuration, pytest.raises(UserError, match=r"no telemetry of it came to"):
+    with (
+        a_controller(None) as configuration,
+        pytest.raises(UserError, match=r"no telemetry of it came within"),
+    ):
         adjust(configuration, "", 0.05)
 
 
