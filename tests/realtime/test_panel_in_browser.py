@@ -272,6 +272,19 @@ def test_no_view_violates_the_accessibility_rules(page: Page) -> None:
     page.click("#tab-live")
 
 
+def test_no_question_violates_the_accessibility_rules(page: Page) -> None:
+    page.bring(damping=False)
+    page.browser.execute_script(AXE.read_text(encoding="utf-8"))
+    for scheme in ("light", "dark"):
+        page.look(*SCREENS[0], scheme)
+        for action, dialog, answer in (("strike", "ask", "ask-no"), ("adjust", "adjust", "adjust-cancel")):
+            page.click(f"[data-action={action}]")
+            page.until(f"document.getElementById('{dialog}').open")
+            assert page.violations() == [], f"{dialog}, {scheme}"
+            page.click(f"#{answer}")
+            page.until(f"!document.getElementById('{dialog}').open")
+
+
 def test_every_view_fits_a_small_screen_a_large_one_and_a_tablet(page: Page) -> None:
     """Nothing scrolls sideways, and the stop button is in view; STILLARM_SCREENSHOTS=DIR keeps what is seen."""
     fits = """const stop = document.getElementById('stop').getBoundingClientRect();
