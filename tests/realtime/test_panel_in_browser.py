@@ -8,6 +8,7 @@ process comes last.
 import os
 import signal
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from pathlib import Path
@@ -162,6 +163,9 @@ def judge_adjustments(path: Path, adjusted: list[tuple[str, float]]) -> None:
         if row.asked_method or not np.isnan(row.asked_added_damping_ratio)
     ]
     assert told == adjusted
+    if lost := max((row.recorder_lost for row in recording.messages("/link")), default=0):
+        warnings.warn(f"not replayed: the busy computer's recording lacks {lost} messages", stacklevel=2)
+        return
     compared = compare_with_live(read_run(recording))
     assert compared.identical, compared.first_difference
 
