@@ -9,6 +9,7 @@ from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Controller as ControllerSettings
 from stillarm.controller.safety.table import MAY_ADJUST, Setting, State
 
+_REFUSED = "adjustment refused: "
 _REPEATS_WITHIN_S = 0.5  # a sender repeats its datagram for some 0.05 s
 
 
@@ -57,6 +58,11 @@ def adjustment_refusal(asked: Adjustment, configured: ControllerSettings, state:
     return of_gain or (state_refusal(Setting.METHOD, state) if asked.method else "")
 
 
+def refusal_told(text: str) -> str:
+    """Why an adjustment was refused, from a line of the log; empty for any other line."""
+    return text.removeprefix(_REFUSED) if text.startswith(_REFUSED) else ""
+
+
 class Adjusted(NamedTuple):
     """The answer to an adjustment. settings: in force from now on. refused: why it was; empty if it was not."""
 
@@ -68,7 +74,7 @@ class Adjusted(NamedTuple):
     def told(self) -> tuple[str, str]:
         """Level and text for the log."""
         if self.refused:
-            return "warning", f"adjustment refused: {self.refused}"
+            return "warning", f"{_REFUSED}{self.refused}"
         ratio = self.settings.damping.added_damping_ratio
         return (
             "info",

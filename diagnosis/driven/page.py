@@ -16,6 +16,7 @@ from stillarm.common.recording.header import program_version
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
 from stillarm.diagnosis.driven.missing import Curve, MissingForce, missing_bend, missing_force
 from stillarm.diagnosis.report.drawing import AFTER, BEFORE, MEASURED, Picture, figure, svg
+from stillarm.diagnosis.report.words import rounded_cut
 
 _MOST_POINTS = 1200  # of a picture: more hide one another
 
@@ -46,7 +47,9 @@ def sentences(result: DrivenResult) -> tuple[str, str, str]:
     both = " or ".join(names_of(one) for one in (first["cause"], *first["indistinguishable_from"]))
     cut = 100.0 * first["held_out"]["reduction"]
     where = f" in {', '.join(first['only_in'])} only" if "only_in" in first else ""
-    wrong = f"The joint has {both} ({first['form']}){where}: the held-out error falls by {cut:.0f} %."
+    wrong = (
+        f"The joint has {both} ({first['form']}){where}: the held-out error falls by {rounded_cut(cut)} %."
+    )
     if table["verdict"] == "unexplained":
         wrong = f"No single cause explains most of it; the nearest is {both} ({first['form']})."
     do = (

@@ -81,6 +81,9 @@ def figure(picture: Picture) -> Figure:
             corner = ((place * picture.panel_in[0] + left) / width, bottom / height)
             one = drawn.add_axes((*corner, inner[0] / width, inner[1] / height))
             draw(one)
+            one.yaxis.set_offset_position(
+                "right"
+            )  # a factor such as 1e-3 at the left lifts the title out of the panel
             for axis in (one.xaxis, one.yaxis):
                 if axis.get_scale() == "log":  # as plain numbers: powers of ten are slow to typeset
                     axis.set_major_formatter(LogFormatter())

@@ -73,8 +73,13 @@ def _named(finding: dict[str, Any]) -> str:
     if cut < 1.0:  # a law of noise or timing moves no mean
         gain = f"{finding['held_out']['log_score_gain']:.0f} nats of held-out likelihood gained"
     else:
-        gain = f"the held-out error falls by {cut:.0f} %"
+        gain = f"the held-out error falls by {rounded_cut(cut)} %"
     return f"{' or '.join(words)} ({gain})"
+
+
+def rounded_cut(percent: float) -> str:
+    """A reduction in whole per cent; one that is not quite all is not rounded to all."""
+    return "more than 99" if 99.5 <= percent < 100.0 else f"{percent:.0f}"
 
 
 def why_not(one: Candidate, stage: Stage) -> str:

@@ -2,7 +2,7 @@
 
 `python docs/figures NAME ...` draws some. The seeds are fixed, so that the pictures come out the same again.
 measured-rigs is drawn from ../shared/data, and stays as it is without. docs/overview.png is the demo's;
-docs/diagnosis-*.png are `stillarm benchmark diagnosis`'s.
+docs/panel-*.png are docs/screenshots'; docs/diagnosis-*.png are `stillarm benchmark diagnosis`'s.
 """
 
 import sys

@@ -5,4 +5,4 @@ what is allowed and signs it; `recordings/` reads files and runs replay and diag
 is what the browser loads. The panel listens and is never asked by the loop. Begin with `panel.py`.
 """
 
-__all__ = ["panel"]
+__all__ = ["answer", "panel"]

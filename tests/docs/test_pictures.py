@@ -16,8 +16,8 @@ DRAWN_ELSEWHERE = {
     *("overview.png", "diagnosis-confusion.png", "diagnosis-sizes.png", "diagnosis-reliability.png"),
     *("panel-live.png", "panel-recording.png", "panel-diagnosis.png"),
 }
-"""By `make demo`, `stillarm benchmark diagnosis` and stillarm.benchmarks.diagnosis.reliability; the panel's are a
-browser's screenshots of `demo --panel`."""
+"""By `make demo`, `stillarm benchmark diagnosis` and stillarm.benchmarks.diagnosis.reliability; the panel's by
+`python docs/screenshots`."""
 _LARGEST = 2_000_000  # bytes
 
 

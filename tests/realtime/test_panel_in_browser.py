@@ -1,13 +1,15 @@
 """The panel in a real browser, on a demo in real time: it shows, operates, stops, and comes back.
 
 Needs Debian's chromium and chromium-driver; without them one line says that it is skipped. One demo serves all
-cases, in their order: the later ones kill what the earlier ones need.
+cases. Each brings the page and the arm to where it begins, whatever became of the case before it; only what kills a
+process comes last.
 """
 
 import os
 import signal
 import time
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -24,6 +26,7 @@ from tests.fixtures.recordings import some_fast, written
 from tests.fixtures.shown_page import (
     AXE,
     NEEDS_BROWSER,
+    SAMPLES_WITHIN_S,
     ShownPage,
     opened_browser,
     start_panel,
@@ -33,6 +36,11 @@ from tests.fixtures.tracked_images import PERIOD_S, READ_LATER_S, frames_of, tra
 pytest.importorskip("selenium.webdriver", reason="no selenium: `pip install 'stillarm[dev]'`")
 # zero for over half a swing is no damping; after a stop the page arms again within half a second
 STANDS_S = 0.25
+SWING_S = 0.5  # the arm's first mode swings once within it
+STRUCK_MM, STILL_MM = 2.0, 0.5  # a strike makes some 5 mm
+MOVES_RAD_S = 1e-3
+HEARD = "!['', 'silent', 'unheard'].includes(document.getElementById('state').dataset.state)"
+WINDOW_S = 10.0  # that the page shows at first
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
 SCREENS = ((1280, 720), (1920, 1080), (820, 1180))
 VIEWS = ("live", "recordings", "commission")
@@ -49,9 +57,57 @@ class Page(ShownPage):
         self.panel, self.address = start_panel(*words)
         self.stop_asked_s: list[float] = []
         self.adjusted: list[tuple[str, float]] = []
+        self.session: dict[str, str] = {}
 
     def restart_panel(self) -> None:
         self.panel, _ = start_panel(*self._words)
+
+    def begin(self) -> None:
+        """Show the live view of a page that may operate, whatever was left open."""
+        if self.session and self.browser.get_cookie("stillarm_panel") is None:
+            self.browser.add_cookie(self.session)
+            self.browser.refresh()
+        close = "document.querySelectorAll('dialog[open]').forEach((dialog) => dialog.close(''))"
+        self.browser.execute_script(close)
+        self.look(*SCREENS[0], "light")
+        self.click("#tab-live")
+
+    def bring(self, *, damping: bool) -> None:
+        """Bring the arm to damping, or to armed with the damping held."""
+        self.until("document.querySelector('[data-action=arm]')")
+        self.until(HEARD)
+        if self.state() == "fault":
+            self.operate("clear", confirm=True)
+            self.until("document.getElementById('state').dataset.state === 'idle'")
+        if self.state() == "idle":
+            self.operate("arm", confirm=True)
+            self.until("['armed', 'damping'].includes(document.getElementById('state').dataset.state)")
+        action, wanted = ("allow_damping", "damping") if damping else ("hold_damping", "armed")
+        if self.possible(action):
+            self.operate(action, confirm=damping)
+        self.until(f"document.getElementById('state').dataset.state === '{wanted}'")
+
+    def possible(self, action: str) -> bool:
+        button = self.browser.find_element("css selector", f"[data-action={action}]")
+        return bool(button.get_attribute("aria-disabled") == "false")
+
+    def still(self) -> None:
+        """Damp until the arm is still."""
+        self.bring(damping=True)
+        self.await_amplitude(lambda most_mm: most_mm < STILL_MM)
+
+    def await_command(self) -> None:
+        """Wait until the joint is moved."""
+        column = "live.topics.fast.valueAt('joint_velocity_command_rad_s', live.newest())"
+        script = f'import("/page/main.js").then(({{live}}) => arguments[0](Math.abs({column})));'
+        began = time.monotonic()
+        while self.browser.execute_async_script(script) < MOVES_RAD_S:
+            assert time.monotonic() < began + SAMPLES_WITHIN_S, "the joint stays still"
+
+    def await_amplitude(self, holds: Callable[[float], bool]) -> None:
+        began = time.monotonic()
+        while not holds(most_mm := self.amplitude_mm(self.newest_s(), SWING_S)):
+            assert time.monotonic() < began + SAMPLES_WITHIN_S, f"the amplitude stays at {most_mm:.2f} mm"
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +124,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
             try:
                 browser.get(page.address)
                 page.until("document.getElementById('state').dataset.state === 'armed'", STARTS_WITHIN_S)
+                cookie = browser.get_cookie("stillarm_panel")
+                page.session = {key: cookie[key] for key in ("name", "value", "path")}
                 yield page
             finally:
                 stop_process(page.panel, 5.0)
@@ -77,6 +135,11 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
         judge_adjustments(folder / "recording.mcap", page.adjusted)
 
 
+@pytest.fixture(autouse=True)
+def begun(page: Page) -> None:
+    page.begin()
+
+
 def judge_stop(path: Path, asked_s: float) -> None:
     """From the click, on the monotonic clock, to the command that stays zero: at most 0.2 s."""
     recording = open_recording(path)
@@ -84,7 +147,7 @@ def judge_stop(path: Path, asked_s: float) -> None:
     times = fast["time_s"] + recording.header.origin_monotonic_s
     command = np.abs(fast["joint_velocity_command_rad_s"])
     before = command[(times > asked_s - 1.0) & (times < asked_s)]
-    assert before.max() > 1e-3, "the joint stood still before the stop: nothing was stopped"
+    assert before.max() > MOVES_RAD_S, "the joint stood still before the stop: nothing was stopped"
     moving = times[(command > 1e-9) & (times > asked_s)]
     pauses = np.flatnonzero(np.diff(moving) > STANDS_S)  # later it is armed again
     zero_s = moving[pauses[0] if pauses.size else -1] - asked_s
@@ -100,6 +163,9 @@ def judge_adjustments(path: Path, adjusted: list[tuple[str, float]]) -> None:
         if row.asked_method or not np.isnan(row.asked_added_damping_ratio)
     ]
     assert told == adjusted
+    if lost := max((row.recorder_lost for row in recording.messages("/link")), default=0):
+        warnings.warn(f"not replayed: the busy computer's recording lacks {lost} messages", stacklevel=2)
+        return
     compared = compare_with_live(read_run(recording))
     assert compared.identical, compared.first_difference
 
@@ -117,6 +183,7 @@ def test_the_page_opens_and_its_charts_move(page: Page) -> None:
 
 
 def test_what_is_forbidden_says_why(page: Page) -> None:
+    page.bring(damping=False)
     button = page.browser.find_element("css selector", "[data-action=arm]")
     assert button.get_attribute("aria-disabled") == "true"
     page.click("[data-action=arm]")
@@ -126,6 +193,7 @@ def test_what_is_forbidden_says_why(page: Page) -> None:
 
 
 def test_a_cancelled_question_moves_nothing(page: Page) -> None:
+    page.bring(damping=False)
     page.click("[data-action=allow_damping]")
     page.until("document.getElementById('ask').open")
     page.click("#ask-no")
@@ -134,21 +202,38 @@ def test_a_cancelled_question_moves_nothing(page: Page) -> None:
 
 
 def test_damping_is_allowed_by_a_click_and_the_amplitude_falls(page: Page) -> None:
+    page.still()
+    page.bring(damping=False)
     page.operate("strike", confirm=True)
-    time.sleep(0.7)
-    free_mm = page.amplitude_mm()
-    assert free_mm > 2.0
-    still_mm = page.amplitude_mm()
-    assert still_mm > 0.6 * free_mm  # it rings
+    page.await_amplitude(lambda most_mm: most_mm > STRUCK_MM)
+    struck_s = page.newest_s()
+    free_mm, later_mm = page.amplitude_mm(struck_s), page.amplitude_mm(struck_s + 0.8)
+    assert later_mm > 0.6 * free_mm  # it rings
     page.operate("allow_damping", confirm=True)
     page.until("document.getElementById('state').dataset.state === 'damping'")
-    time.sleep(2.0)
-    assert page.amplitude_mm() < 0.25 * free_mm
+    assert page.amplitude_mm(page.newest_s() + 2.0) < 0.25 * free_mm
+
+
+def test_what_is_seen_is_saved(page: Page) -> None:
+    page.amplitude_mm(page.newest_s() + WINDOW_S, 0.0)  # waits: as long as a window has been seen
+    page.click("#live-pause")
+    head, *rows = page.saved("#live-csv").decode().splitlines()
+    names = head.split(",")
+    assert {"time_s", "acceleration_m_s2", "deflection_m", "damping_rad_s"} <= set(names)
+    times = np.array([float(row.split(",")[0]) for row in rows])
+    assert abs(times[-1] - times[0] - WINDOW_S) < 0.01
+    assert np.median(np.diff(times)) == pytest.approx(1e-3), "every cycle is there"
+    deflections = [float(row.split(",")[names.index("deflection_m")] or "nan") for row in rows]
+    shown = page.amplitude_mm(float(times[0]), float(times[-1] - times[0]))
+    assert 1e3 * np.nanmax(np.abs(deflections)) == pytest.approx(shown, rel=1e-6)
+    assert page.saved("#live-png").startswith(b"\x89PNG")
+    page.click("#live-pause")
 
 
 def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) -> None:
     asked = "document.getElementById('ask').open"
-    page.until("document.getElementById('state').dataset.state === 'damping'")
+    adjusted: list[tuple[str, float]] = []
+    page.bring(damping=True)
     page.click("[data-action=adjust]")
     page.until("document.getElementById('adjust').open && document.getElementById('adjust-method').disabled")
     assert "state is damping; hold the damping, or disarm, first" in page.text("adjust-method-why")
@@ -159,7 +244,7 @@ def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) ->
     assert "0.120 becomes 0.050" in page.text("ask-text")
     page.click("#ask-yes")
     page.until("document.getElementById('action-told').textContent === 'Method, gain: in force'")
-    page.adjusted.append(("fused", 0.05))
+    adjusted.append(("fused", 0.05))
     page.operate("hold_damping", confirm=False)
     page.until("document.getElementById('state').dataset.state === 'armed'")
     for method in ("timestamps", "fused"):
@@ -173,9 +258,11 @@ def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) ->
         page.browser.execute_script("document.getElementById('action-told').textContent = ''")
         page.click("#ask-yes")
         page.until("document.getElementById('action-told').textContent === 'Method, gain: in force'")
-        page.adjusted.append((method, 0.12 if method == "fused" else 0.05))
-        assert f"method\n{method}" in page.text("health")
-    page.operate("allow_damping", confirm=True)
+        adjusted.append((method, 0.12 if method == "fused" else 0.05))
+        page.until(f"document.getElementById('health').innerText.includes('method\\n{method}')")
+    page.adjusted = (
+        adjusted  # for the fixture's end to judge; a case that failed halfway leaves nothing to judge
+    )
 
 
 def test_no_view_violates_the_accessibility_rules(page: Page) -> None:
@@ -187,6 +274,19 @@ def test_no_view_violates_the_accessibility_rules(page: Page) -> None:
             time.sleep(0.2)
             assert page.violations() == [], f"{view}, {scheme}"
     page.click("#tab-live")
+
+
+def test_no_question_violates_the_accessibility_rules(page: Page) -> None:
+    page.bring(damping=False)
+    page.browser.execute_script(AXE.read_text(encoding="utf-8"))
+    for scheme in ("light", "dark"):
+        page.look(*SCREENS[0], scheme)
+        for action, dialog, answer in (("strike", "ask", "ask-no"), ("adjust", "adjust", "adjust-cancel")):
+            page.click(f"[data-action={action}]")
+            page.until(f"document.getElementById('{dialog}').open")
+            assert page.violations() == [], f"{dialog}, {scheme}"
+            page.click(f"#{answer}")
+            page.until(f"!document.getElementById('{dialog}').open")
 
 
 def test_every_view_fits_a_small_screen_a_large_one_and_a_tablet(page: Page) -> None:
@@ -241,6 +341,7 @@ def test_recorded_images_follow_the_cursor_and_the_play(page: Page) -> None:
 
 
 def test_a_page_without_the_token_only_looks(page: Page) -> None:
+    page.bring(damping=True)
     cookie = page.browser.get_cookie("stillarm_panel")
     assert cookie["httpOnly"] and cookie["sameSite"] == "Strict"
     page.browser.delete_all_cookies()
@@ -250,15 +351,16 @@ def test_a_page_without_the_token_only_looks(page: Page) -> None:
     page.click("#stop")
     assert "read-only" in page.text("action-told")
     assert page.state() in {"armed", "damping"}
-    page.browser.add_cookie({k: cookie[k] for k in ("name", "value", "path")})
+    page.browser.add_cookie(page.session)
     page.browser.refresh()
     page.until("document.querySelector('[data-action=disarm]')?.getAttribute('aria-disabled') === 'false'")
 
 
 def test_the_stop_key_stops_at_once(page: Page) -> None:
     """The fixture's end judges the recording: at most 0.2 s from the key to the command that stays zero."""
+    page.still()
     page.operate("strike", confirm=True)
-    time.sleep(0.3)
+    page.await_command()
     from selenium.webdriver.common.keys import Keys
 
     script = (
@@ -272,6 +374,9 @@ def test_the_stop_key_stops_at_once(page: Page) -> None:
 
 
 def test_after_a_stop_clear_and_arm_are_asked_for(page: Page) -> None:
+    if page.state() != "fault":
+        page.click("#stop")
+        page.until("document.getElementById('state').dataset.state === 'fault'")
     page.operate("clear", confirm=True)
     page.until("document.getElementById('state').dataset.state === 'idle'")
     page.operate("arm", confirm=True)
@@ -292,4 +397,5 @@ def test_a_restarted_server_is_found_again(page: Page) -> None:
     stop_process(page.panel, 5.0)
     page.until("document.getElementById('state-word').textContent === 'No connection'", 3.0)
     page.restart_panel()
-    page.until("document.getElementById('state').dataset.state === 'degraded'", 5.0)
+    page.until(HEARD, 5.0)
+    assert page.state() in {"armed", "damping", "degraded"}  # the last where the supervisor was killed before

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import isfinite, nan
 from pathlib import Path
 
+from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.files.configuration import Configuration, load_configuration
 from stillarm.common.link.link_key import load_key
 from stillarm.common.link.operator_sender import OperatorSender
@@ -25,6 +26,11 @@ _VALUE_WORDS = {
 }
 _ANSWER_WITHIN_S = 1.0
 _REPEATS, _PAUSE_S = 3, 0.01
+_TOLD_WITHIN_S = 1.5  # as the panel waits
+_REFUSED_WITHIN_S = (
+    0.3  # what is asked for may be in force already, and be refused: the log line comes with the words
+)
+_MOST_DATAGRAMS = 256  # at each look; the telemetry sends fewer in that time
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,8 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     configuration = load_configuration(arguments.config)
     if word in _VALUE_WORDS:
         method, ratio = asked_adjustment(word, value)
-        where = adjust(configuration, method, ratio)
-        print(f"{word} {value}: sent to the controller at {where}, whose log says what became of it")
+        print(f"{word} {value}: {adjust(configuration, method, ratio)}")
         return 0
     if value is not None:
         raise UserError(f"operate {word}: takes no value; leave out {value!r}")
@@ -82,18 +87,34 @@ def operate(configuration: Configuration, word: str) -> str:
 
 
 def adjust(configuration: Configuration, method: str, added_damping_ratio: float) -> str:
-    """Ask the running controller for another method or gain; returns its address.
+    """Ask the running controller for another method or gain; returns what became of it, in words.
 
-    Raises UserError where the configuration does not allow it, or no controller answers. The state is for the
-    controller to judge.
+    Raises UserError where the configuration does not allow it, no controller answers, or the controller refuses or
+    does not tell in time. The state is for the controller to judge.
     """
-    from stillarm.common.datagrams.messages import Adjustment
     from stillarm.controller.safety.adjusting import adjustment_refusal
+    from stillarm.panel.answer import awaited_answer
 
     asked = Adjustment(method, added_damping_ratio)
     if why := adjustment_refusal(asked, configuration.controller, None):
         raise UserError(f"operate: {why}")
-    return _sent(configuration, lambda sender: sender.adjustment(method, added_damping_ratio))
+    telemetry = configuration.telemetry
+    try:
+        listener = UdpSocket((telemetry.host, telemetry.panel_port), "telemetry.panel_port")
+    except UserError:  # a panel has this port, or the telemetry goes to another computer
+        where = _sent(configuration, lambda sender: sender.adjustment(method, added_damping_ratio))
+        return (
+            f"sent to the controller at {where}; what became of it is told where its telemetry goes "
+            f"({telemetry.host}:{telemetry.panel_port}: the panel), and in its log"
+        )
+    try:
+        where = _sent(configuration, lambda sender: sender.adjustment(method, added_damping_ratio))
+        try:
+            return awaited_answer(asked, lambda: listener.drain(_MOST_DATAGRAMS))
+        except UserError as error:
+            raise UserError(f"operate: the controller at {where} {error}") from None
+    finally:
+        listener.close()
 
 
 def _sent(configuration: Configuration, packed: Callable[[OperatorSender], bytes]) -> str:

@@ -3,4 +3,4 @@
 Not here: sockets to pages (server), files (recordings). Begin with `telemetry.py`.
 """
 
-__all__ = ["feed", "foxglove_bridge", "known", "listener", "packing", "view"]
+__all__ = ["feed", "foxglove_bridge", "known", "listener", "packing", "telemetry", "view"]

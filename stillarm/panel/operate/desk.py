@@ -13,16 +13,12 @@ from stillarm.controller.safety.adjusting import adjustment_refusal
 from stillarm.controller.safety.table import Setting
 from stillarm.panel.live.known import Known
 from stillarm.panel.operate.actions import COMMANDS, MEANINGS, Action
+from stillarm.panel.operate.answered import in_force, refusal_since
 from stillarm.panel.operate.permitted import Situation, refusal, setting_refusal, words_of
 from stillarm.panel.operate.sender import Commands
 from stillarm.simulation.rig.strike_requests import request_strike
 
 _IN_FORCE_WITHIN_S, _LOOK_EVERY_S = 1.5, 0.05
-
-
-def _in_force(asked: Adjustment, known: Known) -> bool:
-    words, ratio = known.words, asked.added_damping_ratio
-    return asked.method in {"", words.method} and (isnan(ratio) or words.added_damping_ratio == ratio)
 
 
 class Desk:
@@ -100,12 +96,17 @@ class Desk:
         why = next((why for setting in wanted if (why := setting_refusal(setting, now))), "")
         if why := why or adjustment_refusal(asked, self._configuration.controller, None):
             raise UserError(why)
+        asked_s = known.time_s
         await self._commands.adjust(asked)
         for _ in range(round(_IN_FORCE_WITHIN_S / _LOOK_EVERY_S)):
-            if _in_force(asked, known):
+            if why := refusal_since(known, asked_s):
+                raise UserError(f"refused by the controller: {why}")
+            if in_force(asked, known):
                 return
             await asyncio.sleep(_LOOK_EVERY_S)
-        raise UserError("the controller did not take it; its log below says why")
+        raise UserError(
+            f"the controller has not said within {_IN_FORCE_WITHIN_S:g} s that it is in force; see its log below"
+        )
 
     def asks(self, action: Action) -> bool:
         """Whether the page must ask before it: something moves."""

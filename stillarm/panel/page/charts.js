@@ -150,8 +150,11 @@ export class ChartStack {
       ctx.stroke();
       ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
       if (chart.index === 0 && text && (x > free || dash.length === 0)) {
-        ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
-        free = x + 8 + ctx.measureText(text).width;
+        const { width } = ctx.measureText(text);
+        const fits = x + 4 + width <= bbox.left + bbox.width; // else it stands before its line, where there is room
+        const left = fits ? x + 4 : x - 4 - width;
+        if (fits || left > free) ctx.fillText(text, left, bbox.top + 12 * devicePixelRatio);
+        free = x + 8 + width;
       }
       ctx.restore();
     };

@@ -10,11 +10,12 @@ const KEPT_S = 300;
 const ROWS = { fast: 310_000, estimate: 310_000, frames: 80_000 };
 const VIEW_KIND = 255;
 const OLD_MS = 300;
-const TOLD_EVERY = 6; // pictures: ten numbers a second are as many as can be read
+const TOLD_EVERY_MS = 95; // ten numbers a second are as many as can be read; by time, since a busy computer draws few pictures
+const AGE_TOLD_EVERY_MS = 160;
 
 export class Live {
   constructor(socket) {
-    Object.assign(this, { socket, topics: {}, kinds: [], window: 10, paused: null, origin: NaN, exact: true, drawn: 0 });
+    Object.assign(this, { socket, topics: {}, kinds: [], window: 10, paused: null, origin: NaN, exact: true, toldMs: -Infinity, ageToldMs: -Infinity });
     this.stack = new ChartStack(byId("live-charts"), this.topics, {
       onSelect: (from, to) => this.zoom(from, to),
       onReset: () => this.follow(),
@@ -91,7 +92,9 @@ export class Live {
   // Once a frame of the screen.
   draw() {
     const end = this.end();
-    const tell = this.drawn++ % TOLD_EVERY === 0;
+    const now = performance.now();
+    const tell = now - this.toldMs >= TOLD_EVERY_MS;
+    if (tell) this.toldMs = now;
     if (Number.isFinite(end)) this.stack.draw(end - this.window, end, end, tell);
     if (tell && this.paused !== null) this.tellBack();
   }
@@ -104,7 +107,9 @@ export class Live {
     const age = this.ageMs();
     const place = byId("age");
     place.dataset.ageMs = Number.isFinite(age) ? age.toFixed(1) : "";
-    if (this.drawn % 10) return;
+    const now = performance.now();
+    if (now - this.ageToldMs < AGE_TOLD_EVERY_MS) return;
+    this.ageToldMs = now;
     const shown = age > 9999 ? `${number(age / 1000, 0)} s` : `${number(age, 0)} ms`;
     place.textContent = Number.isFinite(age) ? `newest sample ${this.exact ? "" : "at least "}${shown} old` : "no sample yet";
     place.dataset.old = String(age > OLD_MS);

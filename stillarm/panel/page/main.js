@@ -25,7 +25,7 @@ const refused = await signIn();
 const health = new Health();
 const operate = new Operate();
 const socket = new LiveSocket(text, (buffer) => live.binary(buffer), (open) => health.connected(open));
-const live = new Live(socket);
+export const live = new Live(socket); // for a browser's console and for tests: live.topics has every sample
 const recordings = new Recordings();
 const commission = new Commission();
 

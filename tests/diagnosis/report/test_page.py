@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
 
 from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.causes import CAUSES as CATALOGUE
@@ -196,3 +198,18 @@ def test_a_finding_that_what_is_left_dwarfs_is_not_put_forward(found: Result) ->
     assert "No term of the simulated state" in report_page(doubtful)
     sure = {**doubtful.table, "findings": [{**one, "confidence": 0.9} for one in unsure]}
     assert "may be a small part" not in verdict_sentence(replace(found, table=sure))
+
+
+def test_a_factor_at_an_axis_does_not_lift_the_title_out_of_its_panel() -> None:
+    def draw(axes: Axes) -> None:
+        axes.plot([0.0, 1.0], [1e-4, 4e-4])
+        axes.set_title("where the simulations differ most (held out)")
+
+    drawn = figure(Picture([draw], "a picture"))
+    FigureCanvasAgg(drawn).draw()
+    (axes,) = drawn.axes
+    assert axes.yaxis.get_offset_text().get_text()
+    tops = [
+        one.get_window_extent().y1 for one in axes.get_children() if isinstance(one, Text) and one.get_text()
+    ]
+    assert tops and max(tops) <= drawn.bbox.y1

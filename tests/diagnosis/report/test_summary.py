@@ -16,6 +16,7 @@ from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.report.summary import summary
 from stillarm.diagnosis.report.tables import NOTHING_LIKE_IT
+from stillarm.diagnosis.report.words import rounded_cut
 from tests.fixtures.synthetic import MODEL, measured
 
 LEFT = {
@@ -172,3 +173,7 @@ def test_what_the_time_did_not_suffice_for_is_told_beside_how_sure_it_is(world: 
     ):
         cut = result_of(world, verdict, rows, left=left, left_out=("impacts", "use"))
         assert summary(cut)[1].endswith("; the time did not suffice for impacts.")
+
+
+def test_a_cut_that_is_nearly_all_is_not_said_to_be_all() -> None:
+    assert [rounded_cut(one) for one in (49.6, 99.4, 99.97, 100.0)] == ["50", "99", "more than 99", "100"]
