@@ -35,6 +35,11 @@ _TENTHS = 10  # parts of the recording: what acts now and then matters if it doe
 _NEAR_A_MODE = (
     0.1  # of its frequency: some widths of the resonance of an arm with a damping ratio of 0.01 to 0.02
 )
+_OVERTONES = (
+    1,
+    2,
+    3,
+)  # of a force that is even or odd in the deflection, at the least order that is no linear one
 _AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
 
 
@@ -121,12 +126,14 @@ def _is_in_every_arm(one: Candidate) -> bool:
 
 
 def _rings_with_a_mode(one: Candidate) -> bool:
-    """Whether a force that a cause puts on the arm has the frequency of one of its modes: the resonance makes every
-    small error of the model look like that, such as a damping that wanders."""
+    """Whether a force that a cause puts on the arm has the frequency of one of its modes, or of an overtone: the
+    resonance makes every small error of the model look like that, such as a damping that wanders; a stiffness that is
+    not quite the same to both sides, or grows a little, makes overtones."""
     if DECLARED[one.cause].acts != "force" or "frequency_hz" not in one.values:
         return False
     modes = [one.fit.value(f"modes.{mode}.frequency_hz") for mode in range(one.fit.world.modes)]
-    return any(abs(one.values["frequency_hz"][0] / hz - 1.0) < _NEAR_A_MODE for hz in modes)
+    own = [overtone * hz for hz in modes for overtone in _OVERTONES]
+    return any(abs(one.values["frequency_hz"][0] / hz - 1.0) < _NEAR_A_MODE for hz in own)
 
 
 def turns_the_joint(cause: str) -> bool:
