@@ -28,12 +28,16 @@ _EXACT = 1e-6  # of the signal: what rounding leaves
 
 def table(head: list[str], rows: list[list[str]], *, numeric: int = 99) -> str:
     """A table; cells are HTML; columns from `numeric` on are aligned as numbers."""
-    cells = "".join(f"<th{_right(i, numeric)}>{one}</th>" for i, one in enumerate(head))
+    tags = ["th" if one else "td" for one in head]  # a head without words is none for who hears the page
+    cells = "".join(
+        f"<{tag}{_right(i, numeric)}>{one}</{tag}>"
+        for i, (tag, one) in enumerate(zip(tags, head, strict=True))
+    )
     body = "".join(
         "<tr>" + "".join(f"<td{_right(i, numeric)}>{one}</td>" for i, one in enumerate(row)) + "</tr>"
         for row in rows
     )
-    return f"<div class=scroll><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>"
+    return f"<div class=scroll tabindex=0><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>"
 
 
 def _right(column: int, numeric: int) -> str:
