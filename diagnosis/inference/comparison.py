@@ -32,7 +32,7 @@ Slopes = Mapping[str, Mapping[str, Array]]
 """Derivatives by quantity and channel (stillarm.diagnosis.inference.fit.slopes_of)."""
 
 _POLISHED = 3  # causes
-_WITH_ONSET = 4  # forms that an onset is tried for
+_WITH_ONSET = 4  # causes that an onset is tried for
 LEFT_OUT = "some forms of causes"
 
 SCREENED_NATS = 8.0
@@ -136,17 +136,27 @@ def _leading(fits: list[tuple[Begun, Fit]], candidates: Sequence[Candidate]) -> 
 def _worth_an_onset(
     candidates: Sequence[Candidate], ended: list[tuple[Begun, Fit]]
 ) -> list[tuple[Begun, Fit]]:
-    """The forms that gain most and may have begun within the recording."""
+    """A form each of the causes that gain most and may have begun within the recording."""
     merit = {(one.cause, one.form): one.merit for one in candidates}
-    found = []
+    by_merit = []
     for one, fitted in sorted(ended, key=lambda pair: -merit.get((pair[0].form.id, pair[0].form.name), 0.0)):
         later = from_an_onset(one.form)
         if later is not None:
-            found.append((replace(one, form=later), fitted))
+            by_merit.append((replace(one, form=later), fitted))
     # what acts in half of the recording alone may do worse than nothing throughout
-    by_fit = sorted(found, key=lambda pair: -pair[1].train_log_likelihood)[: _WITH_ONSET // 2]
-    by_merit = [pair for pair in found if pair not in by_fit][: _WITH_ONSET - len(by_fit)]
-    return [*by_fit, *by_merit]
+    by_fit = sorted(by_merit, key=lambda pair: -pair[1].train_log_likelihood)
+    found = dict(_first_of_each_cause(by_fit)[: _WITH_ONSET // 2])
+    for cause, pair in _first_of_each_cause(by_merit):
+        if len(found) < _WITH_ONSET:
+            found.setdefault(cause, pair)
+    return list(found.values())
+
+
+def _first_of_each_cause(pairs: Sequence[tuple[Begun, Fit]]) -> list[tuple[str, tuple[Begun, Fit]]]:
+    first: dict[str, tuple[Begun, Fit]] = {}
+    for pair in pairs:
+        first.setdefault(pair[0].form.id, pair)
+    return list(first.items())
 
 
 def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:
