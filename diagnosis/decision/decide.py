@@ -94,9 +94,8 @@ def judge(found: Found, split: Split) -> Judged:
     try:
         if material or (first is not None and _may_rival(first, found.final, split)):
             beside = best_free(found.final, split)
-        rivals = beside is not None or (first is not None and _may_lead(first, found.baseline, split))
-        if first is not None and first.law is None and rivals:
-            alone = best_free(found.baseline, split, (beside.group,) if beside is not None else ())
+        if first is not None and first.law is None and (beside or _may_lead(first, found.baseline, split)):
+            alone = best_free(found.baseline, split, (beside.group,) if beside else ())
     except OutOfTime:
         left_out.append("structure without a name")
     if first is None:

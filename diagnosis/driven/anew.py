@@ -7,10 +7,8 @@ is fitted beside the numbers from which the start's fit began.
 
 from collections.abc import Callable, Iterator
 
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit
 from stillarm.diagnosis.driven.freedom import free_of
-
-_STEPS = 18  # of a fit: as many as one of the search
 
 
 def anew_with(*names: str) -> Callable[[DrivenFit], Iterator[dict[str, float]]]:
@@ -22,6 +20,6 @@ def anew_with(*names: str) -> Callable[[DrivenFit], Iterator[dict[str, float]]]:
         if not begun or box.play or not set(fitted.free) <= own:  # causes or modes have been added since
             return
         numbers = {**fitted.numbers, **begun, **dict.fromkeys(names, 0.0)}
-        yield fit(box, numbers, (*fitted.free, *names), None, steps=_STEPS).numbers
+        yield fit(box, numbers, (*fitted.free, *names), None, steps=SEARCH_STEPS).numbers
 
     return starts

@@ -20,6 +20,11 @@ from stillarm.diagnosis.inference.band_score import nats_by_band, spectra
 Array = NDArray[np.float64]
 Simulate = Callable[[dict[str, float], Array], Run]
 
+SEARCH_STEPS = 18
+"""Of a fit of a form that is tried: what a round of the search costs."""
+NEAR_STEPS = 10
+"""Of a fit from the final model, which is near its end."""
+
 _DIFFERENCE = 1e-3  # of a number: over much less, the corners of friction make a derivative of their own
 _OF_PLAY = 0.05  # of play's own numbers: an impact falls to a simulated step, and moves by whole ones
 _DAMPING, _MOST_DAMPING = 1e-3, 1e7  # of the diagonal (Levenberg, Marquardt): at first; a step is then none

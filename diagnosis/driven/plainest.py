@@ -8,12 +8,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import NEAR_STEPS, DrivenFit, fit
 from stillarm.diagnosis.driven.judging import CONVINCES, judged
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.search import Round, Searched, holds_in
-
-_STEPS = 10  # of a fit from the final model, which is near its end
 
 
 def plainest(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Searched:
@@ -41,7 +39,7 @@ def _reduced(final: DrivenFit, form: Form, plain: Form, taken: list[Form]) -> Dr
     gone = set(form.numbers) - set(plain.numbers) - others
     numbers = {name: value for name, value in final.numbers.items() if name not in gone}
     free = tuple(one for one in final.free if one not in gone)
-    return fit(final.box, numbers, free, final.states, steps=_STEPS)
+    return fit(final.box, numbers, free, final.states, steps=NEAR_STEPS)
 
 
 def _more(form: Form, plain: Form) -> Form:

@@ -3,10 +3,8 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import NEAR_STEPS, DrivenFit, fit
 from stillarm.diagnosis.driven.mechanisms import Form
-
-_STEPS = 10  # of a fit from the final model, which is near its end
 
 
 def without_form(
@@ -21,4 +19,4 @@ def without_form(
     box, states = final.box, final.states
     if form.play:
         box, states = replace(box, play=False), states[:, :-2]
-    return fit(box, numbers, free, states, steps=_STEPS)
+    return fit(box, numbers, free, states, steps=NEAR_STEPS)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
 from stillarm.diagnosis.driven.extents import forms_of_all
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit, runs_away
+from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit, runs_away
 from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import BOUNCE, HARD_PLAY
 from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged, lags_told
@@ -29,7 +29,7 @@ from stillarm.diagnosis.driven.stated import Stated
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
 
-_MOST_FITS, _MOST_STARTS, _STEPS = 10, 2, 18  # of a round; of a form; of a fit: what a round costs
+_MOST_FITS, _MOST_STARTS = 10, 2  # of a round; of a form: what a round costs
 _TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted before all others
 _PLAY_PROMISES = (
     0.15  # of what the best start explains: play that explains less is fitted in a later round, if ever
@@ -121,7 +121,7 @@ def search(
 
 def settled(taken: DrivenFit) -> DrivenFit:
     """The fit that was taken, fitted on: what is left of a cause's own error would pass for another cause."""
-    again = fit(taken.box, taken.numbers, taken.free, taken.states, steps=_STEPS)
+    again = fit(taken.box, taken.numbers, taken.free, taken.states, steps=SEARCH_STEPS)
     return max(taken, again, key=lambda one: float(one.whole.sum()))
 
 
@@ -193,7 +193,7 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         ):
             continue
         done[key] = done.get(key, 0) + 1
-        fitted = fitted_from(form, start, current, _STEPS)
+        fitted = fitted_from(form, start, current)
         finished += [judged(form, fitted, current)] if fitted is not None else []
     bends = current.box.modes < _MOST_MODES and current.numbers.get(STATED, 0.0) == 0.0
     if bends and left_s() > 0.0:
@@ -208,7 +208,7 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
     return sorted(lags_told(finished), key=lambda one: -one.merit)
 
 
-def fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: int) -> DrivenFit | None:
+def fitted_from(form: Form, start: dict[str, float], current: DrivenFit) -> DrivenFit | None:
     """A form's fit from a start beside what there is. A start whose simulation runs away is moved back towards what
     there is; None where even that runs away."""
     from_here = box_of(form, current)
@@ -217,7 +217,7 @@ def fitted_from(form: Form, start: dict[str, float], current: DrivenFit, steps: 
     for _ in range(_MOST_HALVINGS):
         numbers = {**current.numbers, **kept}
         if not runs_away(from_here.box, numbers, from_here.states):
-            return fit(from_here.box, numbers, free, from_here.states, steps=steps)
+            return fit(from_here.box, numbers, free, from_here.states, steps=SEARCH_STEPS)
         kept = _moved(current, kept, 0.5)
     return None
 
@@ -238,13 +238,13 @@ def _plays(
                 )
     ranked.sort(key=lambda one: -one[0])
     starts = [one for share, one in ranked[:_MOST_PLAYS] if share >= least]
-    fits = [fitted_from(form, one, current, _STEPS) for one in starts if left_s() > 0.0]
+    fits = [fitted_from(form, one, current) for one in starts if left_s() > 0.0]
     found = [judged(form, one, current) for one in fits if one is not None]
     found.sort(key=lambda one: -one.merit)
     if found and left_s() > 0.0:  # hard blows part again; small play at rest does not
         best, hard = found[0].fit, replace(form, words=f"{form.words}, teeth part", numbers=HARD_PLAY)
         free = tuple(dict.fromkeys((*best.free, *HARD_PLAY)))
-        parts = fit(best.box, {**best.numbers, "bounce": BOUNCE}, free, best.states, steps=_STEPS)
+        parts = fit(best.box, {**best.numbers, "bounce": BOUNCE}, free, best.states, steps=SEARCH_STEPS)
         found.append(judged(hard, parts, current))
     return found
 

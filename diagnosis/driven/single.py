@@ -7,6 +7,7 @@ plainest causes first ends with two. The second of them has to win its odds agai
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from math import inf
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
@@ -16,18 +17,26 @@ from stillarm.diagnosis.driven.removal import without_form
 from stillarm.diagnosis.driven.search import Round, Searched, fitted_from, holds_in
 
 _MEAN, _BY_DIRECTION = "coulomb", "coulomb_difference"
-_STEPS = 18  # of a fit: as many as one of the search
 
 
 def one_for_two(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Searched:
     """What the search found, with one cause in place of two where a fuller form of it does as well."""
-    taken = [one.taken.form for one in found.rounds if one.taken.form.cause != STRUCTURE]
-    for plain in taken:
-        for other in taken:
-            fuller_forms = _fuller(plain, found.final)
-            if other.cause == plain.cause or other.play or plain.play or not fuller_forms:
+    taken = [
+        one.taken.form
+        for one in found.rounds
+        if one.taken.form.cause != STRUCTURE and not one.taken.form.play
+    ]
+
+    @cache
+    def worth(place: int) -> float:
+        return _worth(found, taken[place])
+
+    for i, plain in enumerate(taken):
+        fuller_forms = _fuller(plain, found.final)
+        for j, other in enumerate(taken):
+            if other.cause == plain.cause or not fuller_forms:
                 continue
-            if _worth(found, other) < BESIDE_SHARE * _worth(found, plain):
+            if worth(j) < BESIDE_SHARE * worth(i):
                 continue  # it would not be told beside the other
             for fuller in fuller_forms:
                 if left_s() < 0.0:
@@ -54,7 +63,7 @@ def _fitted(found: Searched, plain: Form, fuller: Form, other: Form) -> DrivenFi
     forms = [one.taken.form for one in found.rounds]
     base = without_form(found.final, other, forms, found.start.numbers)
     starts = [*fuller.starts(base), *_either_way(found.final, plain, fuller)]
-    fits = [fitted_from(fuller, start, base, _STEPS) for start in starts]
+    fits = [fitted_from(fuller, start, base) for start in starts]
     sound = [one for one in fits if one is not None]
     return max(sound, key=lambda one: float(one.whole.sum()), default=None)
 

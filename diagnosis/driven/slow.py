@@ -14,7 +14,7 @@ import numpy as np
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.blocks import longer
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit
 from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged
 from stillarm.diagnosis.driven.mechanisms import FORMS, STIFF_JOINT, STRUCTURE, Form
 from stillarm.diagnosis.driven.search import (
@@ -29,7 +29,6 @@ from stillarm.diagnosis.driven.search import (
 )
 
 _OF_SLOW_TORQUES = ("torque_offset", "gravity_load")
-_STEPS = 18  # of a fit: as many as one of the search
 _MOST_ROUNDS = 2  # an offset and gravity
 
 
@@ -83,7 +82,7 @@ def _without_slow(found: Searched, slow_modes: int, split: Split) -> DrivenFit:
         gone |= {name for name in final.numbers if name.partition(" ")[0].endswith(f"_{i}")}
     numbers = {name: value for name, value in final.numbers.items() if name not in gone}
     free = tuple(one for one in final.free if one not in gone)
-    return fit(box, numbers, free, steps=_STEPS)
+    return fit(box, numbers, free, steps=SEARCH_STEPS)
 
 
 def _tried(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
@@ -94,7 +93,7 @@ def _tried(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         if _is_slow(one) and one.fits(current) and not set(one.numbers) <= set(current.free)
     ]
     fits = [
-        (form, fitted_from(form, start, current, _STEPS))
+        (form, fitted_from(form, start, current))
         for form in forms
         for start in form.starts(current)
         if left_s() > 0.0

@@ -126,11 +126,9 @@ def _each(
 def _leading(fits: list[tuple[Begun, Fit]], candidates: Sequence[Candidate]) -> list[tuple[Begun, Fit]]:
     """The best form of each of the few causes that may be taken."""
     merit = {id(one.fit): one.merit for one in candidates}
-    found: dict[str, tuple[Begun, Fit]] = {}
-    for one, fitted in sorted(fits, key=lambda pair: -merit.get(id(pair[1]), 0.0)):
-        if merit.get(id(fitted), 0.0) > PRICE_NATS and len(found) < _POLISHED:
-            found.setdefault(one.form.id, (one, fitted))
-    return list(found.values())
+    best = sorted(fits, key=lambda pair: -merit.get(id(pair[1]), 0.0))
+    worth = [pair for pair in best if merit.get(id(pair[1]), 0.0) > PRICE_NATS]
+    return list(_first_of_each_cause(worth).values())[:_POLISHED]
 
 
 def _worth_an_onset(
@@ -145,18 +143,16 @@ def _worth_an_onset(
             by_merit.append((replace(one, form=later), fitted))
     # what acts in half of the recording alone may do worse than nothing throughout
     by_fit = sorted(by_merit, key=lambda pair: -pair[1].train_log_likelihood)
-    found = dict(_first_of_each_cause(by_fit)[: _WITH_ONSET // 2])
-    for cause, pair in _first_of_each_cause(by_merit):
-        if len(found) < _WITH_ONSET:
-            found.setdefault(cause, pair)
-    return list(found.values())
+    half = list(_first_of_each_cause(by_fit).values())[: _WITH_ONSET // 2]
+    return list(_first_of_each_cause([*half, *by_merit]).values())[:_WITH_ONSET]
 
 
-def _first_of_each_cause(pairs: Sequence[tuple[Begun, Fit]]) -> list[tuple[str, tuple[Begun, Fit]]]:
+def _first_of_each_cause(pairs: Sequence[tuple[Begun, Fit]]) -> dict[str, tuple[Begun, Fit]]:
+    """The first pair of each cause, by cause, in their order."""
     first: dict[str, tuple[Begun, Fit]] = {}
     for pair in pairs:
         first.setdefault(pair[0].form.id, pair)
-    return list(first.items())
+    return first
 
 
 def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:

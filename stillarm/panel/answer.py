@@ -8,9 +8,8 @@ from stillarm.common.datagrams.messages import Adjustment
 from stillarm.common.user_error import UserError
 from stillarm.panel.live.known import Known
 from stillarm.panel.live.telemetry import rows_of
-from stillarm.panel.operate.answered import in_force, refusal_since
+from stillarm.panel.operate.answered import WITHIN_S, in_force, refusal_since
 
-_WITHIN_S = 1.5  # as the page waits
 _REFUSED_WITHIN_S = (
     0.3  # what is asked for may be in force already, and be refused: the words repeat every 0.25 s
 )
@@ -24,7 +23,7 @@ def awaited_answer(asked: Adjustment, drain: Callable[[], list[bytes]]) -> str:
     name: it refuses, with its reason; it has not taken it in time; or nothing was heard of it.
     """
     known, began_s = Known(), time.monotonic()
-    while (waited_s := time.monotonic() - began_s) < _WITHIN_S:
+    while (waited_s := time.monotonic() - began_s) < WITHIN_S:
         for datagram in drain():
             known.take(rows_of(datagram), time.monotonic())
         if why := refusal_since(known, nan):
@@ -34,10 +33,10 @@ def awaited_answer(asked: Adjustment, drain: Callable[[], list[bytes]]) -> str:
         time.sleep(_PAUSE_S)
     if not known.words.method:
         raise UserError(
-            f"was reached, but no telemetry of it came within {_WITHIN_S:g} s (telemetry.host, telemetry.panel_port); "
+            f"was reached, but no telemetry of it came within {WITHIN_S:g} s (telemetry.host, telemetry.panel_port); "
             "its log says what became of it"
         )
-    raise UserError(f"has not taken it within {_WITHIN_S:g} s; in force: {_settings(known)}")
+    raise UserError(f"has not taken it within {WITHIN_S:g} s; in force: {_settings(known)}")
 
 
 def _settings(known: Known) -> str:

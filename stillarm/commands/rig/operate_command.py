@@ -26,10 +26,6 @@ _VALUE_WORDS = {
 }
 _ANSWER_WITHIN_S = 1.0
 _REPEATS, _PAUSE_S = 3, 0.01
-_TOLD_WITHIN_S = 1.5  # as the panel waits
-_REFUSED_WITHIN_S = (
-    0.3  # what is asked for may be in force already, and be refused: the log line comes with the words
-)
 _MOST_DATAGRAMS = 256  # at each look; the telemetry sends fewer in that time
 
 

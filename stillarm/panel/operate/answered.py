@@ -6,6 +6,9 @@ from stillarm.common.datagrams.messages import Adjustment
 from stillarm.controller.safety.adjusting import refusal_told
 from stillarm.panel.live.known import Known
 
+WITHIN_S = 1.5
+"""Within which the controller's telemetry tells what became of an adjustment: its words repeat every 0.25 s."""
+
 
 def in_force(asked: Adjustment, known: Known) -> bool:
     """Whether the settings that the controller last told are those asked for."""

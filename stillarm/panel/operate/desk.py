@@ -13,12 +13,12 @@ from stillarm.controller.safety.adjusting import adjustment_refusal
 from stillarm.controller.safety.table import Setting
 from stillarm.panel.live.known import Known
 from stillarm.panel.operate.actions import COMMANDS, MEANINGS, Action
-from stillarm.panel.operate.answered import in_force, refusal_since
+from stillarm.panel.operate.answered import WITHIN_S, in_force, refusal_since
 from stillarm.panel.operate.permitted import Situation, refusal, setting_refusal, words_of
 from stillarm.panel.operate.sender import Commands
 from stillarm.simulation.rig.strike_requests import request_strike
 
-_IN_FORCE_WITHIN_S, _LOOK_EVERY_S = 1.5, 0.05
+_LOOK_EVERY_S = 0.05
 
 
 class Desk:
@@ -98,14 +98,14 @@ class Desk:
             raise UserError(why)
         asked_s = known.time_s
         await self._commands.adjust(asked)
-        for _ in range(round(_IN_FORCE_WITHIN_S / _LOOK_EVERY_S)):
+        for _ in range(round(WITHIN_S / _LOOK_EVERY_S)):
             if why := refusal_since(known, asked_s):
                 raise UserError(f"refused by the controller: {why}")
             if in_force(asked, known):
                 return
             await asyncio.sleep(_LOOK_EVERY_S)
         raise UserError(
-            f"the controller has not said within {_IN_FORCE_WITHIN_S:g} s that it is in force; see its log below"
+            f"the controller has not said within {WITHIN_S:g} s that it is in force; see its log below"
         )
 
     def asks(self, action: Action) -> bool:

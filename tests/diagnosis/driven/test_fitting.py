@@ -30,8 +30,8 @@ def test_a_start_that_runs_away_is_moved_back_or_refused() -> None:
     assert not runs_away(start.box, start.numbers, start.states)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = fitted_from(SQUARE, away, start, 18)
-        assert fitted_from(SQUARE, {"viscous_square": -1e6}, start, 18) is None
+        found = fitted_from(SQUARE, away, start)
+        assert fitted_from(SQUARE, {"viscous_square": -1e6}, start) is None
     assert found is not None
     assert abs(found.numbers["viscous_square"]) < 0.01  # the joint has none
     assert all(np.isfinite(one).all() for one in found.residuals.values())
