@@ -39,8 +39,6 @@ SETTLED_NATS = 0.02
 
 _FEW = 97  # of a column's values are looked at first
 _DAMPING, _DAMPED = 1e-4, 6  # at the start; steps tried with ever more of it
-_MORE_THAN_FORETOLD = 1.2  # times the nats that the quadratic model foretells: the step was too short
-_LENGTHENED = 4  # times that such a step is doubled, at most
 
 CHANGED_NATS = 20.0
 """By so much another structure, of a baseline that is not in question, has to be likelier."""
@@ -229,19 +227,6 @@ class _Descent:
             right[seen] += weighted.T @ (residual * weight)
         return normal, right
 
-    def _lengthened(self, now: _Point, step: Array, there: _Point) -> _Point:
-        """Where a step leads, or twice the step, twice again and so on, while that lowers the cost further: a response
-        that saturates, such as an arm that dry friction stops, is less curved than its derivatives say."""
-        for _ in range(_LENGTHENED):
-            step = 2.0 * step
-            moved = now.vector.copy()
-            moved[self.places] += step
-            further = self.point(self._space.clipped(moved))
-            if further is None or further.cost >= there.cost:
-                break
-            there = further
-        return there
-
     def stepped(
         self, now: _Point, normal: Array, right: Array, damping: float
     ) -> tuple[_Point | None, float]:
@@ -257,9 +242,6 @@ class _Descent:
             # not so from a start so far off that its slopes overflow
             there = self.point(moved) if np.isfinite(moved).all() else None
             if there is not None and there.cost < now.cost:
-                foretold = float(step @ right - 0.5 * step @ normal @ step)
-                if now.cost - there.cost > _MORE_THAN_FORETOLD * foretold:
-                    there = self._lengthened(now, step, there)
                 return there, damping
             damping = max(10.0 * damping, 1e-3)
         return None, damping

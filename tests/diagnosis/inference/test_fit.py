@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stillarm.diagnosis.data.split import Split, interleaved
+from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
 from stillarm.diagnosis.physics.world import World
@@ -57,14 +57,3 @@ def test_missing_samples_are_no_samples() -> None:
     found = fitted(data.__class__(**{**data.__dict__, "acceleration": holes}))
     assert found.value("modes.0.frequency_hz") == pytest.approx(2.5, rel=1e-3)
     assert np.isnan(found.residuals["acceleration"][1000:2500]).all()
-
-
-def test_dry_friction_is_found_from_a_tenth_of_it() -> None:
-    """An arm that the friction stops swings otherwise than one that it hardly slows: the derivatives there make steps
-    too short."""
-    friction = {"arm.coulomb_m_s2": 0.3}
-    world = World(measured(12.0, 4, friction), MODEL)
-    begun = world.space.with_values(world.space.vector(), friction | {"arm.coulomb_m_s2": 0.03})
-    free = world.with_baseline(("arm.coulomb_m_s2",))
-    found = fit(make_data(world, interleaved(12.0)), begun, free, iterations=4)
-    assert found.value("arm.coulomb_m_s2") == pytest.approx(0.3, rel=0.05)
