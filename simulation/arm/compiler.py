@@ -5,6 +5,7 @@ are counted references, counted twice in each call that passes one on: with reco
 """
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from llvmlite import ir
@@ -14,14 +15,29 @@ from numba.extending import intrinsic
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+SOURCES = tuple(
+    (one.name, one.stat().st_mtime_ns, one.stat().st_size)
+    for one in sorted(Path(__file__).parent.glob("*.py"))
+)
+"""Files of which the compiled code is made, as they are."""
+
+
 def compiled(function: Function) -> Function:
     """Compile on first use."""
-    return cast(Function, njit(cache=True, nogil=True, error_model="numpy")(function))
+    return cast(Function, _kept(njit(cache=True, nogil=True, error_model="numpy")(function)))
 
 
 def inlined(function: Function) -> Function:
     """The same, inlined into its callers: for what a cycle always passes through."""
-    return cast(Function, njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function))
+    kept = _kept(njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function))
+    return cast(Function, kept)
+
+
+def _kept(dispatcher: Any) -> Any:
+    """The function, kept on disk until any of the arm's files changes. numba looks at the function's own file alone,
+    and goes on with old code where a function that is compiled into it has changed in another."""
+    dispatcher._cache._cache_file._source_stamp = SOURCES
+    return dispatcher
 
 
 def _nth(typing_context: Any, first: Any, place: Any) -> Any:

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
 from stillarm.simulation.arm.linear_run import linear_joint, linear_mode
+from stillarm.simulation.arm.run_under_laws import mode_under_laws
 from stillarm.simulation.arm.state import Record, Records
 from stillarm.simulation.arm.stepper import acceleration, cycle, link, modes_through
 
@@ -39,7 +40,10 @@ def free_run(
     starts = np.empty((n, 2))
     if linear_joint(arms, command, whole, out_joint, out_motor, starts):
         for i in range(m):
-            linear_mode(arms, i, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
+            if arm.changes != 0 or (i == 0 and arm.pushes != 0):
+                mode_under_laws(arms, i, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
+            else:
+                linear_mode(arms, i, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
         _jumps_of_theta(arm, command, whole, out_joint)
         return
     dt = arm.early + arm.late

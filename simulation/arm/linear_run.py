@@ -1,8 +1,8 @@
 """A whole recording of an arm on which only its joint acts, compiled: the stepper's cycle as a matrix, computed once.
 
-Without laws of causes, without play, and while the drive meets no limit, a cycle takes each mode's (q, q') and the
-joint's two accelerations theta'' (before and after a command's arrival in it) to the next (q, q') by a matrix. The
-matrix is what the stepper's own functions make of unit values, so that the equations stand there alone; what it saves
+Without play, and while the drive meets no limit, a cycle takes the (q, q') of each mode on which no law of a cause acts
+and the joint's two accelerations theta'' (before and after a command's arrival in it) to the next (q, q') by a matrix.
+The matrix is what the stepper makes of unit values, so that the equations stand there alone; what it saves
 is their bookkeeping, four fifths of the time.
 """
 
@@ -22,12 +22,12 @@ Integers = NDArray[np.int64]
 def linear_joint(
     arms: Records, command: Array, whole: int, out_joint: Array, out_motor: Array, out_starts: Array
 ) -> bool:
-    """The joint over all cycles; false, with unusable results, if it meets a limit or the arm has laws or play.
+    """The joint over all cycles; false, with unusable results, if it meets a limit or has play.
 
     As free_run. out_starts: (n, 2) theta'' at the beginning of a cycle's two parts, rad/s^2.
     """
     arm, n = arms[0], len(command)
-    if arm.laws > 0 or arm.gap > 0.0 or arm.c0 != 0.0 or arm.c1 != 0.0 or arm.c2 != 0.0:
+    if arm.gap > 0.0 or arm.c0 != 0.0 or arm.c1 != 0.0 or arm.c2 != 0.0:
         return False
     omega, motor, alpha, ahead = arm.rate, arm.motor, arm.acceleration, arm.ahead
     linear = arm.most / arm.decay
@@ -68,14 +68,10 @@ def linear_mode(
     mode = nth(arm.mode, i)
     if mode.w == 0.0:  # as made
         tune(arm, mode, 2.0 * np.pi * mode.hz)
-    q0, v0 = _over_a_cycle(arm, mode, 0.0, 0.0, 0.0, 0.0)
-    matrix = np.empty((2, 4))
-    for place in range(4):
-        unit = [1.0 if place == one else 0.0 for one in range(4)]
-        to_q, to_v = _over_a_cycle(arm, mode, unit[0], unit[1], unit[2], unit[3])
-        matrix[0, place], matrix[1, place] = to_q - q0, to_v - v0
-    qq, qv, qe, ql = matrix[0]
-    vq, vv, ve, vl = matrix[1]
+    matrix = np.empty((2, 5))
+    matrix_of_cycle(arm, mode, matrix)
+    qq, qv, qe, ql, q0 = matrix[0]
+    vq, vv, ve, vl, v0 = matrix[1]
     q, v, jump = mode.q, mode.v, 0
     for k in range(n):
         while jump < len(jump_cycles) and jump_cycles[jump] <= k:
@@ -87,6 +83,17 @@ def linear_mode(
         early, late = starts[k, 0], starts[k, 1]
         q, v = q0 + qq * q + qv * v + qe * early + ql * late, v0 + vq * q + vv * v + ve * early + vl * late
     mode.q, mode.v = q, v
+
+
+@compiled
+def matrix_of_cycle(arm: Record, mode: Record, matrix: Array) -> None:
+    """Fill in, (2, 5), what a cycle makes (q, v) of q, v, the theta'' that its two parts begin with, and one."""
+    q0, v0 = _over_a_cycle(arm, mode, 0.0, 0.0, 0.0, 0.0)
+    for place in range(4):
+        unit = [1.0 if place == one else 0.0 for one in range(4)]
+        to_q, to_v = _over_a_cycle(arm, mode, unit[0], unit[1], unit[2], unit[3])
+        matrix[0, place], matrix[1, place] = to_q - q0, to_v - v0
+    matrix[0, 4], matrix[1, 4] = q0, v0
 
 
 @inlined

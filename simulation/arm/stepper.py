@@ -96,7 +96,7 @@ def undisturbed(
 
 
 @inlined
-def _ratio(arm: Record, i: int, t: float) -> float:
+def ratio_at(arm: Record, i: int, t: float) -> float:
     """A mode's frequency over the declared one at a time from the recording's start."""
     ratio = 1.0
     if arm.changes == 0:
@@ -111,7 +111,7 @@ def _ratio(arm: Record, i: int, t: float) -> float:
 def strike(arms: Records, i: int, t: float, deflection: float) -> None:
     """An impact on a mode, after which it rings with amplitude `deflection`, m: its rate jumps by w times that."""
     mode = nth(arms[0].mode, i)
-    mode.v += 2.0 * np.pi * mode.hz * _ratio(arms[0], i, t) * deflection
+    mode.v += 2.0 * np.pi * mode.hz * ratio_at(arms[0], i, t) * deflection
 
 
 @inlined
@@ -175,8 +175,8 @@ def _kicked(
         theta_m = theta + omega * half + start / decay * (half - half_risen)
         theta_e = theta + omega * h + start / decay * (h - whole_risen)
     omega_m, omega_e = omega + start * half_risen, omega + start * whole_risen
-    r0, r1 = _ratio(arm, i, t + _INSIDE * h), _ratio(arm, i, t + half)
-    r2 = _ratio(arm, i, t + h - _INSIDE * h)
+    r0, r1 = ratio_at(arm, i, t + _INSIDE * h), ratio_at(arm, i, t + half)
+    r2 = ratio_at(arm, i, t + h - _INSIDE * h)
     qh, vh = _linear(mode, q, v, decay, start, middle, (step.a, step.b, step.c, step.d))
     qe, ve = _linear(mode, q, v, decay, start, end, (step.wa, step.wb, step.wc, step.wd))
     b, d = step.b, step.d
@@ -210,7 +210,7 @@ def _second(
     free = free_acceleration(nth(arm.mode, i), alpha, q, v)
     extra, rub = 0.0, 0.0
     if arm.laws > 0 or (i == 0 and _acts(arm)):
-        ratio = _ratio(arm, i, t)
+        ratio = ratio_at(arm, i, t)
         extra, rub = _deviation(arm, i, t, x, theta, omega, q, v, ratio)
     return free + extra, rub
 
@@ -323,9 +323,10 @@ def _mode_through(
 ) -> None:
     """A mode through a part of a stretch in which no law breaks off."""
     h, mode = end_at - at, nth(arm.mode, i)
-    middle = _ratio(arm, i, t + at + 0.5 * h)
+    middle = ratio_at(arm, i, t + at + 0.5 * h)
     varies = (
-        _ratio(arm, i, t + at + _INSIDE * h) != middle or _ratio(arm, i, t + end_at - _INSIDE * h) != middle
+        ratio_at(arm, i, t + at + _INSIDE * h) != middle
+        or ratio_at(arm, i, t + end_at - _INSIDE * h) != middle
     )
     w = 2.0 * np.pi * mode.hz * middle
     if w != mode.w:
@@ -363,6 +364,20 @@ def _freely_through(arm: Record, first: int, stretch: Record) -> None:
             mode.q, mode.v = _linear(mode, mode.q, mode.v, stretch.decay, stretch.start, stretch.end, turn)
 
 
+@compiled
+def by_laws(arm: Record, i: int, t: float, x: float, stretch: Record) -> None:
+    """A mode through a stretch under the arm's laws, broken where one of them begins or ends. t: from the recording's
+    start, x: from the cycle's, s."""
+    at = 0.0
+    while at < stretch.duration:
+        end = stretch.duration
+        for row in range(arm.laws):
+            if at < nth(arm.law, row).onset - t < end:
+                end = nth(arm.law, row).onset - t
+        _mode_through(arm, i, t, x, at, end, stretch)
+        at = end
+
+
 @inlined
 def modes_through(arm: Record, t: float, count: int) -> None:
     """All modes through the first `count` stretches, from time t from the recording's start on."""
@@ -373,17 +388,12 @@ def modes_through(arm: Record, t: float, count: int) -> None:
     acts, changes = _acts(arm), arm.changes != 0
     for k in range(count):
         stretch = nth(arm.stretch, k)
-        duration, at = stretch.duration, 0.0
+        duration = stretch.duration
         if not changes:
             _freely_through(arm, 1 if acts else 0, stretch)
-        while (acts or changes) and at < duration:
-            end = duration
-            for row in range(arm.laws):
-                if at < nth(arm.law, row).onset - t < end:
-                    end = nth(arm.law, row).onset - t
+        if acts or changes:
             for i in range(arm.modes if changes else 1):
-                _mode_through(arm, i, t, x, at, end, stretch)
-            at = end
+                by_laws(arm, i, t, x, stretch)
         t += duration
         x += duration
         if stretch.jump != 0.0:
@@ -414,6 +424,12 @@ def link(arm: Record) -> tuple[float, float, float]:
 def acceleration(arm: Record, i: int, t: float) -> float:
     """q_i'', m/s^2, from the equations at the present state."""
     theta, omega, alpha = link(arm)
+    return acceleration_at(arm, i, t, theta, omega, alpha)
+
+
+@inlined
+def acceleration_at(arm: Record, i: int, t: float, theta: float, omega: float, alpha: float) -> float:
+    """q_i'', m/s^2, at the mode's present state and the joint's as given."""
     mode = nth(arm.mode, i)
     if mode.w == 0.0:
         tune(arm, mode, 2.0 * np.pi * mode.hz)

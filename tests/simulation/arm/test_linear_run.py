@@ -40,10 +40,8 @@ def run_of(arm: Records, whole: int, command: Array, jumps: Array) -> list[Array
     return outs
 
 
-def is_linear(
-    drive: Drive, command: Array, effects: list[tuple[str, dict[str, float]]], gap: float = 0.0
-) -> bool:
-    arm, whole = make_arm(drive, DT, np.array([[2.6, 0.01, 1.3]]), laws_of(effects, 0.0), gap)
+def is_linear(drive: Drive, command: Array, gap: float = 0.0) -> bool:
+    arm, whole = make_arm(drive, DT, np.array([[2.6, 0.01, 1.3]]), laws_of([], 0.0), gap)
     return bool(
         linear_joint(arm, command, whole, np.zeros((CYCLES, 4)), np.zeros((CYCLES, 2)), np.zeros((CYCLES, 2)))
     )
@@ -76,19 +74,16 @@ def test_it_moves_as_the_stepper_does(
 
 
 @pytest.mark.parametrize(
-    ("what", "drive", "effects", "gap"),
+    ("what", "drive", "gap"),
     [
-        ("a limit of acceleration", drive_of(most=5.0), [], 0.0),
-        ("play", drive_of(), [], 1e-3),
-        ("a law", drive_of(), [("coulomb_damping", {"force_per_mass_m_s2": 0.1})], 0.0),
+        ("a limit of acceleration", drive_of(most=5.0), 0.0),
+        ("play", drive_of(), 1e-3),
     ],
 )
-def test_what_is_not_linear_is_left_to_the_stepper(
-    what: str, drive: Drive, effects: list[tuple[str, dict[str, float]]], gap: float
-) -> None:
-    assert is_linear(drive_of(), command_of(1), [])
-    assert not is_linear(drive, command_of(1), effects, gap), what
+def test_what_is_not_linear_is_left_to_the_stepper(what: str, drive: Drive, gap: float) -> None:
+    assert is_linear(drive_of(), command_of(1))
+    assert not is_linear(drive, command_of(1), gap), what
 
 
 def test_an_end_stop_is_left_to_the_stepper() -> None:
-    assert not is_linear(drive_of(), np.full(CYCLES, 30.0), [])
+    assert not is_linear(drive_of(), np.full(CYCLES, 30.0))
