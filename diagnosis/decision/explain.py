@@ -96,15 +96,19 @@ def _without_doubtful_impacts(
 
 
 def _while_moving(baseline: Fit) -> list[int]:
-    """The impacts within a swing of which the joint was on the move."""
+    """The impacts within a swing of which the joint was on the move; without those that end what is not judged: from
+    there the arm rings from a state of its own, whatever the model says of moves."""
     world = baseline.world
     command = np.nan_to_num(world.measured.command)
     reach = round(1.0 / (baseline.value("modes.0.frequency_hz") * world.measured.cycle_s))
     still = 0.01 * float(np.max(np.abs(command), initial=0.0))
+    ends = {round(end / world.measured.cycle_s) for _, end in world.unjudged_s}
     return [
         cycle
         for cycle in world.impacts
-        if still > 0.0 and np.any(np.abs(command[max(cycle - reach, 0) : cycle + reach]) > still)
+        if cycle not in ends
+        and still > 0.0
+        and np.any(np.abs(command[max(cycle - reach, 0) : cycle + reach]) > still)
     ]
 
 

@@ -25,6 +25,7 @@ from stillarm.diagnosis.inference.impacts import (
     with_impacts_in_place,
     with_impacts_sought,
 )
+from stillarm.diagnosis.inference.pulls import without_pulls
 from stillarm.diagnosis.physics.measured_joint import departure_hz
 from stillarm.diagnosis.physics.quantities import HIGHER, RANGE
 from stillarm.diagnosis.physics.world import World
@@ -35,6 +36,7 @@ HURRIED_STEPS = 5
 """Steps of a fit that only shows the way, or that there is no time for more of."""
 _MOVED, _MUCH = 0.003, 3.0  # of the frequency; of the stated noise
 _LITTLE = 1.5  # times the noise: a rest below it makes no impacts up
+_CLEAR = 10.0  # times an image's noise: a frequency that is a hundredth off leaves more than that within 16 periods
 _NO_NOISE = 1e-300  # in a channel's unit: of one without noise any rest is too much
 _NEXT_TO_BEST = 0.8  # nats: of two courses seen so nearly alike the fits tell
 _ABOUT = (0.5, 1.5)  # times the frequency: where a wrong one leaves its rest
@@ -71,18 +73,30 @@ def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] =
             return fit(make_data(there, split), start, there.baseline_names())
     usual = _at_the_seen_frequency(world, split, reached)
     reached(usual)
-    return usual if _at_its_noise(usual, split) else _along_a_course(world, split) or usual
+    if _at_its_noise(usual, split):
+        return usual
+    let_go = without_pulls(usual, split)
+    reached(let_go)
+    if _at_its_noise(let_go, split):
+        return let_go
+    return _along_a_course(world, split) or let_go
 
 
 def _at_its_noise(usual: Fit, split: Split) -> bool:
     """Whether one frequency leaves the sensors at the tip little more than their noise for most of the time: no course
-    of the frequency needs to be sought then, which takes long."""
-    levels = [
-        level(sensor.residual, usual, split) / max(white_noise(sensor.residual), _NO_NOISE)
+    of the frequency needs to be sought then, which takes long. Images that show the vibration clearly suffice: what the
+    accelerometer shows beyond that is its own."""
+    levels = {
+        name: level(sensor.residual, usual, split) / max(white_noise(sensor.residual), _NO_NOISE)
         for name, level in (("acceleration", _left_about_the_mode), ("displacement", _left_in_images))
         if (sensor := usual.channel(name)) is not None
-    ]
-    return bool(levels) and max(levels) < _LITTLE
+    }
+    images = usual.channel("displacement")
+    if images is not None and levels["displacement"] < _LITTLE:
+        swing = float(np.std(usual.predicted.motion.deflection)) * abs(usual.value("camera.scale_px_per_m"))
+        if swing > _CLEAR * white_noise(images.residual):
+            return True
+    return bool(levels) and max(levels.values()) < _LITTLE
 
 
 def _left_about_the_mode(residual: Array, usual: Fit, split: Split) -> float:

@@ -7,7 +7,6 @@ jump between the two that stands out of the usual ones. It opens a new segment w
 from collections.abc import Callable
 from dataclasses import replace
 from math import pi
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,8 @@ from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
+Series = tuple[Array, Array]
+"""Times, s, and a sensor's residual there as deflection, m."""
 
 _GRID_S = 0.01  # between the instants looked at, unless 2 % of a period are more
 _OUTSTANDING = 9.0  # times the median jump: by noise, whose jumps are Rayleigh's, one in 2^81
@@ -26,13 +27,14 @@ _NEAR = 5.0  # times the median of those near by: by noise one in 2^25
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large
+_PUSH_PERIODS = 1.6  # a push by hand lasts, at most: a longer one is a pull
 _AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
 _MOST = 40  # impacts that one look finds
 _SIGNIFICANT = 6.0  # standard deviations of its size: by chance two in a thousand million have it
 _CLOSE_S = 2.0  # between impacts of which only the least is dropped at a time
 
 
-def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> list[tuple[Array, Array]]:
+def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) -> list[Series]:
     """Times and residual as deflection, m, of each channel that shows the vibration, the one with the least noise
     first."""
     choices = []
@@ -90,8 +92,8 @@ def find_jumps(last: Fit, share: float) -> list[float]:
     swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
     found: list[float] = []
     threshold = np.maximum(usual, max(share * float(np.max(np.abs(after))), swing))
-    for other_time, other_values in series[1:]:
-        jump[~_borne_out(at, period, w, after - before, other_time, other_values)] = 0.0
+    for other in series[1:]:
+        jump[~_borne_out(at, period, w, series[0], other)] = 0.0
     for i in np.argsort(-jump):
         if len(found) >= _MOST:
             break
@@ -102,18 +104,29 @@ def find_jumps(last: Fit, share: float) -> list[float]:
     return sorted(found)
 
 
-def _borne_out(
-    at: Array, period: float, w: float, jump: NDArray[Any], time: Array, values: Array
-) -> NDArray[np.bool_]:
+def _borne_out(at: Array, period: float, w: float, shown: Series, other: Series) -> NDArray[np.bool_]:
     """Whether another sensor shows the same jump: an impact moves the arm, and all that look at it; a sensor that has
-    gone wrong moves its own reading. Where the other sensor's noise hides it, it is taken for the same."""
-    before, n_before = _phasor(time, values, w, at - period, at)
-    after, n_after = _phasor(time, values, w, at, at + period)
-    other = after - before
+    gone wrong moves its own reading. While a push by hand lasts, its force is another jump to each sensor: windows
+    before and after it agree. Where the other sensor's noise hides it, it is taken for the same."""
+    agree, full = _same_jump(at, period, w, shown, other, 0.0)
+    apart, full_apart = _same_jump(at, period, w, shown, other, _PUSH_PERIODS / 2.0 * period)
+    return agree | ~full | (apart & full_apart)
+
+
+def _same_jump(
+    at: Array, period: float, w: float, shown: Series, other: Series, gap: float
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether two sensors' phasors jump alike across a gap, s, to either side of each instant; and whether the other
+    sensor has enough samples to tell."""
+    before, _ = _phasor(*shown, w, at - gap - period, at - gap)
+    after, _ = _phasor(*shown, w, at + gap, at + gap + period)
+    jump = after - before
+    before, n_before = _phasor(*other, w, at - gap - period, at - gap)
+    after, n_after = _phasor(*other, w, at + gap, at + gap + period)
+    there = after - before
     full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
-    usual = float(np.median(np.abs(other[full]))) if full.any() else 0.0
-    agree: NDArray[np.bool_] = np.abs(other - jump) < np.maximum(_AGREE * np.abs(jump), 3.0 * usual)
-    return agree | ~full
+    usual = float(np.median(np.abs(there[full]))) if full.any() else 0.0
+    return np.abs(there - jump) < np.maximum(_AGREE * np.abs(jump), 3.0 * usual), full
 
 
 def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:
