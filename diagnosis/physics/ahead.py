@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 
-from stillarm.common.causes import CAUSES
+from stillarm.common.causes import CAUSES, LAWS
 from stillarm.common.files.model import Drive
 from stillarm.diagnosis.physics.camera import expose
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
@@ -27,7 +27,7 @@ def compile_ahead() -> float:
     """Compile or load it; says so on standard error where that takes long. Returns the seconds that it took."""
     began_s = time.monotonic()
     with told_if_slow(_COMPILING, sys.stderr):
-        for cause in CAUSES.values():
+        for cause in LAWS.values():
             if cause.law is not None and cause.acts in _OF_THE_STEPPER:
                 address_of(cause.identifier)
         _simulate_nothing()

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.common.causes import CAUSES
+from stillarm.common.causes import LAWS
 from stillarm.common.files.beam import tip_slopes_per_m
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.measured import Measured
@@ -175,7 +175,7 @@ class ArmMotion:
     def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
         """Whether these modes keep their frequency, and answer a jump whatever else they do."""
         acting = {
-            CAUSES[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
+            LAWS[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
         }
         return "frequency" not in acting and (0 not in modes or not acting & {"force", "friction"})
 
