@@ -57,7 +57,7 @@ def rival_law(first: Candidate, before: Fit, split: Split) -> Free | None:
     best = fit(data, best.vector, names, iterations=_FULL, colour=before.colour)
     now = score(best, split)
     merit = float(now.gain(was).sum()) - PRICE_NATS * len(_FREE)
-    if merit < max(first.merit, _from_there(first, best, before, split)):
+    if merit < first.merit or merit < _from_there(first, best, before, split):
         return None
     channel = max(now.whole, key=lambda name: now.gain_of(was, name))
     group = Group(_LAW, RIVALS[_LAW].name, lambda fit: {})
