@@ -9,12 +9,14 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from stillarm.common.causes.declaration import Cause, Parameter, Place, Value
+from stillarm.common.causes.rivals import RIVALS
 
+_NO_CAUSE = ("declaration", "driven", "page", "rivals")
 _PLACES: tuple[Place, ...] = ("arm", "drive", "accelerometer", "camera", "timing")
 
 
 def _found() -> dict[str, Cause]:
-    names = [one.name for one in iter_modules(__path__) if one.name not in ("declaration", "driven", "page")]
+    names = [one.name for one in iter_modules(__path__) if one.name not in _NO_CAUSE]
     causes: list[Cause] = [import_module(f"{__name__}.{name}").CAUSE for name in names]
     in_order = sorted(causes, key=lambda cause: (_PLACES.index(cause.place), cause.identifier))
     return {cause.identifier: cause for cause in in_order}
@@ -22,6 +24,9 @@ def _found() -> dict[str, Cause]:
 
 CAUSES: dict[str, Cause] = _found()
 """All of them by identifier: by place, then by name."""
+
+LAWS: dict[str, Cause] = CAUSES | RIVALS
+"""What a simulation obeys: the causes, and what is held against them without a name."""
 
 
 def experiment_between(cause: str, other: str) -> str | None:
@@ -31,6 +36,8 @@ def experiment_between(cause: str, other: str) -> str | None:
 
 __all__ = [
     "CAUSES",
+    "LAWS",
+    "RIVALS",
     "Cause",
     "Parameter",
     "Place",
@@ -39,4 +46,5 @@ __all__ = [
     "declaration",
     "driven",
     "experiment_between",
+    "rivals",
 ]

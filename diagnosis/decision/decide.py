@@ -17,6 +17,7 @@ from stillarm.diagnosis.decision.rest import (
     rest_of,
     times_what_matters,
 )
+from stillarm.diagnosis.decision.rival_laws import rival_law
 from stillarm.diagnosis.inference.candidates import (
     CONVINCING_NATS,
     PRICE_NATS,
@@ -30,7 +31,7 @@ from stillarm.diagnosis.inference.comparison import Slopes, free_names
 from stillarm.diagnosis.inference.evidence import Score, score
 from stillarm.diagnosis.inference.fit import fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.freeform import Group, groups
+from stillarm.diagnosis.inference.freeform import Free, Group, groups
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.screen import residual_peaks
 from stillarm.diagnosis.physics.computing import OutOfTime, side_by_side
@@ -53,16 +54,6 @@ _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
 _OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
 _RIVAL = 0.05  # of a finding's nats: free terms are no better by less, as no formula is quite the true one
-
-
-@dataclass(frozen=True)
-class Free:
-    """A group of free terms on top of a fit. merit: nats that it adds, less its price; channel: where it shows most."""
-
-    group: Group
-    merit: float
-    channel: str
-    fit: Fit
 
 
 @dataclass(frozen=True)
@@ -92,10 +83,18 @@ def judge(found: Found, split: Split) -> Judged:
     left_out: list[str] = []
     beside = alone = None
     try:
-        if material or (first is not None and _may_rival(first, found.final, split)):
-            beside = best_free(found.final, split)
-        if first is not None and first.law is None and (beside or _may_lead(first, found.baseline, split)):
-            alone = best_free(found.baseline, split, (beside.group,) if beside else ())
+        rivals = first is not None and _may_rival(first, found.final, split)
+        if first is not None and rivals:
+            alone = rival_law(first, fit_before(found, first), split)
+        if alone is None:  # else there is no name that free terms could be held against
+            if material or rivals:
+                beside = best_free(found.final, split)
+            if (
+                first is not None
+                and first.law is None
+                and (beside or _may_lead(first, found.baseline, split))
+            ):
+                alone = best_free(found.baseline, split, (beside.group,) if beside else ())
     except OutOfTime:
         left_out.append("structure without a name")
     if first is None:

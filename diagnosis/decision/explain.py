@@ -9,13 +9,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
-from stillarm.diagnosis.data.channels import JOINT_CHANNELS
+from stillarm.diagnosis.data.channels import ARM_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
-from stillarm.diagnosis.decision.rest import anything_matters
+from stillarm.diagnosis.decision.rest import anything_matters, rest_of
 from stillarm.diagnosis.inference.candidates import (
     PRICE_NATS,
     Candidate,
@@ -70,7 +71,7 @@ def _without_doubtful_impacts(
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
     model that is wrong about moves is put right by an impact at each. None where it is not."""
     doubtful = _while_moving(baseline)
-    if not doubtful:
+    if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
         return None
     world = baseline.world
     kept = tuple(cycle for cycle in world.impacts if cycle not in doubtful)
@@ -99,17 +100,31 @@ def _while_moving(baseline: Fit) -> list[int]:
     """The impacts within a swing of which the joint was on the move; without those that end what is not judged: from
     there the arm rings from a state of its own, whatever the model says of moves."""
     world = baseline.world
-    command = np.nan_to_num(world.measured.command)
     reach = round(1.0 / (baseline.value("modes.0.frequency_hz") * world.measured.cycle_s))
-    still = 0.01 * float(np.max(np.abs(command), initial=0.0))
+    turning = _turning(world)
     ends = {round(end / world.measured.cycle_s) for _, end in world.unjudged_s}
     return [
         cycle
         for cycle in world.impacts
-        if cycle not in ends
-        and still > 0.0
-        and np.any(np.abs(command[max(cycle - reach, 0) : cycle + reach]) > still)
+        if cycle not in ends and turning[max(cycle - reach, 0) : cycle + reach].any()
     ]
+
+
+def _turning(world: World) -> NDArray[np.bool_]:
+    """Whether the joint was told to move, at each cycle."""
+    speed = np.abs(np.nan_to_num(world.measured.command))
+    return np.asarray(speed > 0.01 * float(np.max(speed, initial=0.0)))
+
+
+def _moves_are_told(baseline: Fit, split: Split, doubtful: int) -> bool:
+    """Whether the joint moved as told, and one of the arm's sensors shows nothing amiss with an impact in the fewest of
+    the moves: what is wrong is then wrong in another sensor, and no model of the moves."""
+    turning = _turning(baseline.world)
+    if 2 * doubtful > int(np.count_nonzero(np.diff(turning.astype(int)) > 0)):
+        return False
+    told = {name: rest_of(baseline, name, split).immaterial for name in baseline.residuals}
+    joint = [told[name] for name in JOINT_CHANNELS if name in told]
+    return bool(joint) and all(joint) and any(told[name] for name in ARM_CHANNELS if name in told)
 
 
 def _explained(

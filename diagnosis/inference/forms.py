@@ -26,6 +26,7 @@ from stillarm.diagnosis.inference.cause import (
     plain,
 )
 from stillarm.diagnosis.inference.causes import CAUSES
+from stillarm.diagnosis.inference.coasting import CAUSE as COASTING_PLAY
 from stillarm.diagnosis.inference.courses import (
     delay_std,
     image_std,
@@ -203,6 +204,7 @@ _ONE_SIDED = tuple(
 _FURTHER: tuple[Form, ...] = (
     _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),
     _further("drive_dead_time", "on top", {"drive.further_dead_time_s": (0.001, 0.004, 0.012, 0.03)}, _total_dead_time),
+    Form(COASTING_PLAY, "with a link that coasts"),
     *_LIMITS,
     *_ONE_SIDED,
     _further(

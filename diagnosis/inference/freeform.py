@@ -50,6 +50,17 @@ class Group:
         return Added(f"free.{self.name}", scaled, 100.0)
 
 
+@dataclass(frozen=True)
+class Free:
+    """A group of free terms, or a law without a name, on top of a fit. merit: nats that it adds, less its price.
+    channel: where it shows most."""
+
+    group: Group
+    merit: float
+    channel: str
+    fit: Fit
+
+
 def groups(peaks_hz: Iterable[float]) -> list[Group]:
     """All kinds; peaks_hz: frequencies at which a further resonance or a line is tried."""
     found = [

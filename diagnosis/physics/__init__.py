@@ -7,6 +7,7 @@ __all__ = [
     "ahead",
     "arm_motion",
     "camera",
+    "coasting_play",
     "computing",
     "declared_effects",
     "linear_modes",

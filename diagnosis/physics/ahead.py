@@ -8,9 +8,10 @@ import time
 
 import numpy as np
 
-from stillarm.common.causes import CAUSES
+from stillarm.common.causes import CAUSES, LAWS
 from stillarm.common.files.model import Drive
 from stillarm.diagnosis.physics.camera import expose
+from stillarm.diagnosis.physics.coasting_play import link_velocity
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
 from stillarm.diagnosis.physics.velocity_loop import equivalent_command
 from stillarm.simulation.arm.ahead import told_if_slow
@@ -27,7 +28,7 @@ def compile_ahead() -> float:
     """Compile or load it; says so on standard error where that takes long. Returns the seconds that it took."""
     began_s = time.monotonic()
     with told_if_slow(_COMPILING, sys.stderr):
-        for cause in CAUSES.values():
+        for cause in LAWS.values():
             if cause.law is not None and cause.acts in _OF_THE_STEPPER:
                 address_of(cause.identifier)
         _simulate_nothing()
@@ -46,6 +47,7 @@ def _simulate_nothing() -> None:
     command_law = next(cause for cause in CAUSES.values() if cause.acts == "command")
     obeyed([(command_law.identifier, {one.name: 0.1 for one in command_law.numbers})], still)
     equivalent_command(still, dt, *[0.0] * 13)
+    link_velocity(still, dt, *[1.0] * 7)
     tip = [np.zeros(n) for _ in range(4)]
     tip_of(joint, q, qdd, 1.0, np.ones(2), *tip)
     decay = np.zeros((n, 4))

@@ -11,15 +11,16 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.common.causes import CAUSES
+from stillarm.common.causes import LAWS
 from stillarm.common.files.beam import tip_slopes_per_m
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.measured import Measured
+from stillarm.diagnosis.physics.coasting_play import equivalent_behind_play
 from stillarm.diagnosis.physics.computing import check_time
 from stillarm.diagnosis.physics.declared_effects import effects_in
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
 from stillarm.diagnosis.physics.measured_joint import answer_to_joint, smoothed
-from stillarm.diagnosis.physics.quantities import ARM_BEGIN, ARRIVAL, DRIVE_BEGIN
+from stillarm.diagnosis.physics.quantities import ARM_BEGIN, ARRIVAL, COASTING, DRIVE_BEGIN, UNLIMITED
 from stillarm.diagnosis.physics.space import Space
 from stillarm.diagnosis.physics.velocity_loop import equivalent_command
 from stillarm.simulation.arm.compiled_laws import laws_of, obeyed
@@ -129,6 +130,8 @@ class ArmMotion:
             bandwidth_hz=float(vector[at["drive.bandwidth_hz"]]),
             dead_time_s=dead_s(vector, self.space),
         )
+        if vector[at[COASTING[0]]] > 0.0:  # the limit is the motor's, not the link's that it strikes
+            drive = msgspec.structs.replace(drive, max_acceleration_rad_s2=UNLIMITED)
         turn = _TURN_OF_PAIR if self.measured.pair else _TURN
         gap = float(vector[at["drive.gap_rad"]])
         laws = laws_of(effects, float(vector[at[ARM_BEGIN]]))
@@ -175,7 +178,7 @@ class ArmMotion:
     def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
         """Whether these modes keep their frequency, and answer a jump whatever else they do."""
         acting = {
-            CAUSES[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
+            LAWS[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
         }
         return "frequency" not in acting and (0 not in modes or not acting & {"force", "friction"})
 
@@ -244,12 +247,15 @@ class ArmMotion:
         if begin_s > 0.0:
             command = np.where(self.cycle_times >= begin_s, command, plain)
         own = [float(vector[at[name]]) for name in _OF_THE_LOOP]
-        if own == [self.space[name].start for name in _OF_THE_LOOP]:
-            return command
         decay = 2.0 * pi * float(vector[at["drive.bandwidth_hz"]])
-        omega = float(vector[at["start.omega"]])
-        found: Array = equivalent_command(command, self.measured.cycle_s, decay, omega, float(begin_s), *own)
-        return found
+        omega, cycle_s = float(vector[at["start.omega"]]), self.measured.cycle_s
+        if own != [self.space[name].start for name in _OF_THE_LOOP]:
+            command = equivalent_command(command, cycle_s, decay, omega, float(begin_s), *own)
+        play = [float(vector[at[name]]) for name in COASTING]
+        if play[0] > 0.0:
+            most = self.model.drive.max_acceleration_rad_s2
+            command = equivalent_behind_play(command, cycle_s, decay, most, omega, *play)
+        return command
 
 
 def dead_s(vector: Array, space: Space) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.common.causes import CAUSES, Parameter
+from stillarm.common.causes import CAUSES, LAWS, Parameter
 from stillarm.common.causes.declaration import Acts
 from stillarm.common.files.effects import effect_of, filled_in
 from stillarm.common.files.effects_check import EffectValue
@@ -52,14 +52,14 @@ _FITTED: set[Acts] = {"force", "friction", "frequency", "command", "sensitivity"
 
 def quantity_of(cause: str, parameter: str) -> str:
     """Where a parameter of a cause stands in the vector: at a name of its own, unless it is a key's or an older one."""
-    return CAUSES[cause].key or _QUANTITIES.get(cause, {}).get(parameter, f"{cause}.{parameter}")
+    return LAWS[cause].key or _QUANTITIES.get(cause, {}).get(parameter, f"{cause}.{parameter}")
 
 
 def own_quantities() -> list[Quantity]:
     """Of causes that stand in the vector at names of their own, as their declarations have them."""
     return [
         _own_quantity(cause.identifier, one)
-        for cause in CAUSES.values()
+        for cause in LAWS.values()
         if cause.acts in _FITTED and cause.identifier not in _QUANTITIES.keys() | _OWN_WAY
         for one in cause.numbers
     ]
@@ -110,7 +110,7 @@ def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[
             identifier,
             {one.name: float(vector[place[quantity_of(identifier, one.name)]]) for one in cause.numbers},
         )
-        for identifier, cause in CAUSES.items()
+        for identifier, cause in LAWS.items()
         if cause.acts in _FITTED and identifier not in _OWN_WAY
     ]
     relative = float(vector[place["arm.frequency_rate_per_s"]])
@@ -122,7 +122,7 @@ def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[
         hz, sine, cosine = (float(vector[place[f"{prefix}_{part}"]]) for part in ("hz", "sin", "cos"))
         wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(sine, cosine), "phase_rad": atan2(cosine, sine)}
         found.append((cause, wave))
-    return [(cause, values) for cause, values in found if not CAUSES[cause].is_idle(values)]
+    return [(cause, values) for cause, values in found if not LAWS[cause].is_idle(values)]
 
 
 def waves_to_refit(model: Model) -> list[str]:
@@ -151,5 +151,5 @@ def with_found(
 
 def laws_at(effects: list[tuple[str, dict[str, float]]], acts: Acts) -> list[Callable[..., Any]]:
     """The laws of effects that act at a site, with their own numbers."""
-    found = [(CAUSES[cause], values) for cause, values in effects if CAUSES[cause].acts == acts]
+    found = [(LAWS[cause], values) for cause, values in effects if LAWS[cause].acts == acts]
     return [filled_in(cause.law, cause.arguments(values)) for cause, values in found if cause.law]

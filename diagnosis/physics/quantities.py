@@ -24,6 +24,13 @@ OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brin
 OF_LAST_JUMP = "accelerometer.of_last_jump"  # share of a command's jump, beyond what interpolation has of it
 _OF_LAST_JUMP_STD = 0.5  # where within a cycle a late sensor reads, and how sharply, is unknown
 DRIVE_BEGIN, ARM_BEGIN = "drive.begin_s", "arm.begin_s"  # from when on what departs from the model acts there
+COASTING = (
+    "drive.coasting_gap_rad",
+    "drive.coasting_drag_per_s",
+    "drive.teeth_hz",
+    "drive.teeth_damping",
+)
+"""Of a play behind which the link coasts (stillarm.diagnosis.physics.coasting_play)."""
 ACCELEROMETER_BEGIN, CAMERA_BEGIN = "accelerometer.begin_s", "camera.begin_s"
 SKEW = "timing.skew_ppm"
 QUARTZ, _QUARTZ_PPM = "timing.quartz_ppm", 20.0
@@ -78,6 +85,10 @@ class Layout:
             ("drive.deadband_rad_s", 0.0, 0.0, 10.0, 1e-4),
             ("drive.velocity_loss_rad_s", 0.0, 0.0, 10.0, 1e-5),
             ("drive.gap_rad", 0.0, 0.0, 1.0, 1e-5),
+            (COASTING[0], 0.0, 0.0, 1.0, 1e-6),
+            (COASTING[1], 1.0, 0.0, 1e4, 1e-3),
+            (COASTING[2], 60.0, 1.0, 300.0, 1e-2),
+            (COASTING[3], 0.3, 0.0, 2.0, 1e-4),
             (DRIVE_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
             ("drive.further_dead_time_s", 0.0, 0.0, 1.0, 1e-5),
             ("drive.further_lag_s", 0.0, 0.0, 2.0, 1e-5),

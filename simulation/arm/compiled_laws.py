@@ -12,7 +12,7 @@ import numpy as np
 from numba import cfunc, types
 from numpy.typing import NDArray
 
-from stillarm.common.causes import CAUSES
+from stillarm.common.causes import LAWS
 from stillarm.simulation.arm.compiler import call, compiled, inlined
 from stillarm.simulation.arm.state import FORCE, FREQUENCY, FRICTION, LAW, Record, Records
 
@@ -28,12 +28,12 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0
     ones. begin_s: instant from which they act."""
     rows = []
     for identifier, values in effects:
-        site, _ = _SITES.get(CAUSES[identifier].acts, (-1, 0))
-        if site < 0 or CAUSES[identifier].is_idle(values):
+        site, _ = _SITES.get(LAWS[identifier].acts, (-1, 0))
+        if site < 0 or LAWS[identifier].is_idle(values):
             continue
-        own = CAUSES[identifier].arguments(values)
+        own = LAWS[identifier].arguments(values)
         padded = (*own, *[0.0] * (_MOST_NUMBERS - len(own)))
-        corner = site == FRICTION or CAUSES[identifier].corner
+        corner = site == FRICTION or LAWS[identifier].corner
         onset = values.get("onset_s", begin_s if begin_s > 0.0 else np.inf)
         rows.append((address_of(identifier), site, len(own), corner, begin_s, onset, *padded))
     return np.array(rows, dtype=LAW)
@@ -43,7 +43,7 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0
 def address_of(identifier: str) -> int:
     """Where the compiled law of a cause lies in memory. Raises ValueError for a law with more numbers than the stepper
     passes."""
-    cause = CAUSES[identifier]
+    cause = LAWS[identifier]
     if len(cause.numbers) > _MOST_NUMBERS:
         raise ValueError(f"{identifier}: a law of over {_MOST_NUMBERS} numbers; the stepper calls none")
     arguments = [types.float64] * (_SITES[cause.acts][1] + len(cause.numbers))
@@ -54,7 +54,7 @@ def address_of(identifier: str) -> int:
 def obeyed(effects: Iterable[tuple[str, Mapping[str, Any]]], commands: Array) -> Array:
     """Commands as the drive obeys them, rad/s, (n,), after the effects with a law for it, in their order."""
     for identifier, values in effects:
-        cause = CAUSES[identifier]
+        cause = LAWS[identifier]
         if cause.acts == "command" and not cause.is_idle(values):
             commands = _each(address_of(identifier), np.array(cause.arguments(values)), commands)
     return commands

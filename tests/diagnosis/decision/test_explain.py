@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.explain import explain
+from stillarm.diagnosis.decision.explain import _moves_are_told, explain
 from stillarm.diagnosis.inference.baseline import moved_as_measured
 from stillarm.diagnosis.inference.candidates import Found
 from stillarm.diagnosis.inference.fit import fit
@@ -76,3 +76,22 @@ def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
     assert found.findings[0].cause == "joint_friction"
     assert found.final.world.joint_hz < departing.joint_hz
     assert found.final.sigma["acceleration"] < 1.1 * NOISE["acceleration"]
+
+
+@pytest.mark.parametrize(
+    ("hidden", "told"),
+    [
+        ({"accelerometer.gravity_m_s2_per_rad": 5.0}, True),  # shows in the accelerometer alone
+        ({"drive.further_dead_time_s": 0.02}, False),  # the joint is late
+        ({"arm.cubic_per_m2": 30.0}, False),  # all that see the arm see that
+    ],
+)
+def test_moves_are_told_where_the_joint_and_a_sensor_of_the_arm_show_nothing_amiss(
+    hidden: dict[str, float], told: bool
+) -> None:
+    struck = (1000,)
+    world = World(measured(SECONDS, 5, {"jump.1.0.v": 0.3} | hidden, struck), MODEL, struck)
+    split = interleaved(SECONDS)
+    baseline = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    assert _moves_are_told(baseline, split, len(struck)) == told
+    assert not _moves_are_told(baseline, split, 100)
