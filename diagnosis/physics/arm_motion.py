@@ -5,6 +5,7 @@ that mode's answer to it.
 """
 
 from dataclasses import dataclass
+from functools import partial
 from math import pi
 
 import msgspec
@@ -16,20 +17,25 @@ from stillarm.common.files.beam import tip_slopes_per_m
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.coasting_play import equivalent_behind_play
-from stillarm.diagnosis.physics.computing import check_time
+from stillarm.diagnosis.physics.computing import Lately, check_time
 from stillarm.diagnosis.physics.declared_effects import effects_in
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
 from stillarm.diagnosis.physics.measured_joint import answer_to_joint, smoothed
 from stillarm.diagnosis.physics.quantities import ARM_BEGIN, ARRIVAL, COASTING, DRIVE_BEGIN, UNLIMITED
+from stillarm.diagnosis.physics.sampled_force import upsampled
 from stillarm.diagnosis.physics.space import Space
 from stillarm.diagnosis.physics.velocity_loop import equivalent_command
 from stillarm.simulation.arm.compiled_laws import laws_of, obeyed
-from stillarm.simulation.arm.free_run import driven_run, free_run
-from stillarm.simulation.arm.state import make_arm
+from stillarm.simulation.arm.free_run import driven_run, free_run, joint_run, modes_run
+from stillarm.simulation.arm.state import Records, make_arm
 
 Array = NDArray[np.float64]
 
-_DECAYS = 4  # free decays of a mode that are remembered: memory against time
+_JOINTS, _ANSWERS = (
+    3,
+    6,
+)  # runs of the joint, answers and decays of a mode that are remembered: memory against time
+_OF_ARM = ("modes.", "jump.", "arm.")  # quantities that say nothing of the joint
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 _OF_THE_LOOP = (
     "drive.further_dead_time_s",
@@ -62,6 +68,17 @@ class Motion:
     tip_angle: Array
     of: Array
     """Values of the quantities that it follows from."""
+    of_joint: bytes
+    """The same for motions in which the joint moved alike."""
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """What a joint that meets no limit did; starts: as `joint_run` gives them to `modes_run`."""
+
+    joint: Array
+    motor: Array
+    starts: Array
 
 
 class ArmMotion:
@@ -90,11 +107,12 @@ class ArmMotion:
         self.measured, self.model, self.space = measured, model, space
         self.modes, self.length = modes, length_m
         self.behind_encoder, self.joint_hz = behind_encoder, joint_hz
-        self._departures: list[tuple[bytes, Array, Array]] = []
-        self._answers: dict[tuple[bytes, float, float], tuple[Array, Array]] = {}
-        self._decays: dict[tuple[float, float], Array] = {}
+        self._joints: Lately[bytes, _Joint | None] = Lately(_JOINTS)
+        self._departures: Lately[bytes, tuple[Array, Array]] = Lately(_JOINTS)
+        self._answers: Lately[tuple[bytes, float, float], tuple[Array, Array]] = Lately(_ANSWERS)
+        self._decays: Lately[tuple[float, float], Array] = Lately(_ANSWERS)
         self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
-        self._force = _upsampled(measured.force, 2 * _SUBSTEPS_OF_PAIR) if measured.pair else np.empty(0)
+        self._force = upsampled(measured.force, 2 * _SUBSTEPS_OF_PAIR) if measured.pair else np.empty(0)
         self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
         self._command = np.nan_to_num(measured.command)
         self.cycle_times: Array = np.arange(measured.cycles, dtype=np.float64) * measured.cycle_s
@@ -106,11 +124,13 @@ class ArmMotion:
             for part in "qv"
         }
         self._moving = np.array([at for name, at in space.place.items() if not name.startswith(_SEEN_ONLY)])
+        of_joint = (*_SEEN_ONLY, *_OF_ARM)
+        self._of_joint = np.array([at for name, at in space.place.items() if not name.startswith(of_joint)])
 
     def forget(self) -> None:
         """Give the memory of what is remembered back."""
-        self._departures, self._answers = [], {}
-        self._decays.clear()
+        for one in (self._joints, self._departures, self._answers, self._decays):
+            one.forget()
 
     def move(self, vector: Array) -> Motion:
         """The arm's motion under the recorded inputs. Raises OutOfTime within a limit that has passed."""
@@ -137,21 +157,52 @@ class ArmMotion:
         laws = laws_of(effects, float(vector[at[ARM_BEGIN]]))
         arm, whole = make_arm(drive, self.measured.cycle_s, rows[: self._run], laws, gap, turn)
         arm["motor"], arm["rate"] = vector[at["start.theta"]], vector[at["start.omega"]]
-        joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
         q, qdd = np.zeros((n, m)), np.zeros((n, m))
         if self.measured.pair:
+            joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
             force = vector[at["pair.gain"]] * (self._force + vector[at["pair.input_offset"]])
             driven_run(arm, force, self.measured.cycle_s, _SUBSTEPS_OF_PAIR, self._jump_cycles, jumps, q, qdd)
         else:
-            command = self._obeyed(vector, effects)
             moved = (q, qdd) if self._run == m else (np.empty((n, 0)), np.empty((n, 0)))
             jumps = np.ascontiguousarray(jumps[:, : self._run])
-            free_run(arm, command, whole, self._jump_cycles, jumps, joint, motor, *moved)
+            joint, motor = self._run_freely(vector, effects, arm, whole, jumps, *moved)
         deflection, tip, tip_acceleration, tip_angle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-        seen = self._as_measured(joint, motor, rows, q, qdd) if self.joint_hz > 0.0 else joint
+        seen = self._as_measured(joint, motor, vector, rows, q, qdd) if self.joint_hz > 0.0 else joint
         tip_of(seen, q, qdd, self.length, self._slopes, deflection, tip, tip_acceleration, tip_angle)
-        of = vector[self._moving]
-        return Motion(joint, motor, q, deflection, tip, tip_acceleration, tip_angle, of)
+        of, of_joint = vector[self._moving], self._key_of_joint(vector)
+        return Motion(joint, motor, q, deflection, tip, tip_acceleration, tip_angle, of, of_joint)
+
+    def _run_freely(
+        self,
+        vector: Array,
+        effects: list[tuple[str, dict[str, float]]],
+        arm: Records,
+        whole: int,
+        jumps: Array,
+        q: Array,
+        qdd: Array,
+    ) -> tuple[Array, Array]:
+        """The joint's and the motor's motion; fills in that of the modes. A joint that meets no limit is run once for
+        all that differs in the arm alone."""
+        n = self.measured.cycles
+
+        def run() -> _Joint | None:
+            one = _Joint(np.empty((n, 4)), np.empty((n, 2)), np.empty((n, 2)))
+            command = self._obeyed(vector, effects)
+            free = joint_run(arm.copy(), command, whole, one.joint, one.motor, one.starts)
+            return one if free else None
+
+        free = self._joints.of(self._key_of_joint(vector), run)
+        if free is not None:
+            modes_run(arm, free.starts, free.joint, self._jump_cycles, jumps, q, qdd)
+            return free.joint, free.motor
+        joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
+        free_run(arm, self._obeyed(vector, effects), whole, self._jump_cycles, jumps, joint, motor, q, qdd)
+        return joint, motor
+
+    def _key_of_joint(self, vector: Array) -> bytes:
+        """The same for vectors that move the joint alike."""
+        return bytes(vector[self._of_joint])
 
     def moved_from(self, near: Motion, vector: Array) -> Motion:
         """The arm's motion, from one nearby where nothing differs but what jumps: a linear mode's answer adds up."""
@@ -173,7 +224,9 @@ class ArmMotion:
                 self._slopes[mode], q[:, mode], deflection, tip, tip_acceleration, tip_angle,
             )  # fmt: skip
         of = vector[self._moving]
-        return Motion(near.joint, near.motor, q, deflection, tip, tip_acceleration, tip_angle, of)
+        return Motion(
+            near.joint, near.motor, q, deflection, tip, tip_acceleration, tip_angle, of, near.of_joint
+        )
 
     def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
         """Whether these modes keep their frequency, and answer a jump whatever else they do."""
@@ -186,46 +239,36 @@ class ArmMotion:
         """What a jump of a mode does from then on; the last few are remembered."""
         first = self.space.place[f"modes.{mode}.frequency_hz"]
         key = (float(vector[first]), float(vector[first + 1]))
-        known = self._decays.get(key)
-        if known is None:
-            known = np.empty((self.measured.cycles, 4))
-            free_decay(*key, self.measured.cycle_s, known)
-            if len(self._decays) >= _DECAYS:
-                self._decays.clear()
-            self._decays[key] = known
-        return known
 
-    def _as_measured(self, joint: Array, motor: Array, rows: Array, q: Array, qdd: Array) -> Array:
+        def decay() -> Array:
+            found = np.empty((self.measured.cycles, 4))
+            free_decay(*key, self.measured.cycle_s, found)
+            return found
+
+        return self._decays.of(key, decay)
+
+    def _as_measured(
+        self, joint: Array, motor: Array, vector: Array, rows: Array, q: Array, qdd: Array
+    ) -> Array:
         """The joint's motion with what was measured of it; moves the modes with that, in place."""
-        reported = (motor if self.behind_encoder else joint)[:, 0]
-        key = reported.tobytes()
-        known = next((one for one in self._departures if one[0] == key), None)
-        if known is None:
+
+        def departure() -> tuple[Array, Array]:
+            reported = (motor if self.behind_encoder else joint)[:, 0]
             off = self.measured.position - self._aged_to_reading(reported)
-            known = (key, *smoothed(off, self.joint_hz, self.measured.cycle_s))
-            self._departures = [*self._departures[-_DECAYS + 1 :], known]
-        _, slow, second = known
-        for i, (hz, damping, push) in enumerate(rows):
-            more, more_second = self._answer_to_departure(key, second, float(hz), float(damping))
+            return smoothed(off, self.joint_hz, self.measured.cycle_s)
+
+        key = self._key_of_joint(vector)
+        slow, second = self._departures.of(key, departure)
+        for i, (hz, damping, push) in enumerate(rows.tolist()):
+            more, more_second = self._answers.of(
+                (key, hz, damping), partial(answer_to_joint, second, hz, damping, 1.0, self.measured.cycle_s)
+            )
             q[:, i] += push * more
             qdd[:, i] += push * more_second
         moved = joint.copy()
         moved[:, 0] += slow
         moved[:, 2] += second
         return moved
-
-    def _answer_to_departure(
-        self, departure: bytes, second: Array, hz: float, damping: float
-    ) -> tuple[Array, Array]:
-        """What a mode of unit push makes of a departure of the joint; the last few are remembered."""
-        key = (departure, hz, damping)
-        known = self._answers.get(key)
-        if known is None:
-            known = answer_to_joint(second, hz, damping, 1.0, self.measured.cycle_s)
-            if len(self._answers) >= _DECAYS:
-                self._answers.clear()
-            self._answers[key] = known
-        return known
 
     def _aged_to_reading(self, value: Array) -> Array:
         if not self._aged:
@@ -262,21 +305,3 @@ def dead_s(vector: Array, space: Space) -> float:
     """When a command arrives at the drive, s after its cycle began."""
     at = space.place
     return max(0.0, float(vector[at["drive.dead_time_s"]] + vector[at[ARRIVAL]]))
-
-
-def _upsampled(force: Array, factor: int) -> Array:
-    """Band-limited interpolation of an input that was sampled, `factor` values a sample and one at the end.
-
-    Taking it as held between samples would delay it by half a sample and hide a small nonlinearity. The ends are
-    mirrored, so that they do not ring into each other.
-    """
-    n = len(force)
-    pad = min(n - 1, 512)
-    # odd reflection about both ends
-    head = 2.0 * force[0] - force[pad:0:-1]
-    tail = 2.0 * force[-1] - force[-2 : -pad - 2 : -1]
-    whole = np.concatenate((head, force, tail))
-    spectrum = np.fft.rfft(whole)
-    fine = np.fft.irfft(spectrum, n=len(whole) * factor) * factor
-    out = fine[pad * factor : (pad + n) * factor]
-    return np.concatenate((out, [force[-1]]))

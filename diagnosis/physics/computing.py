@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar, copy_context
 from threading import current_thread
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
@@ -28,6 +28,28 @@ def side_by_side(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> li
     given = list(items)
     contexts = [copy_context() for _ in given]  # the time limit of whoever asked
     return list(_POOL.map(lambda context, item: context.run(work, item), contexts, given))
+
+
+class Lately(Generic[_Item, _Result]):
+    """The last few results of a work, by what it was done on. Threads may share it: at worst they do the same twice."""
+
+    def __init__(self, most: int) -> None:
+        """most: results that are remembered; memory against time."""
+        self._most = most
+        self._known: dict[_Item, _Result] = {}
+
+    def of(self, key: _Item, work: Callable[[], _Result]) -> _Result:
+        """The result for that key, worked out unless it is remembered."""
+        found = self._known.get(key)
+        if found is None:
+            found = work()
+            last = list(self._known.items())[1 - self._most :] if self._most > 1 else []
+            self._known = {**dict(last), key: found}
+        return found
+
+    def forget(self) -> None:
+        """Give the memory back."""
+        self._known = {}
 
 
 class OutOfTime(Exception):

@@ -11,6 +11,7 @@ microradians. In the joint that is less than a simulation reaches; in the image 
 pixel, and the arm rings with it. Where the encoder resolves it, the image is told by where the joint was.
 """
 
+from collections.abc import Callable
 from math import isfinite, pi, sqrt
 
 import numpy as np
@@ -92,13 +93,17 @@ def noise_at_tip(noise_rad: float, modes: Array, length_m: float, step_s: float)
     return noise_rad * length_m * sqrt(quick**2 + sum(through))
 
 
-def tip_moved(off: Array, modes: Array, length_m: float, step_s: float) -> Array:
-    """What that does to the tip, m: the rigid arm turns with it, and each mode answers q'' + 2 z w q' + w^2 q = -p l a,
-    a being off's second derivative (bilinear). off: (n,) rad; modes: (m, 3) frequency_hz, damping_ratio, participation.
-    """
+def answer_to_path(path: Array, frequency_hz: float, damping_ratio: float, step_s: float) -> Array:
+    """Deflection, m, of a mode of participation 1 when the arm's root is moved along a path, (n,) m, from rest:
+    q'' + 2 z w q' + w^2 q = -path'' (bilinear)."""
+    # q under a force's second derivative is q'' under the force
+    return answer_of_mode(path[0] - path, frequency_hz, damping_ratio, step_s)[1]
+
+
+def tip_moved(off: Array, modes: Array, length_m: float, answer: Callable[[float, float], Array]) -> Array:
+    """What a departure of the joint, (n,) rad, does to the tip, m: the rigid arm turns with it, and each mode answers.
+    modes: (m, 3) frequency_hz, damping_ratio, participation; answer: `answer_to_path` of the tip by these two."""
     moved = length_m * off
-    for hz, damping, participation in modes:
-        # q under a force's second derivative is q'' under the force
-        _, q = answer_of_mode(-participation * length_m * (off - off[0]), hz, damping, step_s)
-        moved = moved + q
-    return np.asarray(moved)
+    for hz, damping, participation in modes.tolist():
+        moved = moved + participation * answer(hz, damping)
+    return moved

@@ -6,6 +6,7 @@ arrival (per frame: when it was read, less when it was exposed).
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from math import isfinite, sqrt
 
 import numpy as np
@@ -20,13 +21,15 @@ from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
 from stillarm.diagnosis.physics.arm_motion import ArmMotion, Motion
 from stillarm.diagnosis.physics.camera import Camera
+from stillarm.diagnosis.physics.computing import Lately
 from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
-from stillarm.diagnosis.physics.measured_joint import noise_at_tip, tip_moved, within_reach
+from stillarm.diagnosis.physics.measured_joint import answer_to_path, noise_at_tip, tip_moved, within_reach
 from stillarm.diagnosis.physics.quantities import QUARTZ, SKEW, Layout
 from stillarm.diagnosis.physics.space import Added, Quantity
 
 Array = NDArray[np.float64]
 
+_JOINTS, _ANSWERS = 3, 6  # departures of the joint, and what modes make of them, that are remembered
 _JUST_S = 1e-7  # less than between frames read at once
 _GRANTED = 0.9  # of what a simulated drive may be off; the tenth that is not shows a fit the way
 _STROKE_S = 0.02  # to either side of an impact: a soft hammer's lasts 5 to 20 ms
@@ -97,8 +100,8 @@ class World:
         self._tip_follows_encoder = self._encoder_tells_tip()
         self._variation: dict[str, float] = {}
         self._resolution: dict[str, float] = {}
-        none = np.empty(0)
-        self._joint_seen: tuple[Array, Array, Array] = (none, none, none)  # of the last joint and modes
+        self._offs: Lately[bytes, Array] = Lately(_JOINTS)
+        self._answers: Lately[tuple[bytes, float, float], Array] = Lately(_ANSWERS)
 
     def changed(
         self,
@@ -128,6 +131,8 @@ class World:
     def forget(self) -> None:
         """Give the memory of what simulations have in common back, of a world that is kept for what it has shown."""
         self._arm.forget()
+        self._offs.forget()
+        self._answers.forget()
 
     def with_measured(self, measured: Measured, impacts: tuple[int, ...] | None = None) -> "World":
         """Other data, or the same dated otherwise, in a world of the same structure."""
@@ -262,7 +267,8 @@ class World:
 
     def _off(self, motion: Motion) -> Array:
         """By how much a fine encoder saw the joint elsewhere, rad, as far as a simulated drive may be off."""
-        return within_reach(self.measured.position, self._arm.reported(motion, 0))
+        seen = self.measured.position
+        return self._offs.of(motion.of_joint, lambda: within_reach(seen, self._arm.reported(motion, 0)))
 
     def _encoder_tells_tip(self) -> bool:
         """Whether an encoder is so fine that its noise, through the arm's resonances, would not show in the image."""
@@ -283,10 +289,10 @@ class World:
             return motion.tip
         first = [self.space.place[f"modes.{i}.frequency_hz"] for i in range(self.modes)]
         modes = np.array([vector[place : place + 3] for place in first])
-        joint = motion.motor if self.behind_encoder else motion.joint
-        of, known, moved = self._joint_seen  # read at once: threads share it
-        if joint is not of or not np.array_equal(modes, known):
-            off = self._off(motion)
-            moved = tip_moved(off, modes, self.length, self.measured.cycle_s)
-            self._joint_seen = (joint, modes, moved)
-        return motion.tip + moved
+        off, step_s = self._off(motion), self.measured.cycle_s
+
+        def answer(hz: float, damping: float) -> Array:
+            work = partial(answer_to_path, self.length * off, hz, damping, step_s)
+            return self._answers.of((motion.of_joint, hz, damping), work)
+
+        return motion.tip + tip_moved(off, modes, self.length, answer)

@@ -38,13 +38,8 @@ def free_run(
     """
     arm, n, m = arms[0], len(command), arms[0].modes
     starts = np.empty((n, 2))
-    if linear_joint(arms, command, whole, out_joint, out_motor, starts):
-        for i in range(m):
-            if arm.changes != 0 or (i == 0 and arm.pushes != 0):
-                mode_under_laws(arms, i, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
-            else:
-                linear_mode(arms, i, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
-        _jumps_of_theta(arm, command, whole, out_joint)
+    if joint_run(arms, command, whole, out_joint, out_motor, starts):
+        modes_run(arms, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
         return
     dt = arm.early + arm.late
     fraction, near = _nearness(arm)
@@ -63,6 +58,39 @@ def free_run(
         if near > 0.0 and beside < n and not _still(arm):
             _, omega, alpha = link(arm)
             jump = near * _jump_of(arm, omega, alpha, command[beside], fraction < 0.5)
+
+
+@compiled
+def joint_run(
+    arms: Records, command: Array, whole: int, out_joint: Array, out_motor: Array, out_starts: Array
+) -> bool:
+    """The joint alone, as far as it meets no limit and has no play; false, with unusable results, where it does.
+
+    As free_run. out_starts: (n, 2) theta'' at the beginning of a cycle's two parts, rad/s^2, for `modes_run`.
+    """
+    if not linear_joint(arms, command, whole, out_joint, out_motor, out_starts):
+        return False
+    _jumps_of_theta(arms[0], command, whole, out_joint)
+    return True
+
+
+@compiled
+def modes_run(
+    arms: Records,
+    starts: Array,
+    joint: Array,
+    jump_cycles: Integers,
+    jumps: Array,
+    out_q: Array,
+    out_qdd: Array,
+) -> None:
+    """The modes over all cycles, moved by a joint that `joint_run` found; as free_run."""
+    arm = arms[0]
+    for i in range(arm.modes):
+        if arm.changes != 0 or (i == 0 and arm.pushes != 0):
+            mode_under_laws(arms, i, starts, joint, jump_cycles, jumps, out_q, out_qdd)
+        else:
+            linear_mode(arms, i, starts, joint, jump_cycles, jumps, out_q, out_qdd)
 
 
 @inlined

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.noise import LEAST, is_fine_encoder, is_fine_image
-from stillarm.diagnosis.physics.measured_joint import noise_at_tip, tip_moved, within_reach
+from stillarm.diagnosis.physics.measured_joint import answer_to_path, noise_at_tip, tip_moved, within_reach
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures import synthetic
 
@@ -25,6 +25,12 @@ def _swing() -> Array:
     time = np.arange(4000) * _STEP_S
     moved: Array = 0.1 * np.sin(2.0 * np.pi * 0.4 * time)
     return moved
+
+
+def _tip_moved(off: Array, modes: Array, length: float) -> Array:
+    return tip_moved(
+        off, modes, length, lambda hz, damping: answer_to_path(length * off, hz, damping, _STEP_S)
+    )
 
 
 @pytest.mark.parametrize(
@@ -93,7 +99,7 @@ def test_the_arm_rings_with_the_joint() -> None:
 
     solved = solve_ivp(motion, (0.0, 3.0), [0.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-12, max_step=1e-3)
     truth = length * off + solved.y[0]
-    found = tip_moved(off, _MODE, length, _STEP_S)
+    found = _tip_moved(off, _MODE, length)
     assert np.max(np.abs(found - truth)) < 0.01 * np.max(np.abs(truth))
 
 
@@ -101,7 +107,7 @@ def test_the_arm_rings_with_the_joint() -> None:
 def test_an_encoders_noise_rings_the_tip_as_is_foretold(hz: float, damping: float) -> None:
     modes, length, noise = np.array([[hz, damping, 1.5]]), 0.9, 3e-5
     off = np.random.default_rng(4).normal(0.0, noise, 200_000)
-    moved = tip_moved(off, modes, length, _STEP_S)[20_000:]
+    moved = _tip_moved(off, modes, length)[20_000:]
     assert noise_at_tip(noise, modes, length, _STEP_S) == pytest.approx(float(np.std(moved)), rel=0.15)
 
 
