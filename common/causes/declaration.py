@@ -84,7 +84,8 @@ class Cause:
     provoke: what to do so that it shows. confused_with: by other cause, the experiment that separates the two (said in
     one of the two files). acts: where the law enters, see above. key: dotted key of the model file that it replaces, or
     the list that it adds to. repeatable: whether a model may hold several effects of it. corner: whether a
-    law of force has a corner where the first mode turns, v = 0 (friction always has). limit: what has gone wrong,
+    law of force has a corner where the first mode turns, v = 0 (friction always has). foreign: whether a law of force
+    follows from time and joint alone, whatever the first mode does. limit: what has gone wrong,
     where the cause has taken the arm beyond what the equation holds for; takes t, first_hz, q and the law's numbers.
     """
 
@@ -102,6 +103,7 @@ class Cause:
     confused_with: Mapping[str, str] = field(default_factory=dict)
     repeatable: bool = False
     corner: bool = False
+    foreign: bool = False
     limit: Callable[..., str | None] | None = None
 
     @property

@@ -35,6 +35,7 @@ CAUSE = Cause(
     ),
     provoke="leave the arm alone for half a minute.",
     acts="force",
+    foreign=True,
     law=law,
     repeatable=True,
 )

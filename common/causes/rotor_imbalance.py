@@ -41,6 +41,7 @@ CAUSE = Cause(
     ),
     provoke="long moves at several steady speeds, one of which turns the motor at the arm's own frequency.",
     acts="force",
+    foreign=True,
     law=law,
     confused_with={
         "periodic_disturbance": (

@@ -33,9 +33,9 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0
             continue
         own = LAWS[identifier].arguments(values)
         padded = (*own, *[0.0] * (_MOST_NUMBERS - len(own)))
-        corner = site == FRICTION or LAWS[identifier].corner
+        corner, foreign = site == FRICTION or LAWS[identifier].corner, LAWS[identifier].foreign
         onset = values.get("onset_s", begin_s if begin_s > 0.0 else np.inf)
-        rows.append((address_of(identifier), site, len(own), corner, begin_s, onset, *padded))
+        rows.append((address_of(identifier), site, len(own), corner, foreign, begin_s, onset, *padded))
     return np.array(rows, dtype=LAW)
 
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
 from stillarm.simulation.arm.linear_run import linear_joint, linear_mode
-from stillarm.simulation.arm.run_under_laws import mode_under_laws
+from stillarm.simulation.arm.run_under_laws import mode_under_foreign_forces, mode_under_laws
 from stillarm.simulation.arm.state import Record, Records
 from stillarm.simulation.arm.stepper import acceleration, cycle, link, modes_through
 
@@ -87,7 +87,9 @@ def modes_run(
     """The modes over all cycles, moved by a joint that `joint_run` found; as free_run."""
     arm = arms[0]
     for i in range(arm.modes):
-        if arm.changes != 0 or (i == 0 and arm.pushes != 0):
+        if i == 0 and arm.pushes != 0 and arm.foreign != 0 and arm.changes == 0:
+            mode_under_foreign_forces(arms, starts, joint, jump_cycles, jumps, out_q, out_qdd)
+        elif arm.changes != 0 or (i == 0 and arm.pushes != 0):
             mode_under_laws(arms, i, starts, joint, jump_cycles, jumps, out_q, out_qdd)
         else:
             linear_mode(arms, i, starts, joint, jump_cycles, jumps, out_q, out_qdd)

@@ -3,17 +3,26 @@
 Where only the frequency changes, and smoothly, a cycle is linear (linear_run.py) with a matrix that changes slowly: it
 is worked out at the ends and the middle of a block of cycles and interpolated by a parabola between. Within a cycle the
 frequency is taken for constant, at its middle: an error of dt^2 w'/6 of the amplitude a second. What changes faster,
-and what is pushed or rubbed, goes through the stepper's own functions, cycle by cycle.
+and what is pushed or rubbed, goes through the stepper's own functions, cycle by cycle. A force that does not depend on
+what the mode does is no more than an input: of the stepper's method of fourth order Simpson's rule is left.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
-from stillarm.simulation.arm.joint import lagging
+from stillarm.simulation.arm.joint import lagging, risen, way
 from stillarm.simulation.arm.linear_run import matrix_of_cycle
 from stillarm.simulation.arm.state import Record, Records
-from stillarm.simulation.arm.stepper import acceleration_at, by_laws, ratio_at, tune
+from stillarm.simulation.arm.stepper import (
+    acceleration_at,
+    by_laws,
+    free_acceleration,
+    pushed,
+    ratio_at,
+    transition,
+    tune,
+)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -70,17 +79,87 @@ def mode_under_laws(
         k = end
 
 
+@compiled
+def mode_under_foreign_forces(
+    arms: Records,
+    starts: Array,
+    joint: Array,
+    jump_cycles: Integers,
+    jumps: Array,
+    out_q: Array,
+    out_qdd: Array,
+) -> None:
+    """The first mode over all cycles under forces that follow from time and joint alone; as linear_mode."""
+    arm, n = arms[0], len(starts)
+    mode, dt = arm.mode, arm.early + arm.late
+    if mode.w == 0.0:  # as made
+        tune(arm, mode, 2.0 * np.pi * mode.hz)
+    matrix = np.empty((2, 5))
+    matrix_of_cycle(arm, mode, matrix)
+    _, half_q, _, half_v = transition(mode, 0.5 * dt)
+    _, whole_q, _, whole_v = transition(mode, dt)
+    sixth, jump, force = dt / 6.0, 0, np.nan
+    for k in range(n):
+        while jump < len(jump_cycles) and jump_cycles[jump] <= k:
+            mode.q += jumps[jump, 0, 0]
+            mode.v += jumps[jump, 0, 1]
+            jump += 1
+        t, theta, omega, alpha = k * dt, joint[k, 0], joint[k, 1], joint[k, 2]
+        q, v, early, late = mode.q, mode.v, starts[k, 0], starts[k, 1]
+        out_q[k, 0] = q
+        if _breaks(arm, t, dt):
+            out_qdd[k, 0] = acceleration_at(arm, 0, t, theta, omega, alpha)
+            _by_stepper(arm, 0, t, theta, omega, early, late)
+            force = np.nan
+            continue
+        if np.isnan(force):
+            force, _ = pushed(arm, t, theta, omega, 0.0, 0.0, mode.w)
+        out_qdd[k, 0] = free_acceleration(mode, alpha, q, v) + force
+        half_theta, half_omega = _joint_after(arm, theta, omega, early, late, 0.5 * dt)
+        middle, _ = pushed(arm, t + 0.5 * dt, half_theta, half_omega, 0.0, 0.0, mode.w)
+        theta, omega = _joint_after(arm, theta, omega, early, late, dt)
+        end, _ = pushed(arm, t + dt, theta, omega, 0.0, 0.0, mode.w)
+        mode.q = (
+            matrix[0, 0] * q + matrix[0, 1] * v + matrix[0, 2] * early + matrix[0, 3] * late + matrix[0, 4]
+        )
+        mode.v = (
+            matrix[1, 0] * q + matrix[1, 1] * v + matrix[1, 2] * early + matrix[1, 3] * late + matrix[1, 4]
+        )
+        mode.q += sixth * (whole_q * force + 4.0 * half_q * middle)
+        mode.v += sixth * (whole_v * force + 4.0 * half_v * middle + end)
+        force = end
+
+
 @inlined
-def _is_smooth(arm: Record, i: int, begin: float, duration: float) -> bool:
-    """Whether no law begins or ends in a block, and a mode's frequency changes as a parabola through its values at the
-    block's ends and middle."""
+def _breaks(arm: Record, begin: float, duration: float) -> bool:
+    """Whether a law begins or ends within a duration, or at its end."""
     end = begin + duration
     for row in range(arm.laws):
         law = nth(arm.law, row)
         if begin < law.begin <= end or begin < law.onset <= end:
-            return False
+            return True
+    return False
+
+
+@inlined
+def _joint_after(
+    arm: Record, theta: float, omega: float, early: float, late: float, t: float
+) -> tuple[float, float]:
+    """The joint's angle and rate a time after a cycle's start, from the theta'' that its two parts begin with."""
+    first = min(t, arm.early)
+    theta, omega = theta + way(omega, arm.decay, early, first), omega + early * risen(arm.decay, first)
+    then = t - first
+    return theta + way(omega, arm.decay, late, then), omega + late * risen(arm.decay, then)
+
+
+@inlined
+def _is_smooth(arm: Record, i: int, begin: float, duration: float) -> bool:
+    """Whether no law begins or ends in a block, and a mode's frequency changes as a parabola through its values at the
+    block's ends and middle."""
+    if _breaks(arm, begin, duration):
+        return False
     before, middle = ratio_at(arm, i, begin), ratio_at(arm, i, begin + 0.5 * duration)
-    after, third = ratio_at(arm, i, end), ratio_at(arm, i, begin + _A_THIRD * duration)
+    after, third = ratio_at(arm, i, begin + duration), ratio_at(arm, i, begin + _A_THIRD * duration)
     return abs(third - _parabola(before, middle, after, _A_THIRD)) < _SMOOTH
 
 

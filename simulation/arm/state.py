@@ -63,6 +63,7 @@ LAW = np.dtype(
         ("site", "i8"),  # FORCE, FRICTION or FREQUENCY
         ("count", "i8"),  # how many numbers of its own
         ("corner", "i8"),  # whether it has one where the first mode turns
+        ("foreign", "i8"),  # whether it follows from time and joint alone
         ("begin", "f8"),  # instant from which it acts, s
         ("onset", "f8"),  # instant at which it breaks off, s; infinite where it does not
         ("n0", "f8"),
@@ -104,6 +105,7 @@ ARM = np.dtype(
         ("modes", "i8"),  # how many there are
         ("laws", "i8"),
         ("pushes", "i8"),  # whether a law pushes or rubs on the first mode
+        ("foreign", "i8"),  # whether all laws that do so are foreign
         ("changes", "i8"),  # whether a law changes frequencies
         ("turns", "i8"),  # whether steps are to end where the first mode turns
         # a further acceleration of the first mode, c0 + c1 x + c2 x^2 with x in s from the cycle's start
@@ -161,6 +163,7 @@ def make_arm(
     # the corner of a force, v |v| say, adds less than a coarse step's own error
     arm["turns"] = np.any((laws["site"] == FRICTION) | ((laws["corner"] != 0) & (turn_rad <= FINE_TURN)))
     arm["pushes"] = np.any(laws["site"] != FREQUENCY)
+    arm["foreign"] = np.all((laws["site"] == FREQUENCY) | ((laws["site"] == FORCE) & (laws["foreign"] != 0)))
     room = modes_of(arm)
     room["hz"], room["zeta"], room["push"] = np.reshape(modes, (-1, 3)).T
     _several(arm, "law", LAW)[: len(laws)] = laws

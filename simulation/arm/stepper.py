@@ -50,8 +50,8 @@ def _worked_out(arm: Record, mode: Record, h: float) -> Record:
     mode.replaced = 1 - mode.replaced
     half = 0.5 * h
     step.h, step.fade = h, np.exp(-arm.decay * half)
-    step.a, step.b, step.c, step.d = _transition(mode, half)
-    step.wa, step.wb, step.wc, step.wd = _transition(mode, h)
+    step.a, step.b, step.c, step.d = transition(mode, half)
+    step.wa, step.wb, step.wc, step.wd = transition(mode, h)
     return step
 
 
@@ -66,8 +66,8 @@ def _step(arm: Record, mode: Record, h: float) -> Record:
 
 
 @compiled
-def _transition(mode: Record, duration: float) -> Transition:
-    """How the free mode goes on over a duration."""
+def transition(mode: Record, duration: float) -> Transition:
+    """How the free mode, once tuned, goes on over a duration."""
     shrink = np.exp(-mode.sigma * duration)
     cosine = shrink * np.cos(mode.damped * duration)
     sine = shrink * np.sin(mode.damped * duration) / mode.damped
@@ -115,7 +115,7 @@ def strike(arms: Records, i: int, t: float, deflection: float) -> None:
 
 
 @inlined
-def _pushed(
+def pushed(
     arm: Record, t: float, theta: float, omega: float, q: float, v: float, w: float
 ) -> tuple[float, float]:
     """Acceleration of the first mode by the laws of force, and the largest friction, m/s^2."""
@@ -146,7 +146,7 @@ def _deviation(
     if i == 0:
         extra += arm.c0 + x * (arm.c1 + x * arm.c2)
         if arm.pushes != 0:
-            push, rub = _pushed(arm, t, theta, omega, q, v, w)
+            push, rub = pushed(arm, t, theta, omega, q, v, w)
             extra += push
     return extra, rub
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from stillarm.common.causes import LAWS
 from stillarm.common.files.model import Drive
 from stillarm.simulation.arm.compiled_laws import laws_of
 from stillarm.simulation.arm.free_run import free_run
@@ -81,3 +82,27 @@ def test_a_frequency_that_jumps_within_a_cycle(onset_s: float, ratio: float) -> 
 )
 def test_a_force_is_stepped_as_before(cause: str, values: dict[str, float]) -> None:
     assert_alike(*motions(cause, values), 1e-9)
+
+
+@pytest.mark.parametrize("begin_s", [0.0, 1.23456])
+@pytest.mark.parametrize(
+    ("cause", "values"),
+    [
+        ("periodic_disturbance", {"frequency_hz": 8.3, "amplitude_m_s2": 0.6, "phase_rad": 0.7}),
+        ("rotor_imbalance", {"gear_ratio": 60.0, "imbalance_m": 1e-3, "phase_rad": 0.7}),
+    ],
+)
+def test_a_foreign_force_is_an_input(cause: str, values: dict[str, float], begin_s: float) -> None:
+    assert_alike(*motions(cause, values, begin_s), 1e-6)
+
+
+def test_forces_that_follow_from_time_and_joint_alone_are_declared_so() -> None:
+    generator = np.random.default_rng(3)
+    for cause in LAWS.values():
+        if cause.acts != "force" or cause.law is None:
+            continue
+        own = [max(one.typical[0], 1e-3) for one in cause.numbers]
+        joint = [(t, theta, omega) for t, theta, omega in generator.uniform(0.1, 1.0, (20, 3))]
+        modes = generator.uniform(0.1, 1.0, (2, 20, 3))
+        one, other = ([cause.law(*j, *m, *own) for j, m in zip(joint, mode, strict=True)] for mode in modes)
+        assert (one == other) == cause.foreign, cause.identifier
