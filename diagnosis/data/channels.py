@@ -18,6 +18,8 @@ FAST_CHANNELS = ("acceleration", "joint_position", "joint_velocity", "deflection
 FRAME_CHANNELS = ("displacement", "arrival")
 JOINT_CHANNELS = ("joint_position", "joint_velocity")
 ARM_CHANNELS = ("acceleration", "deflection", "displacement")
+BEND_CHANNELS = ("deflection", "displacement")
+"""Those that show slow bends too, to which an accelerometer is blind."""
 MIN_FAST_VALUES, MIN_FRAMES = 51, 21  # fewer tell no level of noise beside a handful of fitted quantities
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
-from stillarm.diagnosis.data.channels import ARM_CHANNELS, JOINT_CHANNELS
+from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
@@ -117,14 +117,14 @@ def _turning(world: World) -> NDArray[np.bool_]:
 
 
 def _moves_are_told(baseline: Fit, split: Split, doubtful: int) -> bool:
-    """Whether the joint moved as told, and one of the arm's sensors shows nothing amiss with an impact in the fewest of
-    the moves: what is wrong is then wrong in another sensor, and no model of the moves."""
+    """Whether the joint moved as told, and what shows all bends shows nothing amiss with an impact in the fewest of the
+    moves: what is wrong is then wrong in another sensor, and no model of the moves."""
     turning = _turning(baseline.world)
     if 2 * doubtful > int(np.count_nonzero(np.diff(turning.astype(int)) > 0)):
         return False
     told = {name: rest_of(baseline, name, split).immaterial for name in baseline.residuals}
     joint = [told[name] for name in JOINT_CHANNELS if name in told]
-    return bool(joint) and all(joint) and any(told[name] for name in ARM_CHANNELS if name in told)
+    return bool(joint) and all(joint) and any(told[name] for name in BEND_CHANNELS if name in told)
 
 
 def _explained(

@@ -83,10 +83,11 @@ def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
     [
         ({"accelerometer.gravity_m_s2_per_rad": 5.0}, True),  # shows in the accelerometer alone
         ({"drive.further_dead_time_s": 0.02}, False),  # the joint is late
+        ({"camera.rate_px_per_s": 0.1}, False),  # the accelerometer is blind to slow bends
         ({"arm.cubic_per_m2": 30.0}, False),  # all that see the arm see that
     ],
 )
-def test_moves_are_told_where_the_joint_and_a_sensor_of_the_arm_show_nothing_amiss(
+def test_moves_are_told_where_the_joint_and_the_images_show_nothing_amiss(
     hidden: dict[str, float], told: bool
 ) -> None:
     struck = (1000,)

@@ -40,7 +40,8 @@ def fit_of(one: Form, plain: Fit) -> Fit:
     """A fit with the form's terms, at the baseline."""
     world = plain.world.changed(added=one.added(plain)) if one.added else plain.world
     trials = one.cause.trials(Context(plain, residual_peaks(plain) | {"acceleration": (7.0, 50.0)}))
-    world = variant(world, dict(trials[0].options)) if trials[0].options else world
+    options = dict(trials[0].options) if trials else {}  # what the data do not ask for is not tried
+    world = variant(world, options) if options else world
     start = carried_over(plain, world)
     return replace(plain, world=world, vector=start, predicted=world.predict(start), std={})
 
