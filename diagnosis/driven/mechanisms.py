@@ -225,8 +225,9 @@ def forms_for(fitted: DrivenFit) -> list[Form]:
         if f"delay {one.name}" not in fitted.free:
             found.append(Form("channel_delay", f"of {one.name}", (f"delay {one.name}",), _delays(one.name)))
         if f"lag {one.name}" not in fitted.free:
-            lags = "accelerometer_lag" if one.kind == "acceleration" else "sensor_lag"
-            found.append(Form(lags, f"a filter's lag in {one.name}", (f"lag {one.name}",), _lags(one.name)))
+            found.append(
+                Form("sensor_lag", f"a filter's lag in {one.name}", (f"lag {one.name}",), _lags(one.name))
+            )
         scaled = one.kind in ("velocity", "motor") and positions and one is not positions[0] and one.stated
         known = STATED in fitted.numbers
         if scaled and not known and f"scale {one.name}" not in fitted.free:
