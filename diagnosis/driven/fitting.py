@@ -168,16 +168,22 @@ def _scored(part: GreyBox, residuals: dict[str, Array], rows: NDArray[np.bool_])
     return np.asarray(sum(held)), np.asarray(sum(whole))
 
 
+def scored(box: GreyBox, residuals: dict[str, Array]) -> tuple[Array, Array]:
+    """Nats of blocks and bands, by levels of those that trained, and of all; each recording has noise of its own."""
+    each = [
+        _scored(box.parts[k], residuals, (box.recording == k)[box.block])
+        for k in range(box.driven.recordings)
+    ]
+    held, whole = (np.concatenate([one[i] for one in each]) for i in (0, 1))
+    return held, whole
+
+
 def _finished(
     box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, normal: Array
 ) -> DrivenFit:
     run = box.run(numbers, states)
     residuals = {one.name: one.values - run.outputs[one.name] for one in box.driven.outputs}
-    scored = [  # each recording has noise of its own
-        _scored(box.parts[k], residuals, (box.recording == k)[box.block])
-        for k in range(box.driven.recordings)
-    ]
-    held, whole = (np.concatenate([one[i] for one in scored]) for i in (0, 1))
+    held, whole = scored(box, residuals)
     try:
         spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + RIDGE * np.eye(len(free)))), 0.0))
     except np.linalg.LinAlgError:

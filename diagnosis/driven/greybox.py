@@ -18,6 +18,7 @@ from scipy.signal import lfilter
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
+from stillarm.diagnosis.driven.regression import joint_motion
 from stillarm.diagnosis.driven.sensing import Motion, is_late, seen
 from stillarm.diagnosis.driven.signals import Driven
 from stillarm.simulation.arm.geared_joint import link_of, play_run
@@ -243,9 +244,18 @@ class GreyBox:
                 states[s, place] = line[1]
                 if place != 1:
                     states[s, place + 1] = line[0]
+        if all(one.kind not in ("position", "motor") for one in self.driven.outputs):
+            states[:, 0] = self._turned
         if self.play:
             states[:, -2:] = states[:, :2]
         return states
+
+    @cached_property
+    def _turned(self) -> Array:
+        """By how much the joint has turned where each block begins, as a velocity alone tells: what repeats over the
+        angle then has one phase in all blocks. Zero where no sensor looks at the joint."""
+        motion = joint_motion(self.driven)
+        return np.zeros(len(self.starts) - 1) if motion is None else motion[0][self.starts[:-1]]
 
 
 def _before_and_after(u: Array, parts: int) -> Array:

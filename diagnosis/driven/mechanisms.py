@@ -28,6 +28,7 @@ Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
 AMPLIFIER_LAG = "a lag of the amplifier"
 STIFF_JOINT = "a stiffness of the joint"
+_SLIGHT = 0.1  # samples: a jump behind a longer lag is another shape, which no first order leads to
 _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
 
@@ -269,7 +270,7 @@ def _more(*names: str) -> Callable[[DrivenFit], Starts]:
 
 def _delays(name: str) -> Callable[[DrivenFit], Starts]:
     def starts(fitted: DrivenFit) -> Starts:
-        for samples in (2.0, -2.0):
+        for samples in (_SLIGHT, 2.0, -2.0):
             yield {f"delay {name}": samples * fitted.box.driven.step_s}
 
     return starts
@@ -277,7 +278,7 @@ def _delays(name: str) -> Callable[[DrivenFit], Starts]:
 
 def _lags(name: str) -> Callable[[DrivenFit], Starts]:
     def starts(fitted: DrivenFit) -> Starts:
-        for samples in (2.0, 10.0):
+        for samples in (_SLIGHT, 2.0, 10.0):
             yield {f"lag {name}": samples * fitted.box.driven.step_s}
 
     return starts

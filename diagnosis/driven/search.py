@@ -134,12 +134,18 @@ def holds_in(plain: Form, rich: Form) -> bool:
     return set(plain.numbers) < set(rich.numbers)
 
 
+def _is_limit_of(plain: Form, rich: Form) -> bool:
+    """Whether a form is what another one becomes where the joint turns little: of gravity a constant torque is left."""
+    return plain.cause == "torque_offset" and rich.cause == "gravity_load"
+
+
 def plainer_first(tried: list[Tried]) -> list[Tried]:
     """The plainest form of those that the best one holds, where the best does not win its odds against it."""
     plainer = [
         one
         for one in tried
-        if holds_in(one.form, tried[0].form) and one.merit >= max(CONVINCES, tried[0].merit - CONVINCES)
+        if (holds_in(one.form, tried[0].form) or _is_limit_of(one.form, tried[0].form))
+        and one.merit >= max(CONVINCES, tried[0].merit - CONVINCES)
     ]
     if not plainer:
         return tried
