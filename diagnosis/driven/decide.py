@@ -121,7 +121,7 @@ def _finding(
     ]
     near, behind = [], inf
     for rival in rivals:
-        gap = one.merit - rival.merit
+        gap = max(one.merit - rival.merit, 0.0)  # one that gained more has not won its odds
         behind = min(behind, gap)
         if gap <= max(NEAR_NATS, NEAR_SHARE * one.merit) and rival.form.cause not in near:
             near.append(rival.form.cause)
