@@ -17,7 +17,7 @@ from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, PRICE, Tr
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.own import recording_of
 from stillarm.diagnosis.driven.plainest import plainest
-from stillarm.diagnosis.driven.quantised import quantised
+from stillarm.diagnosis.driven.quantised import beyond_half_a_step, quantised
 from stillarm.diagnosis.driven.removal import without_form
 from stillarm.diagnosis.driven.search import Searched, holds_in
 from stillarm.diagnosis.driven.single import one_for_two
@@ -79,10 +79,14 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
     taken = [one.taken for one in found.rounds]
     forms = [one.form for one in taken]
     final = found.final
+    steps = quantised(final)
     needed: list[tuple[Tried, float, DrivenFit]] = []
     for one in [other for other in taken if other.form.cause != STRUCTURE]:
         without = without_form(final, one.form, forms, found.start.numbers)
         worth = judged(one.form, final, without).merit if left_s() > 0.0 else one.merit
+        if steps is not None:
+            fits = (beyond_half_a_step(each, steps[1]) for each in (final, without))
+            worth = min(worth, judged(one.form, *fits).merit)
         least = LEAST_OF_PLAY if one.form.play else LEAST_OF_NOISE
         if worth >= CONVINCES and _channel(*_where(one.form, without, final))[1] >= least:
             needed.append((one, worth, without))
@@ -93,7 +97,6 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
     needed = [one for one in needed if one[1] >= BESIDE_SHARE * max(other[1] for other in needed)]
     rests = tuple(rest_of(final, one.name) for one in final.box.driven.outputs)
     findings = tuple(_finding(one, worth, without, found, final) for one, worth, without in needed)
-    steps = quantised(final)
     if steps is not None:
         form, channel, size, reduction = steps
         findings += (
@@ -118,7 +121,7 @@ def _finding(
     ]
     near, behind = [], inf
     for rival in rivals:
-        gap = one.merit - rival.merit
+        gap = max(one.merit - rival.merit, 0.0)  # one that gained more has not won its odds
         behind = min(behind, gap)
         if gap <= max(NEAR_NATS, NEAR_SHARE * one.merit) and rival.form.cause not in near:
             near.append(rival.form.cause)

@@ -1,7 +1,7 @@
 """What a model file declares of a driven joint's causes, and what a diagnosis adds to it: extended.toml, both ways.
 
-Most stand under [[effects]] with the simulation's own numbers. Three are another value of a key of the model:
-the amplifier's limit (drive.input_limit), play (drive.gear_play_rad), an accelerometer's lag (accelerometer.delay_s).
+Most stand under [[effects]] with the simulation's own numbers. Two are another value of a key of the model:
+the amplifier's limit (drive.input_limit) and play (drive.gear_play_rad). accelerometer.delay_s is read as a lag.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,7 +21,7 @@ _ARM = {
     "cubic_stiffness": ("coefficient_per_m2", "arm_cubic_over_w2"),
 }
 """Causes of the arm that a driven joint's arm has as well: the parameter and the simulation's number."""
-_KEYS = {"drive_saturation": "limit", "gear_backlash": "gap", "accelerometer_lag": "lag acceleration_m_s2"}
+_KEYS = {"drive_saturation": "limit", "gear_backlash": "gap"}
 NONE_OF_THEM = -1  # number of no recording: only what holds in all of them
 Effect = dict[str, EffectValue]
 
@@ -45,7 +45,7 @@ def declared_numbers(model: Model, driven: Driven) -> dict[str, float]:
     if not isinstance(model.drive.gear_play_rad, msgspec.UnsetType) and model.drive.gear_play_rad > 0.0:
         numbers["gap"] = model.drive.gear_play_rad
     if model.accelerometer.delay_s > 0.0:
-        numbers["lag acceleration_m_s2"] = model.accelerometer.delay_s
+        numbers.setdefault("lag acceleration_m_s2", model.accelerometer.delay_s)
     return numbers
 
 
@@ -102,6 +102,4 @@ def _with_key(model: Model, cause: str, value: float) -> Model:
     replace = msgspec.structs.replace
     if cause == "drive_saturation":
         return replace(model, drive=replace(model.drive, input_limit=float(value)))
-    if cause == "gear_backlash":
-        return replace(model, drive=replace(model.drive, gear_play_rad=float(value)))
-    return replace(model, accelerometer=replace(model.accelerometer, delay_s=float(value)))
+    return replace(model, drive=replace(model.drive, gear_play_rad=float(value)))

@@ -12,6 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.driven.block_states import begun_states, settled_states
+from stillarm.diagnosis.driven.derivatives import (
+    ASTRAY,
+    by_block,
+    cost_of,
+    derivatives,
+    first_levels,
+    levels_of,
+    rows_of_blocks,
+)
 from stillarm.diagnosis.driven.gauss_newton import RIDGE, Piece, normal_of, state_steps, stepped
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
 from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of, with_own
@@ -25,12 +35,8 @@ SEARCH_STEPS = 18
 NEAR_STEPS = 10
 """Of a fit from the final model, which is near its end."""
 
-_DIFFERENCE = 1e-3  # of a number: over much less, the corners of friction make a derivative of their own
-_OF_PLAY = 0.05  # of play's own numbers: an impact falls to a simulated step, and moves by whole ones
 _DAMPING, _MOST_DAMPING = 1e-3, 1e7  # of the diagonal (Levenberg, Marquardt): at first; a step is then none
 _SETTLED = 1e-4  # of the cost, from one step to the next
-_MOST_UNEVEN = 0.15  # of the largest share of an output's variation that is left: the least of another
-_ASTRAY = 1e8  # times the deviation: no number any more
 
 
 @dataclass(frozen=True)
@@ -87,35 +93,29 @@ class DrivenFit:
 def fit(
     box: GreyBox, numbers: dict[str, float], free: Sequence[str], states: Array | None = None, steps: int = 15
 ) -> DrivenFit:
-    """The likeliest numbers near those given. States default to what the sensors tell."""
+    """The likeliest numbers near those given. A block begins in the state that is given, or that the sensors tell."""
     free = tuple(free)
     numbers = with_own(numbers, free)
-    if states is None or states.shape[1] != box.size:
-        guess = box.first_states(numbers)
-        if states is not None:
-            keep = min(states.shape[1], box.size)
-            guess[:, :keep] = states[:, :keep]
-        states = guess
-    sigma = _levels(box)
-    states = _settled(box, numbers, states, sigma)
-    sigma = _levels_of(box, _cost(box, numbers, states, sigma)[1], sigma)
-    cost, errors = _cost(box, numbers, states, sigma)
+    sigma = first_levels(box)
+    states = settled_states(box, numbers, begun_states(box, numbers, states, sigma), sigma)
+    sigma = levels_of(box, cost_of(box, numbers, states, sigma)[1], sigma)
+    cost, errors = cost_of(box, numbers, states, sigma)
     damping = _DAMPING
     normal = np.eye(len(free))
     for _ in range(steps):
-        pieces = _derivatives(box, numbers, free, states, sigma, errors)
+        pieces = derivatives(box, numbers, free, states, sigma, errors)
         normal, gradient = normal_of(pieces, len(free))
         moved = False
         while damping < _MOST_DAMPING:
             scaled = normal + damping * np.diag(np.diag(normal)) + RIDGE * np.eye(len(free))
             trial, step = stepped(box, numbers, free, scaled, gradient)
             trial_states = states + state_steps(pieces, step)
-            trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
+            trial_cost, trial_errors = cost_of(box, trial, trial_states, sigma)
             if not trial_cost < cost:
                 # a block's own step is not damped: where it goes astray, at a corner of friction, its state stays
-                astray = _by_block(box, trial_errors) > _by_block(box, errors)
+                astray = by_block(box, trial_errors) > by_block(box, errors)
                 trial_states = np.where(astray[:, None], states, trial_states)
-                trial_cost, trial_errors = _cost(box, trial, trial_states, sigma)
+                trial_cost, trial_errors = cost_of(box, trial, trial_states, sigma)
             if trial_cost < cost:
                 moved = True
                 break
@@ -128,150 +128,29 @@ def fit(
         damping = max(damping / 10.0, 1e-7)
         if settled:
             break
-        sigma = _levels_of(box, errors, sigma)
-        cost, errors = _cost(box, numbers, states, sigma)
-    return _finished(box, numbers, free, _settled(box, numbers, states, sigma, 3), normal)
-
-
-def _levels(box: GreyBox) -> dict[str, float]:
-    """A first deviation of each output, by which they are weighed: a share of its variation."""
-    return {one.name: max(0.05 * float(np.nanstd(one.values)), one.step, 1e-12) for one in box.driven.outputs}
-
-
-def _levels_of(box: GreyBox, errors: dict[str, Array], sigma: dict[str, float]) -> dict[str, float]:
-    """The outputs' deviations as they are, but none so small against another's that the fit would give that up."""
-    train = ~box.split.held[box.block]
-    found, share = {}, {}
-    for one in box.driven.outputs:
-        rms = float(np.sqrt(np.nanmean((errors[one.name][train] * sigma[one.name]) ** 2)))
-        usual = float(np.nanstd(one.values))
-        found[one.name] = max(rms, 0.29 * one.step, 1e-9 * usual)
-        share[one.name] = found[one.name] / usual
-    most = max(share.values())
-    return {name: level * max(1.0, _MOST_UNEVEN * most / share[name]) for name, level in found.items()}
-
-
-def _cost(
-    box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float]
-) -> tuple[float, dict[str, Array]]:
-    with np.errstate(over="ignore", invalid="ignore"):
-        run = box.run(numbers, states)
-    train = ~box.split.held[box.block]
-    total, errors = 0.0, {}
-    for one in box.driven.outputs:
-        error = (one.values - run.outputs[one.name]) / sigma[one.name]
-        known = np.isfinite(one.values)
-        error[known & ~(np.abs(error) < _ASTRAY)] = _ASTRAY
-        error[~known] = np.nan
-        errors[one.name] = error
-        total += 0.5 * float(np.nansum(error[train] ** 2))
-    return total, errors
+        sigma = levels_of(box, errors, sigma)
+        cost, errors = cost_of(box, numbers, states, sigma)
+    return _finished(box, numbers, free, settled_states(box, numbers, states, sigma, 3), normal)
 
 
 def runs_away(box: GreyBox, numbers: dict[str, float], states: Array) -> bool:
     """Whether the simulation leaves all bounds: a joint that friction drives on, or a spring that pushes."""
-    _, errors = _cost(box, numbers, states, _levels(box))
-    return any(bool(np.any(np.abs(one) >= _ASTRAY)) for one in errors.values())
+    _, errors = cost_of(box, numbers, states, first_levels(box))
+    return any(bool(np.any(np.abs(one) >= ASTRAY)) for one in errors.values())
 
 
 def levels_of_fit(fitted: DrivenFit) -> dict[str, float]:
     """The outputs' deviations, by what the fit leaves where it was trained."""
     ones = dict.fromkeys(fitted.residuals, 1.0)
-    return _levels_of(fitted.box, fitted.residuals, ones)
+    return levels_of(fitted.box, fitted.residuals, ones)
 
 
 def linearised(fitted: DrivenFit, sigma: dict[str, float]) -> tuple[list[Piece], list[NDArray[np.int64]]]:
     """A fit's derivatives and residual by blocks, and which of the stacked samples each block holds."""
     errors = {name: residual / sigma[name] for name, residual in fitted.residuals.items()}
     box = fitted.box
-    pieces = _derivatives(box, fitted.numbers, fitted.free, fitted.states, sigma, errors)
-    return pieces, _rows_of_blocks(box, np.concatenate([errors[one.name] for one in box.driven.outputs]))
-
-
-def _derivatives(
-    box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, sigma: dict[str, float],
-    errors: dict[str, Array],
-) -> list[Piece]:  # fmt: skip
-    base = stacked(box, box.run(numbers, states), sigma)
-    columns = []
-    for name in free:
-        step = difference_of(name, numbers[name], box)
-        columns.append(_slope(box, {**numbers, name: numbers[name] + step}, states, sigma, base, step))
-    scale = np.maximum(np.std(states, axis=0), 1e-3 * np.max(np.abs(states)) + 1e-9)
-    turned = []
-    for place in range(box.size):
-        other = states.copy()
-        other[:, place] += _DIFFERENCE * scale[place]
-        turned.append(_slope(box, numbers, other, sigma, base, _DIFFERENCE * scale[place]))
-    residual = np.concatenate([errors[one.name] for one in box.driven.outputs])
-    by_numbers, by_state = np.array(columns).T.reshape(len(residual), -1), np.array(turned).T
-    pieces = []
-    for s, rows in enumerate(_rows_of_blocks(box, residual)):
-        j, k, r = by_numbers[rows], by_state[rows], residual[rows]
-        pieces.append((np.nan_to_num(j), np.nan_to_num(k), r, not box.split.held[s]))
-    return pieces
-
-
-def _slope(
-    box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float], base: Array, step: float
-) -> Array:
-    """A derivative by what was moved by `step`; none where the moved simulation runs away, so that no step is taken."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        change = stacked(box, box.run(numbers, states), sigma) - base
-    known = change[~np.isnan(base)]
-    sound = bool(np.isfinite(known).all()) and float(np.max(np.abs(known), initial=0.0)) < _ASTRAY
-    return change / step if sound else np.zeros_like(base)
-
-
-def _rows_of_blocks(box: GreyBox, residual: Array) -> list[NDArray[np.int64]]:
-    """Which of the stacked samples each block holds, of those that were measured."""
-    where = np.tile(box.block, len(box.driven.outputs))
-    known = np.isfinite(residual)
-    order = np.flatnonzero(known)[np.argsort(where[known], kind="stable")]
-    blocks = len(box.starts) - 1
-    ends = np.cumsum(np.bincount(where[order], minlength=blocks))
-    return [order[(ends[s - 1] if s else 0) : end] for s, end in enumerate(ends)]
-
-
-def difference_of(name: str, value: float, box: GreyBox) -> float:
-    """By how much a number is moved for its derivative."""
-    if name.startswith(("delay", "lag", "onset")):
-        return 0.02 * box.driven.step_s
-    if name == "bounce":
-        return _OF_PLAY
-    if name in ("gap", "share"):
-        return _OF_PLAY * max(value, 1e-9)
-    return _DIFFERENCE * max(abs(value), 1e-3)
-
-
-def stacked(box: GreyBox, run: Run, sigma: dict[str, float]) -> Array:
-    """All outputs one after the other, in deviations."""
-    return np.concatenate([run.outputs[one.name] / sigma[one.name] for one in box.driven.outputs])
-
-
-def _settled(
-    box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float], turns: int = 2
-) -> Array:
-    """The blocks' states for numbers that stay; each block keeps a step that makes it better."""
-    _, errors = _cost(box, numbers, states, sigma)
-    by_block = _by_block(box, errors)
-    for _ in range(turns):
-        pieces = _derivatives(box, numbers, (), states, sigma, errors)
-        trial = states + state_steps(pieces, np.zeros(0))
-        _, trial_errors = _cost(box, numbers, trial, sigma)
-        better = _by_block(box, trial_errors) < by_block
-        if not better.any():
-            break
-        states = np.where(better[:, None], trial, states)
-        _, errors = _cost(box, numbers, states, sigma)
-        by_block = _by_block(box, errors)
-    return states
-
-
-def _by_block(box: GreyBox, errors: dict[str, Array]) -> Array:
-    """Each block's sum of squares."""
-    total = sum(np.nan_to_num(one) ** 2 for one in errors.values())
-    return np.asarray(np.bincount(box.block, np.asarray(total), minlength=len(box.starts) - 1), np.float64)
+    pieces = derivatives(box, fitted.numbers, fitted.free, fitted.states, sigma, errors)
+    return pieces, rows_of_blocks(box, np.concatenate([errors[one.name] for one in box.driven.outputs]))
 
 
 def _scored(part: GreyBox, residuals: dict[str, Array], rows: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -289,16 +168,22 @@ def _scored(part: GreyBox, residuals: dict[str, Array], rows: NDArray[np.bool_])
     return np.asarray(sum(held)), np.asarray(sum(whole))
 
 
+def scored(box: GreyBox, residuals: dict[str, Array]) -> tuple[Array, Array]:
+    """Nats of blocks and bands, by levels of those that trained, and of all; each recording has noise of its own."""
+    each = [
+        _scored(box.parts[k], residuals, (box.recording == k)[box.block])
+        for k in range(box.driven.recordings)
+    ]
+    held, whole = (np.concatenate([one[i] for one in each]) for i in (0, 1))
+    return held, whole
+
+
 def _finished(
     box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, normal: Array
 ) -> DrivenFit:
     run = box.run(numbers, states)
     residuals = {one.name: one.values - run.outputs[one.name] for one in box.driven.outputs}
-    scored = [  # each recording has noise of its own
-        _scored(box.parts[k], residuals, (box.recording == k)[box.block])
-        for k in range(box.driven.recordings)
-    ]
-    held, whole = (np.concatenate([one[i] for one in scored]) for i in (0, 1))
+    held, whole = scored(box, residuals)
     try:
         spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + RIDGE * np.eye(len(free)))), 0.0))
     except np.linalg.LinAlgError:

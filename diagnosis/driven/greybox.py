@@ -18,7 +18,9 @@ from scipy.signal import lfilter
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
-from stillarm.diagnosis.driven.signals import Driven, Output
+from stillarm.diagnosis.driven.regression import joint_motion
+from stillarm.diagnosis.driven.sensing import Motion, is_late, seen
+from stillarm.diagnosis.driven.signals import Driven
 from stillarm.simulation.arm.geared_joint import link_of, play_run
 from stillarm.simulation.arm.torque_joint import LinearJoint, torque_run, transition
 
@@ -185,15 +187,17 @@ class GreyBox:
         laws = np.array([law, law])
         laws[1, OF_JOINT] /= factor
         u = self.driving(numbers, parts)
-        out, forces = np.empty((driven.samples, self.size)), np.empty((driven.samples, 2))
-        torque_run(*both, laws, switch, u, parts, step, self.starts, states, out, forces)
-        drive = u[::parts, 0]
+        seen_in = parts if any(is_late(one, numbers) for one in driven.outputs) else 1  # parts of a sample
+        rows, starts = driven.samples * seen_in, self.starts * seen_in
+        out, forces = np.empty((rows, self.size)), np.empty((rows, 2))
+        torque_run(*both, laws, switch * seen_in, u, parts // seen_in, step, starts, states, out, forces)
+        drive = _before_and_after(u, parts // seen_in)
         a, b = (linear := self.linear(numbers)).equations()
         theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
-        seen = {
-            one.name: self._seen(one, numbers, out, drive, forces, theta_dd, linear) for one in driven.outputs
-        }
-        return Run(seen, out, forces, drive, theta_dd)
+        motion = Motion(linear, out, forces, drive, theta_dd)
+        step = driven.step_s / seen_in
+        shown = {one.name: seen(one, numbers, motion, step, starts)[::seen_in] for one in driven.outputs}
+        return Run(shown, out[::seen_in], forces[::seen_in], drive[1, ::seen_in], theta_dd[1, ::seen_in])
 
     def _with_play(self, numbers: Numbers, law: Array, states: Array) -> Run:
         """States: the link's, then the motor's angle and velocity."""
@@ -209,64 +213,17 @@ class GreyBox:
         held = np.ascontiguousarray(g[:, 2])
         joint = share, whole.gain, whole.damping, gap, numbers.get("bounce", 0.0)
         play_run(*joint, law, phi, held, u, parts, step, self.starts, states, out, contact)
-        at = u[::parts, 0]
+        drive = _before_and_after(u, parts)
         forces = np.column_stack([contact, np.zeros(driven.samples)])
         a, _ = link.equations()
         accelerations = out[:, :n] @ a[1] + contact, np.gradient(out[:, n + 1], driven.step_s)
-        seen = {}
+        shown = {}
         for one in driven.outputs:
             on_motor = one.kind == "motor" or bool(numbers.get(_SIDES.get(one.kind, ""), 0.0))
             z = np.column_stack([out[:, n:], out[:, 2:n]]) if on_motor else out[:, :n]
-            seen[one.name] = self._seen(one, numbers, z, at, forces, accelerations[int(on_motor)], link)
-        return Run(seen, out, forces, at, accelerations[0])
-
-    def _seen(
-        self, output: Output, numbers: Numbers, z: Array, drive: Array, forces: Array, theta_dd: Array,
-        linear: LinearJoint,
-    ) -> Array:  # fmt: skip
-        """What a sensor makes of the motion."""
-        name = output.name
-        offset, scale = numbers.get(f"offset {name}", 0.0), numbers.get(f"scale {name}", 1.0)
-        if output.kind in ("position", "motor"):
-            true, slope = z[:, 0], z[:, 1]
-        elif output.kind == "velocity":
-            true, slope = z[:, 1], theta_dd
-        elif output.kind == "deflection":
-            true, slope = z[:, 2::2].sum(axis=1), z[:, 3::2].sum(axis=1)
-        else:
-            a, b = linear.equations()
-            rates = np.arange(3, len(a), 2)
-            bent = z @ a[rates].T + np.outer(drive, b[rates, 0]) + np.outer(forces[:, 0], b[rates, 1])
-            shares = [numbers.get(f"share_{i} {name}", 1.0) for i in range(1, self.modes + 1)]
-            true = numbers.get(f"direct {name}", 0.0) * theta_dd + (
-                bent @ np.array(shares) if shares else 0.0
-            )
-            slope = np.gradient(true, self.driven.step_s)
-        true = self._late(true, slope, numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0))
-        return np.asarray(scale * true + offset)
-
-    def _late(self, true: Array, slope: Array, delay_s: float, lag_s: float) -> Array:
-        """Each block's signal, delayed, and behind a lag of first order; steady in its slope before the block."""
-        if delay_s == 0.0 and lag_s <= 0.0:
-            return true
-        h, late = self.driven.step_s, np.empty_like(true)
-        for a, b in zip(self.starts[:-1], self.starts[1:], strict=True):
-            one, t = true[a:b], np.arange(b - a) * h
-            if delay_s != 0.0:
-                at = t - delay_s
-                shifted = np.interp(at, t, one)
-                shifted[at < 0.0] += slope[a] * at[at < 0.0]
-                shifted[at > t[-1]] += slope[b - 1] * (at[at > t[-1]] - t[-1])
-                one = shifted
-            if lag_s > 1e-3 * h:
-                keep = exp(-h / lag_s)
-                after = 1.0 - lag_s / h * (1.0 - keep)
-                begin = one[0] - lag_s * slope[a]
-                feed = [after, 1.0 - keep - after]
-                # the filter's memory, so that its first value is `begin`
-                one = lfilter(feed, [1.0, -keep], one, zi=[begin - feed[0] * one[0]])[0]
-            late[a:b] = one
-        return late
+            motion = Motion(link, z, forces, drive, np.stack([accelerations[int(on_motor)]] * 2))
+            shown[one.name] = seen(one, numbers, motion, driven.step_s, self.starts)
+        return Run(shown, out, forces, drive[1], accelerations[0])
 
     def first_states(self, numbers: Numbers) -> Array:
         """Where the blocks begin as far as the sensors tell: (blocks, size)."""
@@ -287,9 +244,24 @@ class GreyBox:
                 states[s, place] = line[1]
                 if place != 1:
                     states[s, place + 1] = line[0]
+        if all(one.kind not in ("position", "motor") for one in self.driven.outputs):
+            states[:, 0] = self._turned
         if self.play:
             states[:, -2:] = states[:, :2]
         return states
+
+    @cached_property
+    def _turned(self) -> Array:
+        """By how much the joint has turned where each block begins, as a velocity alone tells: what repeats over the
+        angle then has one phase in all blocks. Zero where no sensor looks at the joint."""
+        motion = joint_motion(self.driven)
+        return np.zeros(len(self.starts) - 1) if motion is None else motion[0][self.starts[:-1]]
+
+
+def _before_and_after(u: Array, parts: int) -> Array:
+    """What reaches the joint just before each sample and just after, (2, n). u: at both ends of each substep."""
+    after = u[::parts, 0]
+    return np.stack([np.concatenate([after[:1], u[parts - 1 :: parts, 1][:-1]]), after])
 
 
 def _joined(runs: list[Run]) -> Run:

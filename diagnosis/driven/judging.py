@@ -58,11 +58,13 @@ def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
 
 
 def lags_told(tried: list[Tried]) -> list[Tried]:
-    """Every amplifier lags: that the input comes late is a cause by odds against that alone, and structure without."""
+    """Every amplifier lags: that the input or a sensor comes late is a cause by odds against that alone. Without, the
+    input's delay is structure, and a sensor's says nothing."""
     lag = max((one.merit for one in tried if one.form.words == AMPLIFIER_LAG), default=-inf)
-    return [
-        replace(one, form=replace(one.form, cause=STRUCTURE, words=DELAY))
-        if "late" in one.form.numbers and one.merit < lag + CONVINCES
-        else one
-        for one in tried
-    ]
+    return [_without_odds(one) if one.merit < lag + CONVINCES else one for one in tried]
+
+
+def _without_odds(one: Tried) -> Tried:
+    if "late" in one.form.numbers:
+        return replace(one, form=replace(one.form, cause=STRUCTURE, words=DELAY))
+    return replace(one, merit=-inf) if one.form.cause in ("channel_delay", "sensor_lag") else one

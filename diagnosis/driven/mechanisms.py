@@ -28,6 +28,7 @@ Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
 AMPLIFIER_LAG = "a lag of the amplifier"
 STIFF_JOINT = "a stiffness of the joint"
+_SLIGHT = 0.1  # samples: a jump behind a longer lag is another shape, which no first order leads to
 _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
 
@@ -225,8 +226,9 @@ def forms_for(fitted: DrivenFit) -> list[Form]:
         if f"delay {one.name}" not in fitted.free:
             found.append(Form("channel_delay", f"of {one.name}", (f"delay {one.name}",), _delays(one.name)))
         if f"lag {one.name}" not in fitted.free:
-            lags = "accelerometer_lag" if one.kind == "acceleration" else "sensor_lag"
-            found.append(Form(lags, f"a filter's lag in {one.name}", (f"lag {one.name}",), _lags(one.name)))
+            found.append(
+                Form("sensor_lag", f"a filter's lag in {one.name}", (f"lag {one.name}",), _lags(one.name))
+            )
         scaled = one.kind in ("velocity", "motor") and positions and one is not positions[0] and one.stated
         known = STATED in fitted.numbers
         if scaled and not known and f"scale {one.name}" not in fitted.free:
@@ -268,7 +270,7 @@ def _more(*names: str) -> Callable[[DrivenFit], Starts]:
 
 def _delays(name: str) -> Callable[[DrivenFit], Starts]:
     def starts(fitted: DrivenFit) -> Starts:
-        for samples in (2.0, -2.0):
+        for samples in (_SLIGHT, 2.0, -2.0):
             yield {f"delay {name}": samples * fitted.box.driven.step_s}
 
     return starts
@@ -276,7 +278,7 @@ def _delays(name: str) -> Callable[[DrivenFit], Starts]:
 
 def _lags(name: str) -> Callable[[DrivenFit], Starts]:
     def starts(fitted: DrivenFit) -> Starts:
-        for samples in (2.0, 10.0):
+        for samples in (_SLIGHT, 2.0, 10.0):
             yield {f"lag {name}": samples * fitted.box.driven.step_s}
 
     return starts

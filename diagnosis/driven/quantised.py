@@ -1,8 +1,14 @@
-"""Whether an encoder's steps are what is left: the simulated angle, rounded to its counts, is then the measured one."""
+"""Whether an encoder's steps are what is left: the simulated angle, rounded to its counts, is then the measured one.
+
+What rounding leaves of a slow motion is no noise, and other causes can make up for some of it. So beside an encoder's
+steps a departure of its angle counts only beyond half a step.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 
-from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.fitting import DrivenFit, scored
 from stillarm.diagnosis.driven.mechanisms import Form
 
 COARSE_OF_MOTION = 1.0 / 500.0  # of an angle's variation: a finer step matters to nobody
@@ -32,3 +38,12 @@ def quantised(final: DrivenFit) -> tuple[Form, str, float, float] | None:
             form = Form(CAUSE, f"steps of {one.step:.4g} in {one.name}", ("step",), lambda fitted: iter(()))
             return form, one.name, one.step, 1.0 - after / before
     return None
+
+
+def beyond_half_a_step(fitted: DrivenFit, channel: str) -> DrivenFit:
+    """The fit as it is judged beside an encoder's steps."""
+    step = next(one.step for one in fitted.box.driven.outputs if one.name == channel)
+    left = fitted.residuals[channel]
+    beyond = np.sign(left) * np.maximum(np.abs(left) - 0.5 * step, 0.0)
+    held, whole = scored(fitted.box, {**fitted.residuals, channel: beyond})
+    return replace(fitted, held_bands=held, whole_bands=whole)

@@ -7,7 +7,8 @@ make of it is projected out; the rest, scaled freely, takes away so much of the 
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.driven.fitting import DrivenFit, levels_of_fit, linearised, stacked
+from stillarm.diagnosis.driven.derivatives import stacked
+from stillarm.diagnosis.driven.fitting import DrivenFit, levels_of_fit, linearised
 from stillarm.diagnosis.driven.gauss_newton import orthonormal
 
 Array = NDArray[np.float64]

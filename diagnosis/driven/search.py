@@ -50,7 +50,6 @@ _SOME_FORMS = "some forms of causes"
 _LINEAR = (
     "channel_delay",
     "sensor_lag",
-    "accelerometer_lag",
     "gravity_load",
     "sensor_scale",
     "inertia_change",
@@ -120,9 +119,13 @@ def search(
 
 
 def settled(taken: DrivenFit) -> DrivenFit:
-    """The fit that was taken, fitted on: what is left of a cause's own error would pass for another cause."""
-    again = fit(taken.box, taken.numbers, taken.free, taken.states, steps=SEARCH_STEPS)
-    return max(taken, again, key=lambda one: float(one.whole.sum()))
+    """The fit that was taken, fitted on, as what is left of a cause's own error would pass for another cause; and with
+    the input held or linear between samples, as the start's choice was made without the cause."""
+    other = {**taken.numbers, "held": 1.0 - taken.numbers.get("held", 0.0)}
+    fits = [
+        fit(taken.box, one, taken.free, taken.states, steps=SEARCH_STEPS) for one in (taken.numbers, other)
+    ]
+    return max(taken, *fits, key=lambda one: float(one.whole.sum()))
 
 
 def holds_in(plain: Form, rich: Form) -> bool:
@@ -131,12 +134,18 @@ def holds_in(plain: Form, rich: Form) -> bool:
     return set(plain.numbers) < set(rich.numbers)
 
 
+def _is_limit_of(plain: Form, rich: Form) -> bool:
+    """Whether a form is what another one becomes where the joint turns little: of gravity a constant torque is left."""
+    return plain.cause == "torque_offset" and rich.cause == "gravity_load"
+
+
 def plainer_first(tried: list[Tried]) -> list[Tried]:
     """The plainest form of those that the best one holds, where the best does not win its odds against it."""
     plainer = [
         one
         for one in tried
-        if holds_in(one.form, tried[0].form) and one.merit >= max(CONVINCES, tried[0].merit - CONVINCES)
+        if (holds_in(one.form, tried[0].form) or _is_limit_of(one.form, tried[0].form))
+        and one.merit >= max(CONVINCES, tried[0].merit - CONVINCES)
     ]
     if not plainer:
         return tried

@@ -61,3 +61,12 @@ def test_a_delay_that_the_plain_model_may_have_is_none() -> None:
         fitted = _fitted(delay_s)
         assert judged(LATE, fitted, fitted).form.cause == cause
         assert judged(LATE, fitted, fitted).merit == pytest.approx(-PRICE)
+
+
+def test_a_late_sensor_says_nothing_without_odds_against_an_amplifiers_lag() -> None:
+    """Where the other sensors are too coarse to tell, a lag of the one that tells is the amplifier's as well."""
+    fitted = _fitted()
+    late = replace(LATE, words="of joint_velocity_rad_s", numbers=("delay joint_velocity_rad_s",))
+    lag = Tried(LAG, fitted, 60.0, 60.0)
+    for merit, told in ((60.0 + CONVINCES + 1.0, 60.0 + CONVINCES + 1.0), (60.0 + CONVINCES - 1.0, -np.inf)):
+        assert [one.merit for one in lags_told([lag, Tried(late, fitted, merit, merit)])] == [60.0, told]

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.driven.blocks import irregular
-from stillarm.diagnosis.driven.judging import CONVINCES
-from stillarm.diagnosis.driven.search import search, tried_forms
+from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.judging import CONVINCES, Tried
+from stillarm.diagnosis.driven.mechanisms import FORMS, Form
+from stillarm.diagnosis.driven.search import plainer_first, search, tried_forms
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.start import linear_start
 from tests.fixtures.current_joint import STEP_S, drive_input, moved
@@ -39,3 +41,34 @@ def test_a_round_that_the_time_did_not_suffice_for_is_told() -> None:
     left = chain([10.0, 10.0], repeat(-1.0))
     found = search(driven, irregular(driven.duration_s), lambda done, what: None, lambda: next(left))
     assert found.rounds == () and found.left_out == ("some forms of causes",)
+
+
+def test_gravity_gives_way_to_a_constant_torque_that_does_as_well() -> None:
+    """On a joint that turns little, gravity is one, and its second number makes up for anything small."""
+    u = drive_input()
+    angle, _ = moved(u, 0.0, 0.0)
+    seen = Output("joint_position_rad", "position", np.asarray(angle), True, 0.0)
+    driven = Driven("x", STEP_S, 0.0, "motor_voltage_v", u, True, (seen,), {})
+    fitted = linear_start(driven, irregular(driven.duration_s))
+    gravity, offset, dead = (
+        next(one for one in FORMS if one.cause == cause)
+        for cause in ("gravity_load", "torque_offset", "amplifier_dead_zone")
+    )
+
+    def first(*tried: tuple[Form, float]) -> str:
+        return plainer_first([Tried(form, fitted, merit, merit) for form, merit in tried])[0].form.cause
+
+    assert first((gravity, 60.0), (offset, 60.0 - CONVINCES + 1.0)) == "torque_offset"
+    assert first((gravity, 60.0), (offset, 60.0 - CONVINCES - 1.0)) == "gravity_load"
+    assert first((gravity, 60.0), (dead, 59.0)) == "gravity_load"
+
+
+def test_blocks_of_a_velocity_alone_begin_where_the_joint_has_turned_to() -> None:
+    """So that what repeats over the angle has one phase in all of them."""
+    time = np.arange(3000) * STEP_S
+    seen = Output("joint_velocity_rad_s", "velocity", 0.5 + np.sin(time), True, 0.0)
+    driven = Driven("x", STEP_S, 0.0, "motor_voltage_v", np.cos(time), True, (seen,), {})
+    box = GreyBox(driven, irregular(driven.duration_s))
+    begun = box.first_states({})[:, 0]
+    at = time[box.starts[:-1]]
+    assert begun == pytest.approx(0.5 * at + 1.0 - np.cos(at), abs=0.01)

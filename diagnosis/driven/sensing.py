@@ -1,0 +1,114 @@
+"""What the sensors of a rig make of its motion, step by step.
+
+An acceleration jumps with a held input: at each step it has a value before and one after. A sensor that is late, or
+slow against the steps, shows the one before; between steps all signals are taken for straight lines. So where a sensor
+is late, steps are those of the simulation, however slow the samples.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from stillarm.diagnosis.driven.laws import Numbers
+from stillarm.diagnosis.driven.signals import Output
+from stillarm.simulation.arm.torque_joint import LinearJoint
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """At each step: z, (n, 2 + 2 m), of joint and modes; forces, (n, 2), on joint and first mode. drive, theta_dd:
+    (2, n), just before the step's input and just after, in the input's unit and rad/s^2."""
+
+    linear: LinearJoint
+    z: Array
+    forces: Array
+    drive: Array
+    theta_dd: Array
+
+
+def seen(output: Output, numbers: Numbers, motion: Motion, step_s: float, starts: NDArray[np.int64]) -> Array:
+    """What a sensor shows, (n,). starts: first sample of each block, and the end."""
+    name, z = output.name, motion.z
+    scale, offset = numbers.get(f"scale {name}", 1.0), numbers.get(f"offset {name}", 0.0)
+    if output.kind in ("position", "motor"):
+        before, after, slope = z[:, 0], z[:, 0], z[:, 1]
+    elif output.kind == "velocity":
+        before, after, slope = z[:, 1], z[:, 1], motion.theta_dd[1]
+    elif output.kind == "deflection":
+        before = after = z[:, 2::2].sum(axis=1)
+        slope = z[:, 3::2].sum(axis=1)
+    else:
+        before, after = _tip(name, numbers, motion, 0), _tip(name, numbers, motion, 1)
+        slope = np.gradient(after, step_s)
+    if is_late(output, numbers):
+        late_s, lag_s = numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0)
+        told = np.full(len(starts) - 1, np.nan)
+        if output.kind == "acceleration" and scale != 0.0:
+            told = (output.values[starts[:-1] * len(output.values) // len(z)] - offset) / scale
+        after = _late(np.stack([before, after]), slope, told, late_s, lag_s, step_s, starts)
+    return np.asarray(scale * after + offset)
+
+
+def is_late(output: Output, numbers: Numbers) -> bool:
+    """Whether a sensor shows what was, by a delay or a filter."""
+    return numbers.get(f"delay {output.name}", 0.0) != 0.0 or numbers.get(f"lag {output.name}", 0.0) > 0.0
+
+
+def _tip(name: str, numbers: Numbers, motion: Motion, side: int) -> Array:
+    """An accelerometer's acceleration before (0) or after (1) each step's input."""
+    a, b = motion.linear.equations()
+    rates = np.arange(3, len(a), 2)
+    bent = motion.z @ a[rates].T + np.outer(motion.drive[side], b[rates, 0])
+    bent += np.outer(motion.forces[:, 0], b[rates, 1])
+    shares = np.array([numbers.get(f"share_{i} {name}", 1.0) for i in range(1, len(rates) + 1)])
+    return np.asarray(numbers.get(f"direct {name}", 0.0) * motion.theta_dd[side] + bent @ shares)
+
+
+def _late(
+    sides: Array, slope: Array, told: Array, late_s: float, lag_s: float, step_s: float,
+    starts: NDArray[np.int64],
+) -> Array:  # fmt: skip
+    """Each block's signal, delayed, and behind a lag of first order; steady in its slope before the block. sides:
+    (2, n), before and after each step's input. told: what a filter shows where a block begins, as an acceleration may
+    have jumped before it; NaN for a steady one."""
+    shown = np.empty(sides.shape[1])
+    for begun, (a, b) in zip(told, pairwise(starts), strict=True):
+        one = sides[:, a:b]
+        if late_s != 0.0:
+            one = np.stack([_delayed(one, slope[a], slope[b - 1], late_s, step_s)] * 2)
+        if lag_s > 1e-3 * step_s:
+            begins = float(begun) if np.isfinite(begun) else one[1, 0] - lag_s * slope[a]
+            one = np.stack([_lagging(one, begins, lag_s, step_s)] * 2)
+        shown[a:b] = one[1]
+    return shown
+
+
+def _delayed(sides: Array, first_slope: float, last_slope: float, late_s: float, step_s: float) -> Array:
+    """A block's signal late_s before each step: on the line from after one step to before the next."""
+    count = sides.shape[1]
+    at = np.arange(count) - late_s / step_s
+    place = np.clip(np.floor(at).astype(np.int64), 0, max(count - 2, 0))
+    along = np.clip(at - place, 0.0, 1.0)
+    found = (1.0 - along) * sides[1, place] + along * sides[0, np.minimum(place + 1, count - 1)]
+    found += first_slope * step_s * np.minimum(at, 0.0)
+    return np.asarray(found + last_slope * step_s * np.maximum(at - (count - 1), 0.0))
+
+
+def _lagging(sides: Array, begins: float, lag_s: float, step_s: float) -> Array:
+    """A block's signal behind a lag, exact for one that is linear from after one step to before the next."""
+    keep = exp(-step_s / lag_s)
+    end = 1.0 - lag_s / step_s * (1.0 - keep)
+    begin = 1.0 - keep - end
+    fed = end * sides[0]
+    fed[1:] += begin * sides[1, :-1]
+    fed[0] = begins
+    return np.asarray(lfilter([1.0], [1.0, -keep], fed))
+
+
+__all__ = ["Motion", "is_late", "seen"]
