@@ -10,10 +10,10 @@ from scipy.integrate import solve_ivp
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.inference.baseline import fitted_baseline
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
 from stillarm.diagnosis.inference.held import bend, held_spans_s
+from stillarm.diagnosis.inference.impacts import fit_with_impacts
 from stillarm.diagnosis.inference.pulls import without_pulls
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, NOISE, measured
@@ -62,7 +62,7 @@ PULLS = [(6.0, 8.5, 0.02), (9.2, 11.9, -0.006), (13.5, 16.0, 0.012)]
 def test_slow_pulls_are_left_out_from_their_beginning_to_their_release(
     pulls: list[tuple[float, float, float]],
 ) -> None:
-    baseline = without_pulls(fitted_baseline(World(pulled(pulls), MODEL), SPLIT), SPLIT)
+    baseline = without_pulls(fit_with_impacts(World(pulled(pulls), MODEL), SPLIT), SPLIT)
     for start, end, _ in pulls:
         assert any(a < start + 0.15 and b > end - 0.01 for a, b in baseline.world.unjudged_s)
     assert sum(b - a for a, b in baseline.world.unjudged_s) < 2.0 * sum(b - a for a, b, _ in pulls)
@@ -73,7 +73,7 @@ def test_slow_pulls_are_left_out_from_their_beginning_to_their_release(
 @pytest.mark.parametrize("jump", [0.02, -0.05])
 def test_an_impact_is_no_pull(jump: float) -> None:
     data = measured(SECONDS, 3, {"jump.1.0.v": 2.0 * pi * HZ * jump}, impacts=(9000,))
-    assert held_spans_s(fitted_baseline(World(data, MODEL), SPLIT)) == ()
+    assert held_spans_s(fit_with_impacts(World(data, MODEL), SPLIT)) == ()
 
 
 @pytest.mark.parametrize("faster_hz", [0.1, 0.2])
@@ -92,17 +92,17 @@ def test_a_slow_course_of_the_images_without_a_release_is_no_pull() -> None:
     time = World(data, MODEL).instants(World(data, MODEL).space.vector())
     strayed = data.frames.displacement_px + 8.0 * np.sin(2.0 * pi * 0.08 * time)
     data = replace(data, frames=replace(data.frames, displacement_px=strayed))
-    assert held_spans_s(fitted_baseline(World(data, MODEL), SPLIT)) == ()
+    assert held_spans_s(fit_with_impacts(World(data, MODEL), SPLIT)) == ()
 
 
 def test_without_images_nothing_is_seen() -> None:
     data = measured(SECONDS, 3)
     unseen = replace(data.frames, displacement_px=np.full(len(data.frames.displacement_px), np.nan))
-    assert bend(fitted_baseline(World(replace(data, frames=unseen), MODEL), SPLIT)) is None
+    assert bend(fit_with_impacts(World(replace(data, frames=unseen), MODEL), SPLIT)) is None
 
 
 def test_a_bend_is_told_in_pixels() -> None:
-    last = fitted_baseline(World(pulled(PULLS[:1]), MODEL), SPLIT)
+    last = fit_with_impacts(World(pulled(PULLS[:1]), MODEL), SPLIT)
     seen = bend(last)
     assert seen is not None
     time, bent, width_s = seen
