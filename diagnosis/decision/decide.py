@@ -33,7 +33,7 @@ from stillarm.diagnosis.inference.fit import fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.freeform import Free, Group, groups
 from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.inference.screen import residual_peaks
+from stillarm.diagnosis.inference.screen import Whitened, residual_peaks
 from stillarm.diagnosis.physics.computing import OutOfTime, side_by_side
 
 Array = NDArray[np.float64]
@@ -45,6 +45,7 @@ MOST_CONFIDENCE = 0.9
 right (docs/benchmark-diagnosis.md; rule of succession). A cause that is in no catalogue may look like one that is,
 whatever the odds against the others."""
 _STEPS = 4  # of a fit of free terms: they are linear
+_FITTED = 8  # groups of free terms, by a score test: of linear terms it is off by what the baseline's own slopes change
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
 EXPLAINED = 0.35
 """Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
@@ -238,13 +239,24 @@ def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | N
     peaks: list[float] = []
     for seen in residual_peaks(last).values():
         peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
+    kinds = (*groups(peaks), *others)
+    white = Whitened(make_data(last.world, split), last)
+    promises = side_by_side(lambda group: _promise(group, white), kinds)
+    promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
     slopes = slopes_of(last)
     found = side_by_side(
-        lambda group: _with_free(group, last, before, split, slopes), (*groups(peaks), *others)
+        lambda place: _with_free(kinds[place], last, before, split, slopes),
+        [place for nats, place in promising if nats > 0.0],
     )
     tried = [one for one in found if one is not None]
     best = max(tried, key=lambda one: one.merit, default=None)
     return best if best is not None and best.merit > 0.0 else None
+
+
+def _promise(group: Group, white: Whitened) -> float:
+    """Nats that a score test foretells of a group; none of one that is not seen."""
+    added = group.added(white.last)
+    return white.promise(added.columns) if added is not None else 0.0
 
 
 def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free | None:

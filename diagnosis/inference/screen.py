@@ -4,6 +4,7 @@ Each trial of each cause gives one or a few directions in which the data would d
 them, after the fitted parameters have had their share, predicts the log-likelihood to be gained.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +37,7 @@ class Scored:
     start: Array
 
 
-class _Whitened:
+class Whitened:
     """The training residual as one vector, the baseline's directions taken out of whatever is asked."""
 
     def __init__(self, data: Data, last: Fit) -> None:
@@ -77,6 +78,20 @@ class _Whitened:
                 continue
             change = predicted.channels[name] - base.channels[name]
             out[self.spans[name]] = whitened(name, change, colour)[self._masks[name]] * weight
+
+    def promise(self, columns: Mapping[str, Array]) -> float:
+        """Log-likelihood that terms promise which are added to channels in any amounts. columns: by channel, (samples,
+        k)."""
+        k = next(iter(columns.values())).shape[1]
+        d = np.zeros((len(self.residual), k), order="F")
+        for name, values in columns.items():
+            for place in range(k):
+                seen = whitened(name, values[:, place], self.last.colour)[self._masks[name]]
+                d[self.spans[name], place] = seen * self.weights[name]
+        self.without_baseline(d)
+        d /= np.maximum(np.linalg.norm(d, axis=0), 1e-300)
+        basis = _orthonormal(d)
+        return self.gain(d @ (basis @ (basis.T @ (d.T @ self.residual))))
 
     def without_baseline(self, changes: Array) -> None:
         """Take the baseline's directions out of changes, (samples, k), in place."""
@@ -143,7 +158,7 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
 def screen(data: Data, last: Fit, causes: list[Cause]) -> list[Scored]:
     """Score every trial of every cause against the fit so far; of each cause the best three and those that the data
     ask for, the best first."""
-    white = _Whitened(data, last)
+    white = Whitened(data, last)
     context = Context(last, residual_peaks(last))
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
     todo: list[tuple[Cause, Trial]] = []
@@ -179,7 +194,7 @@ def variant(world: World, options: dict[str, object]) -> World:
     return world.changed(extra_modes=world.extra_modes + extra, behind_encoder=behind)
 
 
-def _score(white: _Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, Predicted]) -> Scored | None:
+def _score(white: Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, Predicted]) -> Scored | None:
     world, start, base = at
     shaped = world.space.with_values(start, trial.shape)
     near = world.predict(world.space.clipped(shaped), base) if len(trial.columns) > _MANY else base
@@ -196,9 +211,7 @@ def _score(white: _Whitened, cause: Cause, trial: Trial, at: tuple[World, Array,
         return _unseen(cause, trial, world, shaped) if trial.asked else None
     d = d if seen.all() else d[:, seen]
     d /= norms[seen]
-    # an orthonormal basis of them is d @ basis
-    values, vectors = np.linalg.eigh(d.T @ d)
-    basis = vectors[:, values > 1e-8] / np.sqrt(values[values > 1e-8])
+    basis = _orthonormal(d)
     share = basis.T @ (d.T @ white.residual)
     amounts = np.zeros(len(norms))
     amounts[seen] = basis @ share / norms[seen]
@@ -214,6 +227,13 @@ def _score(white: _Whitened, cause: Cause, trial: Trial, at: tuple[World, Array,
     if trial.exact or (trial.one_sided and cause.settle):  # a threshold: its value is the trial's own
         shaped = world.space.with_values(shaped, trial.columns[0])
     return Scored(cause, trial, nats, world, world.space.clipped(shaped))
+
+
+def _orthonormal(d: Array) -> Array:
+    """Amounts of directions of length 1, d, (samples, k), in an orthonormal basis, which is d @ them."""
+    values, vectors = np.linalg.eigh(d.T @ d)
+    found: Array = vectors[:, values > 1e-8] / np.sqrt(values[values > 1e-8])
+    return found
 
 
 def _unseen(cause: Cause, trial: Trial, world: World, shaped: Array) -> Scored:
