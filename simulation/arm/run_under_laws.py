@@ -28,9 +28,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _BLOCK = 64  # cycles: a matrix costs as much as some ten of them
-_SMOOTH = (
-    1e-8  # of a frequency, off its parabola: 2 pi 3 Hz for a minute turn by 1e-5 rad less or more at most
-)
+_SMOOTH = 1e-8  # of a frequency, off its parabola: 3 Hz for a minute turn by 1e-5 rad more or less
 _A_THIRD = 1.0 / 3.0  # of a block: where a parabola through its ends and middle is checked
 
 
@@ -48,12 +46,12 @@ def mode_under_laws(
     """One mode over all cycles under the arm's laws; as linear_mode."""
     arm, n = arms[0], len(starts)
     mode, dt = nth(arm.mode, i), arm.early + arm.late
-    pushed, jump, k = i == 0 and arm.pushes != 0, 0, 0
+    forced, jump, k = i == 0 and arm.pushes != 0, 0, 0
     matrices, frequencies = np.empty((3, 2, 5)), np.empty(3)
     while k < n:
         end = min(k + _BLOCK, n)
         block_begins = k * dt
-        smooth = not pushed and end - k == _BLOCK and _is_smooth(arm, i, block_begins, _BLOCK * dt)
+        smooth = not forced and end - k == _BLOCK and _is_smooth(arm, i, block_begins, _BLOCK * dt)
         if smooth:
             for point in range(3):
                 at = block_begins + 0.5 * point * _BLOCK * dt
