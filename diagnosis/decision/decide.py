@@ -44,6 +44,9 @@ MOST_CONFIDENCE = 0.9
 """However large the odds: of 59 names that the odds alone put above 0.9 in recordings of another simulator, 54 were
 right (docs/benchmark-diagnosis.md; rule of succession). A cause that is in no catalogue may look like one that is,
 whatever the odds against the others."""
+_UNCOMPARED = 0.7
+"""The most that a name is sure where the time did not suffice to hold free terms against it: of ten such names seven
+were right (seeds 120 and 122, and the strangers': docs/benchmark-diagnosis.md; rule of succession)."""
 _STEPS = 4  # of a fit of free terms: they are linear
 _FITTED = 8  # groups of free terms, by a score test: of linear terms it is off by what the baseline's own slopes change
 _PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
@@ -102,6 +105,8 @@ def judge(found: Found, split: Split) -> Judged:
         verdict = "unexplained" if material else "none"
         return Judged(verdict, rests, beside, alone, {}, tuple(left_out))
     named = _odds_of_name(found, first, split, beside, alone)
+    if left_out and first.law is None:
+        named = min(named, _UNCOMPARED)
     unnamed = "unexplained" if mattered or material else "none"
     verdict = "named" if named > 0.5 and len(class_of(found, first)) <= 1 else unnamed
     confidence = {
