@@ -44,6 +44,17 @@ def test_what_is_mended_is_measured_by_the_noise(plain: Fit) -> None:
     assert size_in_noise(before, plain) == pytest.approx(2.0, rel=0.15)
 
 
+@pytest.mark.parametrize(("of_step", "counts"), [(0.2, False), (1.0, True)])
+def test_what_rounding_makes_is_no_size(
+    plain: Fit, monkeypatch: pytest.MonkeyPatch, of_step: float, counts: bool
+) -> None:
+    """A fit may take as much of an encoder's steps as their rounding is off."""
+    step = 2e-3
+    monkeypatch.setattr(plain.world, "resolution", lambda name: step if name == "joint_position" else 0.0)
+    before = with_rest(plain, "joint_position", of_step * step)
+    assert (size_in_noise(before, plain) > 0.1) == counts
+
+
 def test_what_matters_is_a_part_of_the_motion_however_little_the_noise(plain: Fit) -> None:
     """An encoder with next to no noise asks for no drive that is as good."""
     least = least_that_matters(plain, "joint_position")
