@@ -19,6 +19,8 @@ def upsampled(force: Array, factor: int) -> Array:
     tail = 2.0 * force[-1] - force[-2 : -pad - 2 : -1]
     whole = np.concatenate((head, force, tail))
     spectrum = np.fft.rfft(whole)
+    if len(whole) % 2 == 0:
+        spectrum[-1] *= 0.5  # half the sampling rate's own line is two lines of the finer spectrum
     fine = np.fft.irfft(spectrum, n=len(whole) * factor) * factor
     out = fine[pad * factor : (pad + n) * factor]
     return np.concatenate((out, [force[-1]]))
