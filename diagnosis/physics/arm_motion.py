@@ -26,15 +26,13 @@ from stillarm.diagnosis.physics.sampled_force import upsampled
 from stillarm.diagnosis.physics.space import Space
 from stillarm.diagnosis.physics.velocity_loop import equivalent_command
 from stillarm.simulation.arm.compiled_laws import laws_of, obeyed
-from stillarm.simulation.arm.free_run import driven_run, free_run, joint_run, modes_run
+from stillarm.simulation.arm.free_run import driven_run, joint_run, modes_run, stepped_run
 from stillarm.simulation.arm.state import Records, make_arm
 
 Array = NDArray[np.float64]
 
-_JOINTS, _ANSWERS = (
-    3,
-    6,
-)  # runs of the joint, answers and decays of a mode that are remembered: memory against time
+JOINTS, ANSWERS = 3, 6
+"""Runs of the joint, and answers and decays of a mode, that are remembered: memory against time."""
 _OF_ARM = ("modes.", "jump.", "arm.")  # quantities that say nothing of the joint
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
 _OF_THE_LOOP = (
@@ -74,11 +72,13 @@ class Motion:
 
 @dataclass(frozen=True)
 class _Joint:
-    """What a joint that meets no limit did; starts: as `joint_run` gives them to `modes_run`."""
+    """What a joint did that meets no limit; starts: as `joint_run` gives them to `modes_run`; None where it meets one,
+    and moves otherwise. command: that it obeys, rad/s."""
 
     joint: Array
     motor: Array
-    starts: Array
+    starts: Array | None
+    command: Array
 
 
 class ArmMotion:
@@ -107,10 +107,10 @@ class ArmMotion:
         self.measured, self.model, self.space = measured, model, space
         self.modes, self.length = modes, length_m
         self.behind_encoder, self.joint_hz = behind_encoder, joint_hz
-        self._joints: Lately[bytes, _Joint | None] = Lately(_JOINTS)
-        self._departures: Lately[bytes, tuple[Array, Array]] = Lately(_JOINTS)
-        self._answers: Lately[tuple[bytes, float, float], tuple[Array, Array]] = Lately(_ANSWERS)
-        self._decays: Lately[tuple[float, float], Array] = Lately(_ANSWERS)
+        self._joints: Lately[bytes, _Joint] = Lately(JOINTS)
+        self._departures: Lately[bytes, tuple[Array, Array]] = Lately(JOINTS)
+        self._answers: Lately[tuple[bytes, float, float], tuple[Array, Array]] = Lately(ANSWERS)
+        self._decays: Lately[tuple[float, float], Array] = Lately(ANSWERS)
         self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
         self._force = upsampled(measured.force, 2 * _SUBSTEPS_OF_PAIR) if measured.pair else np.empty(0)
         self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
@@ -186,18 +186,18 @@ class ArmMotion:
         all that differs in the arm alone."""
         n = self.measured.cycles
 
-        def run() -> _Joint | None:
-            one = _Joint(np.empty((n, 4)), np.empty((n, 2)), np.empty((n, 2)))
+        def run() -> _Joint:
             command = self._obeyed(vector, effects)
-            free = joint_run(arm.copy(), command, whole, one.joint, one.motor, one.starts)
-            return one if free else None
+            joint, motor, starts = np.empty((n, 4)), np.empty((n, 2)), np.empty((n, 2))
+            free = joint_run(arm.copy(), command, whole, joint, motor, starts)
+            return _Joint(joint, motor, starts if free else None, command)
 
-        free = self._joints.of(self._key_of_joint(vector), run)
-        if free is not None:
-            modes_run(arm, free.starts, free.joint, self._jump_cycles, jumps, q, qdd)
-            return free.joint, free.motor
+        one = self._joints.of(self._key_of_joint(vector), run)
+        if one.starts is not None:
+            modes_run(arm, one.starts, one.joint, self._jump_cycles, jumps, q, qdd)
+            return one.joint, one.motor
         joint, motor = np.zeros((n, 4)), np.zeros((n, 2))
-        free_run(arm, self._obeyed(vector, effects), whole, self._jump_cycles, jumps, joint, motor, q, qdd)
+        stepped_run(arm, one.command, whole, self._jump_cycles, jumps, joint, motor, q, qdd)
         return joint, motor
 
     def _key_of_joint(self, vector: Array) -> bytes:

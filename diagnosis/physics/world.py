@@ -19,7 +19,7 @@ from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.noise import LEAST, resolution
 from stillarm.diagnosis.data.robust import white_noise
 from stillarm.diagnosis.physics.accelerometer import Accelerometer, without_strikes
-from stillarm.diagnosis.physics.arm_motion import ArmMotion, Motion
+from stillarm.diagnosis.physics.arm_motion import ANSWERS, JOINTS, ArmMotion, Motion
 from stillarm.diagnosis.physics.camera import Camera
 from stillarm.diagnosis.physics.computing import Lately
 from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
@@ -29,7 +29,6 @@ from stillarm.diagnosis.physics.space import Added, Quantity
 
 Array = NDArray[np.float64]
 
-_JOINTS, _ANSWERS = 3, 6  # departures of the joint, and what modes make of them, that are remembered
 _JUST_S = 1e-7  # less than between frames read at once
 _GRANTED = 0.9  # of what a simulated drive may be off; the tenth that is not shows a fit the way
 _STROKE_S = 0.02  # to either side of an impact: a soft hammer's lasts 5 to 20 ms
@@ -100,8 +99,8 @@ class World:
         self._tip_follows_encoder = self._encoder_tells_tip()
         self._variation: dict[str, float] = {}
         self._resolution: dict[str, float] = {}
-        self._offs: Lately[bytes, Array] = Lately(_JOINTS)
-        self._answers: Lately[tuple[bytes, float, float], Array] = Lately(_ANSWERS)
+        self._offs: Lately[bytes, Array] = Lately(JOINTS)
+        self._answers: Lately[tuple[bytes, float, float], Array] = Lately(ANSWERS)
 
     def changed(
         self,

@@ -28,14 +28,15 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0
     ones. begin_s: instant from which they act."""
     rows = []
     for identifier, values in effects:
-        site, _ = _SITES.get(LAWS[identifier].acts, (-1, 0))
-        if site < 0 or LAWS[identifier].is_idle(values):
+        cause = LAWS[identifier]
+        site, _ = _SITES.get(cause.acts, (-1, 0))
+        if site < 0 or cause.is_idle(values):
             continue
-        own = LAWS[identifier].arguments(values)
+        own = cause.arguments(values)
         padded = (*own, *[0.0] * (_MOST_NUMBERS - len(own)))
-        corner, foreign = site == FRICTION or LAWS[identifier].corner, LAWS[identifier].foreign
+        corner = site == FRICTION or cause.corner
         onset = values.get("onset_s", begin_s if begin_s > 0.0 else np.inf)
-        rows.append((address_of(identifier), site, len(own), corner, foreign, begin_s, onset, *padded))
+        rows.append((address_of(identifier), site, len(own), corner, cause.foreign, begin_s, onset, *padded))
     return np.array(rows, dtype=LAW)
 
 

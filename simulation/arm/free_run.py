@@ -8,7 +8,7 @@ from stillarm.simulation.arm.compiler import compiled, inlined, nth
 from stillarm.simulation.arm.linear_run import linear_joint, linear_mode
 from stillarm.simulation.arm.run_under_laws import mode_under_foreign_forces, mode_under_laws
 from stillarm.simulation.arm.state import Record, Records
-from stillarm.simulation.arm.stepper import acceleration, cycle, link, modes_through
+from stillarm.simulation.arm.stepper import acceleration, cycle, jumped, link, modes_through
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -36,16 +36,32 @@ def free_run(
     theta'' jumps with a command that arrives near the start of the cycle (`reads_later`), less the further from it;
     out_motor (n, 2): of the motor; out_q (n, m) and out_qdd (n, m): q_i and q_i'' at the start of each cycle.
     """
-    arm, n, m = arms[0], len(command), arms[0].modes
-    starts = np.empty((n, 2))
+    starts = np.empty((len(command), 2))
     if joint_run(arms, command, whole, out_joint, out_motor, starts):
         modes_run(arms, starts, out_joint, jump_cycles, jumps, out_q, out_qdd)
-        return
+    else:
+        stepped_run(arms, command, whole, jump_cycles, jumps, out_joint, out_motor, out_q, out_qdd)
+
+
+@compiled
+def stepped_run(
+    arms: Records,
+    command: Array,
+    whole: int,
+    jump_cycles: Integers,
+    jumps: Array,
+    out_joint: Array,
+    out_motor: Array,
+    out_q: Array,
+    out_qdd: Array,
+) -> None:
+    """free_run cycle by cycle, whatever the joint meets."""
+    arm, n, m = arms[0], len(command), arms[0].modes
     dt = arm.early + arm.late
     fraction, near = _nearness(arm)
     next_jump, jump = 0, 0.0
     for k in range(n):
-        next_jump = _jumped(arm, k, next_jump, jump_cycles, jumps)
+        next_jump = _all_jumped(arm, k, next_jump, jump_cycles, jumps)
         out_joint[k, 0], out_joint[k, 1], out_joint[k, 2] = link(arm)
         out_joint[k, 3] = jump
         out_motor[k, 0], out_motor[k, 1] = arm.motor, arm.rate
@@ -96,14 +112,13 @@ def modes_run(
 
 
 @inlined
-def _jumped(arm: Record, k: int, next_jump: int, jump_cycles: Integers, jumps: Array) -> int:
-    """Add the jumps at a cycle's start; returns the number of the next one."""
-    while next_jump < len(jump_cycles) and jump_cycles[next_jump] <= k:
-        for i in range(arm.modes):
-            nth(arm.mode, i).q += jumps[next_jump, i, 0]
-            nth(arm.mode, i).v += jumps[next_jump, i, 1]
-        next_jump += 1
-    return next_jump
+def _all_jumped(arm: Record, k: int, next_jump: int, jump_cycles: Integers, jumps: Array) -> int:
+    """The same of all modes as `jumped` of one."""
+    after = next_jump
+    for i in range(arm.modes):
+        mode = nth(arm.mode, i)
+        mode.q, mode.v, after = jumped(mode.q, mode.v, i, k, next_jump, jump_cycles, jumps)
+    return after
 
 
 @inlined
@@ -166,7 +181,7 @@ def driven_run(
     stretch.jump, stretch.theta, stretch.omega = 0.0, 0.0, 0.0
     next_jump = 0
     for k in range(n):
-        next_jump = _jumped(arm, k, next_jump, jump_cycles, jumps)
+        next_jump = _all_jumped(arm, k, next_jump, jump_cycles, jumps)
         for i in range(m):
             out_q[k, i] = nth(arm.mode, i).q
         for part in range(substeps):

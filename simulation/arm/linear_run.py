@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stillarm.simulation.arm.compiler import compiled, inlined, nth
 from stillarm.simulation.arm.joint import lagging
 from stillarm.simulation.arm.state import Record, Records
-from stillarm.simulation.arm.stepper import free_acceleration, tune, undisturbed
+from stillarm.simulation.arm.stepper import free_acceleration, jumped, tune, undisturbed
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -74,10 +74,7 @@ def linear_mode(
     vq, vv, ve, vl, v0 = matrix[1]
     q, v, jump = mode.q, mode.v, 0
     for k in range(n):
-        while jump < len(jump_cycles) and jump_cycles[jump] <= k:
-            q += jumps[jump, i, 0]
-            v += jumps[jump, i, 1]
-            jump += 1
+        q, v, jump = jumped(q, v, i, k, jump, jump_cycles, jumps)
         out_q[k, i] = q
         out_qdd[k, i] = free_acceleration(mode, joint[k, 2], q, v)
         early, late = starts[k, 0], starts[k, 1]

@@ -18,6 +18,7 @@ from stillarm.simulation.arm.stepper import (
     acceleration_at,
     by_laws,
     free_acceleration,
+    jumped,
     pushed,
     ratio_at,
     transition,
@@ -59,10 +60,7 @@ def mode_under_laws(
                 frequencies[point] = mode.w
                 matrix_of_cycle(arm, mode, matrices[point])
         for cycle in range(k, end):
-            while jump < len(jump_cycles) and jump_cycles[jump] <= cycle:
-                mode.q += jumps[jump, i, 0]
-                mode.v += jumps[jump, i, 1]
-                jump += 1
+            mode.q, mode.v, jump = jumped(mode.q, mode.v, i, cycle, jump, jump_cycles, jumps)
             out_q[cycle, i] = mode.q
             if smooth:
                 x = (cycle - k) / _BLOCK
@@ -98,12 +96,9 @@ def mode_under_foreign_forces(
     _, whole_q, _, whole_v = transition(mode, dt)
     sixth, jump, force = dt / 6.0, 0, np.nan
     for k in range(n):
-        while jump < len(jump_cycles) and jump_cycles[jump] <= k:
-            mode.q += jumps[jump, 0, 0]
-            mode.v += jumps[jump, 0, 1]
-            jump += 1
+        q, v, jump = jumped(mode.q, mode.v, 0, k, jump, jump_cycles, jumps)
         t, theta, omega, alpha = k * dt, joint[k, 0], joint[k, 1], joint[k, 2]
-        q, v, early, late = mode.q, mode.v, starts[k, 0], starts[k, 1]
+        mode.q, mode.v, early, late = q, v, starts[k, 0], starts[k, 1]
         out_q[k, 0] = q
         if _breaks(arm, t, dt):
             out_qdd[k, 0] = acceleration_at(arm, 0, t, theta, omega, alpha)

@@ -21,6 +21,7 @@ from stillarm.simulation.arm.joint import hold, risen, way
 from stillarm.simulation.arm.state import Record, Records
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Transition = tuple[float, float, float, float]
 """[[a, b], [c, d]] of (q, v), as a, b, c, d."""
 
@@ -105,6 +106,19 @@ def ratio_at(arm: Record, i: int, t: float) -> float:
         if nth(arm.law, row).site == _FREQUENCY and t >= nth(arm.law, row).begin:
             ratio *= frequency_law(nth(arm.law, row), max(t, 0.0), float(i), arm.mode.hz)
     return max(ratio, _LEAST_RATIO)
+
+
+@inlined
+def jumped(
+    q: float, v: float, i: int, k: int, next_jump: int, jump_cycles: Integers, jumps: Array
+) -> tuple[float, float, int]:
+    """Mode number i with its jumps at the start of cycle k, and the number of the next one. jump_cycles: (j,)
+    ascending; jumps: (j, m, 2) of q_i and q_i'."""
+    while next_jump < len(jump_cycles) and jump_cycles[next_jump] <= k:
+        q += jumps[next_jump, i, 0]
+        v += jumps[next_jump, i, 1]
+        next_jump += 1
+    return q, v, next_jump
 
 
 @compiled
