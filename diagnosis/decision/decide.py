@@ -27,9 +27,9 @@ from stillarm.diagnosis.inference.candidates import (
     is_of_free_form,
     turns_the_joint,
 )
-from stillarm.diagnosis.inference.comparison import Slopes, free_names
+from stillarm.diagnosis.inference.comparison import free_names
 from stillarm.diagnosis.inference.evidence import Score, score
-from stillarm.diagnosis.inference.fit import fit, slopes_of
+from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.freeform import Free, Group, groups
 from stillarm.diagnosis.inference.impacts import carried_over
@@ -245,10 +245,10 @@ def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | N
     for seen in residual_peaks(last).values():
         peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
     kinds = (*groups(peaks), *others)
-    white = Whitened(make_data(last.world, split), last)
+    slopes = slopes_of(last)
+    white = Whitened(make_data(last.world, split), last, slopes)
     promises = side_by_side(lambda group: _promise(group, white), kinds)
     promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
-    slopes = slopes_of(last)
     found = side_by_side(
         lambda place: _with_free(kinds[place], last, before, split, slopes),
         [place for nats, place in promising if nats > 0.0],

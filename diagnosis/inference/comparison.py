@@ -5,7 +5,7 @@ alone, and costs a tenth. The best few are polished with all derivatives.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import TypeVar
@@ -17,7 +17,7 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate, Found
 from stillarm.diagnosis.inference.cause import Form
 from stillarm.diagnosis.inference.evidence import Score, score
-from stillarm.diagnosis.inference.fit import SETTLED_NATS, fit, slopes_of
+from stillarm.diagnosis.inference.fit import SETTLED_NATS, Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
 from stillarm.diagnosis.inference.impacts import carried_over
@@ -28,8 +28,6 @@ from stillarm.diagnosis.physics.world import World
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
 Array = NDArray[np.float64]
-Slopes = Mapping[str, Mapping[str, Array]]
-"""Derivatives by quantity and channel (stillarm.diagnosis.inference.fit.slopes_of)."""
 
 _POLISHED = 3  # causes
 _WITH_ONSET = 4  # causes that an onset is tried for
@@ -84,8 +82,8 @@ def compared(
     screening: list[Scored] = []
     try:
         before, data = score(last, split), make_data(last.world, split)
-        begun, screening = begun_fits(data, last, tried)
         slopes = slopes_of(last)
+        begun, screening = begun_fits(data, last, tried, slopes)
         quick = _each(lambda one: _quickly(one, last, before, split, slopes), begun, found)
         best = best_of_each(quick)
         ended = _each(lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found)
@@ -155,10 +153,12 @@ def _first_of_each_cause(pairs: Sequence[tuple[Begun, Fit]]) -> dict[str, tuple[
     return first
 
 
-def begun_fits(data: Data, last: Fit, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:
+def begun_fits(
+    data: Data, last: Fit, tried: Sequence[Form], slopes: Slopes
+) -> tuple[list[Begun], list[Scored]]:
     """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
     by_cause = {id(one.cause): one for one in tried}
-    screening = screen(data, last, [one.cause for one in tried if one.added is None])
+    screening = screen(data, last, [one.cause for one in tried if one.added is None], slopes)
     begun: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
     best: dict[int, float] = {}

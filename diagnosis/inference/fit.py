@@ -30,6 +30,8 @@ from stillarm.diagnosis.physics.computing import side_by_side
 from stillarm.diagnosis.physics.world import Predicted, World
 
 Array = NDArray[np.float64]
+Slopes = Mapping[str, Mapping[str, Array]]
+"""Derivatives of a fit by its free quantities and channels (`slopes_of`)."""
 
 WANDER_S = 15.0
 """Longest correlation time of a delay's wander: what lasts longer is a drift, s."""
@@ -94,7 +96,7 @@ def jacobian(
     names: Sequence[str],
     base: Predicted,
     colour: Colours,
-    known: Mapping[str, Mapping[str, Array]] | None = None,
+    known: Slopes | None = None,
 ) -> dict[str, Array]:
     """Derivative of each channel's (whitened, thinned) prediction by each named quantity, (samples, names). known:
     derivatives by quantity and channel that are taken as they are."""
@@ -257,7 +259,7 @@ def fit(
     colour: Colours | None = None,
     prior: Array | None = None,
     tick: Callable[[], None] = lambda: None,
-    known: Mapping[str, Mapping[str, Array]] | None = None,
+    known: Slopes | None = None,
     settled_nats: float = SETTLED_NATS,
 ) -> Fit:
     """Fit the free quantities to the training samples from `start`, until a step gains less than settled_nats.

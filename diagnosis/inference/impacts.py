@@ -27,7 +27,8 @@ _NEAR = 5.0  # times the median of those near by: by noise one in 2^25
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large
-_PUSH_PERIODS = 1.6  # a push by hand lasts, at most: a longer one is a pull
+PUSH_PERIODS = 1.6
+"""That a push by hand lasts, at most: a longer one swings the arm while it lasts, and is a pull."""
 _AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
 _MOST = 40  # impacts that one look finds
 _SIGNIFICANT = 6.0  # standard deviations of its size: by chance two in a thousand million have it
@@ -109,7 +110,7 @@ def _borne_out(at: Array, period: float, w: float, shown: Series, other: Series)
     gone wrong moves its own reading. While a push by hand lasts, its force is another jump to each sensor: windows
     before and after it agree. Where the other sensor's noise hides it, it is taken for the same."""
     agree, full = _same_jump(at, period, w, shown, other, 0.0)
-    apart, full_apart = _same_jump(at, period, w, shown, other, _PUSH_PERIODS / 2.0 * period)
+    apart, full_apart = _same_jump(at, period, w, shown, other, PUSH_PERIODS / 2.0 * period)
     return agree | ~full | (apart & full_apart)
 
 

@@ -23,7 +23,7 @@ from stillarm.diagnosis.inference.departures import (
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.held import held_spans_s
-from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
+from stillarm.diagnosis.inference.impacts import PUSH_PERIODS, carried_over, fit_with_impacts, pruned
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,6 @@ _ONE_SIDED = 0.5  # of the departure's power beyond the noise is its mean's: a s
 _MOST = 0.3  # of the recording, that pulls leave unjudged: of more none is believed
 
 # a push
-_PUSH_PERIODS = 1.6  # longest: a longer one swings the arm while it lasts, and is a pull
 _BESIDE_PERIODS = 1.0  # before and after it, the model holds
 _WORSE = 1.02  # times the power that was left, in any channel: more, and a push is not left out
 _HOLDS = 0.1  # of the time beside a push, that may depart from the model
@@ -178,7 +177,7 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
             continue
         start, end = min(a for _, (a, _) in found), max(b for _, (_, b) in found)
         (time, flags), (since, until) = found[0]  # an image that is wrong for another reason is loud for long
-        if until - since - 2.0 * LOUD_OVER_S > _PUSH_PERIODS * period:  # at either end it is seen over that
+        if until - since - 2.0 * LOUD_OVER_S > PUSH_PERIODS * period:  # at either end it is seen over that
             continue
         start, end = max(start, since - period), min(end, until + period)
         if _holds_beside(time, flags, (since, until), period):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import HUBER
 from stillarm.diagnosis.inference.cause import Cause, Context, Trial
-from stillarm.diagnosis.inference.fit import jacobian, whitened
+from stillarm.diagnosis.inference.fit import Slopes, jacobian, whitened
 from stillarm.diagnosis.inference.fitted import THIN, Data, Fit, least_level, thinned, thinned_mask
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.physics.computing import side_by_side
@@ -40,9 +40,9 @@ class Scored:
 class Whitened:
     """The training residual as one vector, the baseline's directions taken out of whatever is asked."""
 
-    def __init__(self, data: Data, last: Fit) -> None:
+    def __init__(self, data: Data, last: Fit, slopes: Slopes) -> None:
+        """slopes: of the fit (stillarm.diagnosis.inference.fit.slopes_of)."""
         self.data, self.last = data, last
-        world = last.world
         self.weights: dict[str, Array] = {}
         parts, self.spans = [], {}
         self._masks = {name: thinned_mask(name, data.train[name]) for name in last.residuals}
@@ -58,8 +58,8 @@ class Whitened:
         self.residual = np.concatenate(parts)
         # a part of a cycle is all that it may be: as a direction it would explain a dead time of any length
         names = [name for name in last.free if name != ARRIVAL]
-        slopes = jacobian(world, last.vector, names, last.predicted, last.colour)
-        stacked = np.concatenate([slopes[n][self._masks[n]] * self.weights[n][:, None] for n in slopes])
+        by = jacobian(last.world, last.vector, names, last.predicted, last.colour, slopes)
+        stacked = np.concatenate([by[n][self._masks[n]] * self.weights[n][:, None] for n in by])
         norms = np.linalg.norm(stacked, axis=0)
         keep = norms > 1e-12
         scaled = stacked[:, keep] / norms[keep]
@@ -71,13 +71,15 @@ class Whitened:
 
     def weighted(self, predicted: Predicted, base: Predicted, out: Array) -> None:
         """Fill in how a prediction differs from another, weighted as the residual is, (samples,)."""
-        colour = self.last.colour
-        for name, weight in self.weights.items():
+        for name, span in self.spans.items():
             if predicted.channels[name] is base.channels[name]:
-                out[self.spans[name]] = 0.0
+                out[span] = 0.0
                 continue
-            change = predicted.channels[name] - base.channels[name]
-            out[self.spans[name]] = whitened(name, change, colour)[self._masks[name]] * weight
+            out[span] = self._of_channel(name, predicted.channels[name] - base.channels[name])
+
+    def _of_channel(self, name: str, change: Array) -> Array:
+        """A channel's change, weighted as its residual is."""
+        return whitened(name, change, self.last.colour)[self._masks[name]] * self.weights[name]
 
     def promise(self, columns: Mapping[str, Array]) -> float:
         """Log-likelihood that terms promise which are added to channels in any amounts. columns: by channel, (samples,
@@ -86,8 +88,7 @@ class Whitened:
         d = np.zeros((len(self.residual), k), order="F")
         for name, values in columns.items():
             for place in range(k):
-                seen = whitened(name, values[:, place], self.last.colour)[self._masks[name]]
-                d[self.spans[name], place] = seen * self.weights[name]
+                d[self.spans[name], place] = self._of_channel(name, values[:, place])
         self.without_baseline(d)
         d /= np.maximum(np.linalg.norm(d, axis=0), 1e-300)
         basis = _orthonormal(d)
@@ -155,10 +156,10 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def screen(data: Data, last: Fit, causes: list[Cause]) -> list[Scored]:
+def screen(data: Data, last: Fit, causes: list[Cause], slopes: Slopes) -> list[Scored]:
     """Score every trial of every cause against the fit so far; of each cause the best three and those that the data
     ask for, the best first."""
-    white = Whitened(data, last)
+    white = Whitened(data, last, slopes)
     context = Context(last, residual_peaks(last))
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
     todo: list[tuple[Cause, Trial]] = []

@@ -1,8 +1,8 @@
 """Causes of joints that are driven by a torque, a current or a voltage, one file each; a new file is found by itself.
 
 They stand apart from the causes of joints that follow a velocity command, as they are searched in another simulation.
-gear_backlash, drive_saturation, coulomb_damping, cubic_stiffness and accelerometer_lag are the same mechanism in
-both, and stay there. Begin to read at declaration.py.
+gear_backlash, drive_saturation, coulomb_damping and cubic_stiffness are the same mechanism in both, and stay there.
+Begin to read at declaration.py.
 """
 
 from importlib import import_module

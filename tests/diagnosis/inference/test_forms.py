@@ -187,7 +187,7 @@ def test_a_limit_where_there_was_none_is_fitted_from_its_trial(quantity: str, li
     """No share of the way from no limit to one is a limit: a fit that begins there never finds it."""
     last = fitted(measured(12.0, 3, {quantity: limit, "jump.0.0.q": 0.02}))
     own = [one for one in forms(last.world) if one.cause.free(last.world) == (quantity,)]
-    begun, _ = begun_fits(make_data(last.world, interleaved(12.0)), last, own)
+    begun, _ = begun_fits(make_data(last.world, interleaved(12.0)), last, own, slopes_of(last))
     values = [float(one.start[one.world.space.place[quantity]]) for one in begun]
     assert values and all(0.3 * limit < value < 3.0 * limit for value in values)
     split, slopes = interleaved(12.0), slopes_of(last)
@@ -206,7 +206,7 @@ def test_a_camera_that_turns_with_the_joint_alone_is_fitted_with_its_size() -> N
     frames = replace(data.frames, displacement_px=data.frames.displacement_px - 80.0 * joint)
     last = fitted(replace(data, frames=frames))
     (tilt,) = (one for one in ALL if one.id == "camera_tilt_coupling" and one.added)
-    begun, _ = begun_fits(make_data(last.world, split), last, [tilt])
+    begun, _ = begun_fits(make_data(last.world, split), last, [tilt], slopes_of(last))
     found = refitted(begun[0], last, split, slopes_of(last))
     assert found is not None
     told, std = tilt.cause.parameters_of(found)["rotation_px_per_rad"]
