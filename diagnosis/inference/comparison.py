@@ -173,8 +173,9 @@ def begun_fits(
             continue
         begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked))
     for form in tried:
-        if form.added is not None:
-            world = last.world.changed(added=(*last.world.added, *form.added(last)))
+        terms = form.added(last) if form.added is not None else ()
+        if terms:
+            world = last.world.changed(added=(*last.world.added, *terms))
             begun.append(Begun(form, world, carried_over(last, world)))
     return begun, screening
 

@@ -60,7 +60,7 @@ def of_course(
     """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
 
     def parameters(fit: Fit) -> Values:
-        one = _group_of(fit, group)
+        one = group_of(fit, group)
         amounts = np.array([fit.value(each) for each in one.amounts])
         course = one.columns[channel] @ amounts
         time = _time_of(fit, channel)
@@ -93,7 +93,8 @@ def of_terms(
     return Form(cause, name, added)
 
 
-def _group_of(fit: Fit, name: str) -> Added:
+def group_of(fit: Fit, name: str) -> Added:
+    """The added terms of a form, in a fit of it."""
     one = fit.world.added_group(name)
     assert one is not None
     return one
@@ -127,7 +128,7 @@ def lens_terms(fit: Fit) -> tuple[Added, ...]:
 
 
 def lens_values(fit: Fit) -> Values:
-    one = _group_of(fit, "lens")
+    one = group_of(fit, "lens")
     size = float(np.max(np.abs(shown(fit, "displacement")))) or 1.0
     cubic, std = plain(fit, x=one.amounts[1])["x"]
     return {"coefficient_per_px2": (cubic / size**2, std / size**2)}
@@ -141,7 +142,7 @@ def tilt_terms(fit: Fit) -> tuple[Added, ...]:
 
 
 def tilt_values(fit: Fit) -> Values:
-    amount, std = plain(fit, x=_group_of(fit, "tilt").amounts[0])["x"]
+    amount, std = plain(fit, x=group_of(fit, "tilt").amounts[0])["x"]
     known = fit.value("camera.rotation_px_per_rad")
     return {"rotation_px_per_rad": (known + _TILT_PX_PER_RAD * amount, _TILT_PX_PER_RAD * std)}
 

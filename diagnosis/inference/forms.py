@@ -40,11 +40,13 @@ from stillarm.diagnosis.inference.courses import (
     tilt_values,
 )
 from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.inference.swelling_hum import FORM as SWELLING_HUM
 from stillarm.diagnosis.physics.quantities import (
     ACCELEROMETER_BEGIN,
     ARM_BEGIN,
     CAMERA_BEGIN,
     DRIVE_BEGIN,
+    LAG_BEND,
     MOST_DOWN,
     MOST_UP,
 )
@@ -201,6 +203,7 @@ _ONE_SIDED = tuple(
     )
     for name, quantity, side in (("of what is above", MOST_UP, 1), ("of what is below", MOST_DOWN, -1))
 )  # fmt: skip
+_TWO_EQUAL_LAGS = 0.25  # of the bend: a fit may go from there to one lag, or to a filter that rings
 _FURTHER: tuple[Form, ...] = (
     _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),
     _further("drive_dead_time", "on top", {"drive.further_dead_time_s": (0.001, 0.004, 0.012, 0.03)}, _total_dead_time),
@@ -224,6 +227,12 @@ _FURTHER: tuple[Form, ...] = (
         "accelerometer_lag", "of first order", {"accelerometer.lag_s": (0.0005, 0.002, 0.006, 0.02)}, _lag,
         needs=has("acceleration"),
     ),
+    _further(
+        "accelerometer_lag", "of second order",
+        {"accelerometer.lag_s": (0.001, 0.004, 0.012, 0.03), LAG_BEND: (_TWO_EQUAL_LAGS,) * 4}, _lag,
+        needs=has("acceleration"),
+    ),
+    SWELLING_HUM,
     of_course(
         "accelerometer_bias_drift", "along a course", "rate_m_s3", "acceleration", "bias", lambda fit: 1.0, 3.0
     ),

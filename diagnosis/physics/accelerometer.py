@@ -9,13 +9,14 @@ from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.arm_motion import Motion, dead_s
 from stillarm.diagnosis.physics.declared_effects import effects_in, laws_at
 from stillarm.diagnosis.physics.quantities import (
     ACCELEROMETER_BEGIN,
+    LAG_BEND,
     MOST_DOWN,
     MOST_UP,
     OF_ARRIVALS,
@@ -69,7 +70,7 @@ class Accelerometer:
             value = value + self._of_last_jump(motion, vector, int(cycles))
         lag_s = vector[at["accelerometer.lag_s"]]
         if lag_s > 0.0:
-            value = _lagged(value, self.measured.cycle_s / lag_s)
+            value = _lagged(value, self.measured.cycle_s / lag_s, vector[at[LAG_BEND]])
         gain = vector[at["accelerometer.scale"]]
         effects = effects_in(vector, at)
         for law in laws_at(effects, "sensitivity"):
@@ -108,12 +109,17 @@ class Accelerometer:
         return rest * self.length
 
 
-def _lagged(values: Array, turns: float) -> Array:
-    """Values behind a first-order lag of 1/turns samples, exact for a ramp between them."""
+def _lagged(values: Array, turns: float, bend: float) -> Array:
+    """Values behind a filter 1 / (1 + lag s + bend (lag s)^2), of a lag of 1/turns samples, exact for a ramp between
+    them. bend: 0 is of first order."""
+    start = values[0]
+    if bend > 0.0:
+        lag = 1.0 / turns
+        above, below, _ = cont2discrete(([1.0], [bend * lag * lag, lag, 1.0]), 1.0, method="foh")
+        return np.asarray(start + lfilter(above[0], below, values - start))
     stays = np.exp(-turns)
     now = 1.0 - (1.0 - stays) / turns
     before = (1.0 - stays) / turns - stays
-    start = values[0]
     return np.asarray(start + lfilter([now, before], [1.0, -stays], values - start))
 
 

@@ -20,6 +20,8 @@ _ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integr
 RANGE = "accelerometer.range_m_s2"
 MOST_UP, MOST_DOWN = "accelerometer.most_up_m_s2", "accelerometer.most_down_m_s2"
 """Limits of one side of the reading, beside the range of both."""
+LAG_BEND = "accelerometer.lag_bend"
+"""Of a sensor's filter 1 / (1 + lag s + bend (lag s)^2): 0 is of first order, 1/4 two equal lags, 1/2 Butterworth's."""
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
 OF_LAST_JUMP = "accelerometer.of_last_jump"  # share of a command's jump, beyond what interpolation has of it
 _OF_LAST_JUMP_STD = 0.5  # where within a cycle a late sensor reads, and how sharply, is unknown
@@ -122,6 +124,7 @@ class Layout:
             (MOST_DOWN, UNLIMITED, 1e-3, UNLIMITED, 1e-3),
             ("accelerometer.delay_s", sensor.delay_s, 0.0, 0.2, 1e-5),
             ("accelerometer.lag_s", 0.0, 0.0, 0.5, 1e-5),
+            (LAG_BEND, 0.0, 0.0, 1.0, 1e-3),
             (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),
             (OF_LAST_JUMP, 0.0, -1.0, 1.0, 1e-3),
             ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),

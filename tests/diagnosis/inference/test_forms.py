@@ -20,7 +20,7 @@ from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
 WORLD = World(measured(6.0, 1), MODEL)
-ALL = forms(WORLD)
+ALL = [one for one in forms(WORLD) if one.name != "that swells"]  # which needs a hum: test_swelling_hum.py
 COURSES = [
     one for one in ALL if one.added is not None and one.id not in ("lens_distortion", "camera_tilt_coupling")
 ]

@@ -8,7 +8,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
 from stillarm.diagnosis.physics.accelerometer import without_strikes
-from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP, RANGE
+from stillarm.diagnosis.physics.quantities import LAG_BEND, MOST_DOWN, MOST_UP, RANGE
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
@@ -65,3 +65,21 @@ def test_a_limit_of_one_side_leaves_the_other_as_it_was() -> None:
     ):
         shown = world.predict(world.space.with_values(world.space.vector(), {name: limit})).channels
         assert np.array_equal(shown["acceleration"], seen) and not np.array_equal(seen, free)
+
+
+def test_a_filter_of_second_order_is_the_equation_solved_by_small_steps() -> None:
+    """1 / (1 + lag s + bend (lag s)^2), by another integrator: a bend of 1/4 is two lags in a row."""
+    lag_s, bend = 0.012, 0.25
+    hidden = {"accelerometer.lag_s": lag_s, LAG_BEND: bend}
+    world = World(measured(3.0, 1), MODEL)
+    plain = world.predict(world.space.vector()).channels["acceleration"]
+    shown = world.predict(world.space.with_values(world.space.vector(), hidden)).channels["acceleration"]
+    steps = 50
+    fine = np.interp(np.arange((len(plain) - 1) * steps + 1) / steps, np.arange(len(plain)), plain)
+    first = second = fine[0]
+    kept = np.empty(len(fine))
+    for k, value in enumerate(fine.tolist()):
+        first += (value - first) * (STEP_S / steps) / (0.5 * lag_s)
+        second += (first - second) * (STEP_S / steps) / (0.5 * lag_s)
+        kept[k] = second
+    assert np.max(np.abs(shown - kept[::steps])) < 0.01 * np.max(np.abs(plain - shown))
