@@ -185,7 +185,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
     else:
         screening, candidates = [], []
         if found.findings and not anything_matters(last, split):
-            elsewhere = _convincing_elsewhere(found)
+            elsewhere = _convincing_elsewhere(found, split)
             allowed = [one for one in allowed if one.id in elsewhere]
         if allowed:
             screening, candidates = compared(last, allowed, split, found)
@@ -196,9 +196,11 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
             found.left_out.append("laws of noise and timing")
     ranked = _best_of_each(candidates)
     beside = bool(found.findings)
-    convincing = [one for one in ranked if convinces(one, last, beside)]
+    convincing = [one for one in ranked if convinces(one, last, split, beside)]
     chosen = convincing[0] if convincing else None
-    if chosen is not None and any(is_too_little(one, last) and one.merit > chosen.merit for one in ranked):
+    if chosen is not None and any(
+        is_too_little(one, last, split) and one.merit > chosen.merit for one in ranked
+    ):
         chosen = None  # what is always there, and too little to be named, explains it better
     if chosen is not None and chosen.law is None and turns_the_joint(chosen.cause):
         foretold = _moved_as_foretold(chosen, split)
@@ -215,7 +217,7 @@ def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
     return list(best.values())
 
 
-def _convincing_elsewhere(found: Found) -> set[str]:
+def _convincing_elsewhere(found: Found, split: Split) -> set[str]:
     """Causes that convinced in the round before, beside the one that was taken, and act elsewhere: what that
     one mends is none of theirs. They are judged again where nothing else is left that matters."""
     stage = found.stages[-1]
@@ -225,7 +227,9 @@ def _convincing_elsewhere(found: Found) -> set[str]:
     return {
         one.cause
         for one in stage.candidates
-        if DECLARED[one.cause].place != place and one.law is None and convinces(one, before, beside=True)
+        if DECLARED[one.cause].place != place
+        and one.law is None
+        and convinces(one, before, split, beside=True)
     }
 
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.candidates import least_that_matters, white_noise
-from stillarm.diagnosis.inference.evidence import noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.inference.candidates import least_that_matters, noise_of, white_noise
+from stillarm.diagnosis.inference.evidence import score, score_of_noise
 from stillarm.diagnosis.inference.fitted import THIN, Fit
 
 Array = NDArray[np.float64]
@@ -58,17 +58,6 @@ def _beyond_noise(last: Fit, name: str, split: Split) -> tuple[float, float]:
     known = residual[np.isfinite(residual)]
     noise = noise_of(last, name, split)
     return sqrt(max(float(np.mean(known**2)) - noise**2, 0.0)) if len(known) else 0.0, noise
-
-
-def noise_of(last: Fit, name: str, split: Split) -> float:
-    """A channel's own noise, whatever the model, with its colour."""
-    many = THIN.get(name, 1)
-    count, level = noise_spectrum(last, name, split, white_noise(last, name) / sqrt(many))
-    return (
-        sqrt(many * float(count @ level) / float(count.sum()))
-        if count.sum() > 0.0
-        else white_noise(last, name)
-    )
 
 
 def _band(residual: Array, step_s: float) -> tuple[float, float]:

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data import robust
 from stillarm.diagnosis.data.noise import MATTERS_AT_LEAST, MATTERS_OF_MOTION, MATTERS_OF_NOISE
-from stillarm.diagnosis.inference.fitted import Fit, least_level
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.evidence import noise_spectrum
+from stillarm.diagnosis.inference.fitted import THIN, Fit, least_level
 from stillarm.diagnosis.inference.laws import LawFound
 from stillarm.diagnosis.inference.screen import Scored
 
@@ -97,7 +99,7 @@ def of_law(last: Fit, law: LawFound) -> Candidate:
     )  # fmt: skip
 
 
-def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
+def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
     """Whether a candidate is more than chance and more than a model's usual discrepancy, and within its bounds.
     beside: a finding there is already: what does not matter beside it is told as left."""
     if one.merit < CONVINCING_NATS or not _within_bounds(one):
@@ -105,15 +107,15 @@ def convinces(one: Candidate, last: Fit, beside: bool) -> bool:
     if one.law is not None:
         return True
     if beside or _is_in_every_arm(one) or is_of_free_form(one, last):
-        return size_in_noise(last, one.fit) > MATTERS_OF_NOISE
+        return size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
-    return size_in_noise(last, one.fit, parts) > LEAST_OF_NOISE
+    return size_in_noise(last, one.fit, split, parts) > LEAST_OF_NOISE
 
 
-def is_too_little(one: Candidate, last: Fit) -> bool:
+def is_too_little(one: Candidate, last: Fit, split: Split) -> bool:
     """Whether a candidate is what a small departure of any arm from its model looks like, and is small."""
     usual = _is_in_every_arm(one) or is_of_free_form(one, last)
-    return usual and size_in_noise(last, one.fit) <= MATTERS_OF_NOISE
+    return usual and size_in_noise(last, one.fit, split) <= MATTERS_OF_NOISE
 
 
 def is_of_free_form(one: Candidate, last: Fit) -> bool:
@@ -142,19 +144,26 @@ def turns_the_joint(cause: str) -> bool:
     return DECLARED[cause].place == "drive" and DECLARED[cause].acts != "force"
 
 
-def size_in_noise(before: Fit, after: Fit, parts: int = 1) -> float:
+def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> float:
     """How much less is left in the channel that a cause mends most, over that channel's noise: rms over the recording,
     or over that one of so many equal parts of it in which it is largest."""
-    return max(_mended(before, after, name, parts) for name in before.residuals)
+    return max(_mended(before, after, name, split, parts) for name in before.residuals)
 
 
-def _mended(before: Fit, after: Fit, name: str, parts: int) -> float:
+def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> float:
     """In one channel. What rounding makes is no noise: a fit of anything may take all of it, step^2 / 12."""
     less = before.residuals[name] ** 2 - after.residuals[name] ** 2
     known = less[np.isfinite(less)]
     power = max((float(one.mean()) for one in np.array_split(known, parts) if len(one)), default=0.0)
     power -= before.world.resolution(name) ** 2 / 12.0
-    return sqrt(max(power, 0.0)) / white_noise(after, name)
+    return sqrt(max(power, 0.0)) / noise_of(after, name, split)
+
+
+def noise_of(last: Fit, name: str, split: Split) -> float:
+    """A channel's own noise, whatever the model, with its colour; not below what a simulation reaches."""
+    white, many = white_noise(last, name), THIN.get(name, 1)
+    count, level = noise_spectrum(last, name, split, white / sqrt(many))
+    return sqrt(many * float(count @ level) / float(count.sum())) if count.sum() > 0.0 else white
 
 
 def least_that_matters(last: Fit, name: str) -> float:

@@ -15,6 +15,7 @@ from stillarm.diagnosis.data.robust import std_about_zero, without_spikes
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fit import colours, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.impact_doubt import sizes_in_stds
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
@@ -237,7 +238,7 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
     comes out of that in any state."""
     world = last.world
     cycle_s = world.measured.cycle_s
-    ends = {round(end / cycle_s) for _, end in world.unjudged_s}
+    ends = _ends(world)
     for _ in range(2):
         moved = []
         for j, cycle in enumerate(world.impacts, start=1):
@@ -251,13 +252,23 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
     return last, set(world.impacts)
 
 
+def _ends(world: World) -> set[int]:
+    """The cycles at which what is not judged ends."""
+    return {round(end / world.measured.cycle_s) for _, end in world.unjudged_s}
+
+
 def pruned(last: Fit, split: Split) -> Fit:
     """Without the impacts that have turned out to be none; of those close to each other, which may well share one
-    impact and each seem needless beside the other, the least goes first."""
+    impact and each seem needless beside the other, the least goes first, and one that ends what is not judged last:
+    between that end and a later one the arm would ring on from a state that nobody judged."""
+    near = _CLOSE_S / last.world.measured.cycle_s
+    ends = _ends(last.world)
     while True:
         cycles = last.world.impacts
-        sizes = [_size_in_stds(last, j) for j in range(1, len(cycles) + 1)]
-        near = _CLOSE_S / last.world.measured.cycle_s
+        sizes = [
+            np.inf if cycle in ends and any(0 < abs(other - cycle) < near for other in cycles) else size
+            for cycle, size in zip(cycles, sizes_in_stds(last), strict=True)
+        ]
         kept = tuple(
             cycle
             for cycle, size in zip(cycles, sizes, strict=True)
@@ -269,13 +280,3 @@ def pruned(last: Fit, split: Split) -> Fit:
         if len(kept) == len(cycles):
             return last
         last = refit_with(last, split, kept)
-
-
-def _size_in_stds(last: Fit, number: int) -> float:
-    """Size of impact `number` in standard deviations, the larger of deflection's and rate's."""
-    size = 0.0
-    for part in ("q", "v"):
-        name = f"jump.{number}.0.{part}"
-        std = last.std.get(name, 0.0)
-        size = max(size, abs(last.value(name)) / std if std > 0.0 else np.inf)
-    return size

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.rest import noise_of, rest_of, times_what_matters
+from stillarm.diagnosis.decision.rest import rest_of, times_what_matters
+from stillarm.diagnosis.inference.candidates import noise_of
 from stillarm.diagnosis.inference.fitted import Fit
 from tests.fixtures.synthetic import fitted, measured
 

@@ -43,3 +43,12 @@ def test_of_two_impacts_that_share_one_where_it_is_held_out_one_stays() -> None:
     left = pruned(last, split)
     assert len(left.world.impacts) == 1
     assert left.train_log_likelihood > last.train_log_likelihood - 10.0
+
+
+def test_the_end_of_what_is_not_judged_stays_beside_a_later_impact() -> None:
+    """Without it the arm would ring on, from there to the later one, from a state that nobody judged."""
+    split = interleaved(9.0)
+    data = measured(9.0, 3, impact(1, 0.02), impacts=(4300,))
+    both = World(data, MODEL, impacts=(4400, 4600), unjudged_s=((4.2, 4.4),))
+    last = fit(make_data(both, split), both.space.vector(), both.baseline_names())
+    assert pruned(last, split).world.impacts == (4400,)

@@ -98,9 +98,11 @@ def _made(seed: int, causes: list[str], hardly: bool) -> Case:
     needs = {ALL[cause].needs for cause in causes}
     rig = draw_rig(seed, needs, one_mode="second_bending_mode" in causes)
     moves = draw_moves(rig)
+    rig = _ranged(
+        rig, moves
+    )  # first: what a sensor at its limit does not show is too little to scale a nuisance by
     rig, nuisance = _with_nuisance(rig, moves, chance)
     plain = record(rig, moves, noise=False)
-    rig, plain = _ranged(rig, plain, moves)
     effects, sizes = [], []
     for number, cause in enumerate(causes):
         effect = draw_effect(cause, rig, plain, number)
@@ -160,14 +162,14 @@ def _scaled(rig: Rig, factor: float) -> Rig:
     )
 
 
-def _ranged(rig: Rig, plain: Recording, moves: list[Move]) -> tuple[Rig, Recording]:
+def _ranged(rig: Rig, moves: list[Move]) -> Rig:
     """The accelerometer's range beyond all but impacts."""
     if rig.accelerometer is None:
-        return rig, plain
+        return rig
+    plain = record(rig, moves, noise=False, nuisance=False)
     peak = 1.4 * float(np.quantile(np.abs(plain.motion.tip_m_s2[::10]), 0.9995))
     enough = next((r for r in _RANGES if r > peak), _RANGES[-1])
-    rig = replace(rig, accelerometer=replace(rig.accelerometer, range_m_s2=enough))
-    return rig, record(rig, moves, noise=False, motion=plain.motion)
+    return replace(rig, accelerometer=replace(rig.accelerometer, range_m_s2=enough))
 
 
 def _sized(

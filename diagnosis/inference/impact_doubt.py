@@ -1,0 +1,66 @@
+"""How sure an impact is: its size over its doubt in the band in which the arm vibrates.
+
+A fit's standard deviations take what it leaves for white. An image that drifts, or an accelerometer with hum, leaves
+much at other frequencies and no more than noise about the arm's own, and an impact is seen there alone. So the doubt is
+that of the noise's density about the mode, in the channel in which it is largest beside its level.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.inference.fitted import Fit
+
+Array = NDArray[np.float64]
+
+_SHOWING = ("acceleration", "deflection", "displacement")
+_PERIODS, _LEAST_SAMPLES = 12, 64  # of a window: a line is then told to a tenth of the mode's frequency
+_ABOUT = 0.3  # of the frequency, to either side
+_LEAST = 0.05  # of the level: below that the model's own discrepancy says how sure an impact is
+
+
+def sizes_in_stds(last: Fit) -> list[float]:
+    """Of each impact its size in standard deviations, the larger of the first mode's deflection's and rate's."""
+    doubt = _doubt_about_the_mode(last)
+    return [_size(last, number) / doubt for number in range(1, len(last.world.impacts) + 1)]
+
+
+def _size(last: Fit, number: int) -> float:
+    size = 0.0
+    for part in ("q", "v"):
+        name = f"jump.{number}.0.{part}"
+        std = last.std.get(name, 0.0)
+        size = max(size, abs(last.value(name)) / std if std > 0.0 else np.inf)
+    return size
+
+
+def _doubt_about_the_mode(last: Fit) -> float:
+    """Noise about the first mode's frequency over that of the fit, both as deviations of white noise; at most 1."""
+    hz = last.value("modes.0.frequency_hz")
+    shares = [
+        level_about(last.residuals[name], hz, last.world.step_s(name)) / last.sigma[name]
+        for name in _SHOWING
+        if name in last.residuals and last.sigma[name] > 0.0
+    ]
+    return float(np.clip(max(shares, default=1.0), _LEAST, 1.0))
+
+
+def level_about(residual: Array, hz: float, step_s: float) -> float:
+    """Standard deviation of white noise with as much power about a frequency as a residual has there, the median of
+    windows that overlap by half (Welch 1967). residual: (n,), NaN where unknown, for which nothing is put in."""
+    length = min(max(round(_PERIODS / (hz * step_s)), _LEAST_SAMPLES), len(residual))
+    taper = np.hanning(length)
+    at_hz = np.fft.rfftfreq(length, step_s)
+    seen_hz = abs(hz - round(hz * step_s) / step_s)  # of a vibration that is faster than half the sampling
+    about = np.abs(at_hz - seen_hz) <= max(_ABOUT * hz, 1.5 * at_hz[1])
+    slope = np.linspace(-1.0, 1.0, length)
+    powers = []
+    for start in range(0, len(residual) - length + 1, max(length // 2, 1)):
+        part = residual[start : start + length]
+        known = np.isfinite(part)
+        if known.sum() < 0.5 * length:
+            continue
+        line = np.polyfit(slope[known], part[known], 1)
+        off = np.where(known, part - np.polyval(line, slope), 0.0) * taper
+        power = np.abs(np.fft.rfft(off)[about]) ** 2
+        powers.append(float(np.mean(power)) / float(np.sum((taper * known) ** 2)))
+    return float(np.median(powers)) ** 0.5 if powers else np.inf
