@@ -142,9 +142,27 @@ def tilt_terms(fit: Fit) -> tuple[Added, ...]:
 
 
 def tilt_values(fit: Fit) -> Values:
-    amount, std = plain(fit, x=group_of(fit, "tilt").amounts[0])["x"]
+    return _turned(fit, "tilt")
+
+
+def _turned(fit: Fit, group: str) -> Values:
+    amount, std = plain(fit, x=group_of(fit, group).amounts[0])["x"]
     known = fit.value("camera.rotation_px_per_rad")
     return {"rotation_px_per_rad": (known + _TILT_PX_PER_RAD * amount, _TILT_PX_PER_RAD * std)}
+
+
+def arc_terms(fit: Fit) -> tuple[Added, ...]:
+    """The same where the tip turns far: with the angle's sine or tangent, whose next term is its third power."""
+    angle = fit.predicted.motion.tip_angle
+    far = float(np.max(np.abs(angle))) or 1.0
+    powers = (angle, angle**3 / far**2)
+    columns = np.stack([imaged(fit, -_TILT_PX_PER_RAD * one) for one in powers], axis=1)
+    return (Added("arc", {"displacement": columns}, _TILT_STD),)
+
+
+def arc_values(fit: Fit) -> Values:
+    """The rotation while the angle is small."""
+    return _turned(fit, "arc")
 
 
 def imaged(fit: Fit, scene: Array) -> Array:

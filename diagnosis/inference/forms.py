@@ -28,6 +28,8 @@ from stillarm.diagnosis.inference.cause import (
 from stillarm.diagnosis.inference.causes import CAUSES
 from stillarm.diagnosis.inference.coasting import CAUSE as COASTING_PLAY
 from stillarm.diagnosis.inference.courses import (
+    arc_terms,
+    arc_values,
     delay_std,
     image_std,
     lens_terms,
@@ -244,6 +246,7 @@ _FURTHER: tuple[Form, ...] = (
         "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk=True
     ),
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
+    of_terms("camera_tilt_coupling", "along an arc", "displacement", "arc", arc_values, arc_terms),
     of_terms("camera_tilt_coupling", "with the joint alone", "displacement", "tilt", tilt_values, tilt_terms),
     of_terms("lens_distortion", "about a centre", "displacement", "lens", lens_values, lens_terms),
 )  # fmt: skip
