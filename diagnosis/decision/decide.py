@@ -34,7 +34,9 @@ from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.freeform import Free, Group, groups
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.screen import Whitened, residual_peaks
-from stillarm.diagnosis.physics.computing import OutOfTime, side_by_side
+from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.copies import shared_out
+from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
 
@@ -247,11 +249,13 @@ def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | N
     kinds = (*groups(peaks), *others)
     slopes = slopes_of(last)
     white = Whitened(make_data(last.world, split), last, slopes)
-    promises = side_by_side(lambda group: _promise(group, white), kinds)
+    promises = shared_out(lambda group: _promise(group, white), kinds)
     promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
-    found = side_by_side(
-        lambda place: _with_free(kinds[place], last, before, split, slopes),
-        [place for nats, place in promising if nats > 0.0],
+    begun = [(kinds[place], _world_with(kinds[place], last)) for nats, place in promising if nats > 0.0]
+    found = shared_out(
+        lambda one: _with_free(*one, last, before, split, slopes),
+        begun,
+        [one for group, world in begun for one in (group, world)],
     )
     tried = [one for one in found if one is not None]
     best = max(tried, key=lambda one: one.merit, default=None)
@@ -264,11 +268,18 @@ def _promise(group: Group, white: Whitened) -> float:
     return white.promise(added.columns) if added is not None else 0.0
 
 
-def _with_free(group: Group, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free | None:
+def _world_with(group: Group, last: Fit) -> World | None:
+    """The world of a fit with a group's terms; None where it is not seen."""
     added = group.added(last)
-    if added is None:
+    return last.world.changed(added=(*last.world.added, added)) if added is not None else None
+
+
+def _with_free(
+    group: Group, world: World | None, last: Fit, before: Score, split: Split, slopes: Slopes
+) -> Free | None:
+    if world is None:
         return None
-    world = last.world.changed(added=(*last.world.added, added))
+    added = world.added[-1]
     names = free_names(last, world, added.amounts)
     fitted = fit(
         make_data(world, split),

@@ -18,7 +18,7 @@ from stillarm.diagnosis.inference.fit import fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.freeform import Free, Group
 from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.physics.computing import side_by_side
+from stillarm.diagnosis.physics.copies import shared_out
 
 _CUBIC, _CUBIC_SIZE = "cubic_stiffness", "arm.cubic_per_m2"
 _LAW = "one_sided_stiffness"
@@ -49,8 +49,10 @@ def rival_law(first: Candidate, before: Fit, split: Split) -> Free | None:
         for side in (1.0, -1.0)
         for part in _BEGINS
     ]
-    tried = side_by_side(
-        lambda start: fit(data, start, names, iterations=QUICK, colour=before.colour, known=slopes), starts
+    tried = shared_out(
+        lambda start: fit(data, start, names, iterations=QUICK, colour=before.colour, known=slopes),
+        starts,
+        (world,),
     )
     was = score(before, split)
     best = max(tried, key=lambda one: float(score(one, split).gain(was).sum()))

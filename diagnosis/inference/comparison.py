@@ -22,7 +22,8 @@ from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.screen import Scored, screen
-from stillarm.diagnosis.physics.computing import OutOfTime, side_by_side
+from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
 
 _Item = TypeVar("_Item")
@@ -84,17 +85,20 @@ def compared(
         before, data = score(last, split), make_data(last.world, split)
         slopes = slopes_of(last)
         begun, screening = begun_fits(data, last, tried, slopes)
-        quick = _each(lambda one: _quickly(one, last, before, split, slopes), begun, found)
+        known = _known(begun, last)
+        quick = _each(lambda one: _quickly(one, last, before, split, slopes), begun, found, known)
         best = best_of_each(quick)
-        ended = _each(lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found)
-        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
-        later = _each(
-            lambda one: with_onset(one, last, split, slopes), _worth_an_onset(candidates, ended), found
+        ended = _each(
+            lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found, known
         )
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
+        worth = _worth_an_onset(candidates, ended)
+        known += [one for one, _ in worth]
+        later = _each(lambda one: with_onset(one, last, split, slopes), worth, found, known)
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in later]
         best_forms = _leading([*ended, *later], candidates)
         at_best = _each(
-            lambda pair: (pair[0], polished(pair[0], pair[1], last, split, slopes)), best_forms, found
+            lambda pair: (pair[0], polished(pair[0], pair[1], last, split, slopes)), best_forms, found, known
         )
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in at_best]
     except OutOfTime:
@@ -104,10 +108,19 @@ def compared(
     return screening, sorted(candidates, key=lambda one: -one.merit)
 
 
+def _known(begun: Sequence[Begun], last: Fit) -> list[object]:
+    """What a fit of a form shares with the fit so far and with other forms."""
+    shown = last.predicted
+    return [last, last.world, shown.motion, shown.rate_px_s, *begun, *(one.world for one in begun)]
+
+
 def _each(
-    work: Callable[[_Item], tuple[_Key, Fit | None]], items: Sequence[_Item], found: Found
+    work: Callable[[_Item], tuple[_Key, Fit | None]],
+    items: Sequence[_Item],
+    found: Found,
+    known: Sequence[object],
 ) -> list[tuple[_Key, Fit]]:
-    """The work on each item; what the time did not suffice for is left out, and told."""
+    """The work on each item; what the time did not suffice for is left out, and told. known: as in shared_out."""
 
     def tried(item: _Item) -> tuple[_Key, Fit | None] | None:
         try:
@@ -115,7 +128,7 @@ def _each(
         except OutOfTime:
             return None
 
-    done = side_by_side(tried, items)
+    done = shared_out(tried, items, known)
     if any(one is None for one in done) and LEFT_OUT not in found.left_out:
         found.left_out.append(LEFT_OUT)
     return [(one[0], one[1]) for one in done if one is not None and one[1] is not None]

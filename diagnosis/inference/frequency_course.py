@@ -19,7 +19,7 @@ from scipy.signal import lfilter
 from stillarm.common.files.model import Mode, Model
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.arm_motion import Motion
-from stillarm.diagnosis.physics.computing import side_by_side
+from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.quantities import HIGHER
 from stillarm.diagnosis.physics.world import World
 
@@ -220,7 +220,7 @@ def _windows(world: World, shown: Sequence[_Shown]) -> _Windows:
         solved = _solved(shown, windows, starts_s, 2.0 * pi * one)
         return [sum(channel[i].cost for channel in solved) for i in range(len(starts_s))]
 
-    cost = np.array(side_by_side(costs, hz.tolist())).reshape(len(hz), len(starts_s)).T
+    cost = np.array(shared_out(costs, hz.tolist())).reshape(len(hz), len(starts_s)).T
     best = float(hz[int(np.argmin(cost.sum(axis=0)))])
     at_best = _solved(shown, windows, starts_s, 2.0 * pi * best)
     clearest = max(at_best, key=lambda channel: float(np.median([one.clarity for one in channel])))

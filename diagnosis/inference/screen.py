@@ -15,7 +15,7 @@ from stillarm.diagnosis.inference.cause import Cause, Context, Trial
 from stillarm.diagnosis.inference.fit import Slopes, jacobian, whitened
 from stillarm.diagnosis.inference.fitted import THIN, Data, Fit, least_level, thinned, thinned_mask
 from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.physics.computing import side_by_side
+from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.quantities import ARRIVAL, UNLIMITED
 from stillarm.diagnosis.physics.world import Predicted, World
 
@@ -178,7 +178,8 @@ def screen(data: Data, last: Fit, causes: list[Cause], slopes: Slopes) -> list[S
         return _score(white, cause, trial, worlds[trial.options])
 
     best: dict[str, list[Scored]] = {}
-    for (cause, _), one in zip(todo, side_by_side(score, todo), strict=True):
+    known = [*(one for pair in todo for one in pair), *(one[0] for one in worlds.values())]
+    for (cause, _), one in zip(todo, shared_out(score, todo, known), strict=True):
         if one is not None:
             best.setdefault(cause.id, []).append(one)
     scored: list[Scored] = []

@@ -9,6 +9,7 @@ __all__ = [
     "camera",
     "coasting_play",
     "computing",
+    "copies",
     "declared_effects",
     "linear_modes",
     "measured_joint",

@@ -20,12 +20,30 @@ _NAME = "diagnose-beside"
 _POOL = ThreadPoolExecutor(2, thread_name_prefix=_NAME)
 
 
+_alone: ContextVar[bool] = ContextVar("diagnosis_alone", default=False)
+
+
+def is_alone() -> bool:
+    """Whether all processors are at work already (`alone`)."""
+    return _alone.get()
+
+
+@contextmanager
+def alone() -> Iterator[None]:
+    """Within it nothing is done side by side: every processor has its own part."""
+    token = _alone.set(True)
+    try:
+        yield
+    finally:
+        _alone.reset(token)
+
+
 def side_by_side(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> list[_Result]:
     """The work on each item, in order. Within work that is done so itself, one after another: it would wait for its own
     place."""
-    if current_thread().name.startswith(_NAME):
-        return [work(item) for item in items]
     given = list(items)
+    if is_alone() or current_thread().name.startswith(_NAME):
+        return [work(item) for item in given]
     contexts = [copy_context() for _ in given]  # the time limit of whoever asked
     return list(_POOL.map(lambda context, item: context.run(work, item), contexts, given))
 

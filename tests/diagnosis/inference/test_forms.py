@@ -205,7 +205,7 @@ def test_a_camera_that_turns_with_the_joint_alone_is_fitted_with_its_size() -> N
     )
     frames = replace(data.frames, displacement_px=data.frames.displacement_px - 80.0 * joint)
     last = fitted(replace(data, frames=frames))
-    (tilt,) = (one for one in ALL if one.id == "camera_tilt_coupling" and one.added)
+    (tilt,) = (one for one in ALL if one.name == "with the joint alone")
     begun, _ = begun_fits(make_data(last.world, split), last, [tilt], slopes_of(last))
     found = refitted(begun[0], last, split, slopes_of(last))
     assert found is not None
