@@ -151,7 +151,7 @@ def _explained(
         tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
         upstream = turn == 0 and _joint_departs(found.final)
         try:
-            stage = _round(found, split, only, upstream)
+            stage = _again(found, split) or _round(found, split, only, upstream)
             found.stages.append(stage)
             if stage.taken is None and upstream:
                 stage = _round(found, split, only, upstream=False)
@@ -190,12 +190,30 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
         if allowed:
             screening, candidates = compared(last, allowed, split, found)
         try:
-            known = laws(make_data(last.world, split), last)
+            known = laws(make_data(last.world, split), last, found.laws)
+            found.laws = (last, known)
             candidates += [of_law(last, law) for law in known if law.cause not in taken]
         except OutOfTime:
             found.left_out.append("laws of noise and timing")
-    ranked = _best_of_each(candidates)
-    beside = bool(found.findings)
+    return _taken_of(Stage(screening, _best_of_each(candidates), None), found, split)
+
+
+def _again(found: Found, split: Split) -> Stage | None:
+    """The round before once more, without the law that it took: a law changes no fit, so that each form would come out
+    the same. None where that round took no law, or compared nothing."""
+    before = found.stages[-1] if found.stages else None
+    if before is None or before.taken is None or before.taken.law is None or not before.screening:
+        return None
+    ranked = [one for one in before.candidates if one is not before.taken]
+    if not anything_matters(found.final, split):
+        elsewhere = _convincing_elsewhere(found, split)
+        ranked = [one for one in ranked if one.law is not None or one.cause in elsewhere]
+    return _taken_of(Stage(before.screening, ranked, None), found, split)
+
+
+def _taken_of(stage: Stage, found: Found, split: Split) -> Stage:
+    """The stage with the best of its candidates that convinces taken."""
+    last, ranked, beside = found.final, stage.candidates, bool(found.findings)
     convincing = [one for one in ranked if convinces(one, last, split, beside)]
     chosen = convincing[0] if convincing else None
     if chosen is not None and any(
@@ -206,7 +224,7 @@ def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: boo
         foretold = _moved_as_foretold(chosen, split)
         ranked = [foretold if one is chosen else one for one in ranked]
         chosen = foretold
-    return Stage(screening, ranked, chosen)
+    return Stage(stage.screening, ranked, chosen)
 
 
 def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:

@@ -87,6 +87,8 @@ class Found:
     stages: list[Stage] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     """What the time did not suffice for."""
+    laws: tuple[Fit, list[LawFound]] | None = None
+    """The last laws that were looked for, and the fit on which."""
 
 
 def of_law(last: Fit, law: LawFound) -> Candidate:

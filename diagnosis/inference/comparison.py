@@ -7,6 +7,7 @@ alone, and costs a tenth. The best few are polished with all derivatives.
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import sqrt
 from typing import TypeVar
 
@@ -21,7 +22,7 @@ from stillarm.diagnosis.inference.fit import SETTLED_NATS, Slopes, fit, slopes_o
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
 from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.inference.screen import Scored, screen
+from stillarm.diagnosis.inference.screen import Scored, Whitened, screen
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
@@ -44,7 +45,10 @@ _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 _SETTLED = 1e-3  # of what a form has gained: a step or a trial that gains less changes no comparison
 _PROMISING = 0.02  # of the best score: what promises less says more in a later round
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
-_ONSETS = 6  # tried over the recording
+_ONSETS, _ONSETS_SPAN = 6, (0.1, 0.85)  # tried over the recording; of its length, the first and the last
+_ONSETS_FITTED = (
+    3  # of them, the best by a score test: it takes what changes for linear, and ranks them roughly
+)
 _ONSET_COARSE_S, _ONSET_LEAST_S = 0.02, 0.001  # to which an onset is sought: of all forms; of those that lead
 _TIMES_THE_WHOLE = (1.0, 3.0)  # what acts in a part of the recording is larger than what fits the whole of it
 _SIZE_FOLLOWS = 3  # steps of a fit, in which the size follows an onset that is off by up to a swing
@@ -82,9 +86,9 @@ def compared(
     candidates: list[Candidate] = []
     screening: list[Scored] = []
     try:
-        before, data = score(last, split), make_data(last.world, split)
-        slopes = slopes_of(last)
-        begun, screening = begun_fits(data, last, tried, slopes)
+        before, slopes = score(last, split), slopes_of(last)
+        white = Whitened(make_data(last.world, split), last, slopes)
+        begun, screening = begun_fits(white, tried)
         known = _known(begun, last)
         quick = _each(lambda one: _quickly(one, last, before, split, slopes), begun, found, known)
         best = best_of_each(quick)
@@ -94,7 +98,7 @@ def compared(
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
         worth = _worth_an_onset(candidates, ended)
         known += [one for one, _ in worth]
-        later = _each(lambda one: with_onset(one, last, split, slopes), worth, found, known)
+        later = _each(lambda one: with_onset(one, white, split, slopes), worth, found, known)
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in later]
         best_forms = _leading([*ended, *later], candidates)
         at_best = _each(
@@ -166,12 +170,11 @@ def _first_of_each_cause(pairs: Sequence[tuple[Begun, Fit]]) -> dict[str, tuple[
     return first
 
 
-def begun_fits(
-    data: Data, last: Fit, tried: Sequence[Form], slopes: Slopes
-) -> tuple[list[Begun], list[Scored]]:
+def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:
     """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
+    last = white.last
     by_cause = {id(one.cause): one for one in tried}
-    screening = screen(data, last, [one.cause for one in tried if one.added is None], slopes)
+    screening = screen(white, [one.cause for one in tried if one.added is None])
     begun: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
     best: dict[int, float] = {}
@@ -312,29 +315,47 @@ def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fi
     return best
 
 
-def with_onset(pair: tuple[Begun, Fit], last: Fit, split: Split, slopes: Slopes) -> _Pair:
-    """The form fitted with the instant from which it acts: over a grid, then along it by halving steps. None where no
-    onset of the grid gains more than the same form throughout, or than nothing: the true one is at most a twelfth of
-    the recording off the nearest of the grid, and what acts from it on is then mended nearly everywhere."""
+def with_onset(pair: tuple[Begun, Fit], white: Whitened, split: Split, slopes: Slopes) -> _Pair:
+    """The form fitted with the instant from which it acts: over a grid and along it by halving steps, by a score test.
+    None where no onset of the grid gains more than the same form throughout, or than nothing: the true one is at most a
+    twelfth of the recording off the nearest of the grid, and what acts from it on is then mended nearly everywhere."""
     one, whole = pair
-    data, begins = make_data(one.world, split), one.form.begins
+    last, world, begins = white.last, one.world, one.form.begins
     assert begins is not None
-    duration = one.world.measured.duration_s
-    sizes = {name: whole.value(name) for name in one.form.cause.free(one.world)}
-    starts = [
-        one.world.space.with_values(
-            whole.vector, {name: times * size for name, size in sizes.items()} | {begins: float(onset)}
-        )
-        for onset in np.linspace(0.1, 0.85, _ONSETS) * duration
+    still = carried_over(last, world)
+    base, duration = world.predict(still), world.measured.duration_s
+    sizes = {name: whole.value(name) for name in one.form.cause.free(world)}
+
+    def foretold(times: float, onset_s: float) -> float:
+        values = {name: times * size for name, size in sizes.items()} | {begins: onset_s}
+        return white.foretold(world, base, world.space.with_values(still, values))
+
+    grid = [
+        (foretold(times, onset_s), times, onset_s)
+        for onset_s in (np.linspace(*_ONSETS_SPAN, _ONSETS) * duration).tolist()
         for times in _TIMES_THE_WHOLE
     ]
-    tried = [fit(data, start, whole.free, iterations=1, colour=last.colour, known=slopes) for start in starts]
-    best = max(tried, key=lambda fitted: gain_of(fitted, last))
-    if gain_of(best, last) < max(gain_of(whole, last), 0.0):
-        return one, None
-    steps = (0.5 * 0.75 * duration / (_ONSETS - 1), _ONSET_COARSE_S)
-    best = _onset_sought(begins, best, last, data, slopes, steps)
-    return one, fit(data, best.vector, best.free, iterations=QUICK, colour=last.colour, known=slopes)
+    apart_s = (_ONSETS_SPAN[1] - _ONSETS_SPAN[0]) * duration / (_ONSETS - 1)
+    data, found = make_data(world, split), []
+    for _, times, near_s in sorted(grid, reverse=True)[:_ONSETS_FITTED]:
+        onset_s = _sought(partial(foretold, times), near_s, 0.5 * apart_s)
+        values = {name: times * size for name, size in sizes.items()} | {begins: onset_s}
+        start = world.space.with_values(whole.vector, values)
+        found.append(fit(data, start, whole.free, iterations=QUICK, colour=last.colour, known=slopes))
+    best = max(found, key=lambda fitted: gain_of(fitted, last))
+    return one, best if gain_of(best, last) >= max(gain_of(whole, last), 0.0) else None
+
+
+def _sought(nats_at: Callable[[float], float], at_s: float, step_s: float) -> float:
+    """Where an onset gains most, by halving steps."""
+    nats = nats_at(at_s)
+    while step_s > _ONSET_COARSE_S:
+        better, there_s = max((nats_at(at_s + way * step_s), at_s + way * step_s) for way in (1, -1))
+        if better > nats + SETTLED_NATS:
+            nats, at_s = better, there_s
+        else:
+            step_s *= 0.5
+    return at_s
 
 
 def _onset_sought(

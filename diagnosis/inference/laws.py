@@ -16,6 +16,7 @@ from stillarm.diagnosis.inference.accelerometer_faults import SURE_NATS, outlier
 from stillarm.diagnosis.inference.departures import stretches
 from stillarm.diagnosis.inference.fitted import Data, Fit
 from stillarm.diagnosis.inference.late_bursts import find_bursts
+from stillarm.diagnosis.physics.copies import shared_out
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,8 @@ _LEAST_NATS = 8.0  # bursts over a wander alone: 3000 to 1
 
 # within so many deviations of the delay that the model states late frames are normal, but for so many in a row
 _BURST, _LASTING = 2.0, 5.0
+_FOLDS = 3  # ways of holding out a part of the blocks
+_BURSTS = "delay_bursts"
 _RARELY = 0.5  # of the frames: what most do is the usual
 
 
@@ -40,15 +43,22 @@ class LawFound:
     note: str = ""
 
 
-def laws(data: Data, last: Fit) -> list[LawFound]:
-    """All laws of noise and timing that this recording can show."""
-    found = [
-        _impulse_noise(data, last),
-        _frame_drops(data, last),
-        _delay_bursts(data, last),
-        _stamp_step(data, last),
-    ]
+def laws(data: Data, last: Fit, earlier: tuple[Fit, list[LawFound]] | None = None) -> list[LawFound]:
+    """All laws of noise and timing that this recording can show. earlier: a fit and the laws that were found on it; of
+    bursts, which take seconds to find, where images come as late by both."""
+    if earlier is not None and _as_late(last, earlier[0]):
+        bursts = next((one for one in earlier[1] if one.cause == _BURSTS), None)
+    else:
+        bursts = _delay_bursts(data, last)
+    found = [_impulse_noise(data, last), _frame_drops(data, last), bursts, _stamp_step(data, last)]
     return [one for one in found if one is not None]
+
+
+def _as_late(last: Fit, earlier: Fit) -> bool:
+    now, then = last.channel("arrival"), earlier.channel("arrival")
+    if now is None or then is None:
+        return now is then
+    return bool(np.nanmax(np.abs(now.off - then.off), initial=0.0) < LEAST["arrival"])
 
 
 def _sums(block: NDArray[np.int64], values: Array, count: int) -> Array:
@@ -148,9 +158,9 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     if whole.size_s < _BURST * stated_s and frames < _LASTING:
         return None
     gains = np.zeros(size)
-    for fold in range(3):
-        out = block % 3 == fold
-        part = find_bursts(residual, np.isfinite(residual) & ~out)
+    held_out = [block % _FOLDS == fold for fold in range(_FOLDS)]
+    parts = shared_out(lambda out: find_bursts(residual, np.isfinite(residual) & ~out), held_out)
+    for out, part in zip(held_out, parts, strict=True):
         if part is not None:
             gains += _sums(block[out], (part.nats - part.plain_nats)[out], size)
     period = 1.0 / data.world.model.camera.frame_rate_hz
@@ -159,7 +169,7 @@ def _delay_bursts(data: Data, last: Fit) -> LawFound | None:
     depth = _depths(residual, runs)
     rate, usual = len(runs) / duration, float(np.median(lengths))  # one prolonged by another is longer
     return LawFound(
-        "delay_bursts",
+        _BURSTS,
         {
             "rate_hz": (rate, rate / float(np.sqrt(len(runs)))),
             "duration_s": (

@@ -94,6 +94,14 @@ class Whitened:
         basis = _orthonormal(d)
         return self.gain(d @ (basis @ (basis.T @ (d.T @ self.residual))))
 
+    def foretold(self, world: World, base: Predicted, start: Array) -> float:
+        """Log-likelihood gained by what a vector of a world changes, as it is, the baseline making up for what it can.
+        base: what the world shows at the fit."""
+        change = np.empty((len(self.residual), 1), order="F")
+        self.weighted(world.predict(world.space.clipped(start), base), base, change[:, 0])
+        self.without_baseline(change)
+        return self.gain(change[:, 0])
+
     def without_baseline(self, changes: Array) -> None:
         """Take the baseline's directions out of changes, (samples, k), in place."""
         size = np.einsum("ij,ij->j", changes, changes)
@@ -156,10 +164,10 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def screen(data: Data, last: Fit, causes: list[Cause], slopes: Slopes) -> list[Scored]:
+def screen(white: Whitened, causes: list[Cause]) -> list[Scored]:
     """Score every trial of every cause against the fit so far; of each cause the best three and those that the data
     ask for, the best first."""
-    white = Whitened(data, last, slopes)
+    last = white.last
     context = Context(last, residual_peaks(last))
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
     todo: list[tuple[Cause, Trial]] = []

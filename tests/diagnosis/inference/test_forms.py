@@ -14,7 +14,7 @@ from stillarm.diagnosis.inference.fit import slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.forms import BEGINS, forms, from_an_onset
 from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.inference.screen import residual_peaks, variant
+from stillarm.diagnosis.inference.screen import Whitened, residual_peaks, variant
 from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
@@ -187,7 +187,7 @@ def test_a_limit_where_there_was_none_is_fitted_from_its_trial(quantity: str, li
     """No share of the way from no limit to one is a limit: a fit that begins there never finds it."""
     last = fitted(measured(12.0, 3, {quantity: limit, "jump.0.0.q": 0.02}))
     own = [one for one in forms(last.world) if one.cause.free(last.world) == (quantity,)]
-    begun, _ = begun_fits(make_data(last.world, interleaved(12.0)), last, own, slopes_of(last))
+    begun, _ = begun_fits(Whitened(make_data(last.world, interleaved(12.0)), last, slopes_of(last)), own)
     values = [float(one.start[one.world.space.place[quantity]]) for one in begun]
     assert values and all(0.3 * limit < value < 3.0 * limit for value in values)
     split, slopes = interleaved(12.0), slopes_of(last)
@@ -206,7 +206,7 @@ def test_a_camera_that_turns_with_the_joint_alone_is_fitted_with_its_size() -> N
     frames = replace(data.frames, displacement_px=data.frames.displacement_px - 80.0 * joint)
     last = fitted(replace(data, frames=frames))
     (tilt,) = (one for one in ALL if one.name == "with the joint alone")
-    begun, _ = begun_fits(make_data(last.world, split), last, [tilt], slopes_of(last))
+    begun, _ = begun_fits(Whitened(make_data(last.world, split), last, slopes_of(last)), [tilt])
     found = refitted(begun[0], last, split, slopes_of(last))
     assert found is not None
     told, std = tilt.cause.parameters_of(found)["rotation_px_per_rad"]
