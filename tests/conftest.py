@@ -25,6 +25,15 @@ pytest_plugins = (
     "tests.plugins.quick_tests",
 )
 
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_processor_each() -> None:
+    """pytest has a worker for each processor: a diagnosis within a test makes no copies of it."""
+    from stillarm.diagnosis.physics import copies
+
+    copies.most_processes = 1
+
+
 DATA = Path(__file__).parents[2] / "shared" / "data"
 MARK = "hardware_data"
 

@@ -23,7 +23,8 @@ from stillarm.diagnosis.physics.computing import alone, is_alone, side_by_side
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 
-_MOST_PROCESSES = 4  # each takes some 0.1 GB of its own
+most_processes = 4
+"""This one and its copies, each of which takes some 0.1 GB of its own. For whoever uses the processors otherwise."""
 _NUMBER = struct.Struct("<H")  # of an item, in the pipe, which holds 64 KiB
 _MOST_ITEMS = 30_000
 _PATIENCE_S, _LOOK_S = 20.0, 0.001  # for a copy's last item, longer than any takes; how often it is asked
@@ -36,7 +37,7 @@ def shared_out(
     items are known anyway. What work changes elsewhere may be lost. In threads where no copy can be made: off Linux, or
     off the main thread, whose copy may lack what another thread holds."""
     given = list(items)
-    copies = min(_processors(), _MOST_PROCESSES, len(given)) - 1
+    copies = min(_processors(), most_processes, len(given)) - 1
     if copies < 1 or len(given) > _MOST_ITEMS or is_alone() or not _may_copy():
         return side_by_side(work, given)
     both = [*given, *known]
