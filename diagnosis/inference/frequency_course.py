@@ -9,7 +9,7 @@ first order of a cubic stiffness). They are where refits start, no more: those d
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import log, pi
+from math import pi
 
 import msgspec
 import numpy as np
@@ -21,6 +21,7 @@ from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.arm_motion import Motion
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.quantities import HIGHER
+from stillarm.diagnosis.physics.window_fits import swings_in_windows
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
@@ -29,6 +30,7 @@ _PERIODS = 4.0  # of a window
 _PER_PERIOD = 24  # samples
 _RATIOS = np.exp(np.linspace(np.log(0.6), np.log(1.6), 197))  # half a per cent apart
 _DAMPING = 0.01  # ratio taken for the mode in every window: that of a usual arm
+_WITHIN = 1e-9  # of the largest term: what is left of one that the others hold already is rounding
 _LEAST_NATS = 15.0  # over one frequency: three million to 1, if the samples' noise is white
 _LEAST_CHANGE = 0.015  # of a frequency: three steps of _RATIOS
 _LEAST_OF_BEST = 0.5  # nats: a course that explains less is not worth a start
@@ -213,63 +215,73 @@ def _windows(world: World, shown: Sequence[_Shown]) -> _Windows:
     f0 = world.model.arm.modes[0].frequency_hz
     long_s = _PERIODS / f0
     starts_s = np.asarray(long_s * np.arange(int(world.measured.duration_s / long_s)), np.float64)
-    windows = [[_within(one, at, long_s) for at in starts_s] for one in shown]
+    windows = [_within(one, starts_s, long_s) for one in shown]
     hz = f0 * _RATIOS
 
-    def costs(one: float) -> list[float]:
-        solved = _solved(shown, windows, starts_s, 2.0 * pi * one)
-        return [sum(channel[i].cost for channel in solved) for i in range(len(starts_s))]
+    def costs(one: float) -> Array:
+        of_each = [channel.cost for channel in _solved(shown, windows, starts_s, 2.0 * pi * one)]
+        return np.asarray(np.sum(of_each, axis=0))
 
-    cost = np.array(shared_out(costs, hz.tolist())).reshape(len(hz), len(starts_s)).T
+    cost = np.array(shared_out(costs, hz.tolist())).T
     best = float(hz[int(np.argmin(cost.sum(axis=0)))])
     at_best = _solved(shown, windows, starts_s, 2.0 * pi * best)
-    clearest = max(at_best, key=lambda channel: float(np.median([one.clarity for one in channel])))
-    amplitude = np.array([one.amplitude_m for one in clearest])
-    return _Windows(starts_s + 0.5 * long_s, amplitude, hz, cost)
+    clearest = max(at_best, key=lambda channel: float(np.median(channel.clarity)))
+    return _Windows(starts_s + 0.5 * long_s, clearest.amplitude_m, hz, cost)
 
 
-def _within(one: _Shown, start_s: float, long_s: float) -> NDArray[np.intp]:
-    """Places of a channel's samples in a window."""
-    inside = (one.time_s >= start_s) & (one.time_s < start_s + long_s)
-    return np.flatnonzero(inside & np.isfinite(one.values))
+def _within(one: _Shown, starts_s: Array, long_s: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Places of a channel's samples in the windows, one after another, and where each window's begin and the last's
+    end."""
+    known = np.isfinite(one.values)
+    inside = [np.flatnonzero((one.time_s >= at) & (one.time_s < at + long_s) & known) for at in starts_s]
+    firsts = np.cumsum([0, *(len(places) for places in inside)])
+    return np.concatenate([*inside, np.empty(0, np.int64)]).astype(np.int64), firsts.astype(np.int64)
 
 
 @dataclass(frozen=True)
 class _Solved:
-    """What one frequency makes of a channel in a window. cost: negative log-likelihood of what it leaves, at its own
-    level; amplitude_m: of the vibration; clarity: the vibration's rms over that of what is left."""
+    """What one frequency makes of a channel in each window, (windows,). cost: negative log-likelihood of what it
+    leaves, at its own level; amplitude_m: of the vibration; clarity: the vibration's rms over that of what is left."""
 
-    cost: float
-    amplitude_m: float
-    clarity: float
+    cost: Array
+    amplitude_m: Array
+    clarity: Array
 
 
 def _solved(
-    shown: Sequence[_Shown], windows: Sequence[Sequence[NDArray[np.intp]]], starts_s: Array, w: float
-) -> list[list[_Solved]]:
+    shown: Sequence[_Shown],
+    windows: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]],
+    starts_s: Array,
+    w: float,
+) -> list[_Solved]:
     """Each channel's windows at a mode's w, rad/s."""
-    return [
-        [
-            _explained(one, forced, window, start_s, w)
-            for window, start_s in zip(of_channel, starts_s, strict=True)
-        ]
-        for one, of_channel in zip(shown, windows, strict=True)
-        for forced in (one.forced(w),)
-    ]
-
-
-def _explained(one: _Shown, forced: Array, window: NDArray[np.intp], start_s: float, w: float) -> _Solved:
-    t, values = one.time_s[window] - start_s, one.values[window]
-    fade = np.exp(-_DAMPING * w * t)
-    swing = np.column_stack([fade * np.cos(w * t), fade * np.sin(w * t), forced[window]])
-    terms = np.column_stack([swing, np.ones(len(t)), one.beside[window]])
-    if len(t) < 2 * terms.shape[1]:
-        return _Solved(0.0, 0.0, 0.0)
-    amounts, *_ = np.linalg.lstsq(terms, values, rcond=1e-9)
-    rest, moved = values - terms @ amounts, swing @ amounts[:3]
-    left = float(rest @ rest) / len(t) + 1e-12 * float(values @ values) / len(t) + 1e-30
-    size = float(np.std(moved))
-    return _Solved(0.5 * len(t) * log(left), 2.0**0.5 * size / abs(one.per_m), size / left**0.5)
+    found = []
+    for one, (places, firsts) in zip(shown, windows, strict=True):
+        left, swing = np.empty(len(starts_s)), np.empty(len(starts_s))
+        forced, beside = np.ascontiguousarray(one.forced(w)), np.ascontiguousarray(one.beside)
+        swings_in_windows(
+            one.time_s,
+            one.values,
+            forced,
+            beside,
+            places,
+            firsts,
+            starts_s,
+            w,
+            _DAMPING,
+            _WITHIN,
+            left,
+            swing,
+        )
+        level = np.where(np.isnan(left), 1.0, left)
+        found.append(
+            _Solved(
+                0.5 * np.diff(firsts) * np.log(level),
+                2.0**0.5 * swing / abs(one.per_m),
+                np.where(np.isnan(left), 0.0, swing / np.sqrt(level)),
+            )
+        )
+    return found
 
 
 def _answer(pull: Array, w: float, h: float, deflection: bool) -> Array:

@@ -29,6 +29,7 @@ _LEAST_NATS = 8.0  # bursts over a wander alone: 3000 to 1
 _BURST, _LASTING = 2.0, 5.0
 _FOLDS = 3  # ways of holding out a part of the blocks
 _BURSTS = "delay_bursts"
+_AS_LATE = 0.1  # of the arrivals' scatter: by which no burst is told from none
 _RARELY = 0.5  # of the frames: what most do is the usual
 
 
@@ -55,10 +56,14 @@ def laws(data: Data, last: Fit, earlier: tuple[Fit, list[LawFound]] | None = Non
 
 
 def _as_late(last: Fit, earlier: Fit) -> bool:
+    """Whether images come as late by both fits, each but for its mean: to less than what the simulation itself may be
+    off, or a tenth of the scatter."""
     now, then = last.channel("arrival"), earlier.channel("arrival")
     if now is None or then is None:
         return now is then
-    return bool(np.nanmax(np.abs(now.off - then.off), initial=0.0) < LEAST["arrival"])
+    apart = now.off - then.off
+    apart = apart[np.isfinite(apart)]
+    return bool(np.ptp(apart) < max(LEAST["arrival"], _AS_LATE * then.sigma)) if len(apart) else False
 
 
 def _sums(block: NDArray[np.int64], values: Array, count: int) -> Array:

@@ -15,5 +15,6 @@ __all__ = [
     "measured_joint",
     "quantities",
     "space",
+    "window_fits",
     "world",
 ]

@@ -14,6 +14,7 @@ from stillarm.diagnosis.physics.camera import expose
 from stillarm.diagnosis.physics.coasting_play import link_velocity
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
 from stillarm.diagnosis.physics.velocity_loop import equivalent_command
+from stillarm.diagnosis.physics.window_fits import swings_in_windows
 from stillarm.simulation.arm.ahead import told_if_slow
 from stillarm.simulation.arm.compiled_laws import address_of, laws_of, obeyed
 from stillarm.simulation.arm.free_run import driven_run, free_run
@@ -55,3 +56,7 @@ def _simulate_nothing() -> None:
     for mode in (q[:, 0], still):  # one of several lies apart in memory, the only one does not
         add_decay(decay, 0, 0.0, 0.0, 1.0, mode, *tip)
     expose(still, np.zeros(1), 0.0, dt, np.zeros(1), np.zeros(1))
+    places, firsts, one = np.arange(n), np.array([0, n]), np.zeros(1)
+    swings_in_windows(
+        still, still, still, np.zeros((n, 1)), places, firsts, one, 1.0, 0.0, 0.0, np.zeros(1), one
+    )

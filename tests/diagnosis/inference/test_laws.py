@@ -158,3 +158,19 @@ def test_what_the_start_and_an_impact_leave_for_an_instant_are_no_spikes() -> No
         world = World(replace(data, acceleration=shown), MODEL, struck)
         last = fit(make_data(world, SPLIT), world.space.vector(), world.baseline_names())
         assert sum(one.cause == "impulse_noise" for one in laws(make_data(world, SPLIT), last)) == count
+
+
+def test_bursts_are_sought_again_only_where_images_come_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    last = fitted(measured(20.0, 1))
+    data, sought = make_data(last.world, SPLIT), []
+    monkeypatch.setattr(
+        "stillarm.diagnosis.inference.laws._delay_bursts", lambda *given: sought.append(given)
+    )
+    laws(data, last)
+    laws(data, last, (last, []))
+    shown = {**last.predicted.channels, "arrival": last.predicted.channels["arrival"] + 0.01}
+    laws(data, replace(last, predicted=replace(last.predicted, channels=shown)), (last, []))
+    assert len(sought) == 1
+    shown["arrival"] = shown["arrival"] + 0.01 * np.sin(np.arange(len(shown["arrival"])))
+    laws(data, replace(last, predicted=replace(last.predicted, channels=shown)), (last, []))
+    assert len(sought) == 2
