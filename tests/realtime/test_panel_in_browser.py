@@ -373,6 +373,30 @@ def test_the_stop_key_stops_at_once(page: Page) -> None:
     assert "emergency stop" in page.text("state")
 
 
+@pytest.mark.parametrize("key", [False, True], ids=["mouse", "key"])
+@pytest.mark.parametrize(("action", "dialog"), [("strike", "ask"), ("adjust", "adjust")])
+def test_a_question_leaves_the_stop_within_reach(page: Page, action: str, dialog: str, key: bool) -> None:
+    """An open dialog puts the page behind it out of reach, with the stop button in its head: it has its own."""
+    from selenium.webdriver.common.keys import Keys
+
+    page.bring(damping=False)
+    page.click(f"[data-action={action}]")
+    page.until(f"document.getElementById('{dialog}').open")
+    if key:
+        reached = f"document.activeElement.matches('#{dialog} .stop')"
+        for _ in range(8):  # round the dialog by Tab
+            if page.browser.execute_script(f"return {reached}"):
+                break
+            page.browser.switch_to.active_element.send_keys(Keys.TAB)
+        page.until(reached, 1.0)
+        page.browser.switch_to.active_element.send_keys(Keys.ENTER)
+    else:
+        page.click(f"#{dialog} .stop")
+    page.until("document.getElementById('state').dataset.state === 'fault'", 5.0)
+    assert "emergency stop" in page.text("state")
+    assert not page.browser.execute_script(f"return document.getElementById('{dialog}').open")
+
+
 def test_after_a_stop_clear_and_arm_are_asked_for(page: Page) -> None:
     if page.state() != "fault":
         page.click("#stop")

@@ -11,8 +11,22 @@ export class Operate {
     this.buttons = {};
     this.refusals = {};
     this.adjust = new Adjust((text) => this.tell(text));
-    byId("stop").addEventListener("click", () => this.act("stop"));
+    this.stops = [...document.querySelectorAll("button.stop")]; // the header's, and one in each dialog
+    for (const button of this.stops) button.addEventListener("click", () => this.stop());
     addEventListener("keydown", (event) => event.key === "Escape" && !event.repeat && this.act("stop"), { capture: true });
+    byId("report-frame").addEventListener("load", ({ target }) => this.hear(target));
+  }
+
+  // What was asked for in a dialog is off.
+  stop() {
+    document.querySelectorAll("dialog[open]").forEach((dialog) => dialog.close(""));
+    this.act("stop");
+  }
+
+  // Keys that are pressed in a frame stay there: Escape is heard in it, too. The frame itself may run no script.
+  hear(frame) {
+    const escape = (event) => event.key === "Escape" && !event.repeat && this.stop();
+    frame.contentWindow.addEventListener("keydown", escape, { capture: true });
   }
 
   hello(message) {
@@ -34,7 +48,7 @@ export class Operate {
   status({ actions, settings }) {
     this.adjust.status(settings, this.signedIn ? "" : this.readOnly);
     this.refusals = this.signedIn ? actions : Object.fromEntries(Object.keys(actions).map((action) => [action, this.readOnly]));
-    for (const [action, button] of [...Object.entries(this.buttons), ["stop", byId("stop")]]) {
+    for (const [action, button] of [...Object.entries(this.buttons), ...this.stops.map((stop) => ["stop", stop])]) {
       const why = this.refusals[action];
       button.setAttribute("aria-disabled", why ? "true" : "false");
       button.title = plain(why) || this.meanings[action].does;
