@@ -3,6 +3,7 @@
 import { ask, byId, element, plain } from "/page/dom.js";
 import { Adjust } from "/page/adjust.js";
 import { post } from "/page/server.js";
+import { StopKey } from "/page/stop_key.js";
 
 const ORDER = ["arm", "disarm", "allow_damping", "hold_damping", "clear", "strike"];
 
@@ -13,20 +14,14 @@ export class Operate {
     this.adjust = new Adjust((text) => this.tell(text));
     this.stops = [...document.querySelectorAll("button.stop")]; // the header's, and one in each dialog
     for (const button of this.stops) button.addEventListener("click", () => this.stop());
-    addEventListener("keydown", (event) => event.key === "Escape" && !event.repeat && this.act("stop"), { capture: true });
-    byId("report-frame").addEventListener("load", ({ target }) => this.hear(target));
+    const key = new StopKey(() => this.stop());
+    byId("report-frame").addEventListener("load", ({ target }) => target.contentDocument && key.hear(target.contentDocument));
   }
 
   // What was asked for in a dialog is off.
   stop() {
     document.querySelectorAll("dialog[open]").forEach((dialog) => dialog.close(""));
     this.act("stop");
-  }
-
-  // Keys that are pressed in a frame stay there: Escape is heard in it, too. The frame itself may run no script.
-  hear(frame) {
-    const escape = (event) => event.key === "Escape" && !event.repeat && this.stop();
-    frame.contentWindow.addEventListener("keydown", escape, { capture: true });
   }
 
   hello(message) {
