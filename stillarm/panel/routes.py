@@ -19,7 +19,8 @@ from stillarm.panel.server.guard import COOKIE, SIGN_IN_PATH, Guard, error_respo
 
 # same origin, without scripts: so the page hears the Escape key in the report's frame
 _REPORT_POLICY = (
-    "sandbox allow-same-origin; default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'"
+    "sandbox allow-same-origin; default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
+    "frame-ancestors 'self'"
 )
 _SESSION_S = 12 * 3600
 _MOST_INTERVALS = 30_000

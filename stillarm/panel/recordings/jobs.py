@@ -19,7 +19,7 @@ _ENDS_WITHIN_S = 10.0
 _NICENESS = 10
 
 
-def _beginning(niceness: int) -> Callable[[], None]:
+def beginning(niceness: int) -> Callable[[], None]:
     """Set-up of the child: it ends with the panel, and runs at a lower priority."""
     ask = ended_with_parent()
 
@@ -125,7 +125,7 @@ class Jobs:
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
             env=environment | {"STILLARM_PROGRESS": "lines"},
-            preexec_fn=_beginning(0 if moves else _NICENESS),
+            preexec_fn=beginning(0 if moves else _NICENESS),
         )
         self._jobs[name] = Job(name, process)
         return self._jobs[name]

@@ -91,6 +91,7 @@ def test_progress_never_falls_and_leaves_a_share_for_the_use(recording: Path, tm
     assert shares == sorted(shares) and 0.8 < shares[-1] <= 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("left_out", "says"),
     [
