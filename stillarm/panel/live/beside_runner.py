@@ -11,8 +11,8 @@ from typing import Any
 import msgspec
 
 from stillarm.common.process.child_process import module_command
+from stillarm.common.process.parent_death import beginning
 from stillarm.panel.live.beside_process import HEAD, LENGTH, TELEMETRY, WANTED
-from stillarm.panel.recordings.jobs import beginning
 from stillarm.panel.server.subscribers import Subscribers
 
 _MOST_BEHIND_BYTES = 1 << 20  # some two seconds of telemetry

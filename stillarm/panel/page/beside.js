@@ -1,8 +1,9 @@
 // Methods beside the one in force: which are wanted, and their samples as they come. The server runs them while a page
 // wants them; a page without a session cannot.
 
+import { DASHES } from "/page/charts.js";
 import { byId, element } from "/page/dom.js";
-import { Samples } from "/page/samples.js";
+import { LOST_S, Samples } from "/page/samples.js";
 
 const ROWS = 310_000; // five minutes, as of the other curves
 const COLOURS = [1, 2, 3, 4, 5, 6].map((n) => `--over-${n}`);
@@ -49,10 +50,15 @@ export class Beside {
   ask() {
     const wanted = [...this.chosen].filter((method) => method !== this.inForce);
     for (const method of this.samples.keys()) if (!wanted.includes(method)) this.samples.delete(method);
-    for (const method of wanted) if (!this.samples.has(method)) this.samples.set(method, new Samples(this.columns, ROWS));
+    for (const method of wanted) if (!this.samples.has(method)) this.samples.set(method, new Samples(this.columns, ROWS, LOST_S));
     this.wish(wanted);
-    const colour = (method) => COLOURS[this.methods.indexOf(method) % COLOURS.length];
-    this.overlay(wanted.map((label) => ({ label, colour: colour(label), topics: { estimate: this.samples.get(label) }, offset: 0, charts: CHARTS })));
+    this.overlay(wanted.map((method) => this.curve(method)));
+  }
+
+  curve(label) {
+    const number = this.methods.indexOf(label);
+    const topics = { estimate: this.samples.get(label) };
+    return { label, topics, colour: COLOURS[number % COLOURS.length], dash: DASHES[number % DASHES.length], offset: 0, charts: CHARTS };
   }
 
   // Whether a message was a method's.

@@ -5,7 +5,7 @@ import { ChartStack } from "/page/charts.js";
 import { drawView } from "/page/camera.js";
 import { byId, number } from "/page/dom.js";
 import { saveCsv, savePng } from "/page/export.js";
-import { Samples, unpack } from "/page/samples.js";
+import { LOST_S, Samples, unpack } from "/page/samples.js";
 
 const KEPT_S = 300;
 const ROWS = { fast: 310_000, estimate: 310_000, frames: 80_000 };
@@ -41,7 +41,7 @@ export class Live {
     const { kinds, view_rate_hz: rate } = message;
     this.kinds = kinds;
     this.beside.hello(message);
-    for (const { topic, columns } of kinds) this.topics[topic] ??= new Samples(columns, ROWS[topic]);
+    for (const { topic, columns } of kinds) this.topics[topic] ??= new Samples(columns, ROWS[topic], topic === "frames" ? Infinity : LOST_S);
     byId("camera-none").textContent = rate > 0 ? "waiting for an image" : "no images: telemetry.view_rate_hz is 0 in the configuration";
   }
 
