@@ -40,7 +40,7 @@ SWING_S = 0.5  # the arm's first mode swings once within it
 STRUCK_MM, STILL_MM = 2.0, 0.5  # a strike makes some 5 mm
 MOVES_RAD_S = 1e-3
 HEARD = "!['', 'silent', 'unheard', 'unknown'].includes(document.getElementById('state').dataset.state)"
-BESIDE_WITHIN_S = 0.5  # behind the newest sample: a process of lower priority
+BESIDE_WITHIN_S = 3.0  # behind the newest sample: twice what may wait for a process of lower priority
 WINDOW_S = 10.0  # that the page shows at first
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
 SCREENS = ((1280, 720), (1920, 1080), (820, 1180))
@@ -70,6 +70,8 @@ class Page(ShownPage):
             self.browser.refresh()
         close = "document.querySelectorAll('dialog[open]').forEach((dialog) => dialog.close(''))"
         self.browser.execute_script(close)
+        alone = "document.querySelectorAll('#beside-methods :checked').forEach((box) => box.click())"
+        self.browser.execute_script(alone)
         self.look(*SCREENS[0], "light")
         self.click("#tab-live")
 
