@@ -105,7 +105,8 @@ class Page(ShownPage):
         script = f'import("/page/main.js").then(({{live}}) => arguments[0](Math.abs({column})));'
         began = time.monotonic()
         while self.browser.execute_async_script(script) < MOVES_RAD_S:
-            assert time.monotonic() < began + SAMPLES_WITHIN_S, "the joint stays still"
+            told = f"the joint stays still; {self.text('state')}; {self.text('health')}"
+            assert time.monotonic() < began + SAMPLES_WITHIN_S, told
 
     def lag_s(self, method: str) -> float | None:
         """By how much a method beside lies behind the newest sample, s; None where it has none."""
