@@ -6,22 +6,24 @@ import subprocess
 import tomllib
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
 from tests.fixtures.imports import ROOT
 
 
-def loaded() -> ModuleType:
-    """deploy/release/checks.py, which is in no package."""
-    spec = importlib.util.spec_from_file_location("release_checks", ROOT / "deploy" / "release" / "checks.py")
+def loaded(name: str) -> ModuleType:
+    """deploy/release/NAME.py, which is in no package."""
+    place = ROOT / "deploy" / "release" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"release_{name}", place)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-checks = loaded()
+checks, audit = loaded("checks"), loaded("audit")
 
 
 @pytest.fixture
@@ -52,3 +54,32 @@ def test_a_release_needs_its_tag_its_section_and_its_citation(tree: Path) -> Non
     (tree / "CHANGELOG.md").write_text(f"## [{version}] - 2026-12-01\n")
     subprocess.run(["git", "tag", f"v{version}"], cwd=tree, check=True)
     assert checks.mistakes(tree, version, tagged=True) == []
+
+
+def answer(name: str, *vulnerabilities: str) -> dict[str, Any]:
+    """pip-audit's JSON for a package that was looked up."""
+    vulns = [{"id": one, "fix_versions": ["2.0"], "description": ""} for one in vulnerabilities]
+    return {"name": name, "version": "1.0", "vulns": vulns}
+
+
+def test_a_package_that_one_database_knows_is_audited() -> None:
+    skipped = {"name": "mcap", "skip_reason": "Dependency not found on PyPI"}
+    answers = {"pypi": [answer("numpy"), skipped], "osv": [answer("mcap")]}
+    clean, lines = audit.verdict(["mcap", "numpy"], answers)
+    assert clean and lines == ["audited: 2 packages, no known vulnerability"]
+
+
+def test_what_no_database_could_be_asked_about_is_no_pass() -> None:
+    clean, (line,) = audit.verdict(["mcap", "numpy"], {"pypi": [answer("numpy")], "osv": []})
+    assert not clean and "NOT AUDITED" in line and "1 of 2 packages (mcap)" in line
+
+
+def test_a_vulnerability_is_named_with_its_remedy() -> None:
+    clean, lines = audit.verdict(["numpy"], {"pypi": [answer("numpy", "PYSEC-1")], "osv": []})
+    assert not clean and lines == ["numpy 1.0: PYSEC-1 (pypi); mended in 2.0"]
+
+
+def test_our_own_package_is_not_looked_up(tmp_path: Path) -> None:
+    for name in ("stillarm-0.1.0", "Typing_Extensions-4.0"):
+        (tmp_path / f"{name}.dist-info").mkdir()
+    assert audit.installed(tmp_path) == ["typing-extensions"]

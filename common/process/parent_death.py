@@ -20,3 +20,14 @@ def ended_with_parent() -> Callable[[], None]:
             os._exit(1)
 
     return ask
+
+
+def beginning(niceness: int) -> Callable[[], None]:
+    """The same, for a child that runs at a lower priority, too. niceness: 0 to 19."""
+    ask = ended_with_parent()
+
+    def begin() -> None:
+        ask()
+        os.nice(niceness)
+
+    return begin

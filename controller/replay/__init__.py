@@ -3,4 +3,4 @@
 Not here: simulation in virtual time (simulation/virtual_time). Begin with replay.py.
 """
 
-__all__ = ["frame_delays", "replay", "replay_tables"]
+__all__ = ["followed_method", "frame_delays", "replay", "replay_tables"]

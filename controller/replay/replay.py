@@ -14,10 +14,8 @@ from stillarm.common.files.model import Model, check_model, length_of
 from stillarm.common.files.typed_toml import parse_toml
 from stillarm.common.recording.reader import Recording
 from stillarm.common.recording.topics import EstimateSample, FastSample, FrameSample, SettingsSample
-from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, Observation
+from stillarm.controller.estimation.estimate import DelayEstimate, Estimate, Method
 from stillarm.controller.estimation.methods import MethodFactory, make_method
-from stillarm.controller.input.plausible_input import PlausibleInput
-from stillarm.controller.joint.joint_motion import JointMotion
 from stillarm.controller.loop.recorded import (
     RecordedCycle,
     adjustments,
@@ -26,7 +24,8 @@ from stillarm.controller.loop.recorded import (
     fast_sample,
     recorded_cycles,
 )
-from stillarm.controller.loop.step import Controller, MethodAcrossRestarts
+from stillarm.controller.loop.step import Controller
+from stillarm.controller.replay.followed_method import FollowedMethod
 from stillarm.controller.replay.frame_delays import FrameDelays
 from stillarm.controller.safety.table import Event, Operator, State
 
@@ -132,25 +131,15 @@ def replay_method(
     model = declared(run.model)
     length = length_of(model, name)
 
-    def begun() -> MethodAcrossRestarts:
+    def begun() -> Method:
         settings = run.configuration.controller
-        if make is not None:
-            return MethodAcrossRestarts(lambda: make(model, settings, name))
-        return MethodAcrossRestarts(lambda: make_method(method, model, settings, name))
+        return make(model, settings, name) if make is not None else make_method(method, model, settings, name)
 
-    estimator, joint, plausible = begun(), JointMotion(model, length), PlausibleInput(model, length)
+    followed = FollowedMethod(begun, model, length)
     result, delays = MethodRun(method), FrameDelays()
     first_cycle = earliest_cycle(run.fast, run.frames)
     for count, cycle in enumerate(run.cycles(first_cycle)):
-        read, _, begin_anew = plausible.admit(cycle.read)
-        time_s = read.cycle * run.cycle_s
-        if begin_anew:
-            estimator, joint = begun(), JointMotion(model, length, joint.position_rad)
-        joint.begin_cycle(read.cycle, read.joint_position_rad)
-        estimate = estimator.update(
-            Observation(read.cycle, time_s, read.acceleration_m_s2, read.samples, joint, read.deflection_m)
-        )
-        joint.send(cycle.command_rad_s)
+        estimate = followed.step(cycle)
         if cycle.row is not None:
             result.times_s.append(cycle.row.time_s)
             result.estimates.append(estimate)

@@ -8,8 +8,11 @@ from typing import Any
 from aiohttp import web
 
 from stillarm.common.files.configuration import Configuration
+from stillarm.controller.estimation.methods import all_methods
 from stillarm.controller.safety.adjusting import max_added_damping_ratio, offered_methods
 from stillarm.panel.commission.bench import Bench
+from stillarm.panel.live.beside import BESIDE_COLUMNS, FIRST_KIND
+from stillarm.panel.live.beside_runner import BesideRunner
 from stillarm.panel.live.feed import Feed, text
 from stillarm.panel.live.packing import KINDS
 from stillarm.panel.operate.actions import MEANINGS
@@ -39,8 +42,9 @@ def make_application(
     library: Library,
     bench: Bench,
     token_used: TokenUsed,
+    methods: BesideRunner,
 ) -> web.Application:
-    """The application. feed: gets its datagrams from the listener."""
+    """The application. feed: gets its datagrams from the listener, as `methods` does."""
     application = web.Application(middlewares=[guard.middleware], client_max_size=_MOST_BODY_BYTES)
     about = _about(configuration)
 
@@ -57,11 +61,12 @@ def make_application(
 
     async def beside(_: web.Application) -> AsyncIterator[None]:
         desk.start(feed.known)
-        ticking = asyncio.create_task(_tick(feed))
+        ticking = asyncio.create_task(_tick(feed, methods))
         yield
         ticking.cancel()
         with contextlib.suppress(asyncio.CancelledError):
             await ticking
+        await methods.close()
         await desk.close()
         await library.close()
         await bench.stop()
@@ -70,9 +75,10 @@ def make_application(
     return application
 
 
-async def _tick(feed: Feed) -> None:
+async def _tick(feed: Feed, methods: BesideRunner) -> None:
     while True:
         feed.tell_status()
+        await methods.look()
         await asyncio.sleep(_TICK_S)
 
 
@@ -87,7 +93,15 @@ def _about(configuration: Configuration) -> dict[str, Any]:
         },
         "read_only": READ_ONLY,
         "methods": offered_methods(controller),
+        "beside": _beside(configuration),
         "max_added_damping_ratio": max_added_damping_ratio(controller),
         "max_damping_rad_s": controller.damping.max_velocity_rad_s,
         "view_rate_hz": configuration.telemetry.view_rate_hz,
     }
+
+
+def _beside(configuration: Configuration) -> dict[str, Any]:
+    """The methods that can be drawn beside the one in force, and why they cannot."""
+    thinned = configuration.telemetry.every_cycles > 1
+    why = "telemetry.every_cycles is above 1: methods need every cycle" if thinned else ""
+    return {"methods": all_methods(), "columns": BESIDE_COLUMNS, "first_kind": FIRST_KIND, "why": why}

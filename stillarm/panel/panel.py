@@ -16,6 +16,7 @@ from stillarm.common.files.configuration import load_configuration
 from stillarm.common.user_error import UserError, reason_of
 from stillarm.panel.application import make_application
 from stillarm.panel.commission.bench import Bench
+from stillarm.panel.live.beside_runner import BesideRunner
 from stillarm.panel.live.feed import Feed
 from stillarm.panel.live.foxglove_bridge import FoxgloveBridge, PemFiles
 from stillarm.panel.live.listener import listen
@@ -72,11 +73,13 @@ async def _serve(settings: Settings, say: Callable[[str], None]) -> None:
             say(f"the address was used; another browser can take {address}#token={token}")
 
         guard = Guard(access, hosts)
-        application = make_application(configuration, guard, feed, desk, library, bench, token_used)
+        beside = BesideRunner(settings.configuration, feed.pages)
+        application = make_application(configuration, guard, feed, desk, library, bench, token_used, beside)
         bridge = _bridge(settings, say)
 
         def take(datagram: bytes) -> None:
             feed.take(datagram)
+            beside.take(datagram)
             if bridge is not None:
                 bridge.take(datagram, time.time_ns())
 

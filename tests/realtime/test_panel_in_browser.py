@@ -40,6 +40,7 @@ SWING_S = 0.5  # the arm's first mode swings once within it
 STRUCK_MM, STILL_MM = 2.0, 0.5  # a strike makes some 5 mm
 MOVES_RAD_S = 1e-3
 HEARD = "!['', 'silent', 'unheard', 'unknown'].includes(document.getElementById('state').dataset.state)"
+BESIDE_WITHIN_S = 3.0  # behind the newest sample: twice what may wait for a process of lower priority
 WINDOW_S = 10.0  # that the page shows at first
 STARTS_WITHIN_S = 60.0  # the controller warms up, on a computer that may be busy
 SCREENS = ((1280, 720), (1920, 1080), (820, 1180))
@@ -69,6 +70,8 @@ class Page(ShownPage):
             self.browser.refresh()
         close = "document.querySelectorAll('dialog[open]').forEach((dialog) => dialog.close(''))"
         self.browser.execute_script(close)
+        alone = "document.querySelectorAll('#beside-methods :checked').forEach((box) => box.click())"
+        self.browser.execute_script(alone)
         self.look(*SCREENS[0], "light")
         self.click("#tab-live")
 
@@ -102,7 +105,15 @@ class Page(ShownPage):
         script = f'import("/page/main.js").then(({{live}}) => arguments[0](Math.abs({column})));'
         began = time.monotonic()
         while self.browser.execute_async_script(script) < MOVES_RAD_S:
-            assert time.monotonic() < began + SAMPLES_WITHIN_S, "the joint stays still"
+            told = f"the joint stays still; {self.text('state')}; {self.text('health')}"
+            assert time.monotonic() < began + SAMPLES_WITHIN_S, told
+
+    def lag_s(self, method: str) -> float | None:
+        """By how much a method beside lies behind the newest sample, s; None where it has none."""
+        script = """const [method, done] = arguments; import("/page/main.js").then(({live}) =>
+                    done(live.newest() - (live.beside.samples.get(method)?.newest() ?? NaN)));"""
+        found = self.browser.execute_async_script(script, method)
+        return None if found is None else float(found)
 
     def await_amplitude(self, holds: Callable[[float], bool]) -> None:
         began = time.monotonic()
@@ -228,6 +239,30 @@ def test_what_is_seen_is_saved(page: Page) -> None:
     assert 1e3 * np.nanmax(np.abs(deflections)) == pytest.approx(shown, rel=1e-6)
     assert page.saved("#live-png").startswith(b"\x89PNG")
     page.click("#live-pause")
+
+
+def test_every_method_is_drawn_beside_the_one_in_force_on_request(page: Page) -> None:
+    page.bring(damping=True)
+    box = page.browser.find_element("css selector", "#beside-methods [data-method=fused]")
+    page.until("document.querySelector('#beside-methods').textContent.includes('fused, in force')")
+    others = ("timestamps", "kalman_fusion")
+    assert box.is_displayed() and page.lag_s("timestamps") is None
+    for method in others:
+        page.click(f"#beside-methods [data-method={method}]")
+    began = time.monotonic()
+    while any((lag_s := page.lag_s(method)) is None or lag_s > BESIDE_WITHIN_S for method in others):
+        assert time.monotonic() < began + SAMPLES_WITHIN_S, "no samples of the methods beside"
+        time.sleep(0.05)
+    titles = "[...document.querySelectorAll('#live-charts h2')].map((one) => one.textContent)"
+    drawn = page.browser.execute_script(f"return {titles}.map((one) => one.includes('timestamps'))")
+    assert drawn == [True, False, True, False]
+    page.pause(3.0)
+    page.keep("live-beside")
+    head, *_ = page.saved("#live-csv").decode().splitlines()
+    assert {"timestamps_deflection_m", "kalman_fusion_delay_s"} <= set(head.split(","))
+    for method in others:
+        page.click(f"#beside-methods [data-method={method}]")
+    assert page.lag_s("timestamps") is None
 
 
 def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) -> None:
@@ -371,6 +406,30 @@ def test_the_stop_key_stops_at_once(page: Page) -> None:
     page.until("document.getElementById('state').dataset.state === 'fault'", 5.0)
     page.stop_asked_s.append(page.monotonic_s("window.pressedMs"))
     assert "emergency stop" in page.text("state")
+
+
+@pytest.mark.parametrize("key", [False, True], ids=["mouse", "key"])
+@pytest.mark.parametrize(("action", "dialog"), [("strike", "ask"), ("adjust", "adjust")])
+def test_a_question_leaves_the_stop_within_reach(page: Page, action: str, dialog: str, key: bool) -> None:
+    """An open dialog puts the page behind it out of reach, with the stop button in its head: it has its own."""
+    from selenium.webdriver.common.keys import Keys
+
+    page.bring(damping=False)
+    page.click(f"[data-action={action}]")
+    page.until(f"document.getElementById('{dialog}').open")
+    if key:
+        reached = f"document.activeElement.matches('#{dialog} .stop')"
+        for _ in range(8):  # round the dialog by Tab
+            if page.browser.execute_script(f"return {reached}"):
+                break
+            page.browser.switch_to.active_element.send_keys(Keys.TAB)
+        page.until(reached, 1.0)
+        page.browser.switch_to.active_element.send_keys(Keys.ENTER)
+    else:
+        page.click(f"#{dialog} .stop")
+    page.until("document.getElementById('state').dataset.state === 'fault'", 5.0)
+    assert "emergency stop" in page.text("state")
+    assert not page.browser.execute_script(f"return document.getElementById('{dialog}').open")
 
 
 def test_after_a_stop_clear_and_arm_are_asked_for(page: Page) -> None:

@@ -113,7 +113,21 @@ def _plain(value: Any) -> Any:
 
 
 def sentence(table: dict[str, Any]) -> str:
-    """The verdict in one sentence."""
+    """The verdict in one sentence, and what there was no time for: without it another verdict might have come."""
+    return _verdict(table) + short_of_time(table)
+
+
+def short_of_time(table: dict[str, Any]) -> str:
+    """What the budget did not suffice for, apart from what the model is worth; empty if it did."""
+    stages = [one for one in table["looked_at"]["left_out"] if one != "use"]
+    return (
+        f". The time did not suffice for {' and '.join(stages)}: give it more with --budget-s"
+        if stages
+        else ""
+    )
+
+
+def _verdict(table: dict[str, Any]) -> str:
     from stillarm.diagnosis.report.tables import is_sure_of
 
     parts = []

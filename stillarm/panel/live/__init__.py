@@ -3,4 +3,14 @@
 Not here: sockets to pages (server), files (recordings). Begin with `telemetry.py`.
 """
 
-__all__ = ["feed", "foxglove_bridge", "known", "listener", "packing", "telemetry", "view"]
+__all__ = [
+    "beside",
+    "beside_runner",
+    "feed",
+    "foxglove_bridge",
+    "known",
+    "listener",
+    "packing",
+    "telemetry",
+    "view",
+]

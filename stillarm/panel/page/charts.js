@@ -5,6 +5,9 @@ import { element, number } from "/page/dom.js";
 import { decimate } from "/page/samples.js";
 
 const BAND_STD = 2;
+const DASHED = [6, 4];
+// Of overlays beside each other, so that they differ not by colour alone; a pixel of stroke and gap in turns.
+export const DASHES = [DASHED, [2, 3], [12, 4], [10, 3, 2, 3], [4, 2, 1, 2], [1, 4]];
 const SHRINK = 0.03; // of a range in each picture: it widens at once, and narrows slowly
 
 export const CHARTS = [
@@ -39,7 +42,7 @@ export const IMAGE_CHARTS = [
 
 const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// Overlays beside the curves of `topics`: { label, topics: {topic: Samples}, offset (s), colour, charts (indices) }.
+// Overlays beside the curves of `topics`: { label, topics: {topic: Samples}, offset (s), colour, dash, charts (indices) }.
 export class ChartStack {
   // charts: what to draw.
   // settled: whether the range of y may narrow slowly only, as a live picture needs.
@@ -74,9 +77,9 @@ export class ChartStack {
     const value = element("output", { textContent: "-" });
     // live, topics come later; of a recording, all are there from the start
     const recorded = ({ topic }) => this.settled || this.topics[topic] !== undefined;
-    const keys = about.curves.map((curve) => this.key(recorded(curve) ? curve.label : `${curve.label}: not recorded`, curve.second ? "--accent-2" : "--accent-1", curve.second));
+    const keys = about.curves.map((curve) => this.key(recorded(curve) ? curve.label : `${curve.label}: not recorded`, curve.second ? "--accent-2" : "--accent-1", curve.second ? [8, 5] : undefined));
     const over = this.overlays.filter((overlay) => overlay.charts.includes(index));
-    keys.push(...over.map((overlay) => this.key(overlay.label, overlay.colour, true)));
+    keys.push(...over.map((overlay) => this.key(overlay.label, overlay.colour, overlay.dash ?? DASHED)));
     const unit = element("span", { className: "unit", textContent: about.unit });
     const plotPlace = element("div", { className: "plot" });
     const title = element("h2", {}, about.title, unit, ...keys, value);
@@ -87,10 +90,11 @@ export class ChartStack {
     return chart;
   }
 
-  key(label, colour, dashed) {
+  // A piece of the curve's stroke, and its name.
+  key(label, colour, dash) {
     const line = element("i");
-    line.style.borderColor = colour.startsWith("--") ? token(colour) : colour;
-    return element("span", { className: dashed ? "key second" : "key" }, line, label);
+    line.style.background = stroke(token(colour), dash);
+    return element("span", { className: "key" }, line, label);
   }
 
   options(chart) {
@@ -108,8 +112,8 @@ export class ChartStack {
       series.push({ stroke: token(`--accent-${name}`), width: 2, dash: curve.second ? [8, 5] : undefined, points: { show: false }, spanGaps: false });
     }
     for (const overlay of chart.over) {
-      const stroke = overlay.colour.startsWith("--") ? token(overlay.colour) : overlay.colour;
-      for (const curve of chart.about.curves.slice(0, 1)) series.push({ stroke, width: 1.5, dash: [6, 4], points: { show: false }, label: curve.label });
+      const about = { stroke: token(overlay.colour), width: 1.5, dash: overlay.dash ?? DASHED };
+      for (const curve of chart.about.curves.slice(0, 1)) series.push({ ...about, points: { show: false }, label: curve.label });
     }
     return {
       width: 300, height: 100, series, bands, legend: { show: false },
@@ -201,6 +205,14 @@ export class ChartStack {
     const value = this.topics[curves[0].topic]?.valueAt(curves[0].column, at) ?? NaN;
     return { data: tables.length === 1 ? tables[0] : uPlot.join(tables), value, lines };
   }
+}
+
+// A background like a curve's stroke.
+function stroke(colour, dash) {
+  if (dash === undefined) return colour;
+  let at = 0;
+  const stops = dash.map((length, i) => `${i % 2 ? "transparent" : colour} ${at}px ${(at += length)}px`);
+  return `repeating-linear-gradient(to right, ${stops.join(", ")})`;
 }
 
 // The range of y: as wide as the data and `least` at once, narrower slowly, so that the picture does not jump.

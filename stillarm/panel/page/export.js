@@ -2,14 +2,16 @@
 
 import { save } from "/page/dom.js";
 
-export function saveCsv(name, topics, from, to, markers = []) {
+// beside: samples of other methods, whose names stand before their columns'.
+export function saveCsv(name, topics, from, to, markers = [], beside = {}) {
   const everyCycle = Object.entries(topics).filter(([topic]) => topic === "fast" || topic === "estimate");
-  const present = everyCycle.length ? everyCycle : Object.entries(topics);
+  const present = everyCycle.length ? everyCycle.map(([, samples]) => [samples, ""]) : Object.values(topics).map((samples) => [samples, ""]);
+  present.push(...Object.entries(beside).map(([method, samples]) => [samples, `${method}_`]));
   const rows = new Map();
   const names = [];
-  for (const [, samples] of present) {
+  for (const [samples, prefix] of present) {
     const begin = names.length;
-    names.push(...samples.names);
+    names.push(...samples.names.map((column) => prefix + column));
     for (let row = samples.rowAt(from); row < samples.end; row++) {
       const at = row % samples.capacity;
       const time = samples.times[at];

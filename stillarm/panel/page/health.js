@@ -87,15 +87,16 @@ function drawHistogram(canvas, edges, late, compute) {
   const context = canvas.getContext("2d");
   const text = 12 * devicePixelRatio;
   const bottom = height - 1.5 * text;
+  const highest = bottom - 1.5 * text; // above it stand the names
   const step = width / edges.length;
   // by the logarithm, so that one late cycle among a thousand is seen
   const share = (count) => (count ? 0.12 + (0.88 * Math.log10(count)) / 3.3 : 0);
   context.font = `${text}px system-ui, sans-serif`;
   edges.forEach((edge, i) => {
     context.fillStyle = colour("--accent-1");
-    context.fillRect(i * step + 1, bottom - share(late[i]) * bottom, step / 2 - 1, share(late[i]) * bottom);
+    context.fillRect(i * step + 1, bottom - share(late[i]) * highest, step / 2 - 1, share(late[i]) * highest);
     context.fillStyle = colour("--accent-2");
-    context.fillRect((i + 0.5) * step, bottom - share(compute[i]) * bottom, step / 2 - 1, share(compute[i]) * bottom);
+    context.fillRect((i + 0.5) * step, bottom - share(compute[i]) * highest, step / 2 - 1, share(compute[i]) * highest);
     context.fillStyle = colour("--quiet");
     if (i % 4 === 0) context.fillText(edge >= 1000 ? `${edge / 1000} ms` : `${edge} µs`, i * step, height - 0.3 * text);
   });

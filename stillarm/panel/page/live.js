@@ -1,10 +1,11 @@
 // The live view: samples as they come, drawn in every frame of the screen; pause, zoom, five minutes back, markers.
 
+import { Beside } from "/page/beside.js";
 import { ChartStack } from "/page/charts.js";
 import { drawView } from "/page/camera.js";
 import { byId, number } from "/page/dom.js";
 import { saveCsv, savePng } from "/page/export.js";
-import { Samples, unpack } from "/page/samples.js";
+import { LOST_S, Samples, unpack } from "/page/samples.js";
 
 const KEPT_S = 300;
 const ROWS = { fast: 310_000, estimate: 310_000, frames: 80_000 };
@@ -20,27 +21,41 @@ export class Live {
       onSelect: (from, to) => this.zoom(from, to),
       onReset: () => this.follow(),
     });
+    this.beside = new Beside(
+      (methods) => socket.want(methods),
+      (overlays) => this.stack.setOverlays(overlays),
+    );
     byId("live-pause").onclick = () => (this.paused === null ? this.hold(this.end()) : this.follow());
     byId("live-window").onchange = ({ target }) => (this.window = Number(target.value));
     byId("live-back").oninput = ({ target }) => this.back(Number(target.value));
     byId("live-marker").onclick = () => this.stack.markers.push(this.paused ?? this.newest());
-    byId("live-csv").onclick = () => saveCsv("stillarm-live.csv", this.topics, this.end() - this.window, this.end(), this.stack.markers);
+    byId("live-csv").onclick = () => this.save();
     byId("live-png").onclick = () => savePng("stillarm-live.png", this.stack);
   }
 
-  hello({ kinds, view_rate_hz: rate }) {
+  save() {
+    saveCsv("stillarm-live.csv", this.topics, this.end() - this.window, this.end(), this.stack.markers, this.beside.topics());
+  }
+
+  hello(message) {
+    const { kinds, view_rate_hz: rate } = message;
     this.kinds = kinds;
-    for (const { topic, columns } of kinds) this.topics[topic] ??= new Samples(columns, ROWS[topic]);
+    this.beside.hello(message);
+    for (const { topic, columns } of kinds) this.topics[topic] ??= new Samples(columns, ROWS[topic], topic === "frames" ? Infinity : LOST_S);
     byId("camera-none").textContent = rate > 0 ? "waiting for an image" : "no images: telemetry.view_rate_hz is 0 in the configuration";
   }
 
-  status({ origin_s: origin, origin_exact: exact }) {
+  status(message) {
+    const { origin_s: origin, origin_exact: exact } = message;
     Object.assign(this, { origin: origin ?? NaN, exact });
+    this.beside.status(message);
   }
 
   binary(buffer) {
     if (new DataView(buffer).getUint8(0) === VIEW_KIND) return void this.view(buffer);
-    const { kind, times, values } = unpack(buffer);
+    const message = unpack(buffer);
+    if (this.beside.take(message)) return;
+    const { kind, times, values } = message;
     this.topics[this.kinds[kind]?.topic]?.add(times, values);
   }
 

@@ -3,6 +3,7 @@
 import { ask, byId, element, plain } from "/page/dom.js";
 import { Adjust } from "/page/adjust.js";
 import { post } from "/page/server.js";
+import { StopKey } from "/page/stop_key.js";
 
 const ORDER = ["arm", "disarm", "allow_damping", "hold_damping", "clear", "strike"];
 
@@ -11,8 +12,16 @@ export class Operate {
     this.buttons = {};
     this.refusals = {};
     this.adjust = new Adjust((text) => this.tell(text));
-    byId("stop").addEventListener("click", () => this.act("stop"));
-    addEventListener("keydown", (event) => event.key === "Escape" && !event.repeat && this.act("stop"), { capture: true });
+    this.stops = [...document.querySelectorAll("button.stop")]; // the header's, and one in each dialog
+    for (const button of this.stops) button.addEventListener("click", () => this.stop());
+    const key = new StopKey(() => this.stop());
+    byId("report-frame").addEventListener("load", ({ target }) => target.contentDocument && key.hear(target.contentDocument));
+  }
+
+  // What was asked for in a dialog is off.
+  stop() {
+    document.querySelectorAll("dialog[open]").forEach((dialog) => dialog.close(""));
+    this.act("stop");
   }
 
   hello(message) {
@@ -34,7 +43,7 @@ export class Operate {
   status({ actions, settings }) {
     this.adjust.status(settings, this.signedIn ? "" : this.readOnly);
     this.refusals = this.signedIn ? actions : Object.fromEntries(Object.keys(actions).map((action) => [action, this.readOnly]));
-    for (const [action, button] of [...Object.entries(this.buttons), ["stop", byId("stop")]]) {
+    for (const [action, button] of [...Object.entries(this.buttons), ...this.stops.map((stop) => ["stop", stop])]) {
       const why = this.refusals[action];
       button.setAttribute("aria-disabled", why ? "true" : "false");
       button.title = plain(why) || this.meanings[action].does;

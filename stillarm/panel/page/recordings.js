@@ -1,6 +1,6 @@
 // Recordings: the list, a recording's charts with scrubbing and playing, methods, diagnosis, and comparison.
 
-import { CHARTS, ChartStack, IMAGE_CHARTS } from "/page/charts.js";
+import { CHARTS, ChartStack, DASHES, IMAGE_CHARTS } from "/page/charts.js";
 import { byId, element, facts, number, plain } from "/page/dom.js";
 import { saveCsv, savePng } from "/page/export.js";
 import { RecordedImages } from "/page/recorded_images.js";
@@ -178,21 +178,21 @@ export class Recordings {
     place.hidden = methods.length === 0;
     const boxes = methods.map((method, i) => {
       const box = element("input", { type: "checkbox", checked: this.methods.has(method) });
-      box.onchange = () => this.toggle(method, COLOURS[i % COLOURS.length], box.checked);
+      box.onchange = () => this.toggle(method, i, box.checked);
       return element("label", {}, box, method);
     });
     place.replaceChildren(element("legend", { textContent: "Methods" }), ...boxes);
   }
 
-  async toggle(method, colour, shown) {
+  async toggle(method, number, shown) {
     const { about } = this.open;
     if (!shown) this.methods.delete(method);
-    else this.methods.set(method, { colour, samples: await series(about.key, `replay_${method}`, REPLAY_COLUMNS, about.begin_s, about.end_s) });
+    else this.methods.set(method, { colour: COLOURS[number % COLOURS.length], dash: DASHES[number % DASHES.length], samples: await series(about.key, `replay_${method}`, REPLAY_COLUMNS, about.begin_s, about.end_s) });
     this.overlay();
   }
 
   overlay() {
-    const overlays = [...this.methods].map(([label, { colour, samples }]) => ({ label, colour, topics: { estimate: samples }, offset: 0, charts: [0, 2] }));
+    const overlays = [...this.methods].map(([label, { colour, dash, samples }]) => ({ label, colour, dash, topics: { estimate: samples }, offset: 0, charts: [0, 2] }));
     if (this.other) {
       const offset = this.open.about.begin_s - this.other.about.begin_s;
       overlays.push({ label: this.other.about.name, colour: "--accent-2", topics: this.other.topics, offset, charts: [0, 1, 2, 3] });

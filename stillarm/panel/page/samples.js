@@ -1,6 +1,8 @@
 // Samples of one topic: times and columns in rings, and the server's binary messages (stillarm/panel/live/packing.py).
 
 const HEAD_BYTES = 8;
+export const LOST_S = 0.1; // three datagrams of a topic of every cycle
+const LOST_ROWS = 3; // of a topic that is sent more rarely
 
 export function unpack(buffer) {
   const view = new DataView(buffer);
@@ -14,8 +16,10 @@ export function unpack(buffer) {
 }
 
 export class Samples {
-  // capacity: rows that are kept; the oldest ones give way.
-  constructor(columns, capacity) {
+  // capacity: rows that are kept; the oldest ones give way. lost: after a pause of so many seconds, and of some rows,
+  // something is missing, and no line belongs there.
+  constructor(columns, capacity, lost = Infinity) {
+    Object.assign(this, { lost, step: 0 });
     this.names = columns;
     this.capacity = capacity;
     this.times = new Float64Array(capacity);
@@ -32,12 +36,19 @@ export class Samples {
     for (let i = 0; i < times.length; i++) {
       // a time that goes back is another run of the controller
       if (this.end > this.begin && times[i] < this.newest() - 0.5) this.clear();
-      const at = this.end % this.capacity;
-      this.times[at] = times[i];
-      for (let c = 0; c < values.length; c++) this.columns[c][at] = values[c][i];
-      this.end++;
+      const step = times[i] - this.newest(); // NaN at first
+      if (step > Math.max(this.lost, LOST_ROWS * this.step)) this.put((this.newest() + times[i]) / 2, () => NaN);
+      this.step = step || 0;
+      this.put(times[i], (c) => values[c][i]);
     }
     this.begin = Math.max(this.begin, this.end - this.capacity);
+  }
+
+  put(time, value) {
+    const at = this.end % this.capacity;
+    this.times[at] = time;
+    for (let c = 0; c < this.columns.length; c++) this.columns[c][at] = value(c);
+    this.end++;
   }
 
   newest() {

@@ -50,7 +50,7 @@ class ServerClock {
 
 export class LiveSocket {
   constructor(onText, onBinary, onConnected) {
-    Object.assign(this, { onText, onBinary, onConnected, failures: 0, clock: new ServerClock() });
+    Object.assign(this, { onText, onBinary, onConnected, failures: 0, clock: new ServerClock(), beside: [] });
     this.open();
     setInterval(() => this.ping(), PING_MS);
   }
@@ -77,7 +77,13 @@ export class LiveSocket {
     else this.onText(message);
   }
 
+  // Methods that the server shall run, as long as this page asks: each ping says so.
+  want(methods) {
+    this.beside = methods;
+    this.ping();
+  }
+
   ping() {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ping: performance.now() }));
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ping: performance.now(), beside: this.beside }));
   }
 }

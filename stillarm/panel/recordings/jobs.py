@@ -2,14 +2,12 @@
 
 import asyncio
 import contextlib
-import os
 import signal
 from collections import deque
-from collections.abc import Callable
 from typing import Any
 
 from stillarm.common.process.child_process import module_command
-from stillarm.common.process.parent_death import ended_with_parent
+from stillarm.common.process.parent_death import beginning
 from stillarm.common.user_error import UserError
 
 _LINES = 40
@@ -17,17 +15,6 @@ _LONGEST_LINE = 4000
 _MOST_JOBS = 2  # at the same time: the rig's computer has other things to do
 _ENDS_WITHIN_S = 10.0
 _NICENESS = 10
-
-
-def _beginning(niceness: int) -> Callable[[], None]:
-    """Set-up of the child: it ends with the panel, and runs at a lower priority."""
-    ask = ended_with_parent()
-
-    def begin() -> None:
-        ask()
-        os.nice(niceness)
-
-    return begin
 
 
 class Job:
@@ -125,7 +112,7 @@ class Jobs:
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
             env=environment | {"STILLARM_PROGRESS": "lines"},
-            preexec_fn=_beginning(0 if moves else _NICENESS),
+            preexec_fn=beginning(0 if moves else _NICENESS),
         )
         self._jobs[name] = Job(name, process)
         return self._jobs[name]

@@ -21,6 +21,8 @@ _PINGS_PER_S, _PINGS_AT_ONCE = 10.0, 30
 
 class _Ping(msgspec.Struct, forbid_unknown_fields=True):
     ping: float
+    beside: list[str] = []
+    """Methods that the page wants drawn beside the one in force; heard from a page with a session."""
 
 
 _PING = msgspec.json.Decoder(_Ping)
@@ -45,7 +47,7 @@ def socket_handler(
                 queue.put(message)
             sending = asyncio.create_task(_send(socket, queue))
             try:
-                await _answer_pings(socket, queue)
+                await _answer_pings(socket, queue, may_want=guard.signed_in(request))
             finally:
                 sending.cancel()
                 with contextlib.suppress(asyncio.CancelledError):
@@ -72,7 +74,7 @@ async def _send(socket: web.WebSocketResponse, queue: Subscriber) -> None:
             await socket.close()
 
 
-async def _answer_pings(socket: web.WebSocketResponse, queue: Subscriber) -> None:
+async def _answer_pings(socket: web.WebSocketResponse, queue: Subscriber, *, may_want: bool) -> None:
     """Each ping gets the server's monotonic time, s, by which the page dates the samples."""
     limit = RateLimit(_PINGS_PER_S, _PINGS_AT_ONCE)
     async for message in socket:
@@ -84,4 +86,6 @@ async def _answer_pings(socket: web.WebSocketResponse, queue: Subscriber) -> Non
         except (msgspec.DecodeError, msgspec.ValidationError):
             await socket.close(code=1008, message=b"this is no ping")
             return
+        if may_want:
+            queue.beside = frozenset(ping.beside)
         queue.put(_ENCODE({"type": "pong", "ping": ping.ping, "server_s": time.monotonic()}).decode())

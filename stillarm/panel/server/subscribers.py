@@ -16,6 +16,8 @@ class Subscriber:
         self._messages: deque[bytes | str] = deque()
         self._bytes = 0
         self._waiting = asyncio.Event()
+        self.beside: frozenset[str] = frozenset()
+        """The methods that the page wants drawn beside the one in force."""
         self.dropped = 0
         """Messages that were dropped because the page did not read."""
 
@@ -61,6 +63,10 @@ class Subscribers:
     def remove(self, subscriber: Subscriber) -> None:
         """The page has closed."""
         self._all.discard(subscriber)
+
+    def beside(self) -> frozenset[str]:
+        """The methods that any page wants drawn beside the one in force."""
+        return frozenset().union(*(one.beside for one in self._all))
 
     def put(self, message: bytes | str) -> None:
         """Send a message to every page."""

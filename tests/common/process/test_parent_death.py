@@ -1,5 +1,6 @@
 """A demo that is killed takes its processes with it."""
 
+import os
 import subprocess
 import sys
 import time
@@ -7,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from stillarm.common.process.parent_death import ended_with_parent
+from stillarm.common.process.parent_death import beginning, ended_with_parent
 
 pytestmark = pytest.mark.slow
 
@@ -44,6 +45,13 @@ def test_a_child_whose_parent_lives_runs_on() -> None:
     assert child.poll() is None
     child.communicate(b"\n")
     assert child.returncode == 0
+
+
+def test_a_child_of_lower_priority_says_so() -> None:
+    words = [sys.executable, "-c", "import os; print(os.nice(0))"]
+    nice = beginning(7)
+    said = subprocess.run(words, stdout=subprocess.PIPE, check=True, preexec_fn=nice).stdout
+    assert int(said) == os.nice(0) + 7
 
 
 def _runs(process: int) -> bool:

@@ -15,6 +15,7 @@ from aiohttp.test_utils import TestClient, TestServer
 from stillarm.common.files.configuration import CameraDevice, Configuration, Link
 from stillarm.panel.application import make_application
 from stillarm.panel.commission.bench import Bench
+from stillarm.panel.live.beside_runner import BesideRunner
 from stillarm.panel.live.feed import Feed
 from stillarm.panel.operate.desk import Desk
 from stillarm.panel.recordings.library import Library
@@ -69,6 +70,7 @@ async def serving(folder: Path) -> AsyncIterator[Panel]:
         Library(recordings, cache),
         Bench(ROOT / "configs" / "simulated_rig.toml", recordings),
         lambda token: None,
+        BesideRunner(ROOT / "configs" / "simulated_rig.toml", feed.pages),
     )
     connector = aiohttp.TCPConnector(limit=0)
     async with TestClient(TestServer(application, host="127.0.0.1"), connector=connector) as client:

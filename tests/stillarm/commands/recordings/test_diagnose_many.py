@@ -10,6 +10,7 @@ import pytest
 
 from stillarm.commands.recordings import diagnose_many
 from stillarm.commands.recordings.diagnose_many import Job, diagnose_all, diagnose_one, executor_for
+from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.files.scenario import Move, Scenario, Strike
 from stillarm.common.user_error import UserError
 from stillarm.main import main
@@ -88,3 +89,19 @@ def test_progress_never_falls_and_leaves_a_share_for_the_use(recording: Path, tm
     done = diagnose_one(Job(recording, tmp_path / "out", None, (), use_pairs=0), shares.append)
     assert not done.failed
     assert shares == sorted(shares) and 0.8 < shares[-1] <= 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("left_out", "says"),
+    [
+        ([], ""),
+        (["use"], ""),
+        (["use", "pairs of causes"], "did not suffice for pairs of causes: give it more with"),
+    ],
+)
+def test_a_verdict_says_what_there_was_no_time_for(left_out: list[str], says: str) -> None:
+    """What the extended model is worth is no part of the verdict."""
+    table = {"findings": [], "events": [], "verdict": "none", "looked_at": {"left_out": left_out}}
+    said = sentence(table)
+    assert said.startswith("nothing wrong") and says in said and ("time" in said) == bool(says)

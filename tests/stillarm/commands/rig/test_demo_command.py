@@ -4,13 +4,13 @@ from typing import Any
 
 import pytest
 
-from stillarm.commands.rig.demo_command import comparison_line, print_table
+from stillarm.commands.rig.demo_command import comparison_line, overload, print_table
 
 
-def summary(frames: int, lost: int) -> dict[str, Any]:
+def summary(frames: int, lost: int, cycles: int = 12000, missed: int = 0) -> dict[str, Any]:
     times = ("settling_time_free_s", "settling_time_damped_s", "settling_time_free_fitted_s")
     damping = dict.fromkeys((*times, "damping_ratio_free", "damping_ratio_damped"), 1.0)
-    counts = {"cycles": 12000, "deadline_misses": 0, "frames": frames, "frames_lost": lost}
+    counts = {"cycles": cycles, "deadline_misses": missed, "frames": frames, "frames_lost": lost}
     return {**counts, "damping": damping, "methods": {}, "replay_identical": True}
 
 
@@ -21,6 +21,12 @@ def test_a_computer_that_could_not_keep_up_is_told_of(
     """A run that lost most of its images says little about the method."""
     print_table(summary(frames, lost))
     assert ("too busy" in capsys.readouterr().out) == told
+
+
+@pytest.mark.parametrize(("cycles", "missed", "told"), [(29610, 440, False), (19327, 10674, True)])
+def test_a_loop_without_time_is_told_of(cycles: int, missed: int, told: bool) -> None:
+    """Both were measured: the first predicted to 0.8 %, the second to 6.3 %, and damped nothing."""
+    assert ("the loop's cycles" in overload(summary(1938, 9, cycles, missed))) == told
 
 
 @pytest.mark.parametrize(
