@@ -26,7 +26,7 @@ _Result = TypeVar("_Result")
 most_processes = 4
 """This one and its copies, each of which takes some 0.1 GB of its own. For whoever uses the processors otherwise."""
 _NUMBER = struct.Struct("<H")  # of an item, in the pipe, which holds 64 KiB
-_MOST_ITEMS = 30_000
+_MOST_ITEMS = 30_000  # of two bytes each, so that all go into the pipe at once
 _PATIENCE_S, _LOOK_S = 20.0, 0.001  # for a copy's last item, longer than any takes; how often it is asked
 
 
