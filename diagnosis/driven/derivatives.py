@@ -1,14 +1,15 @@
 """What a grey box leaves of a recording, in each output's deviation, and how that changes with numbers and states.
 
 Derivatives are differences: one simulation for each number, and one for each component of the state, of all blocks at
-once.
+once. Errors are stacked (stack.py), zero where nothing was measured.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.gauss_newton import Piece
-from stillarm.diagnosis.driven.greybox import GreyBox, Run
+from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.showing import shown
 
 Array = NDArray[np.float64]
 
@@ -21,16 +22,19 @@ _MOST_UNEVEN = 0.15  # of the largest share of an output's variation that is lef
 
 def first_levels(box: GreyBox) -> dict[str, float]:
     """A first deviation of each output, by which they are weighed: a share of its variation."""
-    return {one.name: max(0.05 * float(np.nanstd(one.values)), one.step, 1e-12) for one in box.driven.outputs}
+    return {
+        one.name: max(0.05 * usual, one.step, 1e-12)
+        for one, usual in zip(box.driven.outputs, box.stack.usual, strict=True)
+    }
 
 
-def levels_of(box: GreyBox, errors: dict[str, Array], sigma: dict[str, float]) -> dict[str, float]:
+def levels_of(box: GreyBox, errors: Array, sigma: dict[str, float]) -> dict[str, float]:
     """The outputs' deviations as they are, but none so small against another's that the fit would give that up."""
-    train = ~box.split.held[box.block]
+    train = ~box.split.held
+    squares, counts = (one[train].sum(axis=0) for one in (box.stack.squares(errors), box.stack.counts))
     found, share = {}, {}
-    for one in box.driven.outputs:
-        rms = float(np.sqrt(np.nanmean((errors[one.name][train] * sigma[one.name]) ** 2)))
-        usual = float(np.nanstd(one.values))
+    for one, usual, square, count in zip(box.driven.outputs, box.stack.usual, squares, counts, strict=True):
+        rms = float(np.sqrt(square / count)) * sigma[one.name]
         found[one.name] = max(rms, 0.29 * one.step, 1e-9 * usual)
         share[one.name] = found[one.name] / usual
     most = max(share.values())
@@ -39,72 +43,60 @@ def levels_of(box: GreyBox, errors: dict[str, Array], sigma: dict[str, float]) -
 
 def cost_of(
     box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float]
-) -> tuple[float, dict[str, Array]]:
-    """Half the sum of squares of the blocks that train, and each output's errors, in deviations."""
+) -> tuple[float, Array]:
+    """Half the sum of squares of the blocks that train, and the errors, in deviations."""
     with np.errstate(over="ignore", invalid="ignore"):
-        run = box.run(numbers, states)
-    train = ~box.split.held[box.block]
-    total, errors = 0.0, {}
-    for one in box.driven.outputs:
-        error = (one.values - run.outputs[one.name]) / sigma[one.name]
-        known = np.isfinite(one.values)
-        error[known & ~(np.abs(error) < ASTRAY)] = ASTRAY
-        error[~known] = np.nan
-        errors[one.name] = error
-        total += 0.5 * float(np.nansum(error[train] ** 2))
-    return total, errors
+        told = shown(box, numbers, states, sigma)
+        errors = box.stack.measured * box.stack.deviations(sigma) - told
+    if not is_sound(errors):
+        errors[~(np.abs(errors) < ASTRAY)] = ASTRAY
+    if box.stack.known is not None:
+        errors[~box.stack.known] = 0.0
+    return 0.5 * float(box.stack.squares(errors)[~box.split.held].sum()), errors
 
 
-def by_block(box: GreyBox, errors: dict[str, Array]) -> Array:
+def is_sound(values: Array) -> bool:
+    """Whether no number of a simulation is astray."""
+    return bool(np.max(values, initial=0.0) < ASTRAY and np.min(values, initial=0.0) > -ASTRAY)
+
+
+def by_block(box: GreyBox, errors: Array) -> Array:
     """Each block's sum of squares."""
-    total = sum(np.nan_to_num(one) ** 2 for one in errors.values())
-    return np.asarray(np.bincount(box.block, np.asarray(total), minlength=len(box.starts) - 1), np.float64)
+    return np.asarray(box.stack.squares(errors).sum(axis=1))
 
 
 def derivatives(
     box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, sigma: dict[str, float],
-    errors: dict[str, Array],
+    errors: Array,
 ) -> list[Piece]:  # fmt: skip
     """Of each block: by the free numbers, by its state, and what is left of it."""
-    base = stacked(box, box.run(numbers, states), sigma)
-    columns = []
-    for name in free:
-        step = difference_of(name, numbers[name], box)
-        columns.append(_slope(box, {**numbers, name: numbers[name] + step}, states, sigma, base, step))
     scale = np.maximum(np.std(states, axis=0), 1e-3 * np.max(np.abs(states)) + 1e-9)
-    turned = []
-    for place in range(box.size):
-        other = states.copy()
-        other[:, place] += _DIFFERENCE * scale[place]
-        turned.append(_slope(box, numbers, other, sigma, base, _DIFFERENCE * scale[place]))
-    residual = np.concatenate([errors[one.name] for one in box.driven.outputs])
-    by_numbers, by_state = np.array(columns).T.reshape(len(residual), -1), np.array(turned).T
-    pieces = []
-    for s, rows in enumerate(rows_of_blocks(box, residual)):
-        j, k, r = by_numbers[rows], by_state[rows], residual[rows]
-        pieces.append((np.nan_to_num(j), np.nan_to_num(k), r, not box.split.held[s]))
-    return pieces
-
-
-def _slope(
-    box: GreyBox, numbers: dict[str, float], states: Array, sigma: dict[str, float], base: Array, step: float
-) -> Array:
-    """A derivative by what was moved by `step`; none where the moved simulation runs away, so that no step is taken."""
+    slopes = np.empty((len(free) + box.size, len(errors)))
     with np.errstate(over="ignore", invalid="ignore"):
-        change = stacked(box, box.run(numbers, states), sigma) - base
-    known = change[~np.isnan(base)]
-    sound = bool(np.isfinite(known).all()) and float(np.max(np.abs(known), initial=0.0)) < ASTRAY
-    return change / step if sound else np.zeros_like(base)
+        base = shown(box, numbers, states, sigma)
+        for row, name in enumerate(free):
+            step = difference_of(name, numbers[name], box)
+            moved = shown(box, {**numbers, name: numbers[name] + step}, states, sigma)
+            _slope(moved, base, step, slopes[row])
+        for place in range(box.size):
+            other, step = states.copy(), _DIFFERENCE * scale[place]
+            other[:, place] += step
+            _slope(shown(box, numbers, other, sigma), base, step, slopes[len(free) + place])
+    if box.stack.known is not None:
+        slopes *= box.stack.known
+    return [
+        Piece(slopes[: len(free), a:b].T, slopes[len(free) :, a:b].T, errors[a:b], not held)
+        for (a, b), held in zip(box.stack.bounds, box.split.held, strict=True)
+    ]
 
 
-def rows_of_blocks(box: GreyBox, residual: Array) -> list[NDArray[np.int64]]:
-    """Which of the stacked samples each block holds, of those that were measured."""
-    where = np.tile(box.block, len(box.driven.outputs))
-    known = np.isfinite(residual)
-    order = np.flatnonzero(known)[np.argsort(where[known], kind="stable")]
-    blocks = len(box.starts) - 1
-    ends = np.cumsum(np.bincount(where[order], minlength=blocks))
-    return [order[(ends[s - 1] if s else 0) : end] for s, end in enumerate(ends)]
+def _slope(moved: Array, base: Array, step: float, slope: Array) -> None:
+    """A derivative by what was moved by `step`; none where a simulation runs away, so that no step is taken."""
+    np.subtract(moved, base, out=slope)
+    if is_sound(slope):
+        slope /= step
+    else:
+        slope[:] = 0.0
 
 
 def difference_of(name: str, value: float, box: GreyBox) -> float:
@@ -116,8 +108,3 @@ def difference_of(name: str, value: float, box: GreyBox) -> float:
     if name in ("gap", "share"):
         return _OF_PLAY * max(value, 1e-9)
     return _DIFFERENCE * max(abs(value), 1e-3)
-
-
-def stacked(box: GreyBox, run: Run, sigma: dict[str, float]) -> Array:
-    """All outputs one after the other, in deviations."""
-    return np.concatenate([run.outputs[one.name] / sigma[one.name] for one in box.driven.outputs])

@@ -20,7 +20,6 @@ from stillarm.diagnosis.driven.derivatives import (
     derivatives,
     first_levels,
     levels_of,
-    rows_of_blocks,
 )
 from stillarm.diagnosis.driven.gauss_newton import RIDGE, Piece, normal_of, state_steps, stepped
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
@@ -136,21 +135,26 @@ def fit(
 def runs_away(box: GreyBox, numbers: dict[str, float], states: Array) -> bool:
     """Whether the simulation leaves all bounds: a joint that friction drives on, or a spring that pushes."""
     _, errors = cost_of(box, numbers, states, first_levels(box))
-    return any(bool(np.any(np.abs(one) >= ASTRAY)) for one in errors.values())
+    return bool(np.any(np.abs(errors) >= ASTRAY))
 
 
 def levels_of_fit(fitted: DrivenFit) -> dict[str, float]:
     """The outputs' deviations, by what the fit leaves where it was trained."""
     ones = dict.fromkeys(fitted.residuals, 1.0)
-    return levels_of(fitted.box, fitted.residuals, ones)
+    return levels_of(fitted.box, _stacked(fitted), ones)
 
 
-def linearised(fitted: DrivenFit, sigma: dict[str, float]) -> tuple[list[Piece], list[NDArray[np.int64]]]:
-    """A fit's derivatives and residual by blocks, and which of the stacked samples each block holds."""
-    errors = {name: residual / sigma[name] for name, residual in fitted.residuals.items()}
+def linearised(fitted: DrivenFit, sigma: dict[str, float]) -> list[Piece]:
+    """A fit's derivatives and residual by blocks."""
     box = fitted.box
-    pieces = derivatives(box, fitted.numbers, fitted.free, fitted.states, sigma, errors)
-    return pieces, rows_of_blocks(box, np.concatenate([errors[one.name] for one in box.driven.outputs]))
+    errors = _stacked(fitted) * box.stack.deviations(sigma)
+    return derivatives(box, fitted.numbers, fitted.free, fitted.states, sigma, errors)
+
+
+def _stacked(fitted: DrivenFit) -> Array:
+    """A fit's residuals, stacked."""
+    outputs = fitted.box.driven.outputs
+    return fitted.box.stack.of([np.nan_to_num(fitted.residuals[one.name]) for one in outputs])
 
 
 def _scored(part: GreyBox, residuals: dict[str, Array], rows: NDArray[np.bool_]) -> tuple[Array, Array]:

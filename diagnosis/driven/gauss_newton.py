@@ -3,6 +3,9 @@
 Variable projection: Golub and Pereyra, SIAM J. Numerical Analysis 10, 1973.
 """
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,9 +17,57 @@ RIDGE = 1e-9
 """On the diagonal, so that a number which nothing shows leaves the equations solvable."""
 
 _STOPPED = 1e-9  # of a step: less is rounding
+_MADE_UP = 1e-7  # of a column's length, beside the others: less is rounding
 
-Piece = tuple[Array, Array, Array, bool]
-"""Of a block: derivatives by the numbers and by its state, residual, and whether it trains."""
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Of a block: derivatives by the numbers, (n, p), and by its state, (n, q), what is left, and whether it trains.
+
+    All that follows asks of a block's samples is worked out once.
+    """
+
+    by_numbers: Array
+    by_state: Array
+    left: Array
+    trains: bool
+
+    @cached_property
+    def _size(self) -> Array:
+        size = np.linalg.norm(self.by_state, axis=0)
+        return np.where(size > 0.0, size, 1.0)
+
+    @cached_property
+    def _factors(self) -> tuple[Array, Array]:
+        q, r = np.linalg.qr(self.by_state / self._size)
+        return q, r
+
+    @cached_property
+    def basis(self) -> Array:
+        """Of what the state can make, orthonormal; without what its other components make up."""
+        q, r = self._factors
+        kept = np.abs(np.diag(r)) > _MADE_UP
+        return q if kept.all() else np.asarray(q[:, kept])
+
+    @cached_property
+    def free(self) -> tuple[Array, Array]:
+        """Derivatives by the numbers and what is left, without what the state can make of them."""
+        q, j, r = self.basis, self.by_numbers, self.left
+        return j - q @ (q.T @ j), r - q @ (q.T @ r)
+
+    @cached_property
+    def _seen(self) -> tuple[Array, Array]:
+        q, _ = self._factors
+        return q.T @ self.by_numbers, q.T @ self.left
+
+    def state_step(self, step: Array) -> Array:
+        """What the state moves by where the numbers move by `step`."""
+        if not len(self.left):
+            return np.zeros(self.by_state.shape[1])
+        by_numbers, left = self._seen
+        # the factor has the singular values of the derivatives themselves
+        moved = np.linalg.lstsq(self._factors[1], left - by_numbers @ step, rcond=1e-6)[0]
+        return np.asarray(moved / self._size)
 
 
 def stepped(
@@ -41,13 +92,12 @@ def stepped(
 def normal_of(pieces: list[Piece], count: int) -> tuple[Array, Array]:
     """Normal matrix and gradient of the numbers, of the blocks that train, without what the blocks' states can make."""
     normal, gradient = np.zeros((count, count)), np.zeros(count)
-    for j, k, r, trains in pieces:
-        if not trains or not len(r):
+    for one in pieces:
+        if not one.trains or not len(one.left):
             continue
-        q = orthonormal(k)
-        j_free, r_free = j - q @ (q.T @ j), r - q @ (q.T @ r)
-        normal += j_free.T @ j_free
-        gradient += j_free.T @ r_free
+        by_numbers, left = one.free
+        normal += by_numbers.T @ by_numbers
+        gradient += by_numbers.T @ left
     return normal, gradient
 
 
@@ -55,16 +105,9 @@ def orthonormal(k: Array) -> Array:
     """A basis of what the columns span, (n, at most m); without those that the others make up."""
     size = np.linalg.norm(k, axis=0)
     q, r = np.linalg.qr(k / np.where(size > 0.0, size, 1.0))
-    kept = np.abs(np.diag(r)) > 1e-7
-    return np.asarray(q[:, kept])
+    return np.asarray(q[:, np.abs(np.diag(r)) > _MADE_UP])
 
 
 def state_steps(pieces: list[Piece], step: Array) -> Array:
     """What each block's state moves by where the numbers move by `step`, (blocks, size)."""
-    rows = []
-    for j, k, r, _ in pieces:
-        size = np.linalg.norm(k, axis=0)
-        size = np.where(size > 0.0, size, 1.0)
-        left = r - j @ step
-        rows.append(np.linalg.lstsq(k / size, left, rcond=1e-6)[0] / size if len(r) else np.zeros(k.shape[1]))
-    return np.array(rows)
+    return np.array([one.state_step(step) for one in pieces])

@@ -13,23 +13,24 @@ from math import ceil, exp
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.driven.input_path import OF_INPUT, reaching
 from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.regression import joint_motion
 from stillarm.diagnosis.driven.sensing import Motion, is_late, seen
 from stillarm.diagnosis.driven.signals import Driven
+from stillarm.diagnosis.driven.stack import Stack
 from stillarm.simulation.arm.geared_joint import link_of, play_run
 from stillarm.simulation.arm.torque_joint import LinearJoint, torque_run, transition
 
 Array = NDArray[np.float64]
 
-_CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivative by the width is one
 _LONGEST_STEP_S = 0.003  # of the simulation: a slower recording's samples are several
 _MOST_ROOT = 1e4  # rad/s, 1.6 kHz: no mode is quicker, whatever a fit tries
 _PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
+_REMEMBERED = 4  # inputs: those of a fit, of a number that is moved, and of a trial
 _SIDES = {
     "position": "on_motor",
     "velocity": "rate_on_motor",
@@ -46,6 +47,19 @@ class Run:
     forces: Array
     drive: Array
     acceleration: Array
+
+
+@dataclass(frozen=True)
+class Steps:
+    """phi: (2, n, n), g: (2, n, 4), laws: (2, l), see torque_run, before sample `switch` and from it on. seen_in: parts
+    of a sample in which sensors look, several where one is late."""
+
+    linear: LinearJoint
+    phi: Array
+    g: Array
+    laws: Array
+    switch: int
+    seen_in: int
 
 
 @dataclass(frozen=True)
@@ -74,6 +88,11 @@ class GreyBox:
         """Number of each sample's block."""
         return np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts))
 
+    @cached_property
+    def stack(self) -> Stack:
+        """How the samples of all outputs are stacked."""
+        return Stack(self.driven.outputs, self.starts)
+
     @property
     def size(self) -> int:
         """Length of the state."""
@@ -94,37 +113,18 @@ class GreyBox:
         """What reaches the joint at the start and the end of each substep, (n parts, 2), in the input's unit.
 
         numbers["held"]: 1 where the input stays for a sample, as a converter holds it; 0 where it was measured and is
-        linear between samples.
+        linear between samples. What was asked for last is remembered: most numbers leave the input as it is.
         """
-        driven, h = self.driven, self.driven.step_s
-        u = driven.u
-        zone, limit = numbers.get("dead_zone", 0.0), numbers.get("limit", 0.0)
-        if zone > 0.0:
-            u = np.sign(u) * np.maximum(np.abs(u) - zone, 0.0)
-        cut = numbers.get("dead_cut", 0.0)
-        if cut > 0.0:
-            u = u * np.clip((np.abs(u) - cut) / (_CUT_OVER * cut) + 0.5, 0.0, 1.0)
-        if limit > 0.0:
-            u = np.clip(u, -limit, limit)
-        step = h / parts
-        fine = np.arange(driven.samples * parts + 1) * step - numbers.get("delay", 0.0)
-        if numbers.get("held", 0.0):
-            # the mean over each substep, wherever the input changes within it
-            passed = np.concatenate([[0.0], np.cumsum(u) * h])
-            whole = np.interp(fine, np.arange(driven.samples + 1) * h, passed) + u[0] * np.minimum(fine, 0.0)
-            begin = end = np.diff(whole) / step
-        else:
-            at = np.interp(fine, np.arange(driven.samples) * h, u)
-            begin, end = at[:-1], at[1:]
-        lag = numbers.get("lag", 0.0)
-        if lag > 1e-3 * step:
-            keep = exp(-step / lag)
-            # exact for an input that is linear over the substep
-            late = 1.0 - lag / step * (1.0 - keep)
-            fed = late * end + (1.0 - keep - late) * begin
-            after = lfilter([1.0], [1.0, -keep], fed - (1.0 - keep) * begin[0]) + begin[0]
-            begin, end = np.concatenate([[begin[0]], after[:-1]]), after
-        return np.ascontiguousarray(np.column_stack([begin, end]))
+        key = parts, *(numbers.get(name, 0.0) for name in OF_INPUT)
+        if key not in self._remembered:
+            if len(self._remembered) >= _REMEMBERED:
+                self._remembered.clear()
+            self._remembered[key] = reaching(self.driven, numbers, parts)
+        return self._remembered[key]
+
+    @cached_property
+    def _remembered(self) -> dict[tuple[float, ...], Array]:
+        return {}
 
     def linear(self, numbers: Numbers, factor: float = 1.0) -> LinearJoint:
         """The linear part; factor: of the inertia that the hub shows."""
@@ -173,31 +173,47 @@ class GreyBox:
                 ]
             )
         numbers = {**self.declared, **numbers}
-        driven, parts = self.driven, self.substeps
-        step = driven.step_s / parts
+        if self.play:
+            return self._with_play(numbers, laws_of(numbers), states)
+        driven, parts, steps = self.driven, self.substeps, self.steps_of(numbers)
+        u, many = self.driving(numbers, parts), steps.seen_in
+        rows, starts, h = driven.samples * many, self.starts * many, driven.step_s / parts
+        out, forces = np.empty((rows, self.size)), np.empty((rows, 2))
+        torque_run(
+            steps.phi,
+            steps.g,
+            steps.laws,
+            steps.switch * many,
+            u,
+            parts // many,
+            h,
+            starts,
+            states,
+            out,
+            forces,
+        )
+        drive = _before_and_after(u, parts // many)
+        a, b = steps.linear.equations()
+        theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
+        motion = Motion(steps.linear, out, forces, drive, theta_dd)
+        h = driven.step_s / many
+        shown = {one.name: seen(one, numbers, motion, h, starts)[::many] for one in driven.outputs}
+        return Run(shown, out[::many], forces[::many], drive[1, ::many], theta_dd[1, ::many])
+
+    def steps_of(self, numbers: Numbers) -> Steps:
+        """How the joint without play goes on over a substep. numbers: with those declared."""
+        driven, step = self.driven, self.driven.step_s / self.substeps
         factor = 1.0 + numbers.get("inertia_step", 0.0)
         switch = driven.samples if factor == 1.0 else round(numbers["onset"] / driven.step_s)
-        law = laws_of(numbers)
-        if self.play:
-            return self._with_play(numbers, law, states)
-        steps = [transition(self.linear(numbers), step)]
+        linear, law = self.linear(numbers), laws_of(numbers)
+        steps = [transition(linear, step)]
         steps.append(steps[0] if factor == 1.0 else transition(self.linear(numbers, max(factor, 0.05)), step))
-        both = np.array([one[0] for one in steps]), np.array([one[1] for one in steps])
         law[OF_JOINT] /= 1.0 + numbers.get("inertia_excess", 0.0)
         laws = np.array([law, law])
         laws[1, OF_JOINT] /= factor
-        u = self.driving(numbers, parts)
-        seen_in = parts if any(is_late(one, numbers) for one in driven.outputs) else 1  # parts of a sample
-        rows, starts = driven.samples * seen_in, self.starts * seen_in
-        out, forces = np.empty((rows, self.size)), np.empty((rows, 2))
-        torque_run(*both, laws, switch * seen_in, u, parts // seen_in, step, starts, states, out, forces)
-        drive = _before_and_after(u, parts // seen_in)
-        a, b = (linear := self.linear(numbers)).equations()
-        theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
-        motion = Motion(linear, out, forces, drive, theta_dd)
-        step = driven.step_s / seen_in
-        shown = {one.name: seen(one, numbers, motion, step, starts)[::seen_in] for one in driven.outputs}
-        return Run(shown, out[::seen_in], forces[::seen_in], drive[1, ::seen_in], theta_dd[1, ::seen_in])
+        late = any(is_late(one, numbers) for one in driven.outputs)
+        phi, g = np.array([one[0] for one in steps]), np.array([one[1] for one in steps])
+        return Steps(linear, phi, g, laws, switch, self.substeps if late else 1)
 
     def _with_play(self, numbers: Numbers, law: Array, states: Array) -> Run:
         """States: the link's, then the motor's angle and velocity."""

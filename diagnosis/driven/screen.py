@@ -7,9 +7,9 @@ make of it is projected out; the rest, scaled freely, takes away so much of the 
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.driven.derivatives import stacked
 from stillarm.diagnosis.driven.fitting import DrivenFit, levels_of_fit, linearised
 from stillarm.diagnosis.driven.gauss_newton import orthonormal
+from stillarm.diagnosis.driven.showing import shown
 
 Array = NDArray[np.float64]
 
@@ -23,14 +23,16 @@ class Screen:
         """Works out the derivatives once."""
         self._fit = fitted
         self._sigma = levels_of_fit(fitted)
-        pieces, self._rows = linearised(fitted, self._sigma)
-        self._bases = [orthonormal(k) for _, k, _, _ in pieces]
-        self._trains = [trains for _, _, _, trains in pieces]
-        residual = self._projected([r for _, _, r, _ in pieces])
-        columns = [self._projected([j[:, i] for j, _, _, _ in pieces]) for i in range(len(fitted.free))]
-        self._own = orthonormal(np.array(columns).T) if columns else np.zeros((len(residual), 0))
+        bounds = fitted.box.stack.bounds
+        trains = [
+            (one, at) for one, at in zip(linearised(fitted, self._sigma), bounds, strict=True) if one.trains
+        ]
+        self._bases = [(one.basis, *at) for one, at in trains]
+        residual = np.concatenate([one.free[1] for one, _ in trains])
+        columns = np.concatenate([one.free[0] for one, _ in trains])
+        self._own = orthonormal(columns) if fitted.free else np.zeros((len(residual), 0))
         self._residual = residual - self._own @ (self._own.T @ residual)
-        self._base = stacked(fitted.box, fitted.run, self._sigma)
+        self._base = self._outputs(fitted, {})
 
     def share(self, start: dict[str, float]) -> tuple[float, float]:
         """How much of the squared residual a start's direction explains, 0 to 1, and how far along it that is: 1 at the
@@ -45,13 +47,13 @@ class Screen:
 
     def _outputs(self, fitted: DrivenFit, start: dict[str, float]) -> Array:
         with np.errstate(over="ignore", invalid="ignore"):
-            run = fitted.box.run({**fitted.numbers, **start}, fitted.states)
-        return stacked(fitted.box, run, self._sigma)
+            told = shown(fitted.box, {**fitted.numbers, **start}, fitted.states, self._sigma)
+            return told if fitted.box.stack.known is None else told * fitted.box.stack.known
 
     def _explained(self, change: Array) -> tuple[float, float]:
         if not np.isfinite(change).all():
             return 0.0, 1.0
-        moved = self._projected([change[rows] for rows in self._rows])
+        moved = self._projected(change)
         size = float(moved @ moved)
         moved = moved - self._own @ (self._own.T @ moved)
         left, total = float(moved @ moved), float(self._residual @ self._residual)
@@ -60,12 +62,7 @@ class Screen:
         along = float(moved @ self._residual)
         return along**2 / left / total, along / left
 
-    def _projected(self, by_block: list[Array]) -> Array:
+    def _projected(self, change: Array) -> Array:
         """Of the blocks that train: without what their states can make of it."""
-        return np.concatenate(
-            [
-                one - basis @ (basis.T @ one)
-                for one, basis, trains in zip(by_block, self._bases, self._trains, strict=True)
-                if trains
-            ]
-        )
+        parts = [(change[begins:ends], basis) for basis, begins, ends in self._bases]
+        return np.concatenate([one - basis @ (basis.T @ one) for one, basis in parts])

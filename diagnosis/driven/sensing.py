@@ -20,6 +20,9 @@ from stillarm.simulation.arm.torque_joint import LinearJoint
 Array = NDArray[np.float64]
 
 
+_FELT = np.array([1.0, 1.0, 0.0])  # of input and forces, by an accelerometer on the arm
+
+
 @dataclass(frozen=True)
 class Motion:
     """At each step: z, (n, 2 + 2 m), of joint and modes; forces, (n, 2), on joint and first mode. drive, theta_dd:
@@ -47,12 +50,54 @@ def seen(output: Output, numbers: Numbers, motion: Motion, step_s: float, starts
         before, after = _tip(name, numbers, motion, 0), _tip(name, numbers, motion, 1)
         slope = np.gradient(after, step_s)
     if is_late(output, numbers):
-        late_s, lag_s = numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0)
-        told = np.full(len(starts) - 1, np.nan)
-        if output.kind == "acceleration" and scale != 0.0:
-            told = (output.values[starts[:-1] * len(output.values) // len(z)] - offset) / scale
-        after = _late(np.stack([before, after]), slope, told, late_s, lag_s, step_s, starts)
+        after = shown_late(output, numbers, np.stack([before, after]), slope, step_s, starts)
     return np.asarray(scale * after + offset)
+
+
+def shown_late(
+    output: Output, numbers: Numbers, sides: Array, slope: Array, step_s: float, starts: NDArray[np.int64]
+) -> Array:
+    """What a late sensor shows, before its scale and offset. sides: (2, n), before and after each step's input."""
+    name = output.name
+    scale, offset = numbers.get(f"scale {name}", 1.0), numbers.get(f"offset {name}", 0.0)
+    told = np.full(len(starts) - 1, np.nan)
+    if output.kind == "acceleration" and scale != 0.0:
+        told = (output.values[starts[:-1] * len(output.values) // sides.shape[1]] - offset) / scale
+    late_s, lag_s = numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0)
+    return _late(sides, slope, told, late_s, lag_s, step_s, starts)
+
+
+def weights_of(output: Output, numbers: Numbers, linear: LinearJoint) -> tuple[Array, Array]:
+    """What a sensor that is not late shows just after a step, before its scale and offset, as a sum: of the state,
+    (n,), and of the input and the forces on joint and first mode, (3,)."""
+    a, b = linear.equations()
+    by_state, by_force = np.zeros(len(a)), np.zeros(3)
+    if output.kind in ("position", "motor"):
+        by_state[0] = 1.0
+    elif output.kind == "velocity":
+        by_state[1] = 1.0
+    elif output.kind == "deflection":
+        by_state[2::2] = 1.0
+    else:
+        direct = numbers.get(f"direct {output.name}", 0.0)
+        by_state, by_force = direct * a[1], direct * b[1]
+        for i, rate in enumerate(range(3, len(a), 2), 1):
+            share = numbers.get(f"share_{i} {output.name}", 1.0)
+            by_state, by_force = by_state + share * a[rate], by_force + share * b[rate] * _FELT
+    return by_state, by_force
+
+
+def slope_weights_of(output: Output, linear: LinearJoint) -> tuple[Array, Array]:
+    """The same of its slope, of a sensor of motion that does not jump."""
+    a, b = linear.equations()
+    by_state, by_force = np.zeros(len(a)), np.zeros(3)
+    if output.kind in ("position", "motor"):
+        by_state[1] = 1.0
+    elif output.kind == "velocity":
+        by_state, by_force = a[1], b[1]
+    else:
+        by_state[3::2] = 1.0
+    return by_state, by_force
 
 
 def is_late(output: Output, numbers: Numbers) -> bool:
@@ -111,4 +156,4 @@ def _lagging(sides: Array, begins: float, lag_s: float, step_s: float) -> Array:
     return np.asarray(lfilter([1.0], [1.0, -keep], fed))
 
 
-__all__ = ["Motion", "is_late", "seen"]
+__all__ = ["Motion", "is_late", "seen", "shown_late", "slope_weights_of", "weights_of"]

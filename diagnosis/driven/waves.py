@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import fft, ifft, prev_fast_len
 
 from stillarm.diagnosis.driven.fitting import DrivenFit, levels_of_fit
 from stillarm.diagnosis.driven.laws import Numbers
@@ -46,34 +47,73 @@ def strongest_waves(fitted: DrivenFit) -> list[Wave]:
     if travel <= 0.0:
         return []
     many = max(1, len(motion[0]) // _MOST_SAMPLES)
-    theta, omega = motion[0][::many], motion[1][::many]
-    answers = _answers(fitted, len(theta), many * fitted.box.driven.step_s)
-    sigma = levels_of_fit(fitted)
-    left = np.concatenate(
-        [_without_bows(np.nan_to_num(fitted.residuals[name][::many]) / sigma[name]) for name in answers]
-    ).real
-
-    def made_by(force: Array | Complex) -> Complex:
-        spectrum = np.fft.fft(force)
-        made = [_without_bows(np.fft.ifft(one * spectrum) / sigma[name]) for name, one in answers.items()]
-        return np.concatenate(made)
-
+    samples = int(prev_fast_len(len(motion[0][::many])))
+    theta, omega, drive = (one[::many][:samples] for one in (*motion[:2], fitted.run.drive))
+    sensors = _Sensors.of(fitted, samples, many)
     turning = np.tanh(omega / max(_STILL * float(np.max(np.abs(omega))), 1e-12))
-    other = np.column_stack([made_by(one).real for one in (fitted.run.drive[::many], omega, turning)])
-    plain, _ = np.linalg.qr(other / np.linalg.norm(other, axis=0))
-    left -= plain @ (plain.T @ left)
+    other = np.column_stack(
+        [sensors.without_bows(sensors.made_by(one).real) for one in (drive, omega, turning)]
+    )
+    plain = np.linalg.qr(other / np.linalg.norm(other, axis=0))[0].T
+    left = sensors.without_bows(np.asarray(sensors.blocks(sensors.left), np.float64))
+    left -= (plain @ left) @ plain
     tried = np.arange(_FEWEST_PERIODS, _MOST_PERIODS, _APART) * 2.0 * np.pi / travel
+    wave, further = np.exp(1j * tried[0] * theta), np.exp(1j * (tried[1] - tried[0]) * theta)
     share, found = np.zeros(len(tried)), []
     for k, cycles in enumerate(tried):
-        whole = made_by(np.exp(1j * cycles * theta))
-        columns = np.column_stack([whole.imag, whole.real])
-        columns -= plain @ (plain.T @ columns)
-        normal, moment = columns.T @ columns, columns.T @ left
+        normal, moment = _equations(sensors, wave, plain, left)
         factor = np.linalg.lstsq(normal, moment, rcond=1e-9)[0]
         share[k] = float(factor @ moment)
         found.append(Wave(float(cycles), float(factor[0]), float(factor[1])))
+        wave *= further
     peaks = [k for k in range(1, len(tried) - 1) if share[k] >= share[k - 1] and share[k] > share[k + 1]]
     return [found[k] for k in sorted(peaks, key=lambda k: -share[k])[:_STRONGEST]]
+
+
+def _equations(sensors: "_Sensors", wave: Complex, plain: Array, left: Array) -> tuple[Array, Array]:
+    """Normal matrix (2, 2) and moment (2,) of a wave's sine and cosine, without bows and what is plain: what these hold
+    of it is taken off the sums of squares, as they are orthonormal."""
+    made = sensors.made_by(wave)
+    flat = made.ravel()
+    held = np.concatenate([(made @ sensors.bows).ravel(), plain @ flat])
+    size = float(np.vdot(flat, flat).real - np.vdot(held, held).real)
+    turned = complex(flat @ flat - held @ held)
+    normal = np.array([[size - turned.real, turned.imag], [turned.imag, size + turned.real]]) / 2.0
+    moment = complex(left @ flat)
+    return normal, np.array([moment.imag, moment.real])
+
+
+@dataclass(frozen=True)
+class _Sensors:
+    """answers: (outputs, n) to a force on the joint, by frequency, in deviations. left: (outputs, n) of the residual.
+    bows: (length, powers of time), orthonormal over a block."""
+
+    answers: Complex
+    left: Array
+    bows: Array
+
+    @classmethod
+    def of(cls, fitted: DrivenFit, samples: int, many: int) -> "_Sensors":
+        """Of every so many samples."""
+        sigma = levels_of_fit(fitted)
+        answers = _answers(fitted, samples, many * fitted.box.driven.step_s)
+        left = [np.nan_to_num(fitted.residuals[name][::many][:samples]) / sigma[name] for name in answers]
+        told = [one / sigma[name] for name, one in answers.items()]
+        bows = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, samples // _BLOCKS), _TAKEN_AWAY))[0]
+        return cls(np.array(told), np.array(left), bows)
+
+    def made_by(self, force: Array | Complex) -> Complex:
+        """What the sensors show of a force, (outputs, blocks, length)."""
+        return np.asarray(self.blocks(ifft(self.answers * fft(force), axis=1)), np.complex128)
+
+    def blocks(self, values: Array | Complex) -> Array | Complex:
+        """Samples by blocks."""
+        length = len(self.bows)
+        return values[:, : length * _BLOCKS].reshape(len(values), _BLOCKS, length)
+
+    def without_bows(self, blocks: Array) -> Array:
+        """All samples, each block without its mean, slope and bow."""
+        return np.asarray((blocks - (blocks @ self.bows) @ self.bows.T).ravel())
 
 
 def _answers(fitted: DrivenFit, samples: int, step_s: float) -> dict[str, Complex]:
@@ -104,12 +144,3 @@ def _seen(kind: str, name: str, numbers: Numbers, z: Complex, s: Complex) -> Com
         return np.asarray(sum(z[:, 2 * i] for i in modes) + 0.0 * s)
     bent = sum(numbers.get(f"share_{i} {name}", 1.0) * s * z[:, 2 * i + 1] for i in modes)
     return np.asarray(numbers.get(f"direct {name}", 0.0) * s * z[:, 1] + bent)
-
-
-def _without_bows(values: Array | Complex) -> Complex:
-    """Each block without its mean, slope and bow."""
-    length = len(values) // _BLOCKS
-    basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), _TAKEN_AWAY))
-    blocks = values[: length * _BLOCKS].reshape(_BLOCKS, length)
-    flat = blocks - (blocks @ basis) @ basis.T
-    return np.asarray(flat.ravel(), np.complex128)

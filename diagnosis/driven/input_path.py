@@ -1,0 +1,49 @@
+"""The input's way to the joint: a dead zone, a limit, a delay, and a lag of first order."""
+
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from stillarm.diagnosis.driven.laws import Numbers
+from stillarm.diagnosis.driven.signals import Driven
+
+Array = NDArray[np.float64]
+
+OF_INPUT = ("dead_zone", "dead_cut", "limit", "delay", "held", "lag")
+"""The numbers of this way."""
+_CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivative by the width is one
+
+
+def reaching(driven: Driven, numbers: Numbers, parts: int) -> Array:
+    """What reaches the joint at the start and the end of each substep, (n parts, 2), in the input's unit."""
+    h = driven.step_s
+    u = driven.u
+    zone, limit = numbers.get("dead_zone", 0.0), numbers.get("limit", 0.0)
+    if zone > 0.0:
+        u = np.sign(u) * np.maximum(np.abs(u) - zone, 0.0)
+    cut = numbers.get("dead_cut", 0.0)
+    if cut > 0.0:
+        u = u * np.clip((np.abs(u) - cut) / (_CUT_OVER * cut) + 0.5, 0.0, 1.0)
+    if limit > 0.0:
+        u = np.clip(u, -limit, limit)
+    step = h / parts
+    fine = np.arange(driven.samples * parts + 1) * step - numbers.get("delay", 0.0)
+    if numbers.get("held", 0.0):
+        # the mean over each substep, wherever the input changes within it
+        passed = np.concatenate([[0.0], np.cumsum(u) * h])
+        whole = np.interp(fine, np.arange(driven.samples + 1) * h, passed) + u[0] * np.minimum(fine, 0.0)
+        begin = end = np.diff(whole) / step
+    else:
+        at = np.interp(fine, np.arange(driven.samples) * h, u)
+        begin, end = at[:-1], at[1:]
+    lag = numbers.get("lag", 0.0)
+    if lag > 1e-3 * step:
+        keep = exp(-step / lag)
+        # exact for an input that is linear over the substep
+        late = 1.0 - lag / step * (1.0 - keep)
+        fed = late * end + (1.0 - keep - late) * begin
+        after = lfilter([1.0], [1.0, -keep], fed - (1.0 - keep) * begin[0]) + begin[0]
+        begin, end = np.concatenate([[begin[0]], after[:-1]]), after
+    return np.ascontiguousarray(np.column_stack([begin, end]))
