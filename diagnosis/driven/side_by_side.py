@@ -6,6 +6,7 @@ that the processor has independent numbers to work on; laws that are off cost no
 sensors make of it is written down.
 """
 
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,10 @@ from stillarm.simulation.arm.torque_joint import LAWS, friction_limits, smooth_t
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_BESIDE = 8  # blocks that go on together: a cache line of numbers
+_MOST_BESIDE = (
+    16  # blocks that go on together: as many as a recording usually has, and few enough to stay in cache
+)
+_AT_ONCE = 4  # numbers that a processor multiplies at once
 _RUBS = np.array([name.startswith(("coulomb_", "stribeck_p", "stribeck_n")) for name in LAWS])
 _SMOOTH = np.array(
     [name not in ("stribeck_velocity", "ripple_cycles", "arm_cubic", "arm_coulomb") for name in LAWS]
@@ -38,70 +42,71 @@ def run_side_by_side(
     by_force: (m, 3), what each sensor shows of the state, of the input and of the forces on joint and first mode just
     after a sample. places: (m, blocks), where in `out` a sensor's samples of a block begin.
     """
+    beside = min(_AT_ONCE * ceil((len(starts) - 1) / _AT_ONCE), _MOST_BESIDE)
     on = bool(np.any(law[_SMOOTH])), bool(np.any(law[_RUBS]))
-    _run(phi, g, law, *on, u, substeps, step_s, starts, states, by_state, by_force, places, out)
+    _run(phi, g, law, *on, beside, u, substeps, step_s, starts, states, by_state, by_force, places, out)
 
 
 @compiled
 def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as much as its body)
-    phi: Array, g: Array, law: Array, pushes: bool, rubs: bool, u: Array, substeps: int, step_s: float,
-    starts: Integers, states: Array, by_state: Array, by_force: Array, places: Integers, out: Array,
+    phi: Array, g: Array, law: Array, pushes: bool, rubs: bool, beside: int, u: Array, substeps: int,
+    step_s: float, starts: Integers, states: Array, by_state: Array, by_force: Array, places: Integers, out: Array,
 ) -> None:  # fmt: skip
     n, m, blocks = phi.shape[0], by_state.shape[0], len(starts) - 1
-    z, new = np.zeros((n, _BESIDE)), np.zeros((n, _BESIDE))
-    push, force, rub, rub_arm = np.zeros(_BESIDE), np.zeros(_BESIDE), np.zeros(_BESIDE), np.zeros(_BESIDE)
-    begins, ends, shown = np.zeros(_BESIDE), np.zeros(_BESIDE), np.zeros(_BESIDE)
-    first, length = np.zeros(_BESIDE, np.int64), np.zeros(_BESIDE, np.int64)
+    z, new = np.zeros((n, beside)), np.zeros((n, beside))
+    push, force, rub, rub_arm = np.zeros(beside), np.zeros(beside), np.zeros(beside), np.zeros(beside)
+    begins, ends, shown = np.zeros(beside), np.zeros(beside), np.zeros(beside)
+    first, length = np.zeros(beside, np.int64), np.zeros(beside, np.int64)
     bends, arm_rubs = n > 2 and law[_ARM_CUBIC] != 0.0, n > 2 and law[_ARM_COULOMB] > 0.0
-    for group in range(0, blocks, _BESIDE):
+    for group in range(0, blocks, beside):
         longest = 0
-        for b in range(_BESIDE):  # a place without a block runs as the last one, unseen
+        for b in range(beside):  # a place without a block runs as the last one, unseen
             block = min(group + b, blocks - 1)
             first[b], length[b] = starts[block], starts[block + 1] - starts[block]
             longest = max(longest, length[b])
             for i in range(n):
                 z[i, b] = states[block, i]
-        here = min(_BESIDE, blocks - group)
+        here = min(beside, blocks - group)
         for k in range(longest):
             for s in range(substeps):
-                for b in range(_BESIDE):
+                for b in range(beside):
                     at = (first[b] + min(k, length[b] - 1)) * substeps + s
                     begins[b], ends[b] = u[at, 0], u[at, 1]
                 if pushes:
-                    for b in range(_BESIDE):
+                    for b in range(beside):
                         push[b] = smooth_torque(law, z[0, b] + 0.5 * step_s * z[1, b], z[1, b])
                 if bends:
-                    for b in range(_BESIDE):
+                    for b in range(beside):
                         middle = z[2, b] + 0.5 * step_s * z[3, b]
                         force[b] = -law[_ARM_CUBIC] * middle * middle * middle
                 for i in range(n):
-                    for b in range(_BESIDE):
+                    for b in range(beside):
                         new[i, b] = (
                             g[i, 0] * begins[b] + g[i, 1] * ends[b] + g[i, 2] * push[b] + g[i, 3] * force[b]
                         )
                     for j in range(0, n, 2):
-                        for b in range(_BESIDE):
+                        for b in range(beside):
                             new[i, b] = (new[i, b] + phi[i, j] * z[j, b]) + phi[i, j + 1] * z[j + 1, b]
                 if rubs:
-                    for b in range(_BESIDE):
+                    for b in range(beside):
                         forward, backward = friction_limits(law, z[1, b])
                         rub[b] = min(max(-new[1, b] / g[1, 2], -forward), backward)
                     for i in range(n):
-                        for b in range(_BESIDE):
+                        for b in range(beside):
                             new[i, b] += g[i, 2] * rub[b]
                 if arm_rubs:
-                    for b in range(_BESIDE):
+                    for b in range(beside):
                         rub_arm[b] = min(max(-new[3, b] / g[3, 3], -law[_ARM_COULOMB]), law[_ARM_COULOMB])
                     for i in range(n):
-                        for b in range(_BESIDE):
+                        for b in range(beside):
                             new[i, b] += g[i, 3] * rub_arm[b]
                 if s == 0:
                     for o in range(m):
-                        for b in range(_BESIDE):
+                        for b in range(beside):
                             shown[b] = by_force[o, 0] * begins[b] + by_force[o, 1] * (push[b] + rub[b])
                             shown[b] += by_force[o, 2] * (force[b] + rub_arm[b])
                         for j in range(0, n, 2):
-                            for b in range(_BESIDE):
+                            for b in range(beside):
                                 shown[b] = (shown[b] + by_state[o, j] * z[j, b]) + by_state[o, j + 1] * z[
                                     j + 1, b
                                 ]
@@ -109,7 +114,7 @@ def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as mu
                             if k < length[b]:
                                 out[places[o, group + b] + k] = shown[b]
                 for i in range(n):
-                    for b in range(_BESIDE):
+                    for b in range(beside):
                         z[i, b] = new[i, b]
 
 
