@@ -20,7 +20,7 @@ from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.regression import joint_motion
 from stillarm.diagnosis.driven.sensing import Motion, is_late, seen
-from stillarm.diagnosis.driven.signals import Driven
+from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.stack import Stack
 from stillarm.simulation.arm.geared_joint import link_of, play_run
 from stillarm.simulation.arm.torque_joint import LinearJoint, torque_run, transition
@@ -29,7 +29,8 @@ Array = NDArray[np.float64]
 
 _LONGEST_STEP_S = 0.003  # of the simulation: a slower recording's samples are several
 _MOST_ROOT = 1e4  # rad/s, 1.6 kHz: no mode is quicker, whatever a fit tries
-_PARTS_OF_PLAY = 4  # simulated steps for one else: an impact is right to a step
+PARTS_OF_PLAY = 4
+"""Simulated steps with play for one without: an impact is right to a step."""
 _REMEMBERED = 4  # inputs: those of a fit, of a number that is moved, and of a trial
 _SIDES = {
     "position": "on_motor",
@@ -60,6 +61,16 @@ class Steps:
     laws: Array
     switch: int
     seen_in: int
+
+
+@dataclass(frozen=True)
+class Geared:
+    """joint: share, gain, damping, gap, bounce; phi: (n, n), held: (n,) of the link, see play_run."""
+
+    joint: tuple[float, float, float, float, float]
+    link: LinearJoint
+    phi: Array
+    held: Array
 
 
 @dataclass(frozen=True)
@@ -217,29 +228,34 @@ class GreyBox:
 
     def _with_play(self, numbers: Numbers, law: Array, states: Array) -> Run:
         """States: the link's, then the motor's angle and velocity."""
-        driven, parts = self.driven, self.substeps * _PARTS_OF_PLAY
+        driven, parts = self.driven, self.substeps * PARTS_OF_PLAY
         step = driven.step_s / parts
         u = self.driving(numbers, parts)
-        n = 2 + 2 * self.modes
+        n, geared = 2 + 2 * self.modes, self.geared(numbers)
+        link = geared.link
         out, contact = np.empty((driven.samples, n + 2)), np.empty(driven.samples)
-        share, gap = min(max(numbers["share"], 0.02), 0.98), max(numbers["gap"], 0.0)
-        whole = self.linear(numbers)
-        link = link_of(whole, share)
-        phi, g = transition(link, step)
-        held = np.ascontiguousarray(g[:, 2])
-        joint = share, whole.gain, whole.damping, gap, numbers.get("bounce", 0.0)
-        play_run(*joint, law, phi, held, u, parts, step, self.starts, states, out, contact)
+        play_run(
+            *geared.joint, law, geared.phi, geared.held, u, parts, step, self.starts, states, out, contact
+        )
         drive = _before_and_after(u, parts)
         forces = np.column_stack([contact, np.zeros(driven.samples)])
         a, _ = link.equations()
         accelerations = out[:, :n] @ a[1] + contact, np.gradient(out[:, n + 1], driven.step_s)
         shown = {}
         for one in driven.outputs:
-            on_motor = one.kind == "motor" or bool(numbers.get(_SIDES.get(one.kind, ""), 0.0))
-            z = np.column_stack([out[:, n:], out[:, 2:n]]) if on_motor else out[:, :n]
-            motion = Motion(link, z, forces, drive, np.stack([accelerations[int(on_motor)]] * 2))
+            side = on_motor(one, numbers)
+            z = np.column_stack([out[:, n:], out[:, 2:n]]) if side else out[:, :n]
+            motion = Motion(link, z, forces, drive, np.stack([accelerations[int(side)]] * 2))
             shown[one.name] = seen(one, numbers, motion, driven.step_s, self.starts)
         return Run(shown, out, forces, drive[1], accelerations[0])
+
+    def geared(self, numbers: Numbers) -> Geared:
+        """Motor and link with play between them, over a substep. numbers: with those declared."""
+        share, whole = min(max(numbers["share"], 0.02), 0.98), self.linear(numbers)
+        link = link_of(whole, share)
+        phi, g = transition(link, self.driven.step_s / (self.substeps * PARTS_OF_PLAY))
+        joint = share, whole.gain, whole.damping, max(numbers["gap"], 0.0), numbers.get("bounce", 0.0)
+        return Geared(joint, link, phi, np.ascontiguousarray(g[:, 2]))
 
     def first_states(self, numbers: Numbers) -> Array:
         """Where the blocks begin as far as the sensors tell: (blocks, size)."""
@@ -272,6 +288,11 @@ class GreyBox:
         angle then has one phase in all blocks. Zero where no sensor looks at the joint."""
         motion = joint_motion(self.driven)
         return np.zeros(len(self.starts) - 1) if motion is None else motion[0][self.starts[:-1]]
+
+
+def on_motor(output: Output, numbers: Numbers) -> bool:
+    """Whether a sensor sits on the motor's side of the play."""
+    return output.kind == "motor" or bool(numbers.get(_SIDES.get(output.kind, ""), 0.0))
 
 
 def _before_and_after(u: Array, parts: int) -> Array:

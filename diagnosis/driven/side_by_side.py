@@ -6,9 +6,10 @@ that the processor has independent numbers to work on; laws that are off cost no
 sensors make of it is written down.
 """
 
+from collections.abc import Callable
 from math import ceil
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from stillarm.simulation.arm.torque_joint import LAWS, friction_limits, smooth_t
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 _MOST_BESIDE = (
     16  # blocks that go on together: as many as a recording usually has, and few enough to stay in cache
@@ -31,6 +33,30 @@ _SMOOTH &= ~_RUBS
 _ARM_CUBIC, _ARM_COULOMB = LAWS.index("arm_cubic"), LAWS.index("arm_coulomb")
 
 
+def compiled_here(file: str) -> Callable[[Function], Function]:
+    """Compile a function of a file, kept on disk until that, this or one of the arm's changes: numba would look at the
+    function's own alone."""
+
+    def decorate(function: Function) -> Function:
+        dispatcher: Any = compiled(function)
+        stats = [(one, one.stat()) for one in (Path(file), Path(__file__))]
+        own = tuple((str(one), stat.st_mtime_ns, stat.st_size) for one, stat in stats)
+        dispatcher._cache._cache_file._source_stamp = (*SOURCES, *own)
+        return cast(Function, dispatcher)
+
+    return decorate
+
+
+def many_beside(blocks: int) -> int:
+    """How many of the blocks go on together."""
+    return min(_AT_ONCE * ceil(blocks / _AT_ONCE), _MOST_BESIDE)
+
+
+def laws_on(law: Array) -> tuple[bool, bool]:
+    """Whether any law pushes the joint, and whether any rubs."""
+    return bool(np.any(law[_SMOOTH])), bool(np.any(law[_RUBS]))
+
+
 def run_side_by_side(
     phi: Array, g: Array, law: Array, u: Array, substeps: int, step_s: float, starts: Integers, states: Array,
     by_state: Array, by_force: Array, places: Integers, out: Array,
@@ -42,12 +68,26 @@ def run_side_by_side(
     by_force: (m, 3), what each sensor shows of the state, of the input and of the forces on joint and first mode just
     after a sample. places: (m, blocks), where in `out` a sensor's samples of a block begin.
     """
-    beside = min(_AT_ONCE * ceil((len(starts) - 1) / _AT_ONCE), _MOST_BESIDE)
-    on = bool(np.any(law[_SMOOTH])), bool(np.any(law[_RUBS]))
-    _run(phi, g, law, *on, beside, u, substeps, step_s, starts, states, by_state, by_force, places, out)
+    beside = many_beside(len(starts) - 1)
+    _run(
+        phi,
+        g,
+        law,
+        *laws_on(law),
+        beside,
+        u,
+        substeps,
+        step_s,
+        starts,
+        states,
+        by_state,
+        by_force,
+        places,
+        out,
+    )
 
 
-@compiled
+@compiled_here(__file__)
 def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as much as its body)
     phi: Array, g: Array, law: Array, pushes: bool, rubs: bool, beside: int, u: Array, substeps: int,
     step_s: float, starts: Integers, states: Array, by_state: Array, by_force: Array, places: Integers, out: Array,
@@ -118,12 +158,4 @@ def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as mu
                         z[i, b] = new[i, b]
 
 
-def _kept_while_unchanged(dispatcher: Any) -> None:
-    """Compiled code is kept on disk until this file or one of the arm's changes: numba would look at this one alone."""
-    own = Path(__file__).stat()
-    dispatcher._cache._cache_file._source_stamp = (*SOURCES, (__file__, own.st_mtime_ns, own.st_size))
-
-
-_kept_while_unchanged(_run)
-
-__all__ = ["run_side_by_side"]
+__all__ = ["compiled_here", "laws_on", "many_beside", "run_side_by_side"]

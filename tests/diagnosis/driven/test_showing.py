@@ -66,6 +66,22 @@ def test_blocks_side_by_side_show_what_they_show_one_by_one(case: str, step_s: f
     assert shown(box, numbers, states, sigma) == pytest.approx(wanted, rel=1e-9, abs=1e-9)
 
 
+PLAY = {"gap": 0.02, "share": 0.3, "bounce": 0.2, "coulomb": 0.1, "ripple_sine": 0.2, "ripple_cycles": 5.0}
+
+
+@pytest.mark.parametrize(
+    "side", [{}, {"rate_on_motor": 1.0}, {"on_motor": 1.0}, {"delay deflection_m": 0.003}]
+)
+@pytest.mark.parametrize("modes", [0, 2])
+def test_blocks_with_play_show_what_they_show_one_by_one(modes: int, side: dict[str, float]) -> None:
+    box = replace(_box(0.004, modes), play=True)
+    numbers = NUMBERS | PLAY | side
+    states = 0.1 * np.random.default_rng(4).normal(size=(4, box.size))
+    outputs = box.run(numbers, states).outputs
+    wanted = box.stack.of([outputs[name] for name in KINDS])
+    assert shown(box, numbers, states, dict.fromkeys(KINDS, 1.0)) == pytest.approx(wanted, rel=1e-9, abs=1e-9)
+
+
 def test_a_rigid_joint_has_no_arm() -> None:
     box = _box(0.002).without_arm()
     states = np.ones((4, 2))
