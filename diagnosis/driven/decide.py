@@ -11,28 +11,34 @@ from math import exp, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION, MATTERS_OF_NOISE
+from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, PRICE, Tried, judged
+from stillarm.diagnosis.driven.judging import (
+    BESIDE_SHARE,
+    CONVINCES,
+    NEAR_NATS,
+    NEAR_SHARE,
+    PRICE,
+    Tried,
+    judged,
+)
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
 from stillarm.diagnosis.driven.own import recording_of
 from stillarm.diagnosis.driven.plainest import plainest
 from stillarm.diagnosis.driven.quantised import beyond_half_a_step, quantised
 from stillarm.diagnosis.driven.removal import without_form
+from stillarm.diagnosis.driven.rests import Rest, rest_of
 from stillarm.diagnosis.driven.search import Searched, holds_in
 from stillarm.diagnosis.driven.single import one_for_two
 
 Array = NDArray[np.float64]
 
-NEAR_NATS, NEAR_SHARE = 3.0, 0.02  # within which two causes are a class
 SHARE_TO_NAME = 0.35  # of what all findings gain
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
 LEAST_OF_PLAY = (
     MATTERS_OF_NOISE  # impacts that fall to one sample or the next fit some noise: they must matter
 )
-_QUIET = 0.25  # of the blocks
-_FEWEST_BLOCKS = 6  # from more of them on the loudest is left out
-_MOST_COLOUR = 3.0  # times the white noise, of the quietest blocks
+_AT_TOPS = "drive_saturation"
 _MOST_CONFIDENCE = 0.99  # the most that is stated, whatever the odds
 
 
@@ -50,17 +56,6 @@ class DrivenFinding:
     reduction: float
     own: dict[str, float] = field(default_factory=dict)
     """Numbers that are none of the simulation's."""
-
-
-@dataclass(frozen=True)
-class Rest:
-    """What a channel's residual holds beyond its noise, in its unit."""
-
-    channel: str
-    rms: float
-    noise: float
-    band_hz: tuple[float, float]
-    matters: bool
 
 
 @dataclass(frozen=True)
@@ -88,7 +83,7 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
             fits = (beyond_half_a_step(each, steps[1]) for each in (final, without))
             worth = min(worth, judged(one.form, *fits).merit)
         least = LEAST_OF_PLAY if one.form.play else LEAST_OF_NOISE
-        if worth >= CONVINCES and _channel(*_where(one.form, without, final))[1] >= least:
+        if worth >= CONVINCES and _share(one.form, *_where(one.form, without, final)) >= least:
             needed.append((one, worth, without))
     of_cause = {one.form.cause: 0.0 for one, _, _ in needed}
     for one, worth, _ in needed:
@@ -133,6 +128,27 @@ def _finding(
     )
 
 
+def _share(form: Form, before: DrivenFit, after: DrivenFit) -> float:
+    """How much of a channel's residual a form takes away, on what was held out. A limit acts at the tops of the motion
+    alone, which may all lie in blocks that train: of it, what it takes away of the block where that is most."""
+    share = _channel(before, after)[1]
+    if form.cause != _AT_TOPS:
+        return share
+    for one in before.box.driven.outputs:
+        left = max(after.rms(one.name, True), 1e-300)
+        squares = [_by_block(each, one.name) for each in (before, after)]
+        share = max(share, float(np.sqrt(max(np.max(squares[0] - squares[1]), 0.0))) / left)
+    return share
+
+
+def _by_block(fitted: DrivenFit, name: str) -> Array:
+    """Each block's mean square of an output's residual; zero where it was not measured."""
+    known, box = np.isfinite(fitted.residuals[name]), fitted.box
+    count = np.bincount(box.block, known, minlength=len(fitted.states))
+    squares = np.bincount(box.block, np.nan_to_num(fitted.residuals[name]) ** 2, minlength=len(fitted.states))
+    return np.asarray(squares / np.maximum(count, 1.0))
+
+
 def _where(form: Form, *fits: DrivenFit) -> tuple[DrivenFit, ...]:
     """The fits where a form holds: of several recordings the one that has its numbers for itself."""
     recording = recording_of(form.numbers[0])
@@ -149,31 +165,6 @@ def _channel(before: DrivenFit, after: DrivenFit) -> tuple[str, float, float]:
         if share > best[1]:
             best = (one.name, share, 1.0 - new / old)
     return best
-
-
-def rest_of(fitted: DrivenFit, name: str) -> Rest:
-    """What is left in a channel beside its noise: the white part, or what the quietest quarter of the blocks has."""
-    output = next(one for one in fitted.box.driven.outputs if one.name == name)
-    residual, h = fitted.residuals[name], fitted.box.driven.step_s
-    known = residual[np.isfinite(residual)]
-    white = float(np.sqrt(np.mean(np.diff(known, 2) ** 2) / 6.0))
-    blocks = [residual[fitted.box.block == b] for b in range(len(fitted.states))]
-    levels = [float(np.sqrt(np.nanmean(one**2))) for one in blocks if np.isfinite(one).sum() > 12]
-    quiet = float(np.quantile(levels, _QUIET))
-    noise = max(white, 0.29 * output.step, min(quiet, _MOST_COLOUR * white))
-    usual_blocks = (
-        np.sort(levels)[:-1] if len(levels) > _FEWEST_BLOCKS else np.array(levels)
-    )  # one may be odd
-    rms = float(np.sqrt(max(float(np.mean(usual_blocks**2)) - noise**2, 0.0)))
-    spectrum = np.abs(np.fft.rfft(np.nan_to_num(residual))) ** 2
-    spectrum[0] = 0.0
-    share = np.cumsum(spectrum) / max(spectrum.sum(), 1e-300)
-    hz = np.fft.rfftfreq(len(residual), h)
-    low, high = (min(int(np.searchsorted(share, one)), len(hz) - 1) for one in (0.1, 0.9))
-    band = (float(hz[low]), float(hz[high]))
-    usual = float(np.nanstd(output.values))
-    matters = rms > MATTERS_OF_NOISE * noise and rms > MATTERS_OF_MOTION * usual
-    return Rest(name, rms, noise, band, matters)
 
 
 __all__ = ["PRICE", "DrivenFinding", "Rest", "Verdict", "decide", "rest_of"]

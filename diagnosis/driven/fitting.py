@@ -7,7 +7,7 @@ each component of the state, of all blocks at once.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,8 @@ class DrivenFit:
     run: Run
     held_bands: Array
     whole_bands: Array
+    given_up: bool = False
+    """Whether steps gained too little for what they were to decide, and might have gained more."""
 
     @property
     def held_out(self) -> Array:
@@ -90,9 +92,11 @@ class DrivenFit:
 
 
 def fit(
-    box: GreyBox, numbers: dict[str, float], free: Sequence[str], states: Array | None = None, steps: int = 15
-) -> DrivenFit:
-    """The likeliest numbers near those given. A block begins in the state that is given, or that the sensors tell."""
+    box: GreyBox, numbers: dict[str, float], free: Sequence[str], states: Array | None = None, steps: int = 15,
+    least: float = 0.0,
+) -> DrivenFit:  # fmt: skip
+    """The likeliest numbers near those given. A block begins in the state that is given, or that the sensors tell.
+    least: nats of a step, once the fit has had a third of its steps, below which it is given up."""
     free = tuple(free)
     numbers = with_own(numbers, free)
     sigma = first_levels(box)
@@ -100,8 +104,8 @@ def fit(
     sigma = levels_of(box, cost_of(box, numbers, states, sigma)[1], sigma)
     cost, errors = cost_of(box, numbers, states, sigma)
     damping = _DAMPING
-    normal = np.eye(len(free))
-    for _ in range(steps):
+    normal, given_up = np.eye(len(free)), False
+    for turn in range(steps):
         pieces = derivatives(box, numbers, free, states, sigma, errors)
         normal, gradient = normal_of(pieces, len(free))
         moved = False
@@ -124,12 +128,14 @@ def fit(
         gained = cost - trial_cost
         numbers, states, errors = trial, trial_states, trial_errors
         settled = gained < _SETTLED * cost
+        given_up = not settled and gained < least and 3 * turn >= steps
         damping = max(damping / 10.0, 1e-7)
-        if settled:
+        if settled or given_up:
             break
         sigma = levels_of(box, errors, sigma)
         cost, errors = cost_of(box, numbers, states, sigma)
-    return _finished(box, numbers, free, settled_states(box, numbers, states, sigma, 3), normal)
+    finished = _finished(box, numbers, free, settled_states(box, numbers, states, sigma, 3), normal)
+    return replace(finished, given_up=given_up)
 
 
 def runs_away(box: GreyBox, numbers: dict[str, float], states: Array) -> bool:

@@ -9,7 +9,7 @@ from stillarm.diagnosis.driven.fitting import DrivenFit
 _SHARES = (0.15, 0.35, 0.65)  # of the motor in the inertia of motor and hub
 BOUNCE = 0.3  # of the velocity at which teeth meet: steel on steel with oil between
 HARD_PLAY = ("gap", "share", "bounce")
-_GAPS = (0.001, 0.02)  # of the angle's deviation
+_GAPS = (0.001, 0.02, 0.25)  # of the angle's deviation: no small gap leads to a wide one, nor the other way
 
 
 def gaps(fitted: DrivenFit) -> Iterator[dict[str, float]]:

@@ -1,7 +1,8 @@
 """What a form is worth against the fit before it: its merit, in nats."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import inf, isfinite, log
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, STRUCTURE, Form
 CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
 BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
+NEAR_NATS, NEAR_SHARE = 3.0, 0.02
+"""Within which two causes are a class: nats, and a share of the better one's merit."""
+_RIVAL = 2.0  # times the share of a class: what a fit lacks that was given up, and as much again
 _LEAST_GAP = 2e-4  # of the angle's deviation: less is a gear without play
 DELAY = "a delay of the input"
 
@@ -24,6 +28,22 @@ class Tried:
     fit: DrivenFit
     merit: float
     held: float
+
+
+def least_step(tried: Iterable[Tried], steps: int) -> float:
+    """Nats of a step that may change what a round says: with less, all the steps of a fit would not gain the share of
+    the best form's merit within which two causes are a class."""
+    return NEAR_SHARE / steps * best_merit(tried)
+
+
+def best_merit(tried: Iterable[Tried]) -> float:
+    """Of all that was tried, zero where nothing gains."""
+    return max((one.merit for one in tried if isfinite(one.merit)), default=0.0)
+
+
+def may_win(one: Tried, best: float) -> bool:
+    """Whether a fit that was given up is so near the best that its last nats count."""
+    return one.fit.given_up and one.merit >= (1.0 - _RIVAL * NEAR_SHARE) * best
 
 
 def gains(form: Form, fitted: DrivenFit, before: DrivenFit) -> tuple[float, float]:

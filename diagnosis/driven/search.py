@@ -18,9 +18,18 @@ from stillarm.diagnosis.driven.extents import forms_of_all
 from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit, runs_away
 from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import BOUNCE, HARD_PLAY
-from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged, lags_told
+from stillarm.diagnosis.driven.judging import (
+    CONVINCES,
+    Tried,
+    best_merit,
+    judged,
+    lags_told,
+    least_step,
+    may_win,
+)
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
 from stillarm.diagnosis.driven.own import base_of, recording_of
+from stillarm.diagnosis.driven.rests import leaves_much
 from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
 from stillarm.diagnosis.driven.start import linear_start, with_another_mode
@@ -32,7 +41,7 @@ Tick = Callable[[float, str], None]
 _MOST_FITS, _MOST_STARTS = 10, 2  # of a round; of a form: what a round costs
 _TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted before all others
 _PLAY_PROMISES = (
-    0.15  # of what the best start explains: play that explains less is fitted in a later round, if ever
+    0.15  # of what the best start explains: play that explains less is fitted once nothing else gains
 )
 _MOST_PLAYS = 3  # starts with play that are fitted, the best first: play is the slowest to simulate
 _LEAST_PART, _MOST_PART = 0.003, 3.0  # of the way to a start: further the first order does not hold
@@ -188,8 +197,10 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             here = start if form.hidden else moved_along(current, start, along)
             begins.append((share, form, here))
     promised = max((share for share, form, _ in begins if not form.hidden), default=0.0)
-    for form in [one for one in forms if one.play]:
+    plays = [one for one in forms if one.play]
+    for form in plays:
         finished += _plays(form, current, screen, left_s, _PLAY_PROMISES * promised)
+    put_off = not finished
     done: dict[tuple[str, str, bool, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
         key = (form.cause, form.words, form.hidden, recording_of(form.numbers[0]))
@@ -202,11 +213,11 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
         ):
             continue
         done[key] = done.get(key, 0) + 1
-        fitted = fitted_from(form, start, current)
+        fitted = fitted_from(form, start, current, least_step(finished, SEARCH_STEPS))
         finished += [judged(form, fitted, current)] if fitted is not None else []
     bends = current.box.modes < _MOST_MODES and current.numbers.get(STATED, 0.0) == 0.0
     if bends and left_s() > 0.0:
-        bent = with_another_mode(current)
+        bent = with_another_mode(current, least_step(finished, SEARCH_STEPS))
         if bent is not None:
             many = len(bent.free) - len(current.free)
             mode = judged(replace(ANOTHER_MODE, numbers=ANOTHER_MODE.numbers[:many]), bent, current)
@@ -214,19 +225,37 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             elsewhere = log(max(current.box.driven.samples // 2, 1))
             counts = _OF_NO_ARM if _at_a_bound(bent) else 1.0
             finished.append(replace(mode, merit=counts * (mode.merit - elsewhere)))
-    return sorted(lags_told(finished), key=lambda one: -one.merit)
+    if put_off and best_merit(finished) < CONVINCES and leaves_much(current):  # no later round will fit it
+        for form in plays:
+            finished += _plays(form, current, screen, left_s, _LEAST_SHARE)
+    return sorted(lags_told(_rivals_to_the_end(finished, current)), key=lambda one: -one.merit)
 
 
-def fitted_from(form: Form, start: dict[str, float], current: DrivenFit) -> DrivenFit | None:
+def _rivals_to_the_end(tried: list[Tried], current: DrivenFit) -> list[Tried]:
+    """With those fitted on that were given up near the best, as odds of some nats decide between causes; a further mode
+    stands behind a cause by far more."""
+    best = best_merit(tried)
+    goes_on = [may_win(one, best) and one.form.words != ANOTHER_MODE.words for one in tried]
+    return [_fitted_on(one, current) if goes else one for one, goes in zip(tried, goes_on, strict=True)]
+
+
+def _fitted_on(one: Tried, current: DrivenFit) -> Tried:
+    fitted = fit(one.fit.box, one.fit.numbers, one.fit.free, one.fit.states, SEARCH_STEPS)
+    return judged(one.form, fitted, current)
+
+
+def fitted_from(
+    form: Form, start: dict[str, float], current: DrivenFit, least: float = 0.0
+) -> DrivenFit | None:
     """A form's fit from a start beside what there is. A start whose simulation runs away is moved back towards what
-    there is; None where even that runs away."""
+    there is; None where even that runs away. least: nats of a step, see `fit`."""
     from_here = box_of(form, current)
     free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
     kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
     for _ in range(_MOST_HALVINGS):
         numbers = {**current.numbers, **kept}
         if not runs_away(from_here.box, numbers, from_here.states):
-            return fit(from_here.box, numbers, free, from_here.states, steps=SEARCH_STEPS)
+            return fit(from_here.box, numbers, free, from_here.states, SEARCH_STEPS, least)
         kept = _moved(current, kept, 0.5)
     return None
 

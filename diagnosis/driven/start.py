@@ -130,8 +130,9 @@ def regressed_modes(driven: Driven, numbers: dict[str, float]) -> Iterator[dict[
         }
 
 
-def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
-    """The same with the mode more that explains most of what is left; None where none can be."""
+def with_another_mode(fitted: DrivenFit, least: float = 0.0) -> DrivenFit | None:
+    """The same with the mode more that explains most of what is left; None where none can be. least: nats of a step,
+    see `fit`."""
     box = replace(fitted.box, modes=fitted.box.modes + 1)
     extra = tuple(one for one in fitted.free if one not in free_of(fitted.box))
     begins = [
@@ -143,7 +144,7 @@ def with_another_mode(fitted: DrivenFit) -> DrivenFit | None:
     if not tried:
         return None
     best = max(tried, key=lambda one: float(one.whole.sum()))
-    return fit(box, best.numbers, best.free, best.states)
+    return fit(box, best.numbers, best.free, best.states, least=least)
 
 
 def _with_place(fitted: DrivenFit) -> Array:
