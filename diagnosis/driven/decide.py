@@ -23,6 +23,7 @@ from stillarm.diagnosis.driven.judging import (
     judged,
 )
 from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
+from stillarm.diagnosis.driven.mended import mended_most, share_mended
 from stillarm.diagnosis.driven.own import recording_of
 from stillarm.diagnosis.driven.plainest import plainest
 from stillarm.diagnosis.driven.quantised import beyond_half_a_step, quantised
@@ -38,7 +39,6 @@ LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
 LEAST_OF_PLAY = (
     MATTERS_OF_NOISE  # impacts that fall to one sample or the next fit some noise: they must matter
 )
-_AT_TOPS = "drive_saturation"
 _MOST_CONFIDENCE = 0.99  # the most that is stated, whatever the odds
 
 
@@ -83,7 +83,7 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
             fits = (beyond_half_a_step(each, steps[1]) for each in (final, without))
             worth = min(worth, judged(one.form, *fits).merit)
         least = LEAST_OF_PLAY if one.form.play else LEAST_OF_NOISE
-        if worth >= CONVINCES and _share(one.form, *_where(one.form, without, final)) >= least:
+        if worth >= CONVINCES and share_mended(one.form, *_where(one.form, without, final)) >= least:
             needed.append((one, worth, without))
     of_cause = {one.form.cause: 0.0 for one, _, _ in needed}
     for one, worth, _ in needed:
@@ -122,49 +122,16 @@ def _finding(
             near.append(rival.form.cause)
     odds = min(behind, worth - CONVINCES + NEAR_NATS)
     confidence = min(_MOST_CONFIDENCE, 1.0 / (1.0 + exp(-max(min(odds, 50.0), -50.0) / 3.0)))
-    channel, _, reduction = _channel(*_where(one.form, without, final))
+    channel, _, reduction = mended_most(*_where(one.form, without, final))
     return DrivenFinding(
         one.form, worth, without, tuple(near), confidence / (1 + len(near)), channel, reduction
     )
-
-
-def _share(form: Form, before: DrivenFit, after: DrivenFit) -> float:
-    """How much of a channel's residual a form takes away, on what was held out. A limit acts at the tops of the motion
-    alone, which may all lie in blocks that train: of it, what it takes away of the block where that is most."""
-    share = _channel(before, after)[1]
-    if form.cause != _AT_TOPS:
-        return share
-    for one in before.box.driven.outputs:
-        left = max(after.rms(one.name, True), 1e-300)
-        squares = [_by_block(each, one.name) for each in (before, after)]
-        share = max(share, float(np.sqrt(max(np.max(squares[0] - squares[1]), 0.0))) / left)
-    return share
-
-
-def _by_block(fitted: DrivenFit, name: str) -> Array:
-    """Each block's mean square of an output's residual; zero where it was not measured."""
-    known, box = np.isfinite(fitted.residuals[name]), fitted.box
-    count = np.bincount(box.block, known, minlength=len(fitted.states))
-    squares = np.bincount(box.block, np.nan_to_num(fitted.residuals[name]) ** 2, minlength=len(fitted.states))
-    return np.asarray(squares / np.maximum(count, 1.0))
 
 
 def _where(form: Form, *fits: DrivenFit) -> tuple[DrivenFit, ...]:
     """The fits where a form holds: of several recordings the one that has its numbers for itself."""
     recording = recording_of(form.numbers[0])
     return fits if recording is None else tuple(one.part(recording) for one in fits)
-
-
-def _channel(before: DrivenFit, after: DrivenFit) -> tuple[str, float, float]:
-    """The channel that is mended most: its name, how much is taken away over what is left, and the relative reduction
-    of the held-out error."""
-    best = ("", 0.0, 0.0)
-    for one in before.box.driven.outputs:
-        old, new = before.rms(one.name, True), after.rms(one.name, True)
-        share = float(np.sqrt(max(old**2 - new**2, 0.0))) / max(new, 1e-300)
-        if share > best[1]:
-            best = (one.name, share, 1.0 - new / old)
-    return best
 
 
 __all__ = ["PRICE", "DrivenFinding", "Rest", "Verdict", "decide", "rest_of"]

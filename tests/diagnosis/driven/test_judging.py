@@ -8,7 +8,16 @@ import pytest
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
-from stillarm.diagnosis.driven.judging import CONVINCES, PRICE, Tried, gains, judged, lags_told
+from stillarm.diagnosis.driven.judging import (
+    CONVINCES,
+    PRICE,
+    Tried,
+    gains,
+    judged,
+    lags_told,
+    least_step,
+    may_win,
+)
 from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, FORMS, STRUCTURE
 from stillarm.diagnosis.driven.signals import Driven, Output
 
@@ -70,3 +79,13 @@ def test_a_late_sensor_says_nothing_without_odds_against_an_amplifiers_lag() -> 
     lag = Tried(LAG, fitted, 60.0, 60.0)
     for merit, told in ((60.0 + CONVINCES + 1.0, 60.0 + CONVINCES + 1.0), (60.0 + CONVINCES - 1.0, -np.inf)):
         assert [one.merit for one in lags_told([lag, Tried(late, fitted, merit, merit)])] == [60.0, told]
+
+
+def test_a_fit_is_given_up_by_what_the_best_gained_and_goes_on_near_it() -> None:
+    fitted = _fitted()
+    tried = [Tried(LAG, fitted, merit, 0.0) for merit in (-np.inf, 900.0, 20.0)]
+    assert least_step(tried, 18) == pytest.approx(1.0)  # eighteen of them are 2 % of it
+    assert least_step(tried[:1], 18) == 0.0
+    given_up = replace(fitted, given_up=True)
+    assert not may_win(Tried(LAG, fitted, 890.0, 0.0), 900.0)
+    assert [may_win(Tried(LAG, given_up, merit, 0.0), 900.0) for merit in (870.0, 860.0)] == [True, False]
