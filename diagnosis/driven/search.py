@@ -264,10 +264,13 @@ def _plays(
     form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], float], least: float
 ) -> list[Tried]:
     """The best fits with play. Each start's gap is as wide as explains most to first order, against no gap at all.
-    least: share of the squared residual below which no start is fitted."""
+    least: share of the squared residual below which no start is fitted. On which side of the play each sensor sits is
+    chosen by what gains most, and no number: it costs the logarithm of how many ways there are."""
     from_here = box_of(form, current)
     ranked: list[tuple[float, dict[str, float]]] = []
-    for start in form.starts(current):
+    tried = list(form.starts(current))
+    sides = len({(one["on_motor"], one["rate_on_motor"]) for one in tried})
+    for start in tried:
         if left_s() > 0.0:
             share, along = screen.share_from(from_here, {**start, "gap": 0.0}, start)
             if along > 0.0:
@@ -284,7 +287,7 @@ def _plays(
         free = tuple(dict.fromkeys((*best.free, *HARD_PLAY)))
         parts = fit(best.box, {**best.numbers, "bounce": BOUNCE}, free, best.states, steps=SEARCH_STEPS)
         found.append(judged(hard, parts, current))
-    return found
+    return [replace(one, merit=one.merit - log(max(sides, 1))) for one in found]
 
 
 def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> dict[str, float]:
