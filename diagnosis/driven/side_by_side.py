@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from stillarm.simulation.arm.compiler import SOURCES, compiled
+from stillarm.simulation.arm import torque_joint
 from stillarm.simulation.arm.torque_joint import LAWS, friction_limits, smooth_torque
 
 Array = NDArray[np.float64]
@@ -38,10 +39,11 @@ def compiled_here(file: str) -> Callable[[Function], Function]:
     function's own alone."""
 
     def decorate(function: Function) -> Function:
-        dispatcher: Any = compiled(function)
-        stats = [(one, one.stat()) for one in (Path(file), Path(__file__))]
+        dispatcher: Any = njit(cache=True, nogil=True, error_model="numpy")(function)
+        arm = sorted(Path(torque_joint.__file__).parent.glob("*.py"))
+        stats = [(one, one.stat()) for one in (Path(file), Path(__file__), *arm)]
         own = tuple((str(one), stat.st_mtime_ns, stat.st_size) for one, stat in stats)
-        dispatcher._cache._cache_file._source_stamp = (*SOURCES, *own)
+        dispatcher._cache._cache_file._source_stamp = own
         return cast(Function, dispatcher)
 
     return decorate
