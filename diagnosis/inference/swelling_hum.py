@@ -27,21 +27,20 @@ _STD = 10.0  # of an amount, in deviations of what is left
 
 def _line_hz(fit: Fit) -> float | None:
     """The largest line of the accelerometer's residual that is the mains'; None where there is none."""
-    if "acceleration" not in fit.world.channels:
-        return None
-    return next((hz for hz in residual_peaks(fit)["acceleration"] if of_the_mains(hz)), None)
+    peaks = residual_peaks(fit).get("acceleration", ())
+    return next((hz for hz in peaks if of_the_mains(hz)), None)
 
 
 def _added(fit: Fit) -> tuple[Added, ...]:
-    hz = _line_hz(fit)
-    if hz is None:
+    hz, sensor = _line_hz(fit), fit.channel("acceleration")
+    if hz is None or sensor is None:
         return ()
     world = fit.world
     pieces = min(int(world.measured.duration_s / _KNOTS_S) + 1, _MOST_PIECES)
     course = _splines(world.cycle_times, world.measured.duration_s, pieces)
     phase = 2.0 * np.pi * hz * world.cycle_times[:, None]
     columns = np.concatenate([course * np.cos(phase), course * np.sin(phase)], axis=1)
-    return (Added(_GROUP, {"acceleration": columns * float(np.nanstd(fit.residuals["acceleration"]))}, _STD),)
+    return (Added(_GROUP, {"acceleration": columns * float(np.nanstd(sensor.residual))}, _STD),)
 
 
 def _splines(time_s: Array, duration_s: float, pieces: int) -> Array:
