@@ -394,7 +394,7 @@ def test_a_page_without_the_token_only_looks(page: Page) -> None:
 def test_the_stop_key_stops_at_once(page: Page) -> None:
     """The fixture's end judges the recording: at most 0.2 s from the key to the command that stays zero."""
     page.still()
-    page.operate("strike", confirm=True)
+    page.operate("strike", confirm=True, until_told=False)
     page.await_command()
     from selenium.webdriver.common.keys import Keys
 
