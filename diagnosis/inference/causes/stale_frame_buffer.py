@@ -34,11 +34,15 @@ def _unwhole(fit: Fit) -> float:
     return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, MOST_PENALTY_NATS)
 
 
+_LEAST_FRAMES = 0.5  # a buffer holds whole images: what is nearer to none is another kind of lateness
+
+
 CAUSE = Cause(
     id="stale_frame_buffer",
     needs=has("displacement"),
     trials=_trials,
     free=free_of("timing.stale_frames"),
+    possible=lambda fit: abs(fit.value("timing.stale_frames")) > _LEAST_FRAMES,
     parameters_of=_values,
     settle={"timing.stale_onset_s": 0.5},
     prior_penalty=_unwhole,

@@ -190,6 +190,7 @@ def test_a_buffer_holds_whole_frames(plain: Fit, frames: float, likely: bool) ->
     vector[plain.world.space.place["timing.stale_frames"]] = frames
     one = replace(plain, vector=vector, std={"timing.stale_frames": 0.002})
     assert (CAUSES["stale_frame_buffer"].prior_penalty(one) < 1.0) is likely
+    assert CAUSES["stale_frame_buffer"].possible(one) is (frames > 0.5)
 
 
 @pytest.mark.parametrize(("hz", "possible"), [(2.5, False), (2.9, False), (6.0, True), (15.0, True)])
