@@ -251,14 +251,17 @@ def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | N
     white = Whitened(make_data(last.world, split), last, slopes)
     promises = shared_out(lambda group: _promise(group, white), kinds)
     promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
-    begun = [(kinds[place], _world_with(kinds[place], last)) for nats, place in promising if nats > 0.0]
+    begun = [
+        (kinds[place], world)
+        for nats, place in promising
+        if nats > 0.0 and (world := _world_with(kinds[place], last)) is not None
+    ]
     found = shared_out(
         lambda one: _with_free(*one, last, before, split, slopes),
         begun,
         [one for group, world in begun for one in (group, world)],
     )
-    tried = [one for one in found if one is not None]
-    best = max(tried, key=lambda one: one.merit, default=None)
+    best = max(found, key=lambda one: one.merit, default=None)
     return best if best is not None and best.merit > 0.0 else None
 
 
@@ -274,11 +277,7 @@ def _world_with(group: Group, last: Fit) -> World | None:
     return last.world.changed(added=(*last.world.added, added)) if added is not None else None
 
 
-def _with_free(
-    group: Group, world: World | None, last: Fit, before: Score, split: Split, slopes: Slopes
-) -> Free | None:
-    if world is None:
-        return None
+def _with_free(group: Group, world: World, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free:
     added = world.added[-1]
     names = free_names(last, world, added.amounts)
     fitted = fit(

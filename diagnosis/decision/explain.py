@@ -101,8 +101,7 @@ def _while_moving(baseline: Fit) -> list[int]:
     there the arm rings from a state of its own, whatever the model says of moves."""
     world = baseline.world
     reach = round(1.0 / (baseline.value("modes.0.frequency_hz") * world.measured.cycle_s))
-    turning = _turning(world)
-    ends = {round(end / world.measured.cycle_s) for _, end in world.unjudged_s}
+    turning, ends = _turning(world), world.unjudged_ends
     return [
         cycle
         for cycle in world.impacts

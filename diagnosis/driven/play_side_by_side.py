@@ -7,7 +7,9 @@ side_by_side.py for why there are two.
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.driven.side_by_side import compiled_here, laws_on, many_beside
+from stillarm.diagnosis.driven import side_by_side
+from stillarm.diagnosis.driven.side_by_side import begin_group, laws_on, many_beside
+from stillarm.simulation.arm.compiler import compiled_from
 from stillarm.simulation.arm.torque_joint import friction_limits, smooth_torque
 
 Array = NDArray[np.float64]
@@ -28,7 +30,7 @@ def play_side_by_side(
     )  # fmt: skip
 
 
-@compiled_here(__file__)
+@compiled_from(__file__, side_by_side.__file__)
 def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as much as its body)
     share: float, gain: float, damping: float, gap: float, bounce: float, law: Array, pushes: bool, rubs: bool,
     phi: Array, g: Array, beside: int, u: Array, substeps: int, step_s: float, starts: Integers, states: Array,
@@ -41,13 +43,9 @@ def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as mu
     first, length = np.zeros(beside, np.int64), np.zeros(beside, np.int64)
     yields, light = g[1] / (1.0 - share), h / share  # of link and motor, to the contact's force over a step
     for group in range(0, blocks, beside):
-        longest = 0
-        for b in range(beside):  # a place without a block runs as the last one, unseen
+        longest = begin_group(group, starts, states, z, first, length)
+        for b in range(beside):
             block = min(group + b, blocks - 1)
-            first[b], length[b] = starts[block], starts[block + 1] - starts[block]
-            longest = max(longest, length[b])
-            for i in range(n):
-                z[i, b] = states[block, i]
             motor[b], rate[b] = states[block, n], states[block, n + 1]
         here = min(beside, blocks - group)
         for k in range(longest):

@@ -6,21 +6,16 @@ that the processor has independent numbers to work on; laws that are off cost no
 sensors make of it is written down.
 """
 
-from collections.abc import Callable
 from math import ceil
-from pathlib import Path
-from typing import Any, TypeVar, cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from stillarm.simulation.arm import torque_joint
+from stillarm.simulation.arm.compiler import compiled_from
 from stillarm.simulation.arm.torque_joint import LAWS, friction_limits, smooth_torque
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 _MOST_BESIDE = (
     16  # blocks that go on together: as many as a recording usually has, and few enough to stay in cache
@@ -32,21 +27,6 @@ _SMOOTH = np.array(
 )
 _SMOOTH &= ~_RUBS
 _ARM_CUBIC, _ARM_COULOMB = LAWS.index("arm_cubic"), LAWS.index("arm_coulomb")
-
-
-def compiled_here(file: str) -> Callable[[Function], Function]:
-    """Compile a function of a file, kept on disk until that, this or one of the arm's changes: numba would look at the
-    function's own alone."""
-
-    def decorate(function: Function) -> Function:
-        dispatcher: Any = njit(cache=True, nogil=True, error_model="numpy")(function)
-        arm = sorted(Path(torque_joint.__file__).parent.glob("*.py"))
-        stats = [(one, one.stat()) for one in (Path(file), Path(__file__), *arm)]
-        own = tuple((str(one), stat.st_mtime_ns, stat.st_size) for one, stat in stats)
-        dispatcher._cache._cache_file._source_stamp = own
-        return cast(Function, dispatcher)
-
-    return decorate
 
 
 def many_beside(blocks: int) -> int:
@@ -89,7 +69,23 @@ def run_side_by_side(
     )
 
 
-@compiled_here(__file__)
+@compiled_from(__file__)
+def begin_group(
+    group: int, starts: Integers, states: Array, z: Array, first: Integers, length: Integers
+) -> int:
+    """Fill in where the blocks from `group` on begin, how long they are, and the state at their starts, z: (n, beside);
+    returns the longest. A place without a block runs as the last one, unseen."""
+    longest, blocks = 0, len(starts) - 1
+    for b in range(len(first)):
+        block = min(group + b, blocks - 1)
+        first[b], length[b] = starts[block], starts[block + 1] - starts[block]
+        longest = max(longest, length[b])
+        for i in range(z.shape[0]):
+            z[i, b] = states[block, i]
+    return longest
+
+
+@compiled_from(__file__)
 def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as much as its body)
     phi: Array, g: Array, law: Array, pushes: bool, rubs: bool, beside: int, u: Array, substeps: int,
     step_s: float, starts: Integers, states: Array, by_state: Array, by_force: Array, places: Integers, out: Array,
@@ -101,13 +97,7 @@ def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as mu
     first, length = np.zeros(beside, np.int64), np.zeros(beside, np.int64)
     bends, arm_rubs = n > 2 and law[_ARM_CUBIC] != 0.0, n > 2 and law[_ARM_COULOMB] > 0.0
     for group in range(0, blocks, beside):
-        longest = 0
-        for b in range(beside):  # a place without a block runs as the last one, unseen
-            block = min(group + b, blocks - 1)
-            first[b], length[b] = starts[block], starts[block + 1] - starts[block]
-            longest = max(longest, length[b])
-            for i in range(n):
-                z[i, b] = states[block, i]
+        longest = begin_group(group, starts, states, z, first, length)
         here = min(beside, blocks - group)
         for k in range(longest):
             for s in range(substeps):
@@ -160,4 +150,4 @@ def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as mu
                         z[i, b] = new[i, b]
 
 
-__all__ = ["compiled_here", "laws_on", "many_beside", "run_side_by_side"]
+__all__ = ["begin_group", "laws_on", "many_beside", "run_side_by_side"]

@@ -125,8 +125,7 @@ def make_data(world: World, split: Split) -> Data:
 def _just_struck(world: World) -> Mask:
     """The cycles within a while of an impact, or of the end of what held the arm, (cycles,)."""
     struck, reach = np.zeros(world.measured.cycles, bool), round(_SET_OFF_S / world.measured.cycle_s)
-    ends = [round(end / world.measured.cycle_s) for _, end in world.unjudged_s]
-    for cycle in (*world.impacts, *ends):
+    for cycle in (*world.impacts, *world.unjudged_ends):
         struck[cycle : cycle + reach] = True
     return struck
 

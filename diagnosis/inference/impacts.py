@@ -238,7 +238,7 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
     comes out of that in any state."""
     world = last.world
     cycle_s = world.measured.cycle_s
-    ends = _ends(world)
+    ends = world.unjudged_ends
     for _ in range(2):
         moved = []
         for j, cycle in enumerate(world.impacts, start=1):
@@ -252,17 +252,12 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
     return last, set(world.impacts)
 
 
-def _ends(world: World) -> set[int]:
-    """The cycles at which what is not judged ends."""
-    return {round(end / world.measured.cycle_s) for _, end in world.unjudged_s}
-
-
 def pruned(last: Fit, split: Split) -> Fit:
     """Without the impacts that have turned out to be none; of those close to each other, which may well share one
     impact and each seem needless beside the other, the least goes first, and one that ends what is not judged last:
     between that end and a later one the arm would ring on from a state that nobody judged."""
     near = _CLOSE_S / last.world.measured.cycle_s
-    ends = _ends(last.world)
+    ends = last.world.unjudged_ends
     while True:
         cycles = last.world.impacts
         sizes = [

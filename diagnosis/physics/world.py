@@ -127,6 +127,11 @@ class World:
             strokes if strokes is not None or impacts is not None else self.strokes,
         )
 
+    @property
+    def unjudged_ends(self) -> set[int]:
+        """The cycles at which what is not judged ends: the arm comes out of that in any state."""
+        return {round(end / self.measured.cycle_s) for _, end in self.unjudged_s}
+
     def forget(self) -> None:
         """Give the memory of what simulations have in common back, of a world that is kept for what it has shown."""
         self._arm.forget()

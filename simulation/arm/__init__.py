@@ -7,6 +7,7 @@ by its declaration (stillarm.common.causes), not by a change here. Begin to read
 __all__ = [
     "ahead",
     "compiled_laws",
+    "compiler",
     "disturbance",
     "effect_clock",
     "free_run",

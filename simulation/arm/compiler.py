@@ -4,7 +4,7 @@ A record is a pointer to named numbers; for several records it points to the fir
 are counted references, counted twice in each call that passes one on: with records a cycle is ten times as fast.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -15,10 +15,11 @@ from numba.extending import intrinsic
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-SOURCES = tuple(
-    (one.name, one.stat().st_mtime_ns, one.stat().st_size)
-    for one in sorted(Path(__file__).parent.glob("*.py"))
-)
+def _as_they_are(files: Iterable[Path]) -> tuple[tuple[str, int, int], ...]:
+    return tuple((one.name, one.stat().st_mtime_ns, one.stat().st_size) for one in files)
+
+
+SOURCES = _as_they_are(sorted(Path(__file__).parent.glob("*.py")))
 """Files of which the compiled code is made, as they are."""
 
 
@@ -33,10 +34,20 @@ def inlined(function: Function) -> Function:
     return cast(Function, kept)
 
 
-def _kept(dispatcher: Any) -> Any:
-    """The function, kept on disk until any of the arm's files changes. numba looks at the function's own file alone,
-    and goes on with old code where a function that is compiled into it has changed in another."""
-    dispatcher._cache._cache_file._source_stamp = SOURCES
+def compiled_from(*files: str) -> Callable[[Function], Function]:
+    """`compiled` for a function elsewhere that calls the arm's. files: its own, and others that it is made of."""
+    more = _as_they_are(Path(one) for one in files)
+
+    def decorate(function: Function) -> Function:
+        return cast(Function, _kept(njit(cache=True, nogil=True, error_model="numpy")(function), more))
+
+    return decorate
+
+
+def _kept(dispatcher: Any, more: tuple[tuple[str, int, int], ...] = ()) -> Any:
+    """The function, kept on disk until any of the arm's files changes, or of `more`. numba looks at the function's own
+    file alone, and goes on with old code where a function that is compiled into it has changed in another."""
+    dispatcher._cache._cache_file._source_stamp = SOURCES + more
     return dispatcher
 
 

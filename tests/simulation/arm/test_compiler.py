@@ -25,3 +25,16 @@ def test_another_version_of_a_file_is_compiled_anew() -> None:
     assert kept._load_index()
     kept._source_stamp = (("stepper.py", 0, 0),)
     assert not kept._load_index()
+
+
+def test_what_calls_the_arms_functions_is_kept_until_its_own_files_change_too(tmp_path: Path) -> None:
+    file = tmp_path / "own.py"
+    file.write_text("")
+
+    @compiler.compiled_from(str(file))
+    def twice(x: float) -> float:
+        return 2.0 * x
+
+    *arm, own = cast(Any, twice)._cache._cache_file._source_stamp
+    assert tuple(arm) == compiler.SOURCES
+    assert own == ("own.py", file.stat().st_mtime_ns, file.stat().st_size)
