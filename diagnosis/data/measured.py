@@ -10,6 +10,8 @@ from stillarm.diagnosis.data.noise import fast_noise, is_fine_encoder, is_fine_i
 
 Array = NDArray[np.float64]
 
+_AT_REST = 0.01  # of the largest command
+
 
 @dataclass(frozen=True)
 class Frames:
@@ -86,6 +88,16 @@ class Measured:
     def has_fine_image(self) -> bool:
         """Whether the images' noise lies below what trackers stray."""
         return is_fine_image(self.frames.displacement_px)
+
+    @cached_property
+    def told_to_move(self) -> NDArray[np.bool_]:
+        """Whether the joint was told to move, at each cycle, (cycles,)."""
+        speed = np.abs(np.nan_to_num(self.command))
+        return np.asarray(speed > _AT_REST * float(np.max(speed, initial=0.0)))
+
+    def rests_about(self, cycle: int, reach: int) -> bool:
+        """Whether the joint was not told to move within so many cycles of one."""
+        return not bool(self.told_to_move[max(cycle - reach, 0) : cycle + reach].any())
 
     @cached_property
     def fast_noise_m_s2(self) -> float:

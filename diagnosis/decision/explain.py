@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
@@ -101,24 +100,16 @@ def _while_moving(baseline: Fit) -> list[int]:
     there the arm rings from a state of its own, whatever the model says of moves."""
     world = baseline.world
     reach = round(1.0 / (baseline.value("modes.0.frequency_hz") * world.measured.cycle_s))
-    turning, ends = _turning(world), world.unjudged_ends
+    ends = world.unjudged_ends
     return [
-        cycle
-        for cycle in world.impacts
-        if cycle not in ends and turning[max(cycle - reach, 0) : cycle + reach].any()
+        cycle for cycle in world.impacts if cycle not in ends and not world.measured.rests_about(cycle, reach)
     ]
-
-
-def _turning(world: World) -> NDArray[np.bool_]:
-    """Whether the joint was told to move, at each cycle."""
-    speed = np.abs(np.nan_to_num(world.measured.command))
-    return np.asarray(speed > 0.01 * float(np.max(speed, initial=0.0)))
 
 
 def _moves_are_told(baseline: Fit, split: Split, doubtful: int) -> bool:
     """Whether the joint moved as told, and what shows all bends shows nothing amiss with an impact in the fewest of the
     moves: what is wrong is then wrong in another sensor, and no model of the moves."""
-    turning = _turning(baseline.world)
+    turning = baseline.world.measured.told_to_move
     if 2 * doubtful > int(np.count_nonzero(np.diff(turning.astype(int)) > 0)):
         return False
     told = {name: rest_of(baseline, name, split).immaterial for name in baseline.residuals}

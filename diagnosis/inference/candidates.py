@@ -32,6 +32,8 @@ LEAST_OF_NOISE = 0.15
 ALWAYS_THERE = "second_bending_mode"
 """Every arm has more modes than its model has: one is named where it matters (contract.md)."""
 
+_OF_LASTING = 0.3
+"""Of how much later images come, counts as an effect: a delay wanders by half its scatter whatever is wrong."""
 _AT_LIMIT, _OFTEN = 1e-6, 0.01  # of a limit; of the samples, which no noise has at one value
 _TENTHS = 10  # parts of the recording: what acts now and then matters if it does in one of them
 _NEAR_A_MODE = (
@@ -103,12 +105,13 @@ def of_law(last: Fit, law: LawFound) -> Candidate:
 
 def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
     """Whether a candidate is more than chance and more than a model's usual discrepancy, and within its bounds.
-    beside: a finding there is already: what does not matter beside it is told as left."""
+    beside: a finding there is already: what does not matter beside it is told as left. Nor is a form that may set in
+    at any instant named where it does not matter: with a model that is a little off, one of many does."""
     if one.merit < CONVINCING_NATS or not _within_bounds(one):
         return False
     if one.law is not None:
         return True
-    if beside or _is_in_every_arm(one) or is_of_free_form(one, last):
+    if beside or _is_anyhow(one, last):
         return size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
     return size_in_noise(last, one.fit, split, parts) > LEAST_OF_NOISE
@@ -116,8 +119,12 @@ def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
 
 def is_too_little(one: Candidate, last: Fit, split: Split) -> bool:
     """Whether a candidate is what a small departure of any arm from its model looks like, and is small."""
-    usual = _is_in_every_arm(one) or is_of_free_form(one, last)
-    return usual and size_in_noise(last, one.fit, split) <= MATTERS_OF_NOISE
+    return _is_anyhow(one, last) and size_in_noise(last, one.fit, split) <= MATTERS_OF_NOISE
+
+
+def _is_anyhow(one: Candidate, last: Fit) -> bool:
+    """Whether a form takes a part of any discrepancy."""
+    return _is_in_every_arm(one) or is_of_free_form(one, last) or one.begins is not None
 
 
 def is_of_free_form(one: Candidate, last: Fit) -> bool:
@@ -153,11 +160,16 @@ def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> floa
 
 
 def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> float:
-    """In one channel. What rounding makes is no noise: a fit of anything may take all of it, step^2 / 12."""
+    """In one channel. What rounding makes is no noise: a fit of anything may take all of it, step^2 / 12. Arrivals are
+    judged beside a wander of the delay, which follows whatever lasts: there it is by how much they are foretold
+    otherwise."""
     less = before.residuals[name] ** 2 - after.residuals[name] ** 2
     known = less[np.isfinite(less)]
     power = max((float(one.mean()) for one in np.array_split(known, parts) if len(one)), default=0.0)
     power -= before.world.resolution(name) ** 2 / 12.0
+    if name == "arrival":
+        otherwise = after.predicted.channels[name] - before.predicted.channels[name]
+        power = max(power, (_OF_LASTING * float(np.nanstd(otherwise))) ** 2)
     return sqrt(max(power, 0.0)) / noise_of(after, name, split)
 
 

@@ -44,6 +44,7 @@ _MOST_TRIALS = 40  # of a search along a quantity
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 _SETTLED = 1e-3  # of what a form has gained: a step or a trial that gains less changes no comparison
 _PROMISING = 0.02  # of the best score: what promises less says more in a later round
+_LATER, _PROMISING_LATER = 4, 0.1  # forms begun from an onset at once, at most; as above, of those
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
 _ONSETS, _ONSETS_SPAN = 6, (0.1, 0.85)  # tried over the recording; of its length, the first and the last
 _ONSETS_FITTED = (
@@ -174,12 +175,22 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
     last = white.last
     by_cause = {id(one.cause): one for one in tried}
-    screening = screen(white, [one.cause for one in tried if one.added is None])
+    later = {id(one.cause): from_an_onset(one) for one in tried if one.added is None}
+    causes = [one.cause for one in tried if one.added is None]
+    screening = screen(white, causes, lambda cause: later[id(cause)] is not None)
     begun: list[Begun] = []
+    begun_later: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
     best: dict[int, float] = {}
     top = max((one.nats for one in screening), default=0.0)
     for one in screening:
+        form = later[id(one.cause)]
+        if one.begins_s is not None and form is not None:
+            if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and len(begun_later) < _LATER:
+                assert form.begins is not None
+                start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
+                begun_later.append(Begun(form, one.world, start))
+            continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
             continue
@@ -188,12 +199,12 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
         if count[id(one.cause)] > _MOST_STARTS:
             continue
         begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked))
-    for form in tried:
-        terms = form.added(last) if form.added is not None else ()
+    for further in tried:
+        terms = further.added(last) if further.added is not None else ()
         if terms:
             world = last.world.changed(added=(*last.world.added, *terms))
-            begun.append(Begun(form, world, carried_over(last, world)))
-    return begun, screening
+            begun.append(Begun(further, world, carried_over(last, world)))
+    return [*begun, *begun_later], screening
 
 
 def free_names(last: Fit, world: World, own: Sequence[str]) -> tuple[str, ...]:
@@ -397,7 +408,11 @@ def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split
         - PRICE_NATS * (len(own) + (2 if one.form.begins else 0))
         - one.form.cause.prior_penalty(fitted)
     )
-    if one.form.added is not None:  # of many amounts: what it was fitted to says little of what it foretells
+    if one.form.nats_of is not None:
+        merit = one.form.nats_of(last)
+    elif (
+        one.form.added is not None
+    ):  # of many amounts: what it was fitted to says little of what it foretells
         merit = min(merit, 3.0 * float(held.sum()))
     return Candidate(
         one.form.id, fitted, float(held.sum()), float(held.std(ddof=1) * sqrt(len(held))), values, None, own,

@@ -14,7 +14,8 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 
 _COURSE_KNOTS = 16  # of a course over the whole recording: a knot every few seconds
-_WALK_S = 0.4  # between the knots of a course that wanders
+WALK_S = 0.4
+"""Between the knots of a course that wanders, s."""
 _TILT_PX_PER_RAD, _TILT_STD = 100.0, 10.0  # unit of a turn of the image; up to thousands of px a radian
 
 
@@ -43,7 +44,7 @@ def _knots_over(fit: Fit, channel: str, count: int) -> Array:
 
 def walk_over(fit: Fit, channel: str) -> Array:
     """A random walk over a channel's samples: each column is a step at one of its knots, (samples, knots)."""
-    count = max(int(fit.world.measured.duration_s / _WALK_S), _COURSE_KNOTS)
+    count = max(int(fit.world.measured.duration_s / WALK_S), _COURSE_KNOTS)
     return np.cumsum(_knots_over(fit, channel, count)[:, ::-1], axis=1)[:, ::-1][:, 1:]
 
 
@@ -60,13 +61,16 @@ def of_course(
     """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
 
     def parameters(fit: Fit) -> Values:
-        one = group_of(fit, group)
-        amounts = np.array([fit.value(each) for each in one.amounts])
-        course = one.columns[channel] @ amounts
-        time = _time_of(fit, channel)
-        return {parameter: (float(np.polyfit(time, course, 1)[0]), 0.0)}
+        return rate_of_course(fit, parameter, channel, group_of(fit, group))
 
     return of_terms(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
+
+
+def rate_of_course(fit: Fit, parameter: str, channel: str, group: Added) -> Values:
+    """The mean rate of a fitted course, as a parameter."""
+    amounts = np.array([fit.value(each) for each in group.amounts])
+    course = group.columns[channel] @ amounts
+    return {parameter: (float(np.polyfit(_time_of(fit, channel), course, 1)[0]), 0.0)}
 
 
 def of_terms(
@@ -76,8 +80,9 @@ def of_terms(
     group: str,
     parameters: Callable[[Fit], Values],
     added: Callable[[Fit], tuple[Added, ...]],
+    nats_of: Callable[[Fit], float] | None = None,
 ) -> Form:
-    """A form of a group of added terms in one channel."""
+    """A form of a group of added terms in one channel. nats_of: as in Form."""
 
     def amounts(world: World) -> tuple[str, ...]:
         one = world.added_group(group)
@@ -90,7 +95,7 @@ def of_terms(
         free=amounts,
         parameters_of=parameters,
     )
-    return Form(cause, name, added)
+    return Form(cause, name, added, nats_of=nats_of)
 
 
 def group_of(fit: Fit, name: str) -> Added:

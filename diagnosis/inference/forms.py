@@ -26,6 +26,7 @@ from stillarm.diagnosis.inference.cause import (
     plain,
 )
 from stillarm.diagnosis.inference.causes import CAUSES
+from stillarm.diagnosis.inference.causes.camera_clock_skew import FROM_AN_ONSET as SKEW_FROM_AN_ONSET
 from stillarm.diagnosis.inference.coasting import CAUSE as COASTING_PLAY
 from stillarm.diagnosis.inference.courses import (
     arc_terms,
@@ -42,6 +43,7 @@ from stillarm.diagnosis.inference.courses import (
     tilt_values,
 )
 from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.inference.image_walk import FORM as IMAGE_WALK
 from stillarm.diagnosis.inference.swelling_hum import FORM as SWELLING_HUM
 from stillarm.diagnosis.physics.quantities import (
     ACCELEROMETER_BEGIN,
@@ -235,6 +237,7 @@ _FURTHER: tuple[Form, ...] = (
         needs=has("acceleration"),
     ),
     SWELLING_HUM,
+    SKEW_FROM_AN_ONSET,
     of_course(
         "accelerometer_bias_drift", "along a course", "rate_m_s3", "acceleration", "bias", lambda fit: 1.0, 3.0
     ),
@@ -245,6 +248,7 @@ _FURTHER: tuple[Form, ...] = (
     of_course(
         "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk=True
     ),
+    IMAGE_WALK,
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
     of_terms("camera_tilt_coupling", "along an arc", "displacement", "arc", arc_values, arc_terms),
     of_terms("camera_tilt_coupling", "with the joint alone", "displacement", "tilt", tilt_values, tilt_terms),

@@ -15,13 +15,17 @@ from stillarm.diagnosis.data.robust import std_about_zero, without_spikes
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fit import colours, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.impact_doubt import sizes_in_stds
+from stillarm.diagnosis.inference.impact_doubt import size_of_mode, sizes_in_stds
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
 Series = tuple[Array, Array]
 """Times, s, and a sensor's residual there as deflection, m."""
 
+_FEWEST, _FEWEST_INSTANTS = 50, 10  # samples, and instants to look at, that tell a jump from the usual ones
+_HIGHER_PERIODS = (
+    6.0  # of a higher mode, before and after an instant: a tenth of a first mode's ringing as a rule
+)
 _GRID_S = 0.01  # between the instants looked at, unless 2 % of a period are more
 _OUTSTANDING = 9.0  # times the median jump: by noise, whose jumps are Rayleigh's, one in 2^81
 _NEAR = 5.0  # times the median of those near by: by noise one in 2^25
@@ -30,7 +34,10 @@ _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large
 PUSH_PERIODS = 1.6
 """That a push by hand lasts, at most: a longer one swings the arm while it lasts, and is a pull."""
+_SAME_S = 0.15  # between an impact and the same one moved
 _AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
+_NORMAL = 2.0  # times as many medians make a difference of amplitudes, which is normal, as rare as Rayleigh's
+_APART_PERIODS = 1.2  # of the first mode, between impacts that one look finds
 _MOST = 40  # impacts that one look finds
 _SIGNIFICANT = 6.0  # standard deviations of its size: by chance two in a thousand million have it
 _CLOSE_S = 2.0  # between impacts of which only the least is dropped at a time
@@ -51,7 +58,7 @@ def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) 
         values = residuals[name] / per
         time = world.instants(last.vector) if name == "displacement" else grid
         known = np.isfinite(values)
-        if known.sum() < 50:
+        if known.sum() < _FEWEST:
             continue
         if name == "acceleration":
             values[known] = without_spikes(values[known])
@@ -73,7 +80,68 @@ def _phasor(time: Array, values: Array, w: float, start: Array, end: Array) -> t
 
 
 def find_jumps(last: Fit, share: float) -> list[float]:
-    """Times, s, at which the vibration jumps by more than `share` of the residual's largest and the usual."""
+    """Times, s, at which the vibration jumps by more than `share` of the residual's largest and the usual: the first
+    mode's, or while the joint rests a higher one's. An arm that rubs may hide an impact in its first mode alone."""
+    found: list[float] = []
+    period = 1.0 / last.value("modes.0.frequency_hz")
+    jumps = [*_jumps_of_the_first_mode(last, share), *_jumps_of_higher_modes(last, share)]
+    for _, time in sorted(jumps, reverse=True)[:_MOST]:  # a large one shows in the others' windows, too
+        if all(abs(time - other) > _APART_PERIODS * period for other in found):
+            found.append(time)
+    return sorted(found)
+
+
+def _jumps_of_higher_modes(last: Fit, share: float) -> list[tuple[float, float]]:
+    """Size, m/s^2, and time, s, of each. By the accelerometer, in which they are plain, over some periods of theirs,
+    which last no longer than a swing; not about a move, which sets off more of them than a model foretells that is a
+    little wrong."""
+    world = last.world
+    sensor = last.channel("acceleration")
+    if sensor is None or world.measured.pair:
+        return []
+    known = np.isfinite(sensor.off)
+    if known.sum() < _FEWEST:
+        return []
+    time, values = world.cycle_times[known], without_spikes(sensor.off[known])
+    swing = 1.0 / last.value("modes.0.frequency_hz")
+    turns = np.concatenate(([0], np.cumsum(world.measured.told_to_move)))
+    found: list[tuple[float, float]] = []
+    for mode in range(1, world.modes):
+        hz = last.value(f"modes.{mode}.frequency_hz")
+        reach = _HIGHER_PERIODS / hz
+        if reach > swing or 2.0 * hz * world.measured.cycle_s > 1.0:
+            continue
+        at = np.arange(time[0] + reach, time[-1] - reach, max(_GRID_S, 0.02 * reach))
+        if len(at) < _FEWEST_INSTANTS:
+            continue
+        before, n_before = _phasor(time, values, 2.0 * pi * hz, at - reach, at)
+        after, n_after = _phasor(time, values, 2.0 * pi * hz, at, at + reach)
+        jump = np.abs(after) - np.abs(before)  # a rest of a wrong frequency turns, and grows at no time
+        full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
+        first, end = (
+            np.clip(np.round((at + way * swing) / world.measured.cycle_s), 0, len(turns) - 1).astype(int)
+            for way in (-1.0, 1.0)
+        )
+        jump[~full | (turns[end] > turns[first])] = 0.0
+        usual = _usual(np.abs(jump), full, max(round(reach / float(at[1] - at[0])), 1))
+        threshold = np.maximum(_NORMAL * usual, share * float(np.max(np.abs(after))))
+        found += _largest(jump, threshold, at, _APART_PERIODS * swing)
+    return found
+
+
+def _largest(jump: Array, threshold: Array, at: Array, apart_s: float) -> list[tuple[float, float]]:
+    """Size and time of the jumps that exceed what they have to, of those that are near each other the largest."""
+    found: list[tuple[float, float]] = []
+    for i in np.argsort(-jump):
+        if len(found) >= _MOST or jump[i] <= 0.0:
+            break
+        if jump[i] >= threshold[i] and all(abs(at[i] - other) > apart_s for _, other in found):
+            found.append((float(jump[i]), float(at[i])))
+    return found
+
+
+def _jumps_of_the_first_mode(last: Fit, share: float) -> list[tuple[float, float]]:
+    """Size, as the accelerometer would show it, m/s^2, and time, s, of each."""
     world = last.world
     w = 2.0 * pi * last.value("modes.0.frequency_hz")
     residuals = {name: values - last.predicted.channels[name] for name, values in world.channels.items()}
@@ -83,7 +151,7 @@ def find_jumps(last: Fit, share: float) -> list[float]:
     time, values = series[0]
     period = 2.0 * pi / w
     at = np.arange(time[0] + period, time[-1] - period, max(_GRID_S, 0.02 * period))
-    if len(at) < 10:
+    if len(at) < _FEWEST_INSTANTS:
         return []
     before, n_before = _phasor(time, values, w, at - period, at)
     after, n_after = _phasor(time, values, w, at, at + period)
@@ -92,18 +160,10 @@ def find_jumps(last: Fit, share: float) -> list[float]:
     jump[~full] = 0.0
     usual = _usual(jump, full, round(period / float(at[1] - at[0])))
     swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
-    found: list[float] = []
     threshold = np.maximum(usual, max(share * float(np.max(np.abs(after))), swing))
     for other in series[1:]:
         jump[~_borne_out(at, period, w, series[0], other)] = 0.0
-    for i in np.argsort(-jump):
-        if len(found) >= _MOST:
-            break
-        if jump[i] < threshold[i]:
-            continue
-        if all(abs(at[i] - other) > 1.2 * period for other in found):
-            found.append(float(at[i]))
-    return sorted(found)
+    return [(w * w * size, time) for size, time in _largest(jump, threshold, at, _APART_PERIODS * period)]
 
 
 def _borne_out(at: Array, period: float, w: float, shown: Series, other: Series) -> NDArray[np.bool_]:
@@ -146,9 +206,12 @@ def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:
 
 
 def _refined(last: Fit, number: int) -> float:
-    """By how much later the impact number `number` was: a pure jump of the rate leaves the deflection alone."""
-    q, v = last.value(f"jump.{number}.0.q"), last.value(f"jump.{number}.0.v")
-    w = 2.0 * pi * last.value("modes.0.frequency_hz")
+    """By how much later the impact number `number` was: a pure jump of the rate leaves the deflection alone, of the
+    first mode or, where that is none, of the one that is plainest."""
+    sizes = [size_of_mode(last, number, mode) for mode in range(last.world.modes)]
+    mode = 0 if sizes[0] > _SIGNIFICANT else int(np.argmax(sizes))
+    q, v = last.value(f"jump.{number}.{mode}.q"), last.value(f"jump.{number}.{mode}.v")
+    w = 2.0 * pi * last.value(f"modes.{mode}.frequency_hz")
     if v == 0.0:
         return 0.0
     phase = float(np.arctan(w * q / v))
@@ -210,7 +273,7 @@ def refit_with(
 
 
 def carried_over(last: Fit, world: World) -> Array:
-    """The values of a fit in another world's vector, as far as it has them; segments are matched by their cycle."""
+    """The values of a fit in another world's vector, as far as it has them; each impact's are those of the nearest."""
     start = world.space.vector()
     old = last.world
     cycle_of_old = (0, *old.impacts)
@@ -220,14 +283,12 @@ def carried_over(last: Fit, world: World) -> Array:
         if name.startswith("jump."):
             _, j, mode, part = name.split(".")
             cycle = cycle_of_new[int(j)]
-            near = [
-                k for k, other in enumerate(cycle_of_old) if abs(other - cycle) * old.measured.cycle_s < 0.15
-            ]
+            off, nearest = min((abs(other - cycle), k) for k, other in enumerate(cycle_of_old))
             if int(j) == 0:
-                near = [0]
-            if not near or (near[0] == 0) != (int(j) == 0):
+                nearest = 0
+            elif nearest == 0 or off * old.measured.cycle_s > _SAME_S:
                 continue
-            source = f"jump.{near[0]}.{mode}.{part}"
+            source = f"jump.{nearest}.{mode}.{part}"
         if source in old.space.place:
             start[place] = last.value(source)
     return start

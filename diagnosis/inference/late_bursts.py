@@ -20,6 +20,7 @@ from stillarm.diagnosis.data.robust import std_about_median
 Array = NDArray[np.float64]
 
 _SHORTEST_FRAMES = 2.5  # mean length of a burst at least: what is shorter is the delay's scatter
+_NO_WANDER = 1e-12  # of the residual's variance
 _LONGEST_STAY = 0.9995  # correlation of a wander from frame to frame at most: 2000 frames
 
 
@@ -33,6 +34,20 @@ class Bursts:
     nats: Array
     plain_nats: Array
     late: Array
+
+
+@dataclass(frozen=True)
+class Wander:
+    """The likeliest wander alone. stay: its correlation from frame to frame; std, noise_std: of the wander and of the
+    noise beside it; nats, white_nats: with it, and of noise alone; innovations: what it does not foretell, in
+    deviations, (frames,), NaN where unknown."""
+
+    stay: float
+    std: float
+    noise_std: float
+    nats: float
+    white_nats: float
+    innovations: Array
 
 
 @njit(cache=True, nogil=True)
@@ -74,6 +89,51 @@ def _filter(
                 p[1, j] + (m[1, j] - mean[j]) ** 2
             )
         late[k] = prob[1]
+
+
+@njit(cache=True, nogil=True)
+def _innovations(r: Array, stay: float, wander: float, white: float, out: Array) -> None:
+    """What each residual is off what those before it foretell, in deviations; NaN stays. Variances in s^2."""
+    mean, var = 0.0, wander
+    for k in range(r.shape[0]):
+        ahead, doubt = stay * mean, stay * stay * var + wander * (1.0 - stay * stay)
+        off, s = r[k] - ahead, doubt + white
+        out[k] = off / np.sqrt(s)
+        mean, var = ahead, doubt
+        if not np.isnan(off):
+            mean, var = ahead + doubt / s * off, doubt * (1.0 - doubt / s)
+
+
+def wander_of(residual: Array) -> Wander | None:
+    """Fit a wander and white noise to a frames' channel, (frames,) in any unit, NaN where unknown; None of too few."""
+    known = residual[np.isfinite(residual)]
+    if len(known) < MIN_ARRIVALS:
+        return None
+    scale = std_about_median(known) + 1e-12
+    r = (residual - float(np.median(known))) / scale
+    nats, late, innovations = np.empty(len(r)), np.empty(len(r)), np.empty(len(r))
+
+    def cost(x: Array) -> float:
+        stay = _LONGEST_STAY / (1.0 + np.exp(-x[0]))
+        _filter(r - x[3], stay, np.exp(x[1]), np.exp(x[2]), 0.0, 0.0, 1e-9, 0.5, nats, late)
+        return -float(nats.sum()) + 0.005 * float(np.sum(x * x))
+
+    best = min(
+        (
+            minimize(cost, np.array([start, -1.0, -1.0, 0.0]), (), "Nelder-Mead", options={"maxfev": 400})
+            for start in (2.0, 5.0)
+        ),
+        key=lambda one: float(one.fun),
+    )
+    stay, wander, white = _LONGEST_STAY / (1.0 + np.exp(-best.x[0])), np.exp(best.x[1]), np.exp(best.x[2])
+    cost(best.x)
+    with_it = float(nats.sum())
+    _filter(r, 0.0, _NO_WANDER, float(np.nanvar(r)), 0.0, 0.0, 1e-9, 0.5, nats, late)
+    _innovations(r - best.x[3], stay, wander, white, innovations)
+    return Wander(
+        float(stay), scale * float(np.sqrt(wander)), scale * float(np.sqrt(white)),
+        with_it, float(nats.sum()), innovations,
+    )  # fmt: skip
 
 
 def find_bursts(residual_s: Array, used: NDArray[np.bool_]) -> Bursts | None:

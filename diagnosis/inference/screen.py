@@ -4,12 +4,13 @@ Each trial of each cause gives one or a few directions in which the data would d
 them, after the fitted parameters have had their share, predicts the log-likelihood to be gained.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.data.channels import FRAME_CHANNELS
 from stillarm.diagnosis.data.noise import HUBER
 from stillarm.diagnosis.inference.cause import Cause, Context, Trial
 from stillarm.diagnosis.inference.fit import Slopes, jacobian, whitened
@@ -23,18 +24,22 @@ Array = NDArray[np.float64]
 
 _PEAKS = 6  # of a spectrum, by height, and as many by height over the level about them
 _LEAST_PERIODS = 3.0  # within the recording: a slower wave is a drift
+_ONSETS = (0.15, 0.3, 0.45, 0.6, 0.75)  # of the recording, from which on a trial's directions count alone
+_MORE = 1.3  # times what a trial promises throughout: less, and an onset is sought where the whole is fitted
 _MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A trial of a cause. nats: predicted gain. start: vector in its world."""
+    """A trial of a cause. nats: predicted gain. start: vector in its world. begins_s: from when on it acts, of one that
+    promises more so than throughout."""
 
     cause: Cause
     trial: Trial
     nats: float
     world: World
     start: Array
+    begins_s: float | None = None
 
 
 class Whitened:
@@ -44,7 +49,7 @@ class Whitened:
         """slopes: of the fit (stillarm.diagnosis.inference.fit.slopes_of)."""
         self.data, self.last = data, last
         self.weights: dict[str, Array] = {}
-        parts, self.spans = [], {}
+        parts, times, self.spans = [], [], {}
         self._masks = {name: thinned_mask(name, data.train[name]) for name in last.residuals}
         at = 0
         for name, residual in last.residuals.items():
@@ -53,9 +58,10 @@ class Whitened:
             tail = np.sqrt(np.minimum(1.0, HUBER / np.maximum(np.abs(u), 1e-12)))
             self.weights[name] = tail / std
             parts.append(u * tail)
+            times.append(_times_of(data.world, name, len(residual))[self._masks[name]])
             self.spans[name] = slice(at, at + len(u))
             at += len(u)
-        self.residual = np.concatenate(parts)
+        self.residual, self.time_s = np.concatenate(parts), np.concatenate(times)
         # a part of a cycle is all that it may be: as a direction it would explain a dead time of any length
         names = [name for name in last.free if name != ARRIVAL]
         by = jacobian(last.world, last.vector, names, last.predicted, last.colour, slopes)
@@ -121,6 +127,12 @@ class Whitened:
         return total
 
 
+def _times_of(world: World, name: str, samples: int) -> Array:
+    """When each of a channel's thinned samples was, s."""
+    time = world.measured.frames.received_s if name in FRAME_CHANNELS else world.cycle_times
+    return thinned(name, time[:samples])
+
+
 def _profile(residual: Array, least: float) -> float:
     """Log-likelihood of a whitened residual at its own level, which is not below `least` (variance)."""
     n = len(residual)
@@ -164,9 +176,12 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def screen(white: Whitened, causes: list[Cause]) -> list[Scored]:
+def screen(
+    white: Whitened, causes: list[Cause], may_begin: Callable[[Cause], bool] = lambda cause: False
+) -> list[Scored]:
     """Score every trial of every cause against the fit so far; of each cause the best three and those that the data
-    ask for, the best first."""
+    ask for, the best first. may_begin: whether a cause may act from an instant on alone: of each such the best of those
+    trials that promise more so is there too."""
     last = white.last
     context = Context(last, residual_peaks(last))
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
@@ -181,16 +196,20 @@ def screen(white: Whitened, causes: list[Cause]) -> list[Scored]:
                 start = carried_over(last, world)
                 worlds[trial.options] = (world, start, world.predict(start))
 
-    def score(one: tuple[Cause, Trial]) -> Scored | None:
+    def score(one: tuple[Cause, Trial]) -> list[Scored]:
         cause, trial = one
-        return _score(white, cause, trial, worlds[trial.options])
+        return _scores(white, cause, trial, worlds[trial.options], may_begin(cause))
 
     best: dict[str, list[Scored]] = {}
+    later: dict[int, Scored] = {}
     known = [*(one for pair in todo for one in pair), *(one[0] for one in worlds.values())]
-    for (cause, _), one in zip(todo, shared_out(score, todo, known), strict=True):
-        if one is not None:
-            best.setdefault(cause.id, []).append(one)
-    scored: list[Scored] = []
+    for (cause, _), found in zip(todo, shared_out(score, todo, known), strict=True):
+        for one in found:
+            if one.begins_s is None:
+                best.setdefault(cause.id, []).append(one)
+            elif id(cause) not in later or one.nats > later[id(cause)].nats:
+                later[id(cause)] = one
+    scored = list(later.values())
     for of_cause in best.values():
         of_cause.sort(key=lambda item: -item.nats)
         scored += [*of_cause[:3], *(one for one in of_cause[3:] if one.trial.asked)]
@@ -204,7 +223,10 @@ def variant(world: World, options: dict[str, object]) -> World:
     return world.changed(extra_modes=world.extra_modes + extra, behind_encoder=behind)
 
 
-def _score(white: Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, Predicted]) -> Scored | None:
+def _scores(
+    white: Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, Predicted], may_begin: bool
+) -> list[Scored]:
+    """A trial throughout; and from the best instant on, if that promises more."""
     world, start, base = at
     shaped = world.space.with_values(start, trial.shape)
     near = world.predict(world.space.clipped(shaped), base) if len(trial.columns) > _MANY else base
@@ -213,12 +235,41 @@ def _score(white: Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, 
         moved = world.space.with_values(shaped, column)
         white.weighted(world.predict(world.space.clipped(moved), near), base, d[:, index])
     if not np.isfinite(d).all():
-        return None
+        return []
+    later = _later(white, d, trial) if may_begin and not trial.asked else None
+    throughout = _promised(white, d, trial)
+    found = []
+    if throughout is not None:
+        nats, amounts = throughout
+        found.append(Scored(cause, trial, nats, world, _begun(cause, trial, world, start, shaped, amounts)))
+    elif trial.asked:
+        found.append(_unseen(cause, trial, world, shaped))
+    if later is not None and later[0] > _MORE * max(throughout[0] if throughout else 0.0, 0.0):
+        nats, amounts, begins_s = later
+        begun = _begun(cause, trial, world, start, shaped, amounts)
+        found.append(Scored(cause, trial, nats, world, begun, begins_s))
+    return found
+
+
+def _later(white: Whitened, d: Array, trial: Trial) -> tuple[float, Array, float] | None:
+    """What directions promise that count from an instant on alone, for the best instant: about that of the cause that
+    acts from then on, but for a swing or two in which it sets in. Leaves the directions as they are."""
+    best = None
+    for begins_s in (np.array(_ONSETS) * white.data.world.measured.duration_s).tolist():
+        found = _promised(white, np.asfortranarray(d * (white.time_s >= begins_s)[:, None]), trial)
+        if found is not None and (best is None or found[0] > best[0]):
+            best = (*found, begins_s)
+    return best
+
+
+def _promised(white: Whitened, d: Array, trial: Trial) -> tuple[float, Array] | None:
+    """Predicted gain by directions, (samples, k), and their amounts, (k,); None where they show nothing, or would have
+    to be negative. Takes the baseline's directions out of them in place."""
     white.without_baseline(d)
     norms = np.linalg.norm(d, axis=0)
     seen = norms > 1e-6
     if not seen.any():
-        return _unseen(cause, trial, world, shaped) if trial.asked else None
+        return None
     d = d if seen.all() else d[:, seen]
     d /= norms[seen]
     basis = _orthonormal(d)
@@ -227,16 +278,21 @@ def _score(white: Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, 
     amounts[seen] = basis @ share / norms[seen]
     if trial.one_sided and amounts[0] <= 0.0 and not trial.asked:
         return None
-    nats = white.gain(d @ (basis @ share))
+    return white.gain(d @ (basis @ share)), amounts
+
+
+def _begun(cause: Cause, trial: Trial, world: World, start: Array, shaped: Array, amounts: Array) -> Array:
+    """Where a fit of a trial begins: by these amounts of its columns."""
+    begun = shaped.copy()
     for column, amount in zip(trial.columns, amounts, strict=True):
         bounded = min(max(amount, 0.3), 2.5) if trial.one_sided else amount
         for name, value in column.items():
             place = world.space.place[name]
             whole = abs(start[place]) >= UNLIMITED  # no share of the way from no limit to one is a limit
-            shaped[place] = value if whole else start[place] + bounded * (value - start[place])
+            begun[place] = value if whole else start[place] + bounded * (value - start[place])
     if trial.exact or (trial.one_sided and cause.settle):  # a threshold: its value is the trial's own
-        shaped = world.space.with_values(shaped, trial.columns[0])
-    return Scored(cause, trial, nats, world, world.space.clipped(shaped))
+        begun = world.space.with_values(begun, trial.columns[0])
+    return world.space.clipped(begun)
 
 
 def _orthonormal(d: Array) -> Array:

@@ -14,7 +14,7 @@ from stillarm.diagnosis.data.frame_clock import FrameClock
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.physics.arm_motion import Motion
 from stillarm.diagnosis.physics.declared_effects import effects_in, laws_at
-from stillarm.diagnosis.physics.quantities import CAMERA_BEGIN, QUARTZ, SKEW
+from stillarm.diagnosis.physics.quantities import CAMERA_BEGIN, QUARTZ, SKEW, SKEW_BEGIN
 from stillarm.diagnosis.physics.space import Space
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Camera:
             instants = frames.received_s - delay - np.where(stepped, vector[at["timing.step_s"]], 0.0)
             instants = instants - vector[at["timing.delay_rate"]] * frames.received_s
         else:
-            instants = clock.grid_s * self._clock_rate(vector) + vector[at["timing.arrival_s"]] - delay
+            instants = self._due_s(vector) - delay
             if frames.asked:  # requests carry the time that stepped
                 stepped = self.in_order_s >= vector[at["timing.step_onset_s"]]
                 instants = instants - np.where(stepped, vector[at["timing.step_s"]], 0.0)
@@ -55,16 +55,20 @@ class Camera:
         known: Array = instants
         return known
 
-    def _clock_rate(self, vector: Array) -> float:
-        at = self.space.place
-        return float(1.0 + 1e-6 * (vector[at[SKEW]] + vector[at[QUARTZ]]))
+    def _due_s(self, vector: Array) -> Array:
+        """When each frame of the camera's clock arrives that is as late as all are, s: at the rate of its quartz, and
+        with the further skew from when on that acts."""
+        at, grid_s = self.space.place, self.frame_clock.grid_s
+        begin_s, skew = vector[at[SKEW_BEGIN]], 1e-6 * vector[at[SKEW]]
+        due = grid_s * (1.0 + 1e-6 * vector[at[QUARTZ]]) + vector[at["timing.arrival_s"]]
+        more = skew * (np.maximum(due - begin_s, 0.0) if begin_s > 0.0 else grid_s)
+        return np.asarray(due + more)
 
     def arrivals(self, vector: Array) -> Array:
         """When each frame should have been read, s."""
-        at, clock, frames = self.space.place, self.frame_clock, self.measured.frames
+        at, frames = self.space.place, self.measured.frames
         middle = 0.5 * self.measured.duration_s
-        due = clock.grid_s * self._clock_rate(vector) + vector[at["timing.arrival_s"]]
-        due = due + vector[at["timing.delay_rate"]] * (frames.received_s - middle)
+        due = self._due_s(vector) + vector[at["timing.delay_rate"]] * (frames.received_s - middle)
         if frames.asked:  # requests and arrivals step together
             return np.asarray(due)
         stepped = self.in_order_s >= vector[at["timing.step_onset_s"]]

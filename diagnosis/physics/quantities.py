@@ -34,6 +34,7 @@ COASTING = (
 )
 """Of a play behind which the link coasts (stillarm.diagnosis.physics.coasting_play)."""
 ACCELEROMETER_BEGIN, CAMERA_BEGIN = "accelerometer.begin_s", "camera.begin_s"
+SKEW_BEGIN = "timing.skew_begin_s"
 SKEW = "timing.skew_ppm"
 QUARTZ, _QUARTZ_PPM = "timing.quartz_ppm", 20.0
 """By how much two sound clocks differ: crystals are sold to 20 ppm, and a clock within that has nothing wrong."""
@@ -141,6 +142,7 @@ class Layout:
             ("timing.capture_delay_s", timing.capture_delay_s, -0.5, 3.0, 1e-5),
             ("timing.arrival_s", 0.0, -1e4, 1e4, 1e-5),
             (SKEW, 0.0, -1e4, 1e4, 0.1),
+            (SKEW_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
             (QUARTZ, 0.0, -_QUARTZ_PPM, _QUARTZ_PPM, 0.1),
             ("timing.delay_rate", 0.0, -0.1, 0.1, 1e-7),
             ("timing.stale_onset_s", _NEVER_S, 0.0, _NEVER_S, measured.cycle_s),

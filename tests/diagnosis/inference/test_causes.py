@@ -18,7 +18,7 @@ from stillarm.diagnosis.inference.causes import CAUSES
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.screen import residual_peaks, variant
-from stillarm.diagnosis.physics.quantities import HIGHER
+from stillarm.diagnosis.physics.quantities import HIGHER, SKEW, SKEW_BEGIN
 from stillarm.diagnosis.report.extended_model import effect_of, model_text
 from stillarm.simulation.virtual_time.virtual_time import VirtualRun, simulate
 from tests.fixtures.simulated import MODEL as RIG_MODEL
@@ -66,6 +66,15 @@ def test_a_fit_finds_the_parameter_within_its_deviation(cause: str) -> None:
         assert found.value(name) == pytest.approx(true, abs=5.0 * found.std[name])
         assert found.value(name) == pytest.approx(true, rel=0.15)
         assert found.std[name] < 0.05 * abs(true)
+
+
+@pytest.mark.slow
+def test_a_camera_clock_that_goes_wrong_on_the_way_is_found_with_its_onset() -> None:
+    data = measured(12.0, 2, {SKEW: 600.0, SKEW_BEGIN: 6.0})
+    found = explain(fitted(data), interleaved(12.0), only=["camera_clock_skew", "delay_drift", "clock_step"])
+    assert [(one.cause, one.form) for one in found.findings] == [("camera_clock_skew", "from an onset")]
+    assert found.final.value(SKEW) == pytest.approx(600.0, rel=0.1)
+    assert found.final.value(SKEW_BEGIN) == pytest.approx(6.0, abs=0.5)
 
 
 @pytest.mark.slow

@@ -2,12 +2,14 @@
 
 from math import pi
 
+import msgspec
 import pytest
 
+from stillarm.common.files.model import Mode
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
-from stillarm.diagnosis.inference.impacts import fit_with_impacts, pruned
+from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, measured
 
@@ -43,6 +45,27 @@ def test_of_two_impacts_that_share_one_where_it_is_held_out_one_stays() -> None:
     left = pruned(last, split)
     assert len(left.world.impacts) == 1
     assert left.train_log_likelihood > last.train_log_likelihood - 10.0
+
+
+def test_an_impact_that_a_higher_mode_alone_shows_is_found_while_the_joint_rests() -> None:
+    """An arm that rubs may hold its first mode where it is struck."""
+    modes = [*MODEL.arm.modes, Mode(frequency_hz=16.0, damping_ratio=0.004, participation=-0.3)]
+    model = msgspec.structs.replace(MODEL, arm=msgspec.structs.replace(MODEL.arm, modes=modes))
+    for cycle, seen in ((5600, True), (1500, False)):
+        data = measured(10.0, 3, {"jump.1.1.v": 0.2}, impacts=(cycle,), model=model)
+        assert data.rests_about(cycle, 400) is seen
+        found = fit_with_impacts(World(data, model), interleaved(10.0)).world.impacts
+        assert not seen or (len(found) == 1 and abs(found[0] - cycle) <= 60)
+
+
+def test_of_impacts_close_together_each_keeps_its_own_state() -> None:
+    data = measured(9.0, 3, impact(1, 0.02) | impact(2, -0.01), impacts=(4300, 4340))
+    both = World(data, MODEL, impacts=(4300, 4340))
+    last = fit(make_data(both, interleaved(9.0)), both.space.vector(), both.baseline_names())
+    again = carried_over(last, both.changed(extra_modes=1))
+    there = both.changed(extra_modes=1).space.place
+    for name in ("jump.1.0.v", "jump.2.0.v"):
+        assert again[there[name]] == last.value(name)
 
 
 def test_the_end_of_what_is_not_judged_stays_beside_a_later_impact() -> None:

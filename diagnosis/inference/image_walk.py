@@ -1,0 +1,102 @@
+"""An image that strays as a random walk does: a tracker that loses its place a little at every frame.
+
+    r_k = w_k + e_k,   w_k = stay w_{k-1} + drive,   stay close to 1
+
+How well that foretells an image from the images before it is held against white noise. The log score of evidence.py
+cannot tell: it takes a rest with any spectrum for a discrepancy that every model may have, and a walk is no more than
+such a spectrum. So the walk has to be the whole of it: what it leaves from image to image is white in all bands, and it
+lasts for much longer than the arm swings. A course of knots then stands for the walk in the fit.
+"""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
+from stillarm.diagnosis.inference.band_score import SHAPES, log_density, spectra
+from stillarm.diagnosis.inference.candidates import PRICE_NATS
+from stillarm.diagnosis.inference.cause import Form
+from stillarm.diagnosis.inference.courses import WALK_S, group_of, of_terms, rate_of_course, walk_over
+from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.inference.late_bursts import Wander, wander_of
+from stillarm.diagnosis.physics.space import Added
+
+Array = NDArray[np.float64]
+
+_GROUP, _NUMBERS = "stray", 3  # of the law: how far, for how long, and the noise
+_LASTS_SWINGS = 4.0  # of the arm, that a walk is remembered at least: what is quicker may be the arm
+_OF_GAIN, _BY_CHANCE = (
+    0.05,
+    20.0,
+)  # nats that the innovations' bands may tell: of what the walk gains; at least
+_ONE_BLOCK = 1
+
+
+@dataclass(frozen=True)
+class ImageWalk:
+    """A walk of the images. step_px: standard deviation of what it strays within the time between two knots; nats: more
+    than white noise gives, less what its numbers cost."""
+
+    step_px: float
+    nats: float
+
+
+def image_walk(last: Fit) -> ImageWalk | None:
+    """The walk that a fit leaves in the images; None where there is none, or it is not the whole of what is left."""
+    images = last.channel("displacement")
+    if images is None:
+        return None
+    off = np.asarray(images.off, dtype=np.float64)
+    wander = wander_of(off)
+    if wander is None:
+        return None
+    period_s = last.world.step_s("displacement")
+    lasts_s = -period_s / np.log(wander.stay)
+    if lasts_s * last.value("modes.0.frequency_hz") < _LASTS_SWINGS:
+        return None
+    if wander.std < MATTERS_OF_NOISE * wander.noise_std:
+        return None
+    gain = wander.nats - wander.white_nats - PRICE_NATS * _NUMBERS
+    if gain <= 0.0 or _told_by_bands(wander, period_s) > max(_OF_GAIN * gain, _BY_CHANCE):
+        return None
+    step = wander.std * sqrt(2.0 * -np.expm1(-WALK_S / lasts_s))
+    return ImageWalk(float(step), float(gain))
+
+
+def _told_by_bands(wander: Wander, period_s: float) -> float:
+    """By how many nats the innovations are likelier by a level for each band of frequency than by one for all."""
+    every = np.zeros(len(wander.innovations), np.int64)
+    by_bands = spectra(wander.innovations, period_s, every, _ONE_BLOCK, 0.0)
+    count, power = by_bands.count, by_bands.power
+    seen = count[0] > 0.0
+    own = power[:, seen] / count[:, seen]
+    common = np.full_like(own, power[0].sum() / count[0].sum())
+    told = [log_density(count[:, seen], power[:, seen], level, SHAPES[-1]).sum() for level in (own, common)]
+    return float(told[0] - told[1])
+
+
+def _terms(fit: Fit) -> tuple[Added, ...]:
+    walk = image_walk(fit)
+    return (
+        ()
+        if walk is None
+        else (Added(_GROUP, {"displacement": walk_over(fit, "displacement")}, walk.step_px),)
+    )
+
+
+def _nats(last: Fit) -> float:
+    walk = image_walk(last)
+    return 0.0 if walk is None else walk.nats
+
+
+FORM: Form = of_terms(
+    "tracking_drift",
+    "as a random walk",
+    "displacement",
+    _GROUP,
+    lambda fit: rate_of_course(fit, "rate_px_per_s", "displacement", group_of(fit, _GROUP)),
+    _terms,
+    nats_of=_nats,
+)
