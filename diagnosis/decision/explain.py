@@ -29,11 +29,12 @@ from stillarm.diagnosis.inference.candidates import (
 )
 from stillarm.diagnosis.inference.clocks import backward_steps
 from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared, free_names
+from stillarm.diagnosis.inference.early_baseline import early_baseline
 from stillarm.diagnosis.inference.evidence import score
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.forms import forms
-from stillarm.diagnosis.inference.impacts import carried_over
+from stillarm.diagnosis.inference.impacts import carried_over, impacts_while_moving
 from stillarm.diagnosis.inference.laws import LawFound, laws
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz
@@ -54,10 +55,48 @@ def explain(
 ) -> Found:
     """Take causes one after another while one convinces. known: laws that were found while the data were read."""
     found = Found(baseline, baseline)
-    other = _without_doubtful_impacts(baseline, split, tick, only, known)
+    other = _from_its_first_part(baseline, split, tick, only, known)
+    other = other or _without_doubtful_impacts(baseline, split, tick, only, known)
     if other is not None:
         return other
     return _explained(found, split, tick, only, known)
+
+
+def _from_its_first_part(
+    baseline: Fit,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+) -> Found | None:
+    """What explains the recording beside the baseline of its first part, where that is much the better one there, and
+    what was found explains most of what the usual baseline leaves. None where it does not."""
+    try:
+        early = early_baseline(baseline, split) if anything_matters(baseline, split) else None
+        if early is None:
+            return None
+        tick(0.0, "causes, from the first part")
+        stage = _round(Found(early, early), split, only, upstream=_joint_departs(early))
+    except OutOfTime:
+        return None
+    if stage.taken is None or stage.taken.law is not None:
+        return None
+    stage = _beside(stage, early, baseline, split)
+    assert stage.taken is not None
+    most = share_explained(stage.taken, baseline, split) >= EXPLAINED
+    if not (most and convinces(stage.taken, baseline, split, False)):
+        return None
+    return _explained(Found(baseline, baseline), split, tick, only, known, [stage])
+
+
+def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:
+    """A round's candidates with their merits over another baseline than the one that they were found on."""
+    more = score(first, split).gain(score(baseline, split))
+    ranked = [
+        replace(one, nats=one.nats + more, merit=one.merit + float(more.sum())) for one in stage.candidates
+    ]
+    place = stage.candidates.index(stage.taken) if stage.taken in stage.candidates else 0
+    return Stage(stage.screening, ranked, ranked[place])
 
 
 def _without_doubtful_impacts(
@@ -69,7 +108,7 @@ def _without_doubtful_impacts(
 ) -> Found | None:
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
     model that is wrong about moves is put right by an impact at each. None where it is not."""
-    doubtful = _while_moving(baseline)
+    doubtful = impacts_while_moving(baseline)
     if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
         return None
     world = baseline.world
@@ -93,17 +132,6 @@ def _without_doubtful_impacts(
     if lead < PRICE_NATS * (len(stage.taken.free) - many):
         return None
     return _explained(found, split, tick, only, known, [stage])
-
-
-def _while_moving(baseline: Fit) -> list[int]:
-    """The impacts within a swing of which the joint was on the move; without those that end what is not judged: from
-    there the arm rings from a state of its own, whatever the model says of moves."""
-    world = baseline.world
-    reach = round(1.0 / (baseline.value("modes.0.frequency_hz") * world.measured.cycle_s))
-    ends = world.unjudged_ends
-    return [
-        cycle for cycle in world.impacts if cycle not in ends and not world.measured.rests_about(cycle, reach)
-    ]
 
 
 def _moves_are_told(baseline: Fit, split: Split, doubtful: int) -> bool:

@@ -21,8 +21,10 @@ from stillarm.diagnosis.inference.evidence import Score, score
 from stillarm.diagnosis.inference.fit import SETTLED_NATS, Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
+from stillarm.diagnosis.inference.image_walk import FORM as IMAGE_WALK
+from stillarm.diagnosis.inference.image_walk import is_foretold
 from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.inference.screen import Scored, Whitened, screen
+from stillarm.diagnosis.inference.screen import Scored, Whitened, screen, sets_in_s
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
@@ -32,6 +34,7 @@ _Key = TypeVar("_Key")
 Array = NDArray[np.float64]
 
 _POLISHED = 3  # causes
+_RIVALS = 5  # candidates that a walk of the images is held against
 _WITH_ONSET = 4  # causes that an onset is tried for
 LEFT_OUT = "some forms of causes"
 
@@ -44,12 +47,15 @@ _MOST_TRIALS = 40  # of a search along a quantity
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 _SETTLED = 1e-3  # of what a form has gained: a step or a trial that gains less changes no comparison
 _PROMISING = 0.02  # of the best score: what promises less says more in a later round
-_LATER, _PROMISING_LATER = 4, 0.1  # forms begun from an onset at once, at most; as above, of those
+_LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most; as above, of those
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
 _ONSETS, _ONSETS_SPAN = 6, (0.1, 0.85)  # tried over the recording; of its length, the first and the last
 _ONSETS_FITTED = (
     3  # of them, the best by a score test: it takes what changes for linear, and ranks them roughly
 )
+# times the size that a score test tells, of what sets in; then times the best of these, and of those
+_SIZES, _NEARER = (0.4, 1.0, 2.0, 4.0, 8.0), ((0.7, 0.85, 1.0, 1.2, 1.45), (0.93, 1.0, 1.08))
+_ONSET_STEP = 0.07  # of the recording, the first of a search: across a rest, in which any onset is as good
 _ONSET_COARSE_S, _ONSET_LEAST_S = 0.02, 0.001  # to which an onset is sought: of all forms; of those that lead
 _TIMES_THE_WHOLE = (1.0, 3.0)  # what acts in a part of the recording is larger than what fits the whole of it
 _SIZE_FOLLOWS = 3  # steps of a fit, in which the size follows an onset that is off by up to a swing
@@ -110,7 +116,18 @@ def compared(
         found.left_out.append(LEFT_OUT)
     for one in candidates:
         one.fit.world.forget()
-    return screening, sorted(candidates, key=lambda one: -one.merit)
+    return screening, _without_needless_walk(sorted(candidates, key=lambda one: -one.merit), last)
+
+
+def _without_needless_walk(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
+    """Candidates without a walk of the images, if one of the best of the others foretells the images as well."""
+    others = [one for one in by_merit if one.form != IMAGE_WALK.name and one.merit > PRICE_NATS]
+    rivals = [one.fit for one in others[:_RIVALS] if one.cause != IMAGE_WALK.id]
+    return [
+        one
+        for one in by_merit
+        if one.form != IMAGE_WALK.name or not any(is_foretold(last, rival) for rival in rivals)
+    ]
 
 
 def _known(begun: Sequence[Begun], last: Fit) -> list[object]:
@@ -178,6 +195,7 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     later = {id(one.cause): from_an_onset(one) for one in tried if one.added is None}
     causes = [one.cause for one in tried if one.added is None]
     screening = screen(white, causes, lambda cause: later[id(cause)] is not None)
+    onsets_s = sets_in_s(last)
     begun: list[Begun] = []
     begun_later: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
@@ -186,10 +204,11 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     for one in screening:
         form = later[id(one.cause)]
         if one.begins_s is not None and form is not None:
-            if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and len(begun_later) < _LATER:
+            enough = len({each.form.id for each in begun_later} | {form.id}) > _LATER
+            if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
                 assert form.begins is not None
                 start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
-                begun_later.append(Begun(form, one.world, start))
+                begun_later.append(Begun(form, one.world, _sized(white, one, form.begins, start, onsets_s)))
             continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
@@ -205,6 +224,32 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
             world = last.world.changed(added=(*last.world.added, *terms))
             begun.append(Begun(further, world, carried_over(last, world)))
     return [*begun, *begun_later], screening
+
+
+def _sized(white: Whitened, one: Scored, begins: str, start: Array, onsets_s: Sequence[float]) -> Array:
+    """Where a fit begins, with the size and the onset that foretell most: what sets in may be so large that the answer
+    is in no proportion to it. begins: its onset's quantity; onsets_s: further ones to look at."""
+    world = one.world
+    still = carried_over(white.last, world)
+    base = world.predict(still)
+    places = [world.space.place[name] for column in one.trial.columns for name in column]
+    onset_at = world.space.place[begins]
+
+    def of_size(times: float) -> Array:
+        vector = start.copy()
+        vector[places] = still[places] + times * (start[places] - still[places])
+        return world.space.clipped(vector)
+
+    def best(tried: list[Array]) -> Array:
+        return max(tried, key=lambda vector: white.foretold(world, base, vector))
+
+    for factors in (_SIZES, *_NEARER):  # the size that suits an onset, the onset that suits this, ever nearer
+        start = best([of_size(times) for times in factors])
+        later = [start.copy() for _ in onsets_s]
+        for vector, onset_s in zip(later, onsets_s, strict=True):
+            vector[onset_at] = onset_s
+        start = best([start, *later])
+    return start
 
 
 def free_names(last: Fit, world: World, own: Sequence[str]) -> tuple[str, ...]:
@@ -295,8 +340,9 @@ def polished(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -
     data = make_data(one.world, split)
     if one.form.begins is not None:
         swing_s = 1.0 / fitted.value("modes.0.frequency_hz")
+        first_s = max(swing_s, _ONSET_STEP * one.world.measured.duration_s)
         for steps, iterations in (
-            ((swing_s, _ONSET_COARSE_S), _SIZE_FOLLOWS),
+            ((first_s, _ONSET_COARSE_S), _SIZE_FOLLOWS),
             ((_ONSET_COARSE_S, _ONSET_LEAST_S), 1),
         ):
             fitted = _onset_sought(one.form.begins, fitted, last, data, slopes, steps, iterations)
@@ -343,7 +389,7 @@ def with_onset(pair: tuple[Begun, Fit], white: Whitened, split: Split, slopes: S
 
     grid = [
         (foretold(times, onset_s), times, onset_s)
-        for onset_s in (np.linspace(*_ONSETS_SPAN, _ONSETS) * duration).tolist()
+        for onset_s in (*(np.linspace(*_ONSETS_SPAN, _ONSETS) * duration).tolist(), *sets_in_s(last))
         for times in _TIMES_THE_WHOLE
     ]
     apart_s = (_ONSETS_SPAN[1] - _ONSETS_SPAN[0]) * duration / (_ONSETS - 1)

@@ -65,6 +65,16 @@ def image_walk(last: Fit) -> ImageWalk | None:
     return ImageWalk(float(step), float(gain))
 
 
+def is_foretold(last: Fit, other: Fit) -> bool:
+    """Whether another fit leaves images that are no less likely, with or without a walk in them, than what this one
+    leaves is with its walk: what strays has then a reason, such as a lens, and keeps to it while the arm rests."""
+    walk, rest = (
+        None if (images := one.channel("displacement")) is None else wander_of(np.asarray(images.off))
+        for one in (last, other)
+    )
+    return walk is not None and rest is not None and rest.nats >= walk.nats
+
+
 def _told_by_bands(wander: Wander, period_s: float) -> float:
     """By how many nats the innovations are likelier by a level for each band of frequency than by one for all."""
     every = np.zeros(len(wander.innovations), np.int64)

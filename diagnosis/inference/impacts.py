@@ -261,6 +261,17 @@ def _sought(last: Fit, split: Split) -> Fit:
     return last
 
 
+def impacts_while_moving(last: Fit) -> list[int]:
+    """The impacts within a swing of which the joint was on the move; without those that end what is not judged: from
+    there the arm rings from a state of its own, whatever the model says of moves."""
+    world = last.world
+    reach = round(1.0 / (last.value("modes.0.frequency_hz") * world.measured.cycle_s))
+    ends = world.unjudged_ends
+    return [
+        cycle for cycle in world.impacts if cycle not in ends and not world.measured.rests_about(cycle, reach)
+    ]
+
+
 def refit_with(
     last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = (), iterations: int = 12
 ) -> Fit:

@@ -8,6 +8,7 @@ bursts it is the wander alone: a delay that merely wanders, or scatters, is no b
 """
 
 from dataclasses import dataclass
+from math import log
 
 import numpy as np
 from numba import njit
@@ -132,7 +133,7 @@ def wander_of(residual: Array) -> Wander | None:
     _innovations(r - best.x[3], stay, wander, white, innovations)
     return Wander(
         float(stay), scale * float(np.sqrt(wander)), scale * float(np.sqrt(white)),
-        with_it, float(nats.sum()), innovations,
+        with_it - len(known) * log(scale), float(nats.sum()) - len(known) * log(scale), innovations,
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ Each trial of each cause gives one or a few directions in which the data would d
 them, after the fitted parameters have had their share, predicts the log-likelihood to be gained.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,11 @@ Array = NDArray[np.float64]
 _PEAKS = 6  # of a spectrum, by height, and as many by height over the level about them
 _LEAST_PERIODS = 3.0  # within the recording: a slower wave is a drift
 _ONSETS = (0.15, 0.3, 0.45, 0.6, 0.75)  # of the recording, from which on a trial's directions count alone
+_PARTS, _RUN = 400, 3  # of the recording, in which levels are taken; in a row that are louder
+_LOUDER, _PLAINLY = (
+    1.3,
+    2.0,
+)  # times the level before: what sets in; the first that is plain against the start
 _MORE = 1.3  # times what a trial promises throughout: less, and an onset is sought where the whole is fitted
 _MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
 
@@ -176,6 +181,48 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
     return found
 
 
+def sets_in_s(last: Fit) -> list[float]:
+    """Instants at which what a fit leaves in a channel grows, and half a swing before, s: there something may have set
+    in. Of each channel the first that is plain against the beginning, and the likeliest of two levels, one before and
+    one after (Hinkley, Biometrika 57, 1970)."""
+    world, swing_s = last.world, 1.0 / last.value("modes.0.frequency_hz")
+    found: list[float] = []
+    for name in ("acceleration", "deflection", "displacement", "joint_position"):
+        if name not in last.residuals:
+            continue
+        time = world.measured.frames.received_s if name in FRAME_CHANNELS else world.cycle_times
+        known = np.isfinite(last.residuals[name])
+        parts = np.array_split(np.stack((time[known], last.residuals[name][known] ** 2)), _PARTS, axis=1)
+        starts = np.array([part[0, 0] for part in parts if part.shape[1]])
+        power = np.array([part[1].mean() for part in parts if part.shape[1]])
+        found += [float(starts[i]) for i in {_first_louder(power), _likeliest_louder(power)} if i is not None]
+    return [instant for one in found for instant in (one, max(one - 0.5 * swing_s, 0.0))]
+
+
+def _first_louder(power: Array) -> int | None:
+    """The first of the parts of a residual that is plainly louder than the first eighth of them, with those after."""
+    beginning = len(power) // 8
+    if beginning < _RUN:
+        return None
+    quiet = float(np.median(power[:beginning]))
+    running = np.convolve(power, np.ones(_RUN) / _RUN, "valid")
+    louder = np.flatnonzero(running[beginning:] > _PLAINLY**2 * quiet)
+    return beginning + int(louder[0]) if len(louder) else None
+
+
+def _likeliest_louder(power: Array) -> int | None:
+    """Where the parts of a residual have most likely one level before and a higher one after; None where not."""
+    at = np.arange(len(power) // 10, len(power) - len(power) // 10)
+    if len(at) < _RUN:
+        return None
+    sums = np.concatenate(([0.0], np.cumsum(power)))
+    before, after = sums[at] / at, (sums[-1] - sums[at]) / (len(power) - at)
+    nats = -at * np.log(np.maximum(before, 1e-300)) - (len(power) - at) * np.log(np.maximum(after, 1e-300))
+    nats[after < _LOUDER**2 * before] = -np.inf
+    best = int(np.argmax(nats))
+    return int(at[best]) if np.isfinite(nats[best]) else None
+
+
 def screen(
     white: Whitened, causes: list[Cause], may_begin: Callable[[Cause], bool] = lambda cause: False
 ) -> list[Scored]:
@@ -184,6 +231,7 @@ def screen(
     trials that promise more so is there too."""
     last = white.last
     context = Context(last, residual_peaks(last))
+    onsets_s = [*(np.array(_ONSETS) * last.world.measured.duration_s).tolist(), *sets_in_s(last)]
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
     todo: list[tuple[Cause, Trial]] = []
     for cause in causes:
@@ -198,7 +246,7 @@ def screen(
 
     def score(one: tuple[Cause, Trial]) -> list[Scored]:
         cause, trial = one
-        return _scores(white, cause, trial, worlds[trial.options], may_begin(cause))
+        return _scores(white, cause, trial, worlds[trial.options], onsets_s if may_begin(cause) else ())
 
     best: dict[str, list[Scored]] = {}
     later: dict[int, Scored] = {}
@@ -224,9 +272,13 @@ def variant(world: World, options: dict[str, object]) -> World:
 
 
 def _scores(
-    white: Whitened, cause: Cause, trial: Trial, at: tuple[World, Array, Predicted], may_begin: bool
+    white: Whitened,
+    cause: Cause,
+    trial: Trial,
+    at: tuple[World, Array, Predicted],
+    onsets_s: Sequence[float],
 ) -> list[Scored]:
-    """A trial throughout; and from the best instant on, if that promises more."""
+    """A trial throughout; and from the best of some instants on, if that promises more."""
     world, start, base = at
     shaped = world.space.with_values(start, trial.shape)
     near = world.predict(world.space.clipped(shaped), base) if len(trial.columns) > _MANY else base
@@ -236,7 +288,7 @@ def _scores(
         white.weighted(world.predict(world.space.clipped(moved), near), base, d[:, index])
     if not np.isfinite(d).all():
         return []
-    later = _later(white, d, trial) if may_begin and not trial.asked else None
+    later = _later(white, d, trial, onsets_s) if onsets_s and not trial.asked else None
     throughout = _promised(white, d, trial)
     found = []
     if throughout is not None:
@@ -251,11 +303,13 @@ def _scores(
     return found
 
 
-def _later(white: Whitened, d: Array, trial: Trial) -> tuple[float, Array, float] | None:
+def _later(
+    white: Whitened, d: Array, trial: Trial, onsets_s: Sequence[float]
+) -> tuple[float, Array, float] | None:
     """What directions promise that count from an instant on alone, for the best instant: about that of the cause that
     acts from then on, but for a swing or two in which it sets in. Leaves the directions as they are."""
     best = None
-    for begins_s in (np.array(_ONSETS) * white.data.world.measured.duration_s).tolist():
+    for begins_s in onsets_s:
         found = _promised(white, np.asfortranarray(d * (white.time_s >= begins_s)[:, None]), trial)
         if found is not None and (best is None or found[0] > best[0]):
             best = (*found, begins_s)
