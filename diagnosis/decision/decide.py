@@ -18,6 +18,7 @@ from stillarm.diagnosis.decision.rest import (
     times_what_matters,
 )
 from stillarm.diagnosis.decision.rival_laws import rival_law
+from stillarm.diagnosis.inference.begun import free_names
 from stillarm.diagnosis.inference.candidates import (
     CONVINCING_NATS,
     PRICE_NATS,
@@ -27,7 +28,6 @@ from stillarm.diagnosis.inference.candidates import (
     is_of_free_form,
     turns_the_joint,
 )
-from stillarm.diagnosis.inference.comparison import free_names
 from stillarm.diagnosis.inference.evidence import Score, score
 from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data

@@ -16,6 +16,7 @@ from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
 from stillarm.diagnosis.decision.rest import anything_matters, rest_of
+from stillarm.diagnosis.inference.begun import free_names
 from stillarm.diagnosis.inference.candidates import (
     PRICE_NATS,
     Candidate,
@@ -28,7 +29,7 @@ from stillarm.diagnosis.inference.candidates import (
     white_noise,
 )
 from stillarm.diagnosis.inference.clocks import backward_steps
-from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared, free_names
+from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared
 from stillarm.diagnosis.inference.early_baseline import early_baseline
 from stillarm.diagnosis.inference.evidence import score
 from stillarm.diagnosis.inference.fit import fit

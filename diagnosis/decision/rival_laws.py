@@ -11,8 +11,9 @@ import numpy as np
 
 from stillarm.common.causes import RIVALS
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.begun import free_names
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate
-from stillarm.diagnosis.inference.comparison import QUICK, free_names
+from stillarm.diagnosis.inference.comparison import QUICK
 from stillarm.diagnosis.inference.evidence import score
 from stillarm.diagnosis.inference.fit import fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data

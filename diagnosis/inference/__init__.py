@@ -7,11 +7,13 @@ those causes are looked for that need more than their declaration says.
 __all__ = [
     "band_score",
     "baseline",
+    "begun",
     "candidates",
     "cause",
     "causes",
     "clocks",
     "comparison",
+    "early_baseline",
     "evidence",
     "fit",
     "fitted",

@@ -7,7 +7,6 @@ alone, and costs a tenth. The best few are polished with all derivatives.
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from math import sqrt
 from typing import TypeVar
 
@@ -15,19 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference.begun import Begun, free_names, gain_of, settled_nats
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate, Found
 from stillarm.diagnosis.inference.cause import Form
+from stillarm.diagnosis.inference.departures import sets_in_s
 from stillarm.diagnosis.inference.evidence import Score, score
-from stillarm.diagnosis.inference.fit import SETTLED_NATS, Slopes, fit, slopes_of
+from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
 from stillarm.diagnosis.inference.image_walk import FORM as IMAGE_WALK
 from stillarm.diagnosis.inference.image_walk import is_foretold
 from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.inference.screen import Scored, Whitened, screen, sets_in_s
+from stillarm.diagnosis.inference.onsets import sized, with_onset, with_onset_settled
+from stillarm.diagnosis.inference.screen import Scored, Whitened, screen
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
-from stillarm.diagnosis.physics.world import World
 
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
@@ -45,34 +46,13 @@ _STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask fo
 QUICK, _FULL = 4, 12  # steps of a fit
 _MOST_TRIALS = 40  # of a search along a quantity
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
-_SETTLED = 1e-3  # of what a form has gained: a step or a trial that gains less changes no comparison
 _PROMISING = 0.02  # of the best score: what promises less says more in a later round
 _LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most; as above, of those
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
-_ONSETS, _ONSETS_SPAN = 6, (0.1, 0.85)  # tried over the recording; of its length, the first and the last
-_ONSETS_FITTED = (
-    3  # of them, the best by a score test: it takes what changes for linear, and ranks them roughly
-)
-# times the size that a score test tells, of what sets in; then times the best of these, and of those
-_SIZES, _NEARER = (0.4, 1.0, 2.0, 4.0, 8.0), ((0.7, 0.85, 1.0, 1.2, 1.45), (0.93, 1.0, 1.08))
-_ONSET_STEP = 0.07  # of the recording, the first of a search: across a rest, in which any onset is as good
-_ONSET_COARSE_S, _ONSET_LEAST_S = 0.02, 0.001  # to which an onset is sought: of all forms; of those that lead
-_TIMES_THE_WHOLE = (1.0, 3.0)  # what acts in a part of the recording is larger than what fits the whole of it
-_SIZE_FOLLOWS = 3  # steps of a fit, in which the size follows an onset that is off by up to a swing
 _WORTH_A_FIT = (
     0.1  # of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest
 )
 _WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
-
-
-@dataclass(frozen=True)
-class Begun:
-    """A form with its world and where its fit begins."""
-
-    form: Form
-    world: World
-    start: Array
-    asked: bool = False
 
 
 _Pair = tuple[Begun, Fit | None]
@@ -208,7 +188,7 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
             if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
                 assert form.begins is not None
                 start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
-                begun_later.append(Begun(form, one.world, _sized(white, one, form.begins, start, onsets_s)))
+                begun_later.append(Begun(form, one.world, sized(white, one, form.begins, start, onsets_s)))
             continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
@@ -226,37 +206,6 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     return [*begun, *begun_later], screening
 
 
-def _sized(white: Whitened, one: Scored, begins: str, start: Array, onsets_s: Sequence[float]) -> Array:
-    """Where a fit begins, with the size and the onset that foretell most: what sets in may be so large that the answer
-    is in no proportion to it. begins: its onset's quantity; onsets_s: further ones to look at."""
-    world = one.world
-    still = carried_over(white.last, world)
-    base = world.predict(still)
-    places = [world.space.place[name] for column in one.trial.columns for name in column]
-    onset_at = world.space.place[begins]
-
-    def of_size(times: float) -> Array:
-        vector = start.copy()
-        vector[places] = still[places] + times * (start[places] - still[places])
-        return world.space.clipped(vector)
-
-    def best(tried: list[Array]) -> Array:
-        return max(tried, key=lambda vector: white.foretold(world, base, vector))
-
-    for factors in (_SIZES, *_NEARER):  # the size that suits an onset, the onset that suits this, ever nearer
-        start = best([of_size(times) for times in factors])
-        later = [start.copy() for _ in onsets_s]
-        for vector, onset_s in zip(later, onsets_s, strict=True):
-            vector[onset_at] = onset_s
-        start = best([start, *later])
-    return start
-
-
-def free_names(last: Fit, world: World, own: Sequence[str]) -> tuple[str, ...]:
-    """What a fit of a further cause frees: the baseline, what earlier findings freed, and its own."""
-    return world.with_baseline((*(name for name in last.free if name in world.space.place), *own))
-
-
 def refitted(one: Begun, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
     names = free_names(last, one.world, one.form.cause.free(one.world))
     data = make_data(one.world, split)
@@ -270,11 +219,6 @@ def refitted(one: Begun, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
         settled_nats=_QUICK_SETTLED,
     )
     return fitted if one.form.cause.possible(fitted) else None
-
-
-def gain_of(fitted: Fit, last: Fit) -> float:
-    gained = fitted.held_out_score - last.held_out_score
-    return fitted.train_log_likelihood - last.train_log_likelihood + float(np.sum(gained))
 
 
 def _quickly(
@@ -318,7 +262,7 @@ def to_the_end(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes)
     data = make_data(one.world, split)
     if one.form.cause.settle:
         fitted = _settled(one, fitted, last, data, slopes)
-    settled = _settled_nats(fitted, last)
+    settled = settled_nats(fitted, last)
     ended = fit(
         data,
         fitted.vector,
@@ -331,22 +275,12 @@ def to_the_end(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes)
     return ended if one.form.cause.possible(ended) else None
 
 
-def _settled_nats(fitted: Fit, last: Fit) -> float:
-    return max(SETTLED_NATS, _SETTLED * gain_of(fitted, last))
-
-
 def polished(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit:
     """The same with all derivatives worked out where it is, and an onset sought to the end."""
     data = make_data(one.world, split)
     if one.form.begins is not None:
-        swing_s = 1.0 / fitted.value("modes.0.frequency_hz")
-        first_s = max(swing_s, _ONSET_STEP * one.world.measured.duration_s)
-        for steps, iterations in (
-            ((first_s, _ONSET_COARSE_S), _SIZE_FOLLOWS),
-            ((_ONSET_COARSE_S, _ONSET_LEAST_S), 1),
-        ):
-            fitted = _onset_sought(one.form.begins, fitted, last, data, slopes, steps, iterations)
-    settled = _settled_nats(fitted, last)
+        fitted = with_onset_settled(one.form.begins, fitted, last, data, slopes)
+    settled = settled_nats(fitted, last)
     return fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
 
 
@@ -364,83 +298,11 @@ def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fi
                 trials += 1
                 start = best.world.space.with_values(best.vector, {name: best.value(name) + sign * step})
                 trial = fit(data, start, names, iterations=1, colour=last.colour, known=slopes)
-                if gain_of(trial, best) > _settled_nats(best, last):
+                if gain_of(trial, best) > settled_nats(best, last):
                     best, moved = replace(trial, free=best.free), True
                     break
             if not moved:
                 step *= 0.4
-    return best
-
-
-def with_onset(pair: tuple[Begun, Fit], white: Whitened, split: Split, slopes: Slopes) -> _Pair:
-    """The form fitted with the instant from which it acts: over a grid and along it by halving steps, by a score test.
-    None where no onset of the grid gains more than the same form throughout, or than nothing: the true one is at most a
-    twelfth of the recording off the nearest of the grid, and what acts from it on is then mended nearly everywhere."""
-    one, whole = pair
-    last, world, begins = white.last, one.world, one.form.begins
-    assert begins is not None
-    still = carried_over(last, world)
-    base, duration = world.predict(still), world.measured.duration_s
-    sizes = {name: whole.value(name) for name in one.form.cause.free(world)}
-
-    def foretold(times: float, onset_s: float) -> float:
-        values = {name: times * size for name, size in sizes.items()} | {begins: onset_s}
-        return white.foretold(world, base, world.space.with_values(still, values))
-
-    grid = [
-        (foretold(times, onset_s), times, onset_s)
-        for onset_s in (*(np.linspace(*_ONSETS_SPAN, _ONSETS) * duration).tolist(), *sets_in_s(last))
-        for times in _TIMES_THE_WHOLE
-    ]
-    apart_s = (_ONSETS_SPAN[1] - _ONSETS_SPAN[0]) * duration / (_ONSETS - 1)
-    data, found = make_data(world, split), []
-    for _, times, near_s in sorted(grid, reverse=True)[:_ONSETS_FITTED]:
-        onset_s = _sought(partial(foretold, times), near_s, 0.5 * apart_s)
-        values = {name: times * size for name, size in sizes.items()} | {begins: onset_s}
-        start = world.space.with_values(whole.vector, values)
-        found.append(fit(data, start, whole.free, iterations=QUICK, colour=last.colour, known=slopes))
-    best = max(found, key=lambda fitted: gain_of(fitted, last))
-    return one, best if gain_of(best, last) >= max(gain_of(whole, last), 0.0) else None
-
-
-def _sought(nats_at: Callable[[float], float], at_s: float, step_s: float) -> float:
-    """Where an onset gains most, by halving steps."""
-    nats = nats_at(at_s)
-    while step_s > _ONSET_COARSE_S:
-        better, there_s = max((nats_at(at_s + way * step_s), at_s + way * step_s) for way in (1, -1))
-        if better > nats + SETTLED_NATS:
-            nats, at_s = better, there_s
-        else:
-            step_s *= 0.5
-    return at_s
-
-
-def _onset_sought(
-    begins: str,
-    best: Fit,
-    last: Fit,
-    data: Data,
-    slopes: Slopes,
-    steps: tuple[float, float],
-    iterations: int = 1,
-) -> Fit:
-    """A fit's onset moved to where it gains most, by halving steps. begins: its quantity; steps: first and least, s;
-    iterations: of the fit of all else at each onset."""
-    step, least = steps
-    space = best.world.space
-    while step > least:
-        starts = [
-            space.with_values(best.vector, {begins: best.value(begins) + way * step}) for way in (1, -1)
-        ]
-        tried = [
-            fit(data, start, best.free, iterations=iterations, colour=last.colour, known=slopes)
-            for start in starts
-        ]
-        better = max(tried, key=lambda one: gain_of(one, last))
-        if gain_of(better, last) > gain_of(best, last) + _settled_nats(best, last):
-            best = better
-        else:
-            step *= 0.5
     return best
 
 

@@ -1,8 +1,9 @@
-"""Where a fit departs from a channel by far more than it usually does: about an event that it has wrong."""
+"""Where a fit departs from a channel by far more than it usually does: about an event, or from an instant on."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.data.channels import FRAME_CHANNELS
 from stillarm.diagnosis.data.robust import MIN_USUAL, std_about_zero, white_noise
 from stillarm.diagnosis.inference.fitted import Fit
 
@@ -19,6 +20,9 @@ _LONG_LOUD = (
 _HELD = 4.0  # times the usual mean of a window, in which six of normal ones in a hundred thousand lie
 _GAP_PERIODS = 0.25  # within a stretch
 _ABOUT_PERIODS = 0.35  # from an impact to where what it has wrong shows
+_PARTS, _SAMPLES = 400, 10  # of the recording, in which levels are taken; of each, at least
+_RUN = 3  # parts in a row that are louder: of noise alone thirty samples have no power that is four times the usual
+_LOUDER, _PLAINLY = 1.3, 2.0  # times the level before: what sets in; what is plain against the beginning
 
 
 def loud_at(
@@ -87,3 +91,48 @@ def loud_stretch(
     first = breaks[breaks < nearest]
     last = breaks[breaks >= nearest]
     return float(at[first[-1] + 1 if len(first) else 0]), float(at[last[0] if len(last) else len(at) - 1])
+
+
+def sets_in_s(last: Fit) -> list[float]:
+    """Instants at which what a fit leaves in a channel grows, and half a swing before, s: there something may have set
+    in. Of each channel the first that is plain against the beginning, and the likeliest of two levels, one before and
+    one after (Hinkley, Biometrika 57, 1970)."""
+    world, swing_s = last.world, 1.0 / last.value("modes.0.frequency_hz")
+    found: list[float] = []
+    for name in ("acceleration", "deflection", "displacement", "joint_position"):
+        if name not in last.residuals:
+            continue
+        time = world.measured.frames.received_s if name in FRAME_CHANNELS else world.cycle_times
+        known = np.isfinite(last.residuals[name])
+        count = min(_PARTS, int(known.sum()) // _SAMPLES)
+        if count < _RUN:
+            continue
+        parts = np.array_split(np.stack((time[known], last.residuals[name][known] ** 2)), count, axis=1)
+        starts = np.array([part[0, 0] for part in parts])
+        power = np.array([part[1].mean() for part in parts])
+        found += [float(starts[i]) for i in {_first_louder(power), _likeliest_louder(power)} if i is not None]
+    return [instant for one in found for instant in (one, max(one - 0.5 * swing_s, 0.0))]
+
+
+def _first_louder(power: Array) -> int | None:
+    """The first of the parts of a residual that is plainly louder than the first eighth of them, with those after."""
+    beginning = len(power) // 8
+    if beginning < _RUN:
+        return None
+    quiet = float(np.median(power[:beginning]))
+    running = np.convolve(power, np.ones(_RUN) / _RUN, "valid")
+    louder = np.flatnonzero(running[beginning:] > _PLAINLY**2 * quiet)
+    return beginning + int(louder[0]) if len(louder) else None
+
+
+def _likeliest_louder(power: Array) -> int | None:
+    """Where the parts of a residual have most likely one level before and a higher one after; None where not."""
+    at = np.arange(len(power) // 10, len(power) - len(power) // 10)
+    if len(at) < _RUN:
+        return None
+    sums = np.concatenate(([0.0], np.cumsum(power)))
+    before, after = sums[at] / at, (sums[-1] - sums[at]) / (len(power) - at)
+    nats = -at * np.log(np.maximum(before, 1e-300)) - (len(power) - at) * np.log(np.maximum(after, 1e-300))
+    nats[after < _LOUDER**2 * before] = -np.inf
+    best = int(np.argmax(nats))
+    return int(at[best]) if np.isfinite(nats[best]) else None

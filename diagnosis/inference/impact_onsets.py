@@ -6,7 +6,7 @@ at a wrong instant no state of those modes fits, and a second impact is made up 
 """
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.comparison import gain_of
+from stillarm.diagnosis.inference.begun import gain_of
 from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch
 from stillarm.diagnosis.inference.fit import CHANGED_NATS
 from stillarm.diagnosis.inference.fitted import Fit

@@ -23,7 +23,8 @@ from stillarm.diagnosis.inference.departures import (
 from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.held import held_spans_s
-from stillarm.diagnosis.inference.impacts import PUSH_PERIODS, carried_over, fit_with_impacts, pruned
+from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
+from stillarm.diagnosis.inference.jumps import PUSH_PERIODS
 
 Array = NDArray[np.float64]
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.channels import FRAME_CHANNELS
 from stillarm.diagnosis.data.noise import HUBER
 from stillarm.diagnosis.inference.cause import Cause, Context, Trial
+from stillarm.diagnosis.inference.departures import sets_in_s
 from stillarm.diagnosis.inference.fit import Slopes, jacobian, whitened
 from stillarm.diagnosis.inference.fitted import THIN, Data, Fit, least_level, thinned, thinned_mask
 from stillarm.diagnosis.inference.impacts import carried_over
@@ -25,11 +26,6 @@ Array = NDArray[np.float64]
 _PEAKS = 6  # of a spectrum, by height, and as many by height over the level about them
 _LEAST_PERIODS = 3.0  # within the recording: a slower wave is a drift
 _ONSETS = (0.15, 0.3, 0.45, 0.6, 0.75)  # of the recording, from which on a trial's directions count alone
-_PARTS, _RUN = 400, 3  # of the recording, in which levels are taken; in a row that are louder
-_LOUDER, _PLAINLY = (
-    1.3,
-    2.0,
-)  # times the level before: what sets in; the first that is plain against the start
 _MORE = 1.3  # times what a trial promises throughout: less, and an onset is sought where the whole is fitted
 _MANY = 2  # columns: from there on a prediction of the shape alone spares more than it costs
 
@@ -179,48 +175,6 @@ def residual_peaks(last: Fit) -> dict[str, tuple[float, ...]]:
                 order[max(0, i - 10) : i + 11] = 0.0
         found[name] = tuple(dict.fromkeys(peaks))
     return found
-
-
-def sets_in_s(last: Fit) -> list[float]:
-    """Instants at which what a fit leaves in a channel grows, and half a swing before, s: there something may have set
-    in. Of each channel the first that is plain against the beginning, and the likeliest of two levels, one before and
-    one after (Hinkley, Biometrika 57, 1970)."""
-    world, swing_s = last.world, 1.0 / last.value("modes.0.frequency_hz")
-    found: list[float] = []
-    for name in ("acceleration", "deflection", "displacement", "joint_position"):
-        if name not in last.residuals:
-            continue
-        time = world.measured.frames.received_s if name in FRAME_CHANNELS else world.cycle_times
-        known = np.isfinite(last.residuals[name])
-        parts = np.array_split(np.stack((time[known], last.residuals[name][known] ** 2)), _PARTS, axis=1)
-        starts = np.array([part[0, 0] for part in parts if part.shape[1]])
-        power = np.array([part[1].mean() for part in parts if part.shape[1]])
-        found += [float(starts[i]) for i in {_first_louder(power), _likeliest_louder(power)} if i is not None]
-    return [instant for one in found for instant in (one, max(one - 0.5 * swing_s, 0.0))]
-
-
-def _first_louder(power: Array) -> int | None:
-    """The first of the parts of a residual that is plainly louder than the first eighth of them, with those after."""
-    beginning = len(power) // 8
-    if beginning < _RUN:
-        return None
-    quiet = float(np.median(power[:beginning]))
-    running = np.convolve(power, np.ones(_RUN) / _RUN, "valid")
-    louder = np.flatnonzero(running[beginning:] > _PLAINLY**2 * quiet)
-    return beginning + int(louder[0]) if len(louder) else None
-
-
-def _likeliest_louder(power: Array) -> int | None:
-    """Where the parts of a residual have most likely one level before and a higher one after; None where not."""
-    at = np.arange(len(power) // 10, len(power) - len(power) // 10)
-    if len(at) < _RUN:
-        return None
-    sums = np.concatenate(([0.0], np.cumsum(power)))
-    before, after = sums[at] / at, (sums[-1] - sums[at]) / (len(power) - at)
-    nats = -at * np.log(np.maximum(before, 1e-300)) - (len(power) - at) * np.log(np.maximum(after, 1e-300))
-    nats[after < _LOUDER**2 * before] = -np.inf
-    best = int(np.argmax(nats))
-    return int(at[best]) if np.isfinite(nats[best]) else None
 
 
 def screen(

@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stillarm.diagnosis.inference.departures import is_one_sided, loud_at, loud_stretch, stretches
+from stillarm.diagnosis.inference.departures import (
+    is_one_sided,
+    loud_at,
+    loud_stretch,
+    sets_in_s,
+    stretches,
+)
 from stillarm.diagnosis.inference.fitted import Fit
 from tests.fixtures.synthetic import fitted, measured
 
@@ -78,3 +84,13 @@ def test_what_stays_to_one_side_shows_below_the_noise_of_a_sample(seed: int) -> 
     found = is_one_sided(off, 12)
     assert found[810:890].mean() > 0.9
     assert found[:780].mean() < 0.01 and found[920:].mean() < 0.01
+
+
+def test_what_a_rest_becomes_louder_at_is_told_to_a_part_of_a_second_and_of_an_even_one_nothing() -> None:
+    last = fitted(measured(12.0, 3))
+    assert sets_in_s(last) == []
+    off = last.residuals["acceleration"].copy()
+    off[7400:] *= 3.0
+    found = sets_in_s(replace(last, residuals={**last.residuals, "acceleration": off}))
+    assert min(abs(one - 7.4) for one in found) < 0.1
+    assert all(7.0 < one < 7.6 for one in found)

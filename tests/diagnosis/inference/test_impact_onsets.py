@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.inference.comparison import gain_of
+from stillarm.diagnosis.inference.begun import gain_of
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.impact_onsets import with_impacts_at_onsets

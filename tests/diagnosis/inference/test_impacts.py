@@ -2,10 +2,8 @@
 
 from math import pi
 
-import msgspec
 import pytest
 
-from stillarm.common.files.model import Mode
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
@@ -45,17 +43,6 @@ def test_of_two_impacts_that_share_one_where_it_is_held_out_one_stays() -> None:
     left = pruned(last, split)
     assert len(left.world.impacts) == 1
     assert left.train_log_likelihood > last.train_log_likelihood - 10.0
-
-
-def test_an_impact_that_a_higher_mode_alone_shows_is_found_while_the_joint_rests() -> None:
-    """An arm that rubs may hold its first mode where it is struck."""
-    modes = [*MODEL.arm.modes, Mode(frequency_hz=16.0, damping_ratio=0.004, participation=-0.3)]
-    model = msgspec.structs.replace(MODEL, arm=msgspec.structs.replace(MODEL.arm, modes=modes))
-    for cycle, seen in ((5600, True), (1500, False)):
-        data = measured(10.0, 3, {"jump.1.1.v": 0.2}, impacts=(cycle,), model=model)
-        assert data.rests_about(cycle, 400) is seen
-        found = fit_with_impacts(World(data, model), interleaved(10.0)).world.impacts
-        assert not seen or (len(found) == 1 and abs(found[0] - cycle) <= 60)
 
 
 def test_of_impacts_close_together_each_keeps_its_own_state() -> None:
