@@ -29,11 +29,15 @@ CONVINCING_NATS = 12.0
 LEAST_OF_NOISE = 0.15
 """Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
 
+FORETOLD_NATS = 3.0
+"""Least that a finding gains where it was not fitted: odds of 20 to 1 that it foretells anything."""
+
 ALWAYS_THERE = "second_bending_mode"
 """Every arm has more modes than its model has: one is named where it matters (contract.md)."""
 
 _OF_LASTING = 0.3
 """Of how much later images come, counts as an effect: a delay wanders by half its scatter whatever is wrong."""
+_BLOCKS_OF_AN_EVENT = 2  # of the recording: in which it lies, or across whose edge it rings
 _AT_LIMIT, _OFTEN = 1e-6, 0.01  # of a limit; of the samples, which no noise has at one value
 _TENTHS = 10  # parts of the recording: what acts now and then matters if it does in one of them
 _NEAR_A_MODE = (
@@ -111,6 +115,8 @@ def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
         return False
     if one.law is not None:
         return True
+    if one.held_out_gain < FORETOLD_NATS or _is_of_an_event(one):
+        return False
     if beside or _is_anyhow(one, last):
         return size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE
     parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
@@ -130,6 +136,14 @@ def _is_anyhow(one: Candidate, last: Fit) -> bool:
 def is_of_free_form(one: Candidate, last: Fit) -> bool:
     """Whether a form takes any course: so it takes a part of any discrepancy in its channel as well."""
     return len(one.fit.world.added) > len(last.world.added)
+
+
+def _is_of_an_event(one: Candidate) -> bool:
+    """Whether a mode that every arm may have shows in a block or two alone: it takes what an event sets off, or what
+    the model has wrong of the event."""
+    if one.cause != ALWAYS_THERE:
+        return False
+    return one.merit - float(np.sort(one.nats)[-_BLOCKS_OF_AN_EVENT:].sum()) < CONVINCING_NATS
 
 
 def _is_in_every_arm(one: Candidate) -> bool:

@@ -53,10 +53,11 @@ def dated(baseline: Fit, split: Split) -> Fit:
 
 def _dated_by_requests(baseline: Fit, split: Split) -> Fit:
     """The fit with images dated by their requests, with the impacts that are found so, or those of the baseline, if
-    likelier, where spans are not judged: a search from nothing misses an impact that stands beside one."""
+    likelier: a search from nothing misses an impact that stands beside what is not judged, and may take two that stand
+    near each other otherwise."""
     measured = dated_by_requests(baseline.world.measured)
     sought = fit_with_impacts(baseline.world.with_measured(measured, ()), split)
-    if not baseline.world.unjudged_s:
+    if not (baseline.world.impacts or baseline.world.unjudged_s):
         return sought
     struck = baseline.world.with_measured(measured, baseline.world.impacts)
     start = carried_over(baseline, struck)

@@ -7,27 +7,44 @@ at a wrong instant no state of those modes fits, and a second impact is made up 
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.begun import gain_of
-from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch
+from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch, stretches
 from stillarm.diagnosis.inference.fit import CHANGED_NATS
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.inference.impacts import pruned, refit_with
 
 _MADE_UP_PERIODS = 4.0  # after an impact at a wrong instant
+_STROKE_S, _MOST_STROKES = 0.06, 2  # that a stroke is loud, at most; tried about an impact
 _SHARPER_S = 0.002  # by less no impact is moved
 
 
 def with_impacts_at_onsets(last: Fit, split: Split) -> Fit:
     """The fit, or a likelier one with an impact at the onset of the departure about it, and none made up after it."""
+    reach = _MADE_UP_PERIODS / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
     for cycle in last.world.impacts:
         onset = _onset(last, cycle)
-        if onset is None:
-            continue
-        reach = _MADE_UP_PERIODS / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
-        others = tuple(i for i in last.world.impacts if i != cycle and not onset < i < onset + reach)
-        moved = refit_with(last, split, tuple(sorted({*others, onset})))
-        if gain_of(moved, last) > CHANGED_NATS:
-            return pruned(with_impacts_at_onsets(moved, split), split)
+        for there in [*([] if onset is None else [onset]), *_strokes(last, cycle)]:
+            others = tuple(i for i in last.world.impacts if i != cycle and not there < i < there + reach)
+            moved = refit_with(last, split, tuple(sorted({*others, there})))
+            if gain_of(moved, last) > CHANGED_NATS:
+                return pruned(with_impacts_at_onsets(moved, split), split)
     return last
+
+
+def _strokes(last: Fit, cycle: int) -> list[int]:
+    """The cycles within a swing of an impact at which the accelerometer is struck, and nothing yet stands: of two
+    impacts within a swing the phasor puts one where neither was."""
+    loud = loud_at(last, "acceleration")
+    if loud is None:
+        return []
+    time, flags = loud
+    cycle_s, period = last.world.measured.cycle_s, 1.0 / last.value("modes.0.frequency_hz")
+    found = []
+    for first, end in stretches(flags):
+        middle, lasts = 0.5 * (time[first] + time[end - 1]), time[end - 1] - time[first]
+        free = all(abs(middle - i * cycle_s) > _STROKE_S for i in last.world.impacts)
+        if lasts < _STROKE_S and abs(middle - cycle * cycle_s) < period and free:
+            found.append(round(middle / cycle_s))
+    return found[:_MOST_STROKES]
 
 
 def _onset(last: Fit, cycle: int) -> int | None:
