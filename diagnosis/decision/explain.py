@@ -35,6 +35,7 @@ from stillarm.diagnosis.inference.evidence import score
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.forms import forms
+from stillarm.diagnosis.inference.image_dating import dated_anew
 from stillarm.diagnosis.inference.impacts import carried_over, impacts_while_moving
 from stillarm.diagnosis.inference.laws import LawFound, laws
 from stillarm.diagnosis.physics.computing import OutOfTime
@@ -45,6 +46,7 @@ MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _FULL = 12  # steps of a fit
+_OF_A_SWING = 0.25  # by which a delay is off, for another swing to fit nearly as well
 
 
 def explain(
@@ -55,6 +57,28 @@ def explain(
     known: Sequence[LawFound] = (),
 ) -> Found:
     """Take causes one after another while one convinces. known: laws that were found while the data were read."""
+    found = _searched(baseline, split, tick, only, known)
+    if not found.findings or found.final is found.baseline or _images_told(found.final, split):
+        return found
+    try:
+        anew = dated_anew(found.baseline, found.final, split)
+    except OutOfTime:
+        return found
+    return found if anew is None else _searched(anew, split, tick, only, known)
+
+
+def _images_told(final: Fit, split: Split) -> bool:
+    """Whether nothing that matters is left in the images."""
+    return "displacement" not in final.residuals or rest_of(final, "displacement", split).immaterial
+
+
+def _searched(
+    baseline: Fit,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+) -> Found:
     found = Found(baseline, baseline)
     other = _from_its_first_part(baseline, split, tick, only, known)
     other = other or _without_doubtful_impacts(baseline, split, tick, only, known)
@@ -163,6 +187,7 @@ def _explained(
         found.stages.append(Stage([], [one], one))
     for stage in begun:
         assert stage.taken is not None
+        stage.taken = _settled(stage.taken, split)
         found.stages.append(stage)
         found.findings.append(stage.taken)
         found.final = stage.taken.fit
@@ -184,12 +209,35 @@ def _explained(
         if little and found.findings:  # a part of something without a name, which is told as left
             stage.taken = None
             break
-        found.findings.append(stage.taken)
         if stage.taken.law is None:
+            stage.taken = _settled(stage.taken, split)
             found.final = stage.taken.fit
+        found.findings.append(stage.taken)
         if little:  # what the most of it is has no name, whatever beside it has one
             break
     return found
+
+
+def _settled(one: Candidate, split: Split) -> Candidate:
+    """A finding fitted until no step gains anything: what suffices to compare forms may leave much to the baseline, of
+    which the next round would make a finding. From the stated delay too, where the fit is a part of a swing off that:
+    images that were told wrongly may have made it late by whole swings."""
+    last = one.fit
+    space, delay = last.world.space, "timing.capture_delay_s"
+    starts = [last.vector]
+    if abs(last.value(delay) - space[delay].start) * last.value("modes.0.frequency_hz") > _OF_A_SWING:
+        starts.append(space.with_values(last.vector, {delay: space[delay].start}))
+    data = make_data(last.world, split)
+    try:
+        fits = [fit(data, start, last.free, iterations=_FULL, colour=last.colour) for start in starts]
+    except OutOfTime:
+        return one
+    fitted = max(fits, key=lambda each: each.train_log_likelihood)
+    more = score(fitted, split).gain(score(last, split))
+    if float(more.sum()) <= 0.0:
+        return one
+    values = one.parameters_of(fitted) if one.parameters_of is not None else one.values
+    return replace(one, fit=fitted, values=values, nats=one.nats + more, merit=one.merit + float(more.sum()))
 
 
 def _round(found: Found, split: Split, only: Sequence[str] | None, upstream: bool) -> Stage:

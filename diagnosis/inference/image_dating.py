@@ -65,6 +65,24 @@ def _dated_by_requests(baseline: Fit, split: Split) -> Fit:
     return max(kept, sought, key=lambda one: one.train_log_likelihood)
 
 
+def dated_anew(baseline: Fit, final: Fit, split: Split) -> Fit | None:
+    """The baseline of images dated by their requests, where those fit better so beside what was found; None where they
+    do not. As long as they are told wrongly by much more than an instant's doubt, no dating is better than another."""
+    world = final.world
+    if not world.frame_clock.arrival or "displacement" not in world.channels:
+        return None
+    if np.isfinite(world.measured.frames.started_s).mean() < 1.0:
+        return None
+    measured = dated_by_requests(world.measured)
+    there = world.with_measured(measured, world.impacts)
+    free = dict.fromkeys((*there.baseline_names(), *(one for one in final.free if one in there.space.place)))
+    found = fit(make_data(there, split), carried_over(final, there), tuple(free))
+    if image_nats(found) <= image_nats(final) + CHANGED_NATS:
+        return None
+    plain = baseline.world.with_measured(measured, baseline.world.impacts)
+    return fit(make_data(plain, split), carried_over(baseline, plain), plain.baseline_names())
+
+
 def _perhaps_stepped(asked: Fit, split: Split) -> Fit:
     """The fit, or if its images say so, the same with the frames' clock stepped where requests were furthest off
     their interval: dated by a clock that was set, half of the images would be wrong, and arrivals seem better."""

@@ -11,7 +11,9 @@ from stillarm.diagnosis.data.measured import Frames, Measured, dated_by_requests
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.decision.rest import rest_of
-from stillarm.diagnosis.inference.image_dating import dated
+from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fitted import make_data
+from stillarm.diagnosis.inference.image_dating import dated, dated_anew
 from stillarm.diagnosis.inference.impacts import fit_with_impacts
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, NOISE, measured
@@ -19,6 +21,7 @@ from tests.fixtures.synthetic import MODEL, NOISE, measured
 SECONDS, ONSET_S, STEP_S, SPREAD_S = 12.0, 4.4, 0.034, 0.006
 WANDER_S = 1.0
 DIM_PX = 0.6
+TILT = "camera.rotation_px_per_rad"
 SPLIT = interleaved(SECONDS)
 TRIGGERED = msgspec.structs.replace(
     MODEL,
@@ -32,11 +35,11 @@ DIM = msgspec.structs.replace(
 )
 
 
-def triggered(step_s: float, noted_s: float = 0.0, held: int = 0) -> Measured:
+def triggered(step_s: float, noted_s: float = 0.0, held: int = 0, tilt: float = 0.0) -> Measured:
     """Images exposed when they were asked for, read a scattering time later; the frames' clock steps at ONSET_S.
 
     noted_s: requests are noted to so much. held: from then on images are so many frames older, while the delay wanders
-    slowly instead of scattering, and images are dim.
+    slowly instead of scattering, and images are dim. tilt: of the camera, px/rad.
     """
     data = measured(SECONDS, 3)
     random = np.random.default_rng(5)
@@ -53,6 +56,7 @@ def triggered(step_s: float, noted_s: float = 0.0, held: int = 0) -> Measured:
     world = World(asked, TRIGGERED)
     vector = world.space.vector()
     vector[world.space.place["jump.0.0.q"]] = 0.02
+    vector[world.space.place[TILT]] += tilt
     if held:
         vector[world.space.place["timing.stale_onset_s"]] = ONSET_S
         vector[world.space.place["timing.stale_frames"]] = held
@@ -99,3 +103,16 @@ def test_requests_noted_to_the_cycle_are_no_discovery() -> None:
     last = fit_with_impacts(World(dated_by_requests(triggered(0.0, 0.001)), TRIGGERED), SPLIT)
     assert rest_of(last, "displacement", SPLIT).immaterial
     assert last.sigma["displacement"] < 1.2 * NOISE["displacement"]
+
+
+@pytest.mark.slow
+def test_images_are_dated_anew_beside_what_was_found_in_them() -> None:
+    """Told wrongly by far more than an instant's doubt, they fit by no dating."""
+    data = triggered(0.0, tilt=4000.0)
+    baseline = fit_with_impacts(World(data, TRIGGERED), SPLIT)
+    start = baseline.world.space.with_values(baseline.vector, {TILT: 4000.0})
+    found = fit(make_data(baseline.world, SPLIT), start, (*baseline.free, TILT))
+    anew = dated_anew(baseline, found, SPLIT)
+    assert anew is not None and anew.world.measured.frames.asked
+    assert anew.value(TILT) == 0.0  # the baseline's: nothing is found in it
+    assert dated_anew(anew, anew, SPLIT) is None
