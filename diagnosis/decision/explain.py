@@ -94,8 +94,8 @@ def _from_its_first_part(
     only: Sequence[str] | None,
     known: Sequence[LawFound],
 ) -> Found | None:
-    """What explains the recording beside the baseline of its first part, where that is much the better one there, and
-    what was found explains most of what the usual baseline leaves. None where it does not."""
+    """What sets in on the way and explains the recording beside the baseline of its first part, where that is much the
+    better one there, and what was found explains most of what the usual baseline leaves. None where it does not."""
     try:
         early = early_baseline(baseline, split) if anything_matters(baseline, split) else None
         if early is None:
@@ -104,7 +104,7 @@ def _from_its_first_part(
         stage = _round(Found(early, early), split, only, upstream=_joint_departs(early))
     except OutOfTime:
         return None
-    if stage.taken is None or stage.taken.law is not None:
+    if stage.taken is None or not _sets_in(stage.taken):
         return None
     stage = _beside(stage, early, baseline, split)
     assert stage.taken is not None
@@ -112,6 +112,11 @@ def _from_its_first_part(
     if not (most and convinces(stage.taken, baseline, split, False)):
         return None
     return _explained(Found(baseline, baseline), split, tick, only, known, [stage])
+
+
+def _sets_in(one: Candidate) -> bool:
+    """Whether a finding acts from an instant on: one that does not is found beside the usual baseline as well."""
+    return one.law is None and (one.begins is not None or "onset_s" in one.values)
 
 
 def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:

@@ -3,6 +3,7 @@
 import os
 import threading
 import time
+from pathlib import Path
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +60,11 @@ def test_what_cannot_be_sent_back_is_done_here() -> None:
     assert [one() for _, one in found] == list(range(6))
 
 
+def children() -> set[str]:
+    """The process ids of this one's children, some of which other tests may have left."""
+    return set(Path(f"/proc/self/task/{os.getpid()}/children").read_text().split())
+
+
 def test_a_copy_that_dies_loses_nothing() -> None:
     def work(number: int) -> int:
         if os.getpid() != HERE and number > 1:
@@ -76,9 +82,9 @@ def test_a_copy_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
             time.sleep(60.0)
         return slowly(number)
 
+    before = children()
     assert shared_out(work, range(8)) == [number * number for number in range(8)]
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
+    assert children() <= before
 
 
 def test_an_error_reaches_whoever_asked_and_leaves_no_copy() -> None:
@@ -87,10 +93,10 @@ def test_an_error_reaches_whoever_asked_and_leaves_no_copy() -> None:
             raise ValueError("three")
         return slowly(number)
 
+    before = children()
     with pytest.raises(ValueError, match="three"):
         shared_out(work, range(6))
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
+    assert children() <= before
 
 
 def test_the_limit_of_time_holds_in_a_copy_too() -> None:
