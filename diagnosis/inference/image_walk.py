@@ -31,7 +31,6 @@ _OF_GAIN, _BY_CHANCE = (
     0.05,
     20.0,
 )  # nats that the innovations' bands may tell: of what the walk gains; at least
-_ONE_BLOCK = 1
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ def is_foretold(last: Fit, other: Fit) -> bool:
 def _told_by_bands(wander: Wander, period_s: float) -> float:
     """By how many nats the innovations are likelier by a level for each band of frequency than by one for all."""
     every = np.zeros(len(wander.innovations), np.int64)
-    by_bands = spectra(wander.innovations, period_s, every, _ONE_BLOCK, 0.0)
+    by_bands = spectra(wander.innovations, period_s, every, 1, 0.0)
     count, power = by_bands.count, by_bands.power
     seen = count[0] > 0.0
     own = power[:, seen] / count[:, seen]

@@ -1,0 +1,253 @@
+"""One round of the search after another: the best form that convinces is taken, and the next round looks at what it
+leaves.
+
+The forms that a score test finds worth a look are refitted, the best of them to the end, some with an onset; each is
+worth the log score that it gains over all blocks (evidence.py), less what its numbers cost.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis.data.channels import JOINT_CHANNELS
+from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
+from stillarm.diagnosis.decision.rest import anything_matters
+from stillarm.diagnosis.inference.begun import free_names
+from stillarm.diagnosis.inference.candidates import (
+    Candidate,
+    Found,
+    Stage,
+    convinces,
+    is_too_little,
+    of_law,
+    turns_the_joint,
+    white_noise,
+)
+from stillarm.diagnosis.inference.clocks import backward_steps
+from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared
+from stillarm.diagnosis.inference.evidence import score
+from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.forms import forms
+from stillarm.diagnosis.inference.impacts import carried_over
+from stillarm.diagnosis.inference.laws import LawFound, laws
+from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.measured_joint import departure_hz
+from stillarm.diagnosis.physics.world import World
+
+MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
+_WHOLE = 3  # causes of the drive that are fitted to all channels
+_OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
+_FULL = 12  # steps of a fit
+_OF_A_SWING = 0.25  # by which a delay is off, for another swing to fit nearly as well
+
+
+def explained(
+    found: Found,
+    split: Split,
+    tick: Callable[[float, str], None],
+    only: Sequence[str] | None,
+    known: Sequence[LawFound],
+    begun: Sequence[Stage] = (),
+) -> Found:
+    """The findings one after another. begun: rounds that are made already."""
+    baseline = found.baseline
+    data = make_data(baseline.world, split)
+    for law in (*known, *backward_steps(data)):
+        one = of_law(baseline, law)
+        found.findings.append(one)
+        found.stages.append(Stage([], [one], one))
+    for stage in begun:
+        assert stage.taken is not None
+        stage.taken = _settled(stage.taken, split)
+        found.stages.append(stage)
+        found.findings.append(stage.taken)
+        found.final = stage.taken.fit
+    for turn in range(len(begun), MOST_CAUSES):
+        tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
+        upstream = turn == 0 and joint_departs(found.final)
+        try:
+            stage = _again(found, split) or one_round(found, split, only, upstream)
+            found.stages.append(stage)
+            if stage.taken is None and upstream:
+                stage = one_round(found, split, only, upstream=False)
+                found.stages.append(stage)
+        except OutOfTime:
+            found.left_out.append(LEFT_OUT)
+            break
+        if stage.taken is None:
+            break
+        little = share_explained(stage.taken, found.final, split) < EXPLAINED
+        if little and found.findings:  # a part of something without a name, which is told as left
+            stage.taken = None
+            break
+        if stage.taken.law is None:
+            stage.taken = _settled(stage.taken, split)
+            found.final = stage.taken.fit
+        found.findings.append(stage.taken)
+        if little:  # what the most of it is has no name, whatever beside it has one
+            break
+    return found
+
+
+def _settled(one: Candidate, split: Split) -> Candidate:
+    """A finding fitted until no step gains anything: what suffices to compare forms may leave much to the baseline, of
+    which the next round would make a finding. From the stated delay too, where the fit is a part of a swing off that:
+    images that were told wrongly may have made it late by whole swings."""
+    last = one.fit
+    space, delay = last.world.space, "timing.capture_delay_s"
+    starts = [last.vector]
+    if abs(last.value(delay) - space[delay].start) * last.value("modes.0.frequency_hz") > _OF_A_SWING:
+        starts.append(space.with_values(last.vector, {delay: space[delay].start}))
+    data = make_data(last.world, split)
+    try:
+        fits = [fit(data, start, last.free, iterations=_FULL, colour=last.colour) for start in starts]
+    except OutOfTime:
+        return one
+    fitted = max(fits, key=lambda each: each.train_log_likelihood)
+    more = score(fitted, split).gain(score(last, split))
+    if float(more.sum()) <= 0.0:
+        return one
+    values = one.parameters_of(fitted) if one.parameters_of is not None else one.values
+    return replace(one, fit=fitted, values=values, nats=one.nats + more, merit=one.merit + float(more.sum()))
+
+
+def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: bool) -> Stage:
+    """One round. upstream: of the drive alone, where the joint departs: the arm is judged by the joint as measured, so
+    that what the drive did is no matter of the arm's."""
+    last, taken = found.final, {one.cause for one in found.findings}
+    allowed = [one for one in forms(last.world) if one.id not in taken and (only is None or one.id in only)]
+    if upstream:
+        drive = [one for one in allowed if turns_the_joint(one.id)]
+        screening, candidates = compared(_joint_alone(last, split), drive, split, found)
+        candidates = [_of_the_whole(one, last, split) for one in _best_of_each(candidates)[:_WHOLE]]
+    else:
+        screening, candidates = [], []
+        if found.findings and not anything_matters(last, split):
+            elsewhere = _convincing_elsewhere(found, split)
+            allowed = [one for one in allowed if one.id in elsewhere]
+        if allowed:
+            screening, candidates = compared(last, allowed, split, found)
+        try:
+            known = laws(make_data(last.world, split), last, found.laws)
+            found.laws = (last, known)
+            candidates += [of_law(last, law) for law in known if law.cause not in taken]
+        except OutOfTime:
+            found.left_out.append("laws of noise and timing")
+    return _taken_of(Stage(screening, _best_of_each(candidates), None), found, split)
+
+
+def _again(found: Found, split: Split) -> Stage | None:
+    """The round before once more, without the law that it took: a law changes no fit, so that each form would come out
+    the same. None where that round took no law, or compared nothing."""
+    before = found.stages[-1] if found.stages else None
+    if before is None or before.taken is None or before.taken.law is None or not before.screening:
+        return None
+    ranked = [one for one in before.candidates if one is not before.taken]
+    if not anything_matters(found.final, split):
+        elsewhere = _convincing_elsewhere(found, split)
+        ranked = [one for one in ranked if one.law is not None or one.cause in elsewhere]
+    return _taken_of(Stage(before.screening, ranked, None), found, split)
+
+
+def _taken_of(stage: Stage, found: Found, split: Split) -> Stage:
+    """The stage with the best of its candidates that convinces taken."""
+    last, ranked, beside = found.final, stage.candidates, bool(found.findings)
+    convincing = [one for one in ranked if convinces(one, last, split, beside)]
+    chosen = convincing[0] if convincing else None
+    if chosen is not None and any(
+        is_too_little(one, last, split) and one.merit > chosen.merit for one in ranked
+    ):
+        chosen = None  # what is always there, and too little to be named, explains it better
+    if chosen is not None and chosen.law is None and turns_the_joint(chosen.cause):
+        foretold = _moved_as_foretold(chosen, split)
+        ranked = [foretold if one is chosen else one for one in ranked]
+        chosen = foretold
+    return Stage(stage.screening, ranked, chosen)
+
+
+def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The best form of each cause, the best cause first."""
+    best: dict[str, Candidate] = {}
+    for one in sorted(candidates, key=lambda one: -one.merit):
+        best.setdefault(one.cause, one)
+    return list(best.values())
+
+
+def _convincing_elsewhere(found: Found, split: Split) -> set[str]:
+    """Causes that convinced in the round before, beside the one that was taken, and act elsewhere: what that
+    one mends is none of theirs. They are judged again where nothing else is left that matters."""
+    stage = found.stages[-1]
+    if stage.taken is None:
+        return set()
+    place, before = DECLARED[stage.taken.cause].place, fit_before(found, stage.taken)
+    return {
+        one.cause
+        for one in stage.candidates
+        if DECLARED[one.cause].place != place
+        and one.law is None
+        and convinces(one, before, split, beside=True)
+    }
+
+
+def _joint_alone(last: Fit, split: Split) -> Fit:
+    """A fit of the joint's channels only: what the drive did shows there, and is sought at a tenth of the cost."""
+    measured, unseen = last.world.measured, np.full(last.world.measured.cycles, np.nan)
+    frames = replace(
+        measured.frames,
+        **{name: getattr(measured.frames, name)[:0] for name in _OF_FRAMES},
+    )
+    alone = replace(measured, acceleration=unseen, deflection=unseen, frames=frames)
+    world = World(alone, last.world.model, behind_encoder=last.world.behind_encoder)
+    names = [name for name in world.baseline_names() if not name.startswith(("modes.", "jump."))]
+    kept = [name for name in last.free if name.startswith("drive.") and name in world.space.place]
+    return fit(make_data(world, split), carried_over(last, world), (*names, *dict.fromkeys(kept)))
+
+
+def _of_the_whole(one: Candidate, last: Fit, split: Split) -> Candidate:
+    """A form of the drive, fitted to the joint alone, fitted to all channels."""
+    values = {name: one.fit.value(name) for name in one.fit.free if name in last.world.space.place}
+    if one.begins is not None:
+        values[one.begins] = one.fit.value(one.begins)
+    world = last.world
+    if one.fit.world.behind_encoder != world.behind_encoder:
+        world = world.changed(behind_encoder=one.fit.world.behind_encoder)
+    start = world.space.with_values(carried_over(last, world), values)
+    names = free_names(last, world, one.free)
+    fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=last.colour)
+    return replace(one, fit=fitted)
+
+
+def _moved_as_foretold(one: Candidate, split: Split) -> Candidate:
+    """A finding of the drive with the arm moved by the simulated joint, as far as the finding foretells that: the
+    measured one moves it by the encoder's noise and steps as well, which an arm's resonances enlarge."""
+    last, world = one.fit, one.fit.world
+    if world.joint_hz <= 0.0:
+        return one
+    foretold = world.changed(joint_hz=0.0).reported_position(last.vector)
+    hz = departure_hz(world.measured.position, foretold, world.measured.cycle_s)
+    if hz >= world.joint_hz:
+        return one
+    there = world.changed(joint_hz=hz)
+    start, names = carried_over(last, there), free_names(last, there, one.free)
+    anew = fit(make_data(there, split), start, names, iterations=_FULL, colour=last.colour)
+    better = float(score(anew, split).gain(score(last, split)).sum()) > 0.0
+    return replace(one, fit=anew) if better else one
+
+
+def joint_departs(last: Fit) -> bool:
+    """Whether the joint's own sensors show a departure of the drive."""
+    world = last.world
+    if world.joint_hz <= 0.0:
+        return False
+    for name in JOINT_CHANNELS:
+        if name in last.residuals:
+            noise = white_noise(last, name)
+            power = float(np.nanmean(last.residuals[name] ** 2))
+            if power - noise**2 > (MATTERS_OF_NOISE * noise) ** 2:
+                return True
+    return False
