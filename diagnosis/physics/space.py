@@ -53,8 +53,8 @@ class Space:
             found[self.place[name]] = value
         return found
 
-    def names(self, prefix: str) -> list[str]:
-        """All names that begin so."""
+    def names(self, prefix: str | tuple[str, ...]) -> list[str]:
+        """All names that begin so, or so."""
         return [quantity.name for quantity in self.quantities if quantity.name.startswith(prefix)]
 
     def __getitem__(self, name: str) -> Quantity:
