@@ -30,7 +30,8 @@ LEAST_OF_NOISE = 0.15
 """Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
 
 FORETOLD_NATS = 3.0
-"""Least that a finding gains where it was not fitted: odds of 20 to 1 that it foretells anything."""
+"""Least that a finding gains in the blocks that it was not fitted to: odds of 20 to 1 that it foretells anything. With
+the levels of all blocks: where the held-out ones are louder, those of the others say nothing of how well."""
 
 ALWAYS_THERE = "second_bending_mode"
 """Every arm has more modes than its model has: one is named where it matters (contract.md)."""
@@ -115,7 +116,7 @@ def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
         return False
     if one.law is not None:
         return True
-    if one.held_out_gain < FORETOLD_NATS or _is_of_an_event(one):
+    if float(one.nats[split.held].sum()) < FORETOLD_NATS or _is_of_an_event(one):
         return False
     if beside or _is_anyhow(one, last):
         return size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE
