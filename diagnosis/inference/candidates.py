@@ -40,7 +40,9 @@ _OF_LASTING = 0.3
 """Of how much later images come, counts as an effect: a delay wanders by half its scatter whatever is wrong."""
 _BLOCKS_OF_AN_EVENT = 2  # of the recording: in which it lies, or across whose edge it rings
 _AT_LIMIT, _OFTEN = 1e-6, 0.01  # of a limit; of the samples, which no noise has at one value
-_TENTHS = 10  # parts of the recording: what acts now and then matters if it does in one of them
+# parts of the recording: what goes wrong with the joint acts at the tops of its motion, or at its turns, and matters if
+# it does in one of them
+_TENTHS = 10
 _NEAR_A_MODE = (
     0.1  # of its frequency: some widths of the resonance of an arm with a damping ratio of 0.01 to 0.02
 )
@@ -49,7 +51,6 @@ _OVERTONES = (
     2,
     3,
 )  # of a force that is even or odd in the deflection, at the least order that is no linear one
-_AT_TIMES = "drive"  # what goes wrong there acts at the tops of the motion or at its turns, and is plain in those alone
 
 
 @dataclass(frozen=True, eq=False)  # one is itself only: arrays have no truth
@@ -120,7 +121,7 @@ def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
         return False
     if beside or _is_anyhow(one, last):
         return size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE
-    parts = _TENTHS if DECLARED[one.cause].place == _AT_TIMES else 1
+    parts = _TENTHS if turns_the_joint(one.cause) else 1
     return size_in_noise(last, one.fit, split, parts) > LEAST_OF_NOISE
 
 
