@@ -36,6 +36,7 @@ the levels of all blocks: where the held-out ones are louder, those of the other
 ALWAYS_THERE = "second_bending_mode"
 """Every arm has more modes than its model has: one is named where it matters (contract.md)."""
 
+_OF_A_STEP = 0.5  # of what arrivals are foretold otherwise, from one to the next
 _OF_LASTING = 0.3
 """Of how much later images come, counts as an effect: a delay wanders by half its scatter whatever is wrong."""
 _BLOCKS_OF_AN_EVENT = 2  # of the recording: in which it lies, or across whose edge it rings
@@ -177,16 +178,25 @@ def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> floa
 
 def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> float:
     """In one channel. What rounding makes is no noise: a fit of anything may take all of it, step^2 / 12. Arrivals are
-    judged beside a wander of the delay, which follows whatever lasts: there it is by how much they are foretold
+    judged beside a wander of the delay, which follows a step that lasts: of that it is by how much they are foretold
     otherwise."""
     less = before.residuals[name] ** 2 - after.residuals[name] ** 2
     known = less[np.isfinite(less)]
     power = max((float(one.mean()) for one in np.array_split(known, parts) if len(one)), default=0.0)
     power -= before.world.resolution(name) ** 2 / 12.0
     if name == "arrival":
-        otherwise = after.predicted.channels[name] - before.predicted.channels[name]
-        power = max(power, (_OF_LASTING * float(np.nanstd(otherwise))) ** 2)
+        power = max(power, (_OF_LASTING * _stepped_by(before, after)) ** 2)
     return sqrt(max(power, 0.0)) / noise_of(after, name, split)
+
+
+def _stepped_by(before: Fit, after: Fit) -> float:
+    """By how much arrivals are foretold otherwise, s rms, if that is a step: a drift is what a delay that wanders looks
+    like, and has to be seen beside it."""
+    otherwise = after.predicted.channels["arrival"] - before.predicted.channels["arrival"]
+    otherwise = otherwise[np.isfinite(otherwise)]
+    if len(otherwise) < 2 or np.max(np.abs(np.diff(otherwise))) < _OF_A_STEP * np.ptp(otherwise):
+        return 0.0
+    return float(np.std(otherwise))
 
 
 def noise_of(last: Fit, name: str, split: Split) -> float:

@@ -11,6 +11,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.candidates import (
     CONVINCING_NATS,
     FORETOLD_NATS,
+    LEAST_OF_NOISE,
     Candidate,
     convinces,
     is_of_free_form,
@@ -143,3 +144,16 @@ def test_a_mode_that_shows_at_one_event_alone_is_that_events(plain: Fit, blocks:
     nats[:blocks] = 60.0 / blocks
     one = Candidate("second_bending_mode", plain, 0.0, 0.0, {}, merit=50.0, nats=nats)
     assert convinces(one, before, SPLIT, beside=False) is told
+
+
+@pytest.mark.parametrize(("steps", "told"), [(True, True), (False, False)])
+def test_of_what_lasts_in_the_arrivals_a_step_counts_and_a_drift_does_not(
+    plain: Fit, steps: bool, told: bool
+) -> None:
+    """A delay that wanders looks like a drift, whatever is wrong."""
+    shown = plain.predicted.channels["arrival"]
+    along = np.linspace(-1.0, 1.0, len(shown))
+    later = 8.0 * plain.sigma["arrival"] * (np.sign(along) if steps else along)
+    arrivals = {**plain.predicted.channels, "arrival": shown + later}
+    after = replace(plain, predicted=replace(plain.predicted, channels=arrivals))
+    assert (size_in_noise(plain, after, SPLIT) > LEAST_OF_NOISE) is told
