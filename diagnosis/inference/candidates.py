@@ -192,7 +192,10 @@ def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> flo
 def _stepped_by(before: Fit, after: Fit) -> float:
     """By how much arrivals are foretold otherwise, s rms, if that is a step: a drift is what a delay that wanders looks
     like, and has to be seen beside it."""
-    otherwise = after.predicted.channels["arrival"] - before.predicted.channels["arrival"]
+    now, then = after.channel("arrival"), before.channel("arrival")
+    if now is None or then is None:
+        return 0.0
+    otherwise = now.predicted - then.predicted
     otherwise = otherwise[np.isfinite(otherwise)]
     if len(otherwise) < 2 or np.max(np.abs(np.diff(otherwise))) < _OF_A_STEP * np.ptp(otherwise):
         return 0.0
