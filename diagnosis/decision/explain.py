@@ -33,6 +33,8 @@ from stillarm.diagnosis.inference.laws import LawFound
 from stillarm.diagnosis.physics.computing import OutOfTime
 
 _FULL = 12  # steps of a fit
+_Beginning = tuple[Found, list[Stage]]
+"""Where a search begins, and the rounds that are made already."""
 
 
 def explain(
@@ -65,21 +67,16 @@ def _searched(
     only: Sequence[str] | None,
     known: Sequence[LawFound],
 ) -> Found:
-    found = Found(baseline, baseline)
-    other = _from_its_first_part(baseline, split, tick, only, known)
-    other = other or _without_doubtful_impacts(baseline, split, tick, only, known)
-    if other is not None:
-        return other
-    return explained(found, split, tick, only, known)
+    begun = _from_its_first_part(baseline, split, tick, only) or _without_doubtful_impacts(
+        baseline, split, only
+    )
+    found, stages = begun or (Found(baseline, baseline), [])
+    return explained(found, split, tick, only, known, stages)
 
 
 def _from_its_first_part(
-    baseline: Fit,
-    split: Split,
-    tick: Callable[[float, str], None],
-    only: Sequence[str] | None,
-    known: Sequence[LawFound],
-) -> Found | None:
+    baseline: Fit, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
+) -> _Beginning | None:
     """What sets in on the way and explains the recording beside the baseline of its first part, where that is much the
     better one there, and what was found explains most of what the usual baseline leaves. None where it does not."""
     try:
@@ -97,7 +94,7 @@ def _from_its_first_part(
     most = share_explained(stage.taken, baseline, split) >= EXPLAINED
     if not (most and convinces(stage.taken, baseline, split, False)):
         return None
-    return explained(Found(baseline, baseline), split, tick, only, known, [stage])
+    return Found(baseline, baseline), [stage]
 
 
 def _sets_in(one: Candidate) -> bool:
@@ -107,21 +104,15 @@ def _sets_in(one: Candidate) -> bool:
 
 def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:
     """A round's candidates with their merits over another baseline than the one that they were found on."""
+    assert stage.taken is not None
     more = score(first, split).gain(score(baseline, split))
     ranked = [
         replace(one, nats=one.nats + more, merit=one.merit + float(more.sum())) for one in stage.candidates
     ]
-    place = stage.candidates.index(stage.taken) if stage.taken in stage.candidates else 0
-    return Stage(stage.screening, ranked, ranked[place])
+    return Stage(stage.screening, ranked, ranked[stage.candidates.index(stage.taken)])
 
 
-def _without_doubtful_impacts(
-    baseline: Fit,
-    split: Split,
-    tick: Callable[[float, str], None],
-    only: Sequence[str] | None,
-    known: Sequence[LawFound],
-) -> Found | None:
+def _without_doubtful_impacts(baseline: Fit, split: Split, only: Sequence[str] | None) -> _Beginning | None:
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
     model that is wrong about moves is put right by an impact at each. None where it is not."""
     doubtful = impacts_while_moving(baseline)
@@ -138,7 +129,7 @@ def _without_doubtful_impacts(
         before = score(baseline, split)
         many = len(doubtful) * (2 * world.modes + 2)  # numbers that the impacts took
         if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
-            return explained(found, split, tick, only, known)
+            return found, []
         stage = one_round(found, split, only, upstream=joint_departs(plain))
     except OutOfTime:
         return None
@@ -147,7 +138,7 @@ def _without_doubtful_impacts(
     lead = float(score(stage.taken.fit, split).gain(before).sum())
     if lead < PRICE_NATS * (len(stage.taken.free) - many):
         return None
-    return explained(found, split, tick, only, known, [stage])
+    return found, [stage]
 
 
 def _moves_are_told(baseline: Fit, split: Split, doubtful: int) -> bool:

@@ -17,7 +17,6 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.begun import Begun, free_names, gain_of, settled_nats
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate, Found
 from stillarm.diagnosis.inference.cause import Form
-from stillarm.diagnosis.inference.departures import sets_in_s
 from stillarm.diagnosis.inference.evidence import Score, score
 from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
@@ -175,7 +174,6 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     later = {id(one.cause): from_an_onset(one) for one in tried if one.added is None}
     causes = [one.cause for one in tried if one.added is None]
     screening = screen(white, causes, lambda cause: later[id(cause)] is not None)
-    onsets_s = sets_in_s(last)
     begun: list[Begun] = []
     begun_later: list[Begun] = []
     count: dict[int, int] = defaultdict(int)
@@ -188,7 +186,7 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
             if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
                 assert form.begins is not None
                 start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
-                begun_later.append(Begun(form, one.world, sized(white, one, form.begins, start, onsets_s)))
+                begun_later.append(Begun(form, one.world, sized(white, one, form.begins, start)))
             continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
@@ -318,9 +316,7 @@ def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split
     )
     if one.form.nats_of is not None:
         merit = one.form.nats_of(last)
-    elif (
-        one.form.added is not None
-    ):  # of many amounts: what it was fitted to says little of what it foretells
+    elif one.form.added is not None:  # of many amounts, which fit anything: by what is foretold
         merit = min(merit, 3.0 * float(held.sum()))
     return Candidate(
         one.form.id, fitted, float(held.sum()), float(held.std(ddof=1) * sqrt(len(held))), values, None, own,

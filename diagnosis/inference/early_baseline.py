@@ -16,12 +16,8 @@ from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts,
 _PARTS = (0.5, 0.25)  # of the recording
 _LEAST_S, _LEAST_SWINGS = 5.0, 15.0  # of a part
 _CLEANER, _NO_WORSE = 0.5, 1.1  # of the power that is left in a part: in one channel; in each
-_OF_THE_RIG = (
-    "modes.",
-    "drive.",
-    "accelerometer.",
-    "camera.",
-)  # quantities that are as before whatever sets in
+# quantities that are as before whatever sets in, and those of the part itself
+_KEPT = ("modes.", "drive.", "accelerometer.", "camera.", "start.", "jump.")
 _JUDGED = ("acceleration", "deflection", "displacement", "joint_position", "joint_velocity")
 
 
@@ -31,16 +27,17 @@ def early_baseline(baseline: Fit, split: Split) -> Fit | None:
     if world.measured.pair:
         return None
     swing_s = 1.0 / baseline.value("modes.0.frequency_hz")
+    least_s = max(_LEAST_S, _LEAST_SWINGS * swing_s)
     for share in _PARTS:
         end_s = share * world.measured.duration_s
-        if end_s < max(_LEAST_S, _LEAST_SWINGS * swing_s):
+        if end_s < least_s:
             break
         one = _of_a_part(baseline, end_s)
         if one is None or not _is_cleaner(one, baseline):
             continue
         made_up = impacts_while_moving(one)
         before_s = made_up[0] * world.measured.cycle_s - swing_s if made_up else end_s
-        if made_up and before_s > max(_LEAST_S, _LEAST_SWINGS * swing_s):  # it set in before the part's end
+        if made_up and before_s > least_s:  # it set in before the part's end
             one = _of_a_part(baseline, before_s) or one
         return _of_the_whole(one, baseline, split)
     return None
@@ -75,10 +72,6 @@ def _of_the_whole(one: Fit, baseline: Fit, split: Split) -> Fit:
     doubtful = impacts_while_moving(baseline)
     later = [i for i in world.impacts if i > part.measured.cycles and i not in doubtful]
     whole = world.changed(impacts=tuple(sorted({*part.impacts, *later})), strokes=world.strokes)
-    values = {name: one.value(name) for name in whole.space.names(_OF_THE_RIG) if name in part.space.place}
-    values |= {name: one.value(name) for name in whole.space.names("start.") if name in part.space.place}
+    values = {name: one.value(name) for name in part.space.names(_KEPT)}
     start = whole.space.with_values(carried_over(baseline, whole), values)
-    for number in range(len(part.impacts) + 1):
-        for name in part.space.names(f"jump.{number}."):
-            start[whole.space.place[name]] = one.value(name)
     return fit(make_data(whole, split), start, whole.baseline_names(), iterations=0, colour=baseline.colour)

@@ -40,15 +40,18 @@ _LATE = 1.5  # periods: fewer would have been seen, or may be the delay's own wa
 
 def dated(baseline: Fit, split: Split) -> Fit:
     """A triggered camera's images by when they were asked for, where they fit better so than by when they arrived."""
-    world = baseline.world
-    started = world.measured.frames.started_s
-    if not world.frame_clock.arrival or "displacement" not in world.channels:
-        return baseline
-    if np.isfinite(started).mean() < 1.0:
+    if not _may_be_by_requests(baseline.world):
         return baseline
     other = _dated_by_requests(baseline, split)
     mended = (other, _perhaps_stepped(other, split), _perhaps_held_back(other, split))
     return other if max(map(image_nats, mended)) > image_nats(baseline) else baseline
+
+
+def _may_be_by_requests(world: World) -> bool:
+    """Whether images are dated by their arrivals, and each request is known."""
+    if not world.frame_clock.arrival or "displacement" not in world.channels:
+        return False
+    return bool(np.isfinite(world.measured.frames.started_s).all())
 
 
 def _dated_by_requests(baseline: Fit, split: Split) -> Fit:
@@ -69,9 +72,7 @@ def dated_anew(baseline: Fit, final: Fit, split: Split) -> Fit | None:
     """The baseline of images dated by their requests, where those fit better so beside what was found; None where they
     do not. As long as they are told wrongly by much more than an instant's doubt, no dating is better than another."""
     world = final.world
-    if not world.frame_clock.arrival or "displacement" not in world.channels:
-        return None
-    if np.isfinite(world.measured.frames.started_s).mean() < 1.0:
+    if not _may_be_by_requests(world):
         return None
     measured = dated_by_requests(world.measured)
     there = world.with_measured(measured, world.impacts)

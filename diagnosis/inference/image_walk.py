@@ -21,16 +21,17 @@ from stillarm.diagnosis.inference.cause import Form
 from stillarm.diagnosis.inference.courses import WALK_S, group_of, of_terms, rate_of_course, walk_over
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.inference.late_bursts import Wander, wander_of
+from stillarm.diagnosis.physics.computing import Lately
 from stillarm.diagnosis.physics.space import Added
 
 Array = NDArray[np.float64]
 
 _GROUP, _NUMBERS = "stray", 3  # of the law: how far, for how long, and the noise
 _LASTS_SWINGS = 4.0  # of the arm, that a walk is remembered at least: what is quicker may be the arm
-_OF_GAIN, _BY_CHANCE = (
-    0.05,
-    20.0,
-)  # nats that the innovations' bands may tell: of what the walk gains; at least
+# nats that the innovations' bands may tell: of what the walk gains; at least
+_OF_GAIN, _BY_CHANCE = 0.05, 20.0
+_WANDERS: Lately[bytes, Wander | None] = Lately(8)
+"""By what a fit leaves in the images: it is asked for as terms, as nats, and beside each of some rivals."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +45,7 @@ class ImageWalk:
 
 def image_walk(last: Fit) -> ImageWalk | None:
     """The walk that a fit leaves in the images; None where there is none, or it is not the whole of what is left."""
-    images = last.channel("displacement")
-    if images is None:
-        return None
-    off = np.asarray(images.off, dtype=np.float64)
-    wander = wander_of(off)
+    wander = _wander_in(last)
     if wander is None:
         return None
     period_s = last.world.step_s("displacement")
@@ -67,11 +64,13 @@ def image_walk(last: Fit) -> ImageWalk | None:
 def is_foretold(last: Fit, other: Fit) -> bool:
     """Whether another fit leaves images that are no less likely, with or without a walk in them, than what this one
     leaves is with its walk: what strays has then a reason, such as a lens, and keeps to it while the arm rests."""
-    walk, rest = (
-        None if (images := one.channel("displacement")) is None else wander_of(np.asarray(images.off))
-        for one in (last, other)
-    )
+    walk, rest = _wander_in(last), _wander_in(other)
     return walk is not None and rest is not None and rest.nats >= walk.nats
+
+
+def _wander_in(last: Fit) -> Wander | None:
+    images = last.channel("displacement")
+    return None if images is None else _WANDERS.of(images.off.tobytes(), lambda: wander_of(images.off))
 
 
 def _told_by_bands(wander: Wander, period_s: float) -> float:
@@ -88,11 +87,9 @@ def _told_by_bands(wander: Wander, period_s: float) -> float:
 
 def _terms(fit: Fit) -> tuple[Added, ...]:
     walk = image_walk(fit)
-    return (
-        ()
-        if walk is None
-        else (Added(_GROUP, {"displacement": walk_over(fit, "displacement")}, walk.step_px),)
-    )
+    if walk is None:
+        return ()
+    return (Added(_GROUP, {"displacement": walk_over(fit, "displacement")}, walk.step_px),)
 
 
 def _nats(last: Fit) -> float:

@@ -1,6 +1,6 @@
 """From when on a form acts: where its fit begins, and the search along its onset."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.begun import Begun, gain_of, settled_nats
-from stillarm.diagnosis.inference.departures import sets_in_s
 from stillarm.diagnosis.inference.fit import SETTLED_NATS, Slopes, fit
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.impacts import carried_over
@@ -29,9 +28,9 @@ _TIMES_THE_WHOLE = (1.0, 3.0)  # what acts in a part of the recording is larger 
 _SIZE_FOLLOWS = 3  # steps of a fit, in which the size follows an onset that is off by up to a swing
 
 
-def sized(white: Whitened, one: Scored, begins: str, start: Array, onsets_s: Sequence[float]) -> Array:
+def sized(white: Whitened, one: Scored, begins: str, start: Array) -> Array:
     """Where a fit begins, with the size and the onset that foretell most: what sets in may be so large that the answer
-    is in no proportion to it. begins: its onset's quantity; onsets_s: further ones to look at."""
+    is in no proportion to it. begins: its onset's quantity."""
     world = one.world
     still = carried_over(white.last, world)
     base = world.predict(still)
@@ -48,8 +47,8 @@ def sized(white: Whitened, one: Scored, begins: str, start: Array, onsets_s: Seq
 
     for factors in (_SIZES, *_NEARER):  # the size that suits an onset, the onset that suits this, ever nearer
         start = best([of_size(times) for times in factors])
-        later = [start.copy() for _ in onsets_s]
-        for vector, onset_s in zip(later, onsets_s, strict=True):
+        later = [start.copy() for _ in white.sets_in_s]
+        for vector, onset_s in zip(later, white.sets_in_s, strict=True):
             vector[onset_at] = onset_s
         start = best([start, *later])
     return start
@@ -74,7 +73,7 @@ def with_onset(
 
     grid = [
         (foretold(times, onset_s), times, onset_s)
-        for onset_s in (*(np.linspace(*_ONSETS_SPAN, _ONSETS) * duration).tolist(), *sets_in_s(last))
+        for onset_s in (*(np.linspace(*_ONSETS_SPAN, _ONSETS) * duration).tolist(), *white.sets_in_s)
         for times in _TIMES_THE_WHOLE
     ]
     apart_s = (_ONSETS_SPAN[1] - _ONSETS_SPAN[0]) * duration / (_ONSETS - 1)

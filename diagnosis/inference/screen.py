@@ -49,6 +49,7 @@ class Whitened:
     def __init__(self, data: Data, last: Fit, slopes: Slopes) -> None:
         """slopes: of the fit (stillarm.diagnosis.inference.fit.slopes_of)."""
         self.data, self.last = data, last
+        self.sets_in_s = sets_in_s(last)
         self.weights: dict[str, Array] = {}
         parts, times, self.spans = [], [], {}
         self._masks = {name: thinned_mask(name, data.train[name]) for name in last.residuals}
@@ -185,7 +186,7 @@ def screen(
     trials that promise more so is there too."""
     last = white.last
     context = Context(last, residual_peaks(last))
-    onsets_s = [*(np.array(_ONSETS) * last.world.measured.duration_s).tolist(), *sets_in_s(last)]
+    onsets_s = [*(np.array(_ONSETS) * last.world.measured.duration_s).tolist(), *white.sets_in_s]
     worlds: dict[tuple[tuple[str, object], ...], tuple[World, Array, Predicted]] = {}
     todo: list[tuple[Cause, Trial]] = []
     for cause in causes:
