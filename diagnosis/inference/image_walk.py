@@ -62,10 +62,11 @@ def image_walk(last: Fit) -> ImageWalk | None:
 
 
 def is_foretold(last: Fit, other: Fit) -> bool:
-    """Whether another fit leaves images that are no less likely, with or without a walk in them, than what this one
-    leaves is with its walk: what strays has then a reason, such as a lens, and keeps to it while the arm rests."""
+    """Whether another fit leaves images that are, as white noise, no less likely than what this one leaves is with its
+    walk: what strays has then a reason, such as a lens, and keeps to it while the arm rests. A fit that leaves the walk
+    as it is does not count."""
     walk, rest = _wander_in(last), _wander_in(other)
-    return walk is not None and rest is not None and rest.nats >= walk.nats
+    return walk is not None and rest is not None and rest.white_nats >= walk.nats
 
 
 def _wander_in(last: Fit) -> Wander | None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.inference.image_walk import FORM, image_walk
+from stillarm.diagnosis.inference.image_walk import FORM, image_walk, is_foretold
 from stillarm.diagnosis.inference.late_bursts import wander_of
 from tests.fixtures.synthetic import NOISE, fitted, measured
 
@@ -61,3 +61,9 @@ def test_a_walk_is_the_trackers_and_named() -> None:
 def test_what_is_no_walk_has_no_such_form(off: Array) -> None:
     assert FORM.added is not None
     assert FORM.added(with_images_off(off)) == ()
+
+
+def test_a_walk_gives_way_to_what_foretells_the_images_and_to_nothing_that_leaves_it_there() -> None:
+    strays, clean = with_images_off(strayed(STEP_PX)), with_images_off(np.zeros(5000))
+    assert is_foretold(strays, clean)
+    assert not is_foretold(strays, strays)
