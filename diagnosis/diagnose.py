@@ -64,7 +64,9 @@ def diagnose(
         )
     if measured.pair and not given:
         model = with_resonance_of(measured, model)
-    return diagnose_measured(measured, model, hold_out, tick, budget)
+    result = diagnose_measured(measured, model, hold_out, tick, budget)
+    result.table["looked_at"]["incomplete"] = recording.incomplete
+    return result
 
 
 def _diagnose_driven(
@@ -78,7 +80,11 @@ def _diagnose_driven(
         return inf if budget.seconds is None else budget.stages_s - budget.used_s
 
     result = diagnose_driven(recording, model, hold_out, tick, left_s)
-    result.table["looked_at"] |= {"seconds": budget.used_s, "budget_s": budget.seconds}
+    result.table["looked_at"] |= {
+        "seconds": budget.used_s,
+        "budget_s": budget.seconds,
+        "incomplete": recording.incomplete,
+    }
     return result
 
 

@@ -34,6 +34,13 @@ class Recording:
             self.counts[channel.topic] = self.counts.get(channel.topic, 0) + channel.messages
         self._contents = contents
 
+    @property
+    def incomplete(self) -> str:
+        """What of the file could not be read, in words; empty where all of it could."""
+        stretches = "1 damaged stretch is" if self.damaged == 1 else f"{self.damaged} damaged stretches are"
+        lost = ["its end is missing"] * self.cut + [f"{stretches} left out"] * (self.damaged > 0)
+        return "; ".join(lost)
+
     def messages(self, topic: str) -> Iterator[Any]:
         """The topic's messages in the file's order, as Structs of its type in stillarm.common.recording.topics; null
         is NaN.

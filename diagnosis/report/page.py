@@ -30,6 +30,8 @@ def report_page(result: Result, await_use: Callable[[], None] = lambda: None) ->
         f"{name}, {measured.duration_s:.1f} s at {1.0 / measured.cycle_s:g} Hz, {len(measured.frames)} frames; "
         f"{held:.1f} s of it held out of every fit; stillarm {program_version()}"
     )
+    if lost := result.table["looked_at"].get("incomplete", ""):
+        about += f". The recording is incomplete: {lost}"
     head = sections.findings(result) + sections.gains(result)
     tail = "".join(
         each(result)

@@ -49,11 +49,13 @@ def diagnose_together(jobs: Sequence[Job], folder: Path) -> list[Done]:
 
     failed: list[Done] = []
     read: list[tuple[Job, Driven]] = []
+    incomplete: dict[str, str] = {}
     model = jobs[0].model
     for job in jobs:
         try:
             recording = open_recording(job.path)
             read.append((job, read_driven(recording)))
+            incomplete[job.path.stem] = recording.incomplete
             if model is None and recording.header.model.strip():
                 model = model_of(recording)
         except UserError as error:
@@ -69,7 +71,12 @@ def diagnose_together(jobs: Sequence[Job], folder: Path) -> list[Done]:
     labels = [job.path.stem for job in good]
     try:
         result = diagnose_rig(drivens, labels, model, good[0].hold_out, left_s=left_s)
-        result.rig.table["looked_at"] |= {"seconds": budget.used_s, "budget_s": budget.seconds}
+        lost = "; ".join(f"{stem}: {what}" for stem, what in incomplete.items() if what)
+        result.rig.table["looked_at"] |= {
+            "seconds": budget.used_s,
+            "budget_s": budget.seconds,
+            "incomplete": lost,
+        }
         write_driven(result.rig, make_folder(folder))
         for job, view, extended in zip(good, result.views, result.extended, strict=True):
             write_view(view, extended, make_folder(job.folder))

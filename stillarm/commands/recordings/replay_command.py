@@ -69,9 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
     _spare_bundle(arguments.out)
     if recording.counts.get("/images") and not recording.counts.get("/fast"):
         return _replay_images(recording)
-    if recording.cut or recording.damaged:
-        end = "its end is missing" if recording.cut else "it is complete"
-        print(f"{arguments.recording}: {end}; {recording.damaged} damaged stretches are skipped")
+    if recording.incomplete:
+        print(f"{arguments.recording}: {recording.incomplete}")
     with progress_bar(f"reading {arguments.recording.name}"):
         recorded = read_run(recording)
     if not recorded.fast:

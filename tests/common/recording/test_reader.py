@@ -54,6 +54,15 @@ def test_a_cut_file_gives_a_prefix(tmp_path: Path, data: st.DataObject) -> None:
         assert [repr(m) for m in got] == [repr(m) for _, m in messages[: len(got)]]
 
 
+def test_what_could_not_be_read_is_told_in_words(tmp_path: Path) -> None:
+    whole = written(some_fast(3000))
+    path = tmp_path / "recording.mcap"
+    path.write_bytes(whole)
+    assert open_recording(path).incomplete == ""
+    path.write_bytes(whole[: len(whole) // 2])
+    assert open_recording(path).incomplete == "its end is missing"
+
+
 def test_a_cut_loses_at_most_the_last_second_before_it(tmp_path: Path) -> None:
     whole = written(some_fast(5000))
     summary = make_reader(io.BytesIO(whole)).get_summary()

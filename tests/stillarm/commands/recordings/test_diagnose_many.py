@@ -105,3 +105,11 @@ def test_a_verdict_says_what_there_was_no_time_for(left_out: list[str], says: st
     table = {"findings": [], "events": [], "verdict": "none", "looked_at": {"left_out": left_out}}
     said = sentence(table)
     assert said.startswith("nothing wrong") and says in said and ("time" in said) == bool(says)
+
+
+def test_a_verdict_says_what_of_the_recording_could_not_be_read() -> None:
+    looked_at = {"left_out": [], "incomplete": "its end is missing"}
+    table = {"findings": [], "events": [], "verdict": "none", "looked_at": looked_at}
+    said = sentence(table)
+    assert said.startswith("nothing wrong") and "incomplete: its end is missing" in said
+    assert "incomplete" not in sentence(table | {"looked_at": looked_at | {"incomplete": ""}})
