@@ -107,3 +107,4 @@ class FreshStartAssumptions:
     zero_learnt: float = assumed(0.1, "of an image's variance", TRIED)
     no_random_force: float = assumed(1.2, "mean squared residual", "chosen: such a force would leave more")
     dates_doubt_frames: float = assumed(0.5, "frames", TRIED)
+    clock_doubt_frames: float = assumed(0.15, "frames, of a clock that was known before", TRIED)

@@ -6,7 +6,7 @@ Implements Eqs. 21, 22, 23, 62 of docs/fused.md.
 import numpy as np
 
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
-from stillarm.controller.estimation.fused.filters.laws import Array
+from stillarm.controller.estimation.fused.filters.laws import FILTERS, Array
 
 
 def advance_dating(
@@ -63,17 +63,17 @@ def redate(bank: FilterBank, later_s: float) -> None:
     bank.x[:, at.cosine], bank.x[:, at.sine] = turned.real, -turned.imag
     bank.x[:, at.shift] += later_s
     bank.x[:, at.late] -= later_s
-    doubt_dates(bank, (bank.assumed.dates.redated * later_s) ** 2)
+    doubt_dates(bank, np.full(FILTERS, (bank.assumed.dates.redated * later_s) ** 2))
 
 
-def doubt_dates(bank: FilterBank, variance: float) -> None:
-    """Add to the variance of all dates, s^2, with the vibration that the frames show."""
+def doubt_dates(bank: FilterBank, variance: Array) -> None:
+    """Add to the variance of all dates, s^2, (filters,), with the vibration that the frames show."""
     at = bank.at
     by_date = -1j * bank.w_modes * bank.phasors()
     direction = np.zeros(bank.x.shape)
     direction[:, at.cosine], direction[:, at.sine] = by_date.real, -by_date.imag
     direction[:, at.shift], direction[:, at.late] = 1.0, -1.0
-    bank.p += variance * direction[:, :, None] * direction[:, None, :]
+    bank.p += variance[:, None, None] * direction[:, :, None] * direction[:, None, :]
 
 
 def begin_late(bank: FilterBank, one: int, late_s: float) -> None:

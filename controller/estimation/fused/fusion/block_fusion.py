@@ -83,7 +83,7 @@ class BlockFusion:
         if state.force.intensity or state.fresh.astray(block.end_s):
             state.scale_watch.restart()
         elif state.scale_watch.see(difference, expected, variance, block.end_s - block.start_s):
-            state.as_calibrated = False
+            state.as_calibrated = state.unless_forced = False
             state.fresh.remembered.forget()
 
     def advance(self) -> bool:

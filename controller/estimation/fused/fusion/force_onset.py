@@ -13,9 +13,10 @@ from stillarm.controller.estimation.fused.fusion.state import FusionState
 
 
 def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
-    """Let a force begin at that time, and return whether it may: not while a steady random force shakes the arm, and
-    not before the image's zero is known, from which a force deflects the tip. It is asked of the likeliest quiet
-    filter: those hold the force, and the disturbed ones have been loosened for another explanation."""
+    """Let a force begin at that time, and return whether it may: not while a steady random force shakes the arm, not
+    before the image's zero is known, from which a force deflects the tip, and not where the filters have never been
+    consistent and the arm vibrates. It is asked of the likeliest quiet filter: those hold the force, and the disturbed
+    ones have been loosened for another explanation."""
     held = state.held_force
     if not held.may_begin(time_s):
         return False
@@ -24,6 +25,8 @@ def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
         zero_variance = state.bank.zero_variance(quiet, state.held_m)
         if state.shaken or zero_variance > state.assumed.held_force.zero_known * state.image_m2:
             return False
+        if not state.consistency.proven and size_m < 2.0 * state.amplitude_m:
+            return False  # wrong dates alone move images of a vibration by up to twice its amplitude
         give_force(state.bank, state.slow_pull.followed_m())
     held.begin(time_s, size_m)
     return True

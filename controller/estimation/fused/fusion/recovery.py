@@ -1,18 +1,23 @@
 """Restarts after an image: when the filters are lost, their dates are wrong, or the vibration was misled.
 
-Implements Eqs. 60, 61, 62, 64 of docs/fused.md.
+Implements Eqs. 60, 61, 62, 64, 66 of docs/fused.md.
 """
 
 from math import sqrt
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stillarm.controller.estimation.fused.filters.date_update import doubt_dates, redate
 from stillarm.controller.estimation.fused.filters.jumps import end_force, forget_zero
-from stillarm.controller.estimation.fused.filters.laws import CLOCKED
+from stillarm.controller.estimation.fused.filters.laws import CLOCKED, FILTERS, LAWS
 from stillarm.controller.estimation.fused.filters.new_beginning import begin_near, start_vibration
 from stillarm.controller.estimation.fused.fusion.state import FusionState
 from stillarm.controller.estimation.fused.fusion.unexplained_image import UnexplainedImage
 from stillarm.controller.estimation.fused.recovery.fresh_fit import Fresh
 from stillarm.controller.estimation.fused.recovery.fresh_start import Situation
+
+Array = NDArray[np.float64]
 
 
 class Recovery:
@@ -41,7 +46,7 @@ class Recovery:
         state.scale_watch.restart()
         state.images = 0
         self._unexplained.end_run()
-        state.as_calibrated = True
+        state.as_calibrated, state.unless_forced = True, False
         if state.held_force.active:
             end_force(state.bank)
             state.held_force.end(state.bank.edge_s)
@@ -112,6 +117,20 @@ class Recovery:
         variance = state.bank.zero_variance(state.evidence.best, state.held_m)
         return variance < state.assumed.fresh_start.zero_learnt * state.image_m2
 
+    def _misdated(self, now_s: float, *, forced: bool) -> Array:
+        """Variance of what moved the dates while the filters were led astray (Eq. 66), s^2, (filters,). forced: whether
+        a force has led them astray."""
+        state = self._state
+        assumed = state.assumed.fresh_start
+        most = np.full(FILTERS, (assumed.dates_doubt_frames * state.frame_s) ** 2)
+        known = state.fresh.remembered.known
+        if known is None:
+            return most
+        t, k = state.at.shift, state.at.skew
+        departed = state.bank.x[:, t] - known.x[:, t] - known.x[:, k] * (now_s - known.time_s)
+        unknown = 0.0 if forced else (assumed.clock_doubt_frames * state.frame_s) ** 2
+        return np.where(CLOCKED, np.minimum(most, departed * departed + unknown), most)
+
     def _begin_with(self, fresh: Fresh, now_s: float) -> None:
         state = self._state
         bank, held, m, best = state.bank, state.held_force, state.at.modes, state.evidence.best
@@ -122,13 +141,15 @@ class Recovery:
         elif held.active:
             held.end(now_s, explained=True)
         state.health.begin_comparison()
+        if forced and state.unless_forced and best < LAWS:  # a force, and no other arm or scene
+            state.as_calibrated, state.unless_forced = True, False
         if forced:  # what a force did looked like a phase, another scale, or a random force
             state.date_watch.restart()
             state.scale_watch.begin()
             if fresh.misfit[best] < self._state.assumed.fresh_start.no_random_force:
                 state.force.restart()
         if not state.blind:  # the dates may have been wrong: images cannot tell, the accelerometer will
-            doubt_dates(bank, (self._state.assumed.fresh_start.dates_doubt_frames * state.frame_s) ** 2)
+            doubt_dates(bank, self._misdated(now_s, forced=forced))
         self._dates_doubted_until_s = now_s + state.at.period_s
         state.slow_pull.restart()
         self._unexplained.end_run()

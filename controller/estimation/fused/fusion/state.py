@@ -42,9 +42,10 @@ class FusionState:
     outliers: images running outside the gate of all filters. nis: normalised innovation squared of the last image.
     delay_s, delay_std_s: of that image. sampled_s: standard deviation of the instant within a cycle at which a sample
     was taken; the delay and the deflection's instant are uncertain by it. as_calibrated: whether neither arm nor scene
-    has changed since the start. unused_blocks: blocks running that told nothing; blind: whether the accelerometer has
-    told nothing for a while. joint_input: what the joint did, None before the first image. zero_m: how far the image's
-    zero has moved where the joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
+    has changed since the start; unless_forced: whether that was given up for something that a force may explain yet.
+    unused_blocks: blocks running that told nothing; blind: whether the accelerometer has told nothing for a while.
+    joint_input: what the joint did, None before the first image. zero_m: how far the image's zero has moved where the
+    joint holds the tip, m, since zero_then: the filter it was seen by, zero and scale.
     """
 
     assumed: Assumptions
@@ -75,6 +76,7 @@ class FusionState:
     outliers: int = 0
     nis: float = 1.0
     as_calibrated: bool = True
+    unless_forced: bool = False
     unused_blocks: int = 0
     blind: bool = False
     joint_input: JointInput | None = None

@@ -119,6 +119,7 @@ class UnexplainedImage:
             # for the former, the disturbed ones for the latter, and the images decide.
             loosen(bank, DISTURBED)
             state.scale_watch.restart()
+            state.unless_forced = state.unless_forced or state.as_calibrated
             state.as_calibrated = False
         if state.blind and self._before:
             then_s, x, p = self._before[0]

@@ -14,7 +14,8 @@ from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPT
 class Consistency:
     """Watches the most likely filter.
 
-    doubtful: whether its deviations are too small. factor: by how much, at least 1.
+    doubtful: whether its deviations are too small. factor: by how much, at least 1. proven: whether it has been
+    consistent for a while since it began.
     """
 
     def __init__(self, assumed: Assumptions = ASSUMPTIONS) -> None:
@@ -36,7 +37,8 @@ class Consistency:
         self._mean = 1.0
         self._begun_s = time_s
         self._doubted_since_s = float("inf")
-        self.doubtful = False
+        self._seen = 0
+        self.doubtful = self.proven = False
         self.factor = 1.0
 
     def see(self, time_s: float, nis: float, skew: float, skew_std: float, delay_s: float) -> bool:
@@ -49,6 +51,8 @@ class Consistency:
         above = self._mean > (self._assumed.settled if self.doubtful else self._assumed.doubtful)
         self.doubtful = above or impossible
         self.factor = max(1.0, self._mean) ** 0.5 if self.doubtful else 1.0
+        self._seen += 1
+        self.proven = self.proven or (self.calm and self._seen > self._assumed.memory_frames)
         if not self.doubtful:
             self._doubted_since_s = float("inf")
             return False

@@ -124,14 +124,16 @@ def led_astray(shift_s: float, seed: int) -> tuple[Trial, list[Estimate]]:
 @pytest.mark.parametrize("shift_s", [-0.05, 0.05, 0.1])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_dates_that_have_gone_wrong_are_told_of(shift_s: float, seed: int) -> None:
-    """Settled until then; doubted within 0.3 s, with a reason, and the deviation raised at once."""
-    _, said = led_astray(shift_s, seed)
+    """Settled until then; doubted within 0.3 s, with a reason. The deviation is raised at once, unless the dates are
+    found again at once, and the error is no larger than stated."""
+    trial, said = led_astray(shift_s, seed)
     assert {one.trusted for one in said[1000:5000]} == {Trust.SETTLED}
     doubted = [cycle for cycle in range(5000, 5300) if said[cycle].trusted is Trust.DOUBTFUL]
     assert doubted
     first = said[doubted[0]]
     assert first.reason
-    assert first.deflection_std_m > 1.4 * said[4999].deflection_std_m
+    found = float(np.mean(trial.ratio[doubted[0] : 5300] ** 2)) < 2.5
+    assert found or first.deflection_std_m > 1.4 * said[4999].deflection_std_m
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from stillarm.controller.estimation.fused.filters.jumps import loosen
 from stillarm.controller.estimation.fused.filters.laws import DISTURBED, FILTERS, LAWS, QUIET
 from stillarm.controller.estimation.fused.fusion.force_onset import begin_force
 from stillarm.controller.estimation.fused.learning.held_force import HeldForce, SlowPull
+from stillarm.controller.estimation.fused.recovery.consistency import Consistency
 from tests.fixtures.ringing_bank import IMAGE_M2, bank
 
 HELD_M = 0.27
@@ -26,7 +27,7 @@ def knowing(zero_std_m: float, best: int) -> Any:
     return SimpleNamespace(
         bank=filters, at=at, assumed=ASSUMPTIONS, image_m2=IMAGE_M2, held_m=HELD_M, shaken=False,
         held_force=HeldForce(at.modes, IMAGE_M2, 0.4), slow_pull=SlowPull(12.0),
-        evidence=SimpleNamespace(weights=weights, best=best),
+        evidence=SimpleNamespace(weights=weights, best=best), amplitude_m=0.0, consistency=Consistency(),
     )  # fmt: skip
 
 
@@ -47,3 +48,20 @@ def test_no_force_begins_before_the_zero_is_known() -> None:
     loose = knowing(2e-5, 0)
     loosen(loose.bank, QUIET)
     assert not begin_force(loose, 1.0, 0.001)
+
+
+def test_images_of_a_vibration_that_was_never_followed_show_wrong_dates_and_no_force() -> None:
+    """A queue that drained at the start: the images left their gates by 0.7 of the amplitude."""
+    state = knowing(2e-5, 0)
+    state.amplitude_m = 0.006
+    assert not begin_force(state, 1.0, 0.004)
+    for frame in range(60):
+        state.consistency.see(frame / 65.0, 1.0, 0.0, 1e-5, 0.07)
+    assert begin_force(state, 1.0, 0.004)
+
+
+@pytest.mark.parametrize(("amplitude_m", "size_m"), [(0.0, 0.004), (0.0015, 0.004)])
+def test_a_pull_of_an_arm_at_rest_is_a_force_from_the_first(amplitude_m: float, size_m: float) -> None:
+    state = knowing(2e-5, 0)
+    state.amplitude_m = amplitude_m
+    assert begin_force(state, 1.0, size_m)

@@ -51,3 +51,17 @@ def test_dates_that_cannot_be_are_doubted() -> None:
         watch = Consistency()
         watch.see(0.0, 1.0, skew, 6e-5, delay_s)
         assert watch.doubtful
+
+
+def test_it_is_proven_once_it_was_consistent_for_a_while() -> None:
+    watch = Consistency()
+    for k in range(20):
+        watch.see(k * FRAME_S, 20.0, 0.0, 6e-5, 0.074)
+    assert not watch.proven
+    for k in range(20, 300):
+        watch.see(k * FRAME_S, 1.0, 0.0, 6e-5, 0.074)
+    assert watch.proven
+    watch.see(300 * FRAME_S, 30.0, 0.0, 6e-5, 0.074)
+    assert watch.proven  # what comes later is a force, or another arm
+    watch.begin(5.0)
+    assert not watch.proven
