@@ -110,6 +110,11 @@ class AccelerometerHealth:
         against.forget_offset()
         return self._drift
 
+    @property
+    def agrees(self) -> bool:
+        """Whether it is known to show the vibration as images do."""
+        return not self.mute and self._against.gain_std < self._images.sees_gain_std
+
     def begin_comparison(self) -> None:
         """What the images made of it was wrong."""
         self._against = AgainstImages(self._all_assumed)

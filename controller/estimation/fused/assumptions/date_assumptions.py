@@ -39,7 +39,14 @@ class ArrivalAssumptions:
     memory_frames: float = assumed(300.0, "frames", TRIED)
     long_memory_frames: float = assumed(2500.0, "frames", TRIED)
     few: int = assumed(16, "differences", "derived: the variance is known to a third then")
-    enough: int = assumed(64, "differences over the longest time", TRIED)
+    enough: int = assumed(
+        512, "differences over the longest time", "derived: three spans of it in all; those of one overlap"
+    )
+    enough_blind: int = assumed(
+        64,
+        "the same of n_i without an accelerometer",
+        "chosen: nothing else dates an image of an arm at rest then",
+    )
     doubt: float = assumed(
         5.0, "of the short difference's mean", "derived: two deviations, 2 * 1.22 * sqrt(4)"
     )

@@ -55,6 +55,7 @@ class ConsistencyAssumptions:
     lost_after_s: float = assumed(1.0, "s", TRIED)
     patience_s: float = assumed(3.0, "s after a beginning", TRIED)
     known_patience_s: float = assumed(4.0, "s, while what was known may explain the images", TRIED)
+    most_beginnings: int = assumed(3, "beginnings", "chosen: a sensor that contradicts each has another gain")
     doubt_of_lost: float = assumed(0.5, "of the amplitude", TRIED)
     least_of_lost: float = assumed(0.01, "of the first variance", TRIED)
 

@@ -23,6 +23,7 @@ from stillarm.controller.estimation.fused.filters.bank import FilterBank
 from stillarm.controller.estimation.fused.filters.date_update import (
     advance_dating,
     begin_late,
+    doubt_lateness,
     forget_started,
     place,
     update_by_arrival,
@@ -58,7 +59,8 @@ class FrameDates:
         self._lead = lead
         self._frame_s, self._cycle_s = start.frame_s(model), model.timing.cycle_s
         self._model_delay_s = model.timing.capture_delay_s
-        spread_s = start.spread_s(model, assumed)
+        self._first_shift_s = start.first_shift_s(model, assumed)
+        self._spread_s = spread_s = start.spread_s(model, assumed)
         self.dating = Dating(self._frame_s, self._model_delay_s, spread_s, assumed)
         self.shift_noise, self._shift_return = start.shift_noise(model, assumed), start.shift_return(assumed)
         self._wanders = [
@@ -69,6 +71,7 @@ class FrameDates:
         self._floors = [ArrivalFloor(spread_s, assumed) for _ in range(2)]
         self._waited = [True] * FILTERS  # whether the filter's shift has followed arrivals until now
         self._clock_rate = ClockRate(spread_s, self._cycle_s, assumed)
+        self._enough = assumed.arrivals
         self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s, assumed) for _ in range(2)]
         self._started = [
             ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s, assumed) for _ in range(2)
@@ -173,11 +176,14 @@ class FrameDates:
         if self._strange == 0:
             update_by_started(self._bank, started[LAW_OF], noise[LAW_OF], walk[LAW_OF])
         elif self._strange > self._assumed.strange_frames:
-            self._strange = 0
-            forget_started(self._bank, (self._start.ahead_frames * self._frame_s) ** 2)
-            self._lead.forget()
-            for spread in (*self._started, between):
-                spread.restart()
+            self._forget_started()
+
+    def _forget_started(self) -> None:
+        self._strange = 0
+        forget_started(self._bank, (self._start.ahead_frames * self._frame_s) ** 2)
+        self._lead.forget()
+        for spread in (*self._started, self._between):
+            spread.restart()
 
     def _restart_watch(self, law: Law) -> None:
         """Restart what arrivals and n_i teach: those before and after a change of the count or the period cannot be
@@ -212,6 +218,19 @@ class FrameDates:
             bank.p[target, at.skew, at.skew] = rate.std**2
         self._restart_watch(Law.CLOCK)
         return believed
+
+    def follow_started(self, *, early: bool) -> None:
+        """early: whether n_i counts as soon as it can, since nothing else dates the images."""
+        for spread in (*self._started, self._between):
+            spread.enough = self._enough.enough_blind if early else self._enough.enough
+
+    def arrive_anew(self) -> None:
+        """Another supervisor sends the images: they may take longer, or less long, than its predecessor's, and its n_i
+        may lie elsewhere."""
+        for law in (Law.CLOCK, Law.STAMPS):
+            self._restart_watch(law)
+        self._forget_started()
+        doubt_lateness(self._bank, self._first_shift_s**2, self._spread_s**2)
 
     def begin_anew(self, received_s: float) -> None:
         """Forget all that was learnt by wrong dates."""

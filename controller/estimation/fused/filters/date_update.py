@@ -6,7 +6,7 @@ Implements Eqs. 21, 22, 23, 62 of docs/fused.md.
 import numpy as np
 
 from stillarm.controller.estimation.fused.filters.bank import FilterBank
-from stillarm.controller.estimation.fused.filters.laws import FILTERS, Array
+from stillarm.controller.estimation.fused.filters.laws import CLOCKED, FILTERS, Array
 
 
 def advance_dating(
@@ -74,6 +74,14 @@ def doubt_dates(bank: FilterBank, variance: Array) -> None:
     direction[:, at.cosine], direction[:, at.sine] = by_date.real, -by_date.imag
     direction[:, at.shift], direction[:, at.late] = 1.0, -1.0
     bank.p += variance[:, None, None] * direction[:, :, None] * direction[:, None, :]
+
+
+def doubt_lateness(bank: FilterBank, clocked: float, others: float) -> None:
+    """Add to the variances, s^2, of how late images come: of the mean delay by a clock's laws, and by the others, which
+    know no instant apart from it, of their instants."""
+    t, late = bank.at.shift, bank.at.late
+    bank.p[CLOCKED, late, late] += clocked
+    bank.p[~CLOCKED, t, t] += others
 
 
 def begin_late(bank: FilterBank, one: int, late_s: float) -> None:

@@ -122,10 +122,12 @@ class FrameFusion:
         return self.dates.accept(sample, received_s, images_tell=images_tell)
 
     def see_new_zero(self) -> None:
-        """The images that follow count from another zero."""
+        """The images that follow come from another supervisor, and count from another zero."""
         self.learn()
+        self._finish_dates()
         self.blocks.finish()
         self.recovery.forget_zero()
+        self.dates.arrive_anew()
 
     def update_by_arrival(self) -> None:
         """Measurement update by the arrival of the frame accepted last, unless it was made."""
@@ -278,6 +280,8 @@ class FrameFusion:
         """Notice that the accelerometer has gone, or is back."""
         state = self.state
         blind = state.unused_blocks > self._assumed.blind_blocks
+        if blind != state.blind:
+            state.dates.follow_started(early=blind)
         if blind and not state.blind:
             instant = received_s - state.delay_s
             state.evidence.go_blind(state.bank, state.dates.dating, instant, state.delay_std_s)

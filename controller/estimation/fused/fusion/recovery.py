@@ -28,6 +28,9 @@ class Recovery:
         self._state, self._unexplained = state, unexplained
         self._received_s = 0.0
         self._dates_doubted_until_s = float("-inf")
+        self._begun_s = float("inf")  # when the filters began without anything known
+        self._begins = 0
+        self._agreed = False  # whether the accelerometer has ever shown what the images say
 
     @property
     def dates_doubted(self) -> bool:
@@ -71,6 +74,9 @@ class Recovery:
         skew = float(bank.x[best, at.skew]) if clocked else 0.0
         skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
         lost = consistency.see(received_s, state.nis, skew, skew_std, state.delay_s)
+        if self._never_agrees(received_s):
+            self._begin_from_nothing(received_s)
+            return True
         lag_rad = state.date_watch.lag_rad
         if lag_rad and not state.shaken:
             redate(bank, -lag_rad / at.w_first)
@@ -93,6 +99,27 @@ class Recovery:
         state.images = 1  # the image's zero is known
         consistency.begin(received_s)
         return True
+
+    def _never_agrees(self, received_s: float) -> bool:
+        """Whether the accelerometer has contradicted the images from the beginning: then the beginning was wrong. A
+        sensor that still does after some beginnings has another gain."""
+        state, assumed = self._state, self._state.assumed.consistency
+        self._begun_s = min(self._begun_s, received_s)
+        self._agreed = self._agreed or (state.health.agrees and state.consistency.proven)
+        since_s = received_s - self._begun_s
+        return (
+            not self._agreed
+            and state.health.mute
+            and since_s > assumed.patience_s
+            and self._begins < assumed.most_beginnings
+        )
+
+    def _begin_from_nothing(self, received_s: float) -> None:
+        self._begins += 1
+        self._begun_s = received_s
+        self._state.dates.begin_anew(received_s)
+        self.forget_wrong_dates()
+        self._state.consistency.begin(received_s)
 
     def _start_fresh(self, received_s: float) -> bool:
         """Start the vibration anew where the filters were led astray, if the last images tell from what."""

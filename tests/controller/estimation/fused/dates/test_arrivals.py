@@ -31,6 +31,6 @@ def test_no_walk_is_seen_in_white_noise_nor_before_enough_is_known() -> None:
     for _ in range(5):
         spread = ArrivalSpread(FRAME_S, 0.0064, 0.001)
         for count in range(2600):
-            assert spread.known == (count >= 256 + 64)
+            assert spread.known == (count >= 256 + 512)
             spread.add(float(0.0064 * random.standard_normal()))
         assert spread.walk < (0.05 * 0.0064) ** 2
