@@ -16,7 +16,7 @@ from stillarm.common.recording.header import program_version
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
 from stillarm.diagnosis.driven.missing import Curve, MissingForce, missing_bend, missing_force
 from stillarm.diagnosis.report.drawing import AFTER, BEFORE, MEASURED, Picture, figure, svg
-from stillarm.diagnosis.report.words import rounded_cut
+from stillarm.diagnosis.report.words import rounded_cut, unread
 
 _MOST_POINTS = 1200  # of a picture: more hide one another
 
@@ -151,7 +151,7 @@ def report_page(result: DrivenResult) -> str:
     about = (
         f"{name}, {driven.duration_s:.1f} s at {1.0 / driven.step_s:g} Hz, driven by {driven.drive}; "
         f"stillarm {program_version()}"
-    )
+    ) + unread(result.table)
     picture = curves(result)
     return (
         "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"

@@ -9,6 +9,7 @@ from stillarm.common.recording.header import program_version
 from stillarm.diagnosis.report import sections
 from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.report.summary import summary
+from stillarm.diagnosis.report.words import unread
 
 
 def report_page(result: Result, await_use: Callable[[], None] = lambda: None) -> str:
@@ -29,9 +30,7 @@ def report_page(result: Result, await_use: Callable[[], None] = lambda: None) ->
     about = (
         f"{name}, {measured.duration_s:.1f} s at {1.0 / measured.cycle_s:g} Hz, {len(measured.frames)} frames; "
         f"{held:.1f} s of it held out of every fit; stillarm {program_version()}"
-    )
-    if lost := result.table["looked_at"].get("incomplete", ""):
-        about += f". The recording is incomplete: {lost}"
+    ) + unread(result.table)
     head = sections.findings(result) + sections.gains(result)
     tail = "".join(
         each(result)

@@ -82,6 +82,12 @@ def rounded_cut(percent: float) -> str:
     return "more than 99" if 99.5 <= percent < 100.0 else f"{percent:.0f}"
 
 
+def unread(table: dict[str, Any]) -> str:
+    """What of the recording could not be read, to follow a sentence without its stop; empty if all was."""
+    lost = table["looked_at"].get("incomplete", "")
+    return f". The recording is incomplete: {lost}" if lost else ""
+
+
 def why_not(one: Candidate, stage: Stage) -> str:
     """Why a candidate was not taken."""
     taken = stage.taken

@@ -115,9 +115,10 @@ def _plain(value: Any) -> Any:
 def sentence(table: dict[str, Any]) -> str:
     """The verdict in one sentence, and what another verdict might have come from: what of the recording could not be
     read, and what there was no time for."""
-    lost = table["looked_at"].get("incomplete", "")
-    unread = f". The recording is incomplete: {lost}; the rest was diagnosed" if lost else ""
-    return _verdict(table) + unread + short_of_time(table)
+    from stillarm.diagnosis.report.words import unread
+
+    lost = unread(table)
+    return _verdict(table) + (f"{lost}; the rest was diagnosed" if lost else "") + short_of_time(table)
 
 
 def short_of_time(table: dict[str, Any]) -> str:

@@ -130,7 +130,7 @@ class AccelerometerHealth:
     @property
     def sees_impacts(self) -> bool:
         """Whether an impact would show in it: alive, in accord with the images, and its noise small enough."""
-        return not self.mute and self.doubt == 1.0 and self._against.gain_std < self._images.sees_gain_std
+        return self.agrees and self.doubt == 1.0
 
     def alarm(self, time_s: float, excess: float) -> bool:
         """The accelerometer reports an impact, by `excess` times what is significant; whether to believe it.

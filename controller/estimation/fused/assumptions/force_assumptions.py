@@ -58,3 +58,4 @@ class HeldForceAssumptions:
         2.0, "standard deviations of an image", "chosen: a slow pull, when it is noticed"
     )
     zero_known: float = assumed(1.0, "of an image's variance", TRIED)
+    by_wrong_dates: float = assumed(2.0, "of the amplitude", "derived: a vibration shown half a period late")

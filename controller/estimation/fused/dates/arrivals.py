@@ -16,7 +16,7 @@ from stillarm.controller.estimation.fused.assumptions.assumptions import ASSUMPT
 class ArrivalSpread:
     """White variance, s^2, and walk, s^2/s, of arrival, or n_i, minus nominal instant of exposure.
 
-    enough: so many differences over the longest time tell them.
+    early: whether fewer differences than usual have to tell them.
     """
 
     def __init__(
@@ -24,7 +24,7 @@ class ArrivalSpread:
     ) -> None:
         """spread_s: what the model says; it stands for both until the differences tell."""
         self._assumed = assumed.arrivals
-        self.enough = self._assumed.enough
+        self.early = False
         self._frame_s = frame_s
         self._least = cycle_s * cycle_s / 12.0  # arrivals are read once a cycle
         self._first = spread_s * spread_s
@@ -61,7 +61,7 @@ class ArrivalSpread:
     @property
     def known(self) -> bool:
         """Whether enough frames were seen to separate the walk from the white part."""
-        return self._longs >= self.enough
+        return self._longs >= (self._assumed.enough_blind if self.early else self._assumed.enough)
 
     @property
     def white(self) -> float:

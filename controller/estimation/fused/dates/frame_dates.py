@@ -71,7 +71,6 @@ class FrameDates:
         self._floors = [ArrivalFloor(spread_s, assumed) for _ in range(2)]
         self._waited = [True] * FILTERS  # whether the filter's shift has followed arrivals until now
         self._clock_rate = ClockRate(spread_s, self._cycle_s, assumed)
-        self._enough = assumed.arrivals
         self._spread = [ArrivalSpread(self._frame_s, spread_s, self._cycle_s, assumed) for _ in range(2)]
         self._started = [
             ArrivalSpread(self._frame_s, self._frame_s, self._cycle_s, assumed) for _ in range(2)
@@ -222,7 +221,7 @@ class FrameDates:
     def follow_started(self, *, early: bool) -> None:
         """early: whether n_i counts as soon as it can, since nothing else dates the images."""
         for spread in (*self._started, self._between):
-            spread.enough = self._enough.enough_blind if early else self._enough.enough
+            spread.early = early
 
     def arrive_anew(self) -> None:
         """Another supervisor sends the images: they may take longer, or less long, than its predecessor's, and its n_i

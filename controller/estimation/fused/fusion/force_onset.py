@@ -25,8 +25,9 @@ def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
         zero_variance = state.bank.zero_variance(quiet, state.held_m)
         if state.shaken or zero_variance > state.assumed.held_force.zero_known * state.image_m2:
             return False
-        if not state.consistency.proven and size_m < 2.0 * state.amplitude_m:
-            return False  # wrong dates alone move images of a vibration by up to twice its amplitude
+        by_wrong_dates_m = state.assumed.held_force.by_wrong_dates * state.amplitude_m
+        if not state.consistency.proven and size_m < by_wrong_dates_m:
+            return False
         give_force(state.bank, state.slow_pull.followed_m())
     held.begin(time_s, size_m)
     return True

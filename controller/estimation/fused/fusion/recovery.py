@@ -75,7 +75,9 @@ class Recovery:
         skew_std = sqrt(max(float(bank.p[best, at.skew, at.skew]), 0.0))
         lost = consistency.see(received_s, state.nis, skew, skew_std, state.delay_s)
         if self._never_agrees(received_s):
-            self._begin_from_nothing(received_s)
+            self._begins += 1
+            self._begun_s = received_s
+            self._begin_anew(received_s)
             return True
         lag_rad = state.date_watch.lag_rad
         if lag_rad and not state.shaken:
@@ -93,11 +95,9 @@ class Recovery:
         if not lost or state.shaken or state.held_force.active:  # what shakes the arm is no wrong date
             return False
         phasors = bank.x[best].copy()
-        state.dates.begin_anew(received_s)
+        self._begin_anew(received_s)
         begin_near(bank, phasors)
-        self.forget_wrong_dates()
         state.images = 1  # the image's zero is known
-        consistency.begin(received_s)
         return True
 
     def _never_agrees(self, received_s: float) -> bool:
@@ -114,9 +114,7 @@ class Recovery:
             and self._begins < assumed.most_beginnings
         )
 
-    def _begin_from_nothing(self, received_s: float) -> None:
-        self._begins += 1
-        self._begun_s = received_s
+    def _begin_anew(self, received_s: float) -> None:
         self._state.dates.begin_anew(received_s)
         self.forget_wrong_dates()
         self._state.consistency.begin(received_s)
