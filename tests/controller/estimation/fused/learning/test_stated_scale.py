@@ -16,7 +16,7 @@ from stillarm.controller.estimation.fused.method import FusedMethod
 from tests.reference.ringing_world import judge, model_for, ring
 
 AMPLITUDE = 0.006
-FIRST, STATED = 0.07**2, 0.01**2
+FIRST, STATED = 0.07**2, 0.005**2
 EVEN = Stated(STATED, 1.0)
 SCALE = 1
 
@@ -72,7 +72,7 @@ def test_another_scene_overrules_the_model() -> None:
 
 def test_nothing_is_judged_before_the_sensors_have_spoken_nor_long_after() -> None:
     """The state comes back as it is."""
-    for std in (0.07, 0.0015):
+    for std in (0.07, 0.0009):
         x, p = told(0.001, std)
         assert x[SCALE] == 0.001
         assert p[SCALE, SCALE] == std**2
