@@ -65,6 +65,12 @@ class Colour:
         """Deviation of what it whitens, in deviations of the innovations: an ARMA(1, 1) process's."""
         return sqrt(1.0 + (self.stay - self.moving) ** 2 / max(1.0 - self.stay**2, 1e-12))
 
+    @property
+    def wandered(self) -> float:
+        """Deviation of the wander alone, in deviations of the innovations: the steady state of its Kalman filter, of
+        gain 1 - moving / stay, has innovations of the variance white / (1 - gain)."""
+        return sqrt(max(self.strayed**2 - self.moving / self.stay, 0.0)) if self.stay else 0.0
+
 
 _TIMES = 12  # correlation times tried, in equal ratios
 
@@ -76,30 +82,46 @@ _SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.985)
 _WANDER_NATS = 6.0  # to gain over white noise: _TIMES by _SHARES, 132 laws, are tried, and log 132 = 4.9
 
 
+@dataclass(frozen=True)
+class WanderLaw:
+    """A law of the arrivals. std: of its innovations; nats: its restricted log-likelihood, but for a constant."""
+
+    colour: Colour
+    std: float
+    nats: float
+
+
 def wander_colour(residual: Array, longest_frames: float, most: float = inf) -> Colour:
-    """Colour of an arrival residual by restricted maximum likelihood: a straight trend is projected out, and what it
-    takes with it of a slow wander is allowed for (Patterson and Thompson, Biometrika 58, 1971).
+    """Colour of an arrival residual: that of `wander_law`; none where too few arrivals tell one."""
+    law = wander_law(residual, longest_frames, most)
+    return Colour() if law is None else law.colour
+
+
+def wander_law(residual: Array, longest_frames: float, most: float = inf) -> WanderLaw | None:
+    """Law of an arrival residual by restricted maximum likelihood: a straight trend is projected out, and what it
+    takes with it of a slow wander is allowed for (Patterson and Thompson, Biometrika 58, 1971). None where there are
+    too few arrivals.
 
     Without that a wander as long as the recording would seem shorter and smaller than it is, and a drift surer.
-    longest_frames: a wander may last so long, not longer: what lasts longer is a drift. most: nor may it stray so far
-    that the whole deviates by more.
+    longest_frames: a wander may last so long, not longer: what lasts longer is a drift. most: nor may it stray
+    further.
     """
     r = residual[np.isfinite(residual)]
     n = len(r)
     if n < MIN_ARRIVALS:
-        return Colour()
+        return None
     x = np.linspace(-1.0, 1.0, n)
     r = r - np.median(r)
     r = r - x * float(x @ r) / float(x @ x)
     limit = 4.0 * std_about_zero(r) + 1e-12
     columns = np.stack((np.ones(n), x, np.clip(r - r.mean(), -limit, limit)))
-    plain, _ = _restricted(columns)
-    best, colour = plain + _WANDER_NATS, Colour()
+    plain, std = _restricted(columns)
+    best, found = plain + _WANDER_NATS, WanderLaw(Colour(), std, plain)
     for one in wander_colours(longest_frames):
         nats, std = _restricted(lfilter([1.0, -one.stay], [1.0, -one.moving], columns)[:, 1:])
-        if nats > best and std * one.strayed <= most:
-            best, colour = nats, one
-    return colour
+        if nats > best and std * one.wandered <= most:
+            best, found = nats, WanderLaw(one, std, nats)
+    return found
 
 
 def wander_colours(longest_frames: float) -> list[Colour]:

@@ -177,29 +177,34 @@ def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> floa
 
 
 def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> float:
-    """In one channel. What rounding makes is no noise: a fit of anything may take all of it, step^2 / 12. Arrivals are
-    judged beside a wander of the delay, which follows a step that lasts: of that it is by how much they are foretold
-    otherwise."""
+    """In one channel. What rounding makes is no noise: a fit of anything may take all of it, step^2 / 12. Of what lasts
+    in the arrivals a wander of the delay takes the most: it counts by how much they are foretold otherwise, and a
+    drift, which is what a delay that wanders looks like, no more than it is seen beside the wander."""
     less = before.residuals[name] ** 2 - after.residuals[name] ** 2
     known = less[np.isfinite(less)]
     power = max((float(one.mean()) for one in np.array_split(known, parts) if len(one)), default=0.0)
-    power -= before.world.resolution(name) ** 2 / 12.0
+    noise = noise_of(after, name, split)
     if name == "arrival":
-        power = max(power, (_OF_LASTING * _stepped_by(before, after)) ** 2)
-    return sqrt(max(power, 0.0)) / noise_of(after, name, split)
+        otherwise = _foretold_otherwise(before, after)
+        lasting = _OF_LASTING * float(np.std(otherwise)) if len(otherwise) > 1 else 0.0
+        drifts = not _steps(otherwise) and len(after.world.added) <= len(before.world.added)
+        return (min(sqrt(max(power, 0.0)), lasting) if drifts else lasting) / noise
+    power -= before.world.resolution(name) ** 2 / 12.0
+    return sqrt(max(power, 0.0)) / noise
 
 
-def _stepped_by(before: Fit, after: Fit) -> float:
-    """By how much arrivals are foretold otherwise, s rms, if that is a step: a drift is what a delay that wanders looks
-    like, and has to be seen beside it."""
+def _foretold_otherwise(before: Fit, after: Fit) -> Array:
+    """How much later arrivals are foretold, s; none where they were not measured."""
     now, then = after.channel("arrival"), before.channel("arrival")
     if now is None or then is None:
-        return 0.0
+        return np.empty(0)
     otherwise = now.predicted - then.predicted
-    otherwise = otherwise[np.isfinite(otherwise)]
-    if len(otherwise) < 2 or np.max(np.abs(np.diff(otherwise))) < _OF_A_STEP * np.ptp(otherwise):
-        return 0.0
-    return float(np.std(otherwise))
+    return np.asarray(otherwise[np.isfinite(otherwise)])
+
+
+def _steps(later_s: Array) -> bool:
+    """Whether most of it comes from one arrival to the next."""
+    return len(later_s) > 1 and bool(np.max(np.abs(np.diff(later_s))) >= _OF_A_STEP * np.ptp(later_s))
 
 
 def noise_of(last: Fit, name: str, split: Split) -> float:

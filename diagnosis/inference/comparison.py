@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference import delay_walk, image_walk
 from stillarm.diagnosis.inference.begun import Begun, free_names, gain_of, settled_nats
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate, Found
 from stillarm.diagnosis.inference.cause import Form
@@ -21,8 +22,6 @@ from stillarm.diagnosis.inference.evidence import Score, score
 from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
-from stillarm.diagnosis.inference.image_walk import FORM as IMAGE_WALK
-from stillarm.diagnosis.inference.image_walk import is_foretold
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.inference.onsets import sized, with_onset, with_onset_settled
 from stillarm.diagnosis.inference.screen import Scored, Whitened, screen
@@ -34,7 +33,8 @@ _Key = TypeVar("_Key")
 Array = NDArray[np.float64]
 
 _POLISHED = 3  # causes
-_RIVALS = 5  # candidates that a walk of the images is held against
+_WALKS = (image_walk, delay_walk)
+_RIVALS = 5  # candidates that a walk is held against
 _WITH_ONSET = 4  # causes that an onset is tried for
 LEFT_OUT = "some forms of causes"
 
@@ -95,18 +95,21 @@ def compared(
         found.left_out.append(LEFT_OUT)
     for one in candidates:
         one.fit.world.forget()
-    return screening, _without_needless_walk(sorted(candidates, key=lambda one: -one.merit), last)
+    return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
 
 
-def _without_needless_walk(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
-    """Candidates without a walk of the images, if one of the best of the others foretells the images as well."""
-    others = [one for one in by_merit if one.form != IMAGE_WALK.name and one.merit > PRICE_NATS]
-    rivals = [one.fit for one in others[:_RIVALS] if one.cause != IMAGE_WALK.id]
-    return [
-        one
-        for one in by_merit
-        if one.form != IMAGE_WALK.name or not any(is_foretold(last, rival) for rival in rivals)
-    ]
+def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
+    """Candidates without a walk of the images, or of the delay, if one of the best of the others foretells these as
+    well."""
+    needless = set()
+    for walk in _WALKS:
+        form = walk.FORM
+        others = [one for one in by_merit if one.form != form.name and one.merit > PRICE_NATS]
+        rivals = [one.fit for one in others[:_RIVALS] if one.cause != form.id]
+        walks = any(one.form == form.name and one.cause == form.id for one in by_merit)
+        if walks and any(walk.is_foretold(last, rival) for rival in rivals):
+            needless.add((form.id, form.name))
+    return [one for one in by_merit if (one.cause, one.form) not in needless]
 
 
 def _known(begun: Sequence[Begun], last: Fit) -> list[object]:

@@ -35,7 +35,6 @@ Slopes = Mapping[str, Mapping[str, Array]]
 
 WANDER_S = 15.0
 """Longest correlation time of a delay's wander: what lasts longer is a drift, s."""
-_WANDERS = 2.0  # times the stated deviation: a delay that strays further is no wander of the usual one
 SETTLED_NATS = 0.02
 """A step of a fit that gains less is its last, unless the caller says otherwise."""
 
@@ -147,7 +146,7 @@ def colours(data: Data, vector: Array) -> Colours:
     arrivals, images = off.get("arrival"), off.get("displacement")
     if arrivals is not None:
         frames = WANDER_S / world.step_s("arrival")
-        most = _WANDERS * world.model.timing.capture_delay_std_s or inf
+        most = world.model.timing.capture_delay_std_s or inf  # a delay that wanders further is no usual one
         found["arrival"] = wander_colour(arrivals[data.trained("arrival")], frames, most)
     if images is not None and world.frame_clock.arrival:
         found["displacement"] = doubt_colour(

@@ -42,6 +42,7 @@ from stillarm.diagnosis.inference.courses import (
     tilt_terms,
     tilt_values,
 )
+from stillarm.diagnosis.inference.delay_walk import FORM as DELAY_WALK
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.inference.image_walk import FORM as IMAGE_WALK
 from stillarm.diagnosis.inference.swelling_hum import FORM as SWELLING_HUM
@@ -250,6 +251,7 @@ _FURTHER: tuple[Form, ...] = (
     ),
     IMAGE_WALK,
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
+    DELAY_WALK,
     of_terms("camera_tilt_coupling", "along an arc", "displacement", "arc", arc_values, arc_terms),
     of_terms("camera_tilt_coupling", "with the joint alone", "displacement", "tilt", tilt_values, tilt_terms),
     of_terms("lens_distortion", "about a centre", "displacement", "lens", lens_values, lens_terms),
