@@ -102,7 +102,8 @@ class Recovery:
 
     def _never_agrees(self, received_s: float) -> bool:
         """Whether the accelerometer has contradicted the images from the beginning: then the beginning was wrong. A
-        sensor that still does after some beginnings has another gain."""
+        sensor that still does after some beginnings has another gain; and a force larger than wrong dates make of the
+        vibration shows in the images alone."""
         state, assumed = self._state, self._state.assumed.consistency
         self._begun_s = min(self._begun_s, received_s)
         self._agreed = self._agreed or (state.health.agrees and state.consistency.proven)
@@ -112,7 +113,14 @@ class Recovery:
             and state.health.mute
             and since_s > assumed.patience_s
             and self._begins < assumed.most_beginnings
+            and not self._holds_more_than_wrong_dates()
         )
+
+    def _holds_more_than_wrong_dates(self) -> bool:
+        state = self._state
+        force_m = abs(float(state.bank.x[state.evidence.best, state.at.force]))
+        most_m = state.assumed.held_force.by_wrong_dates * state.amplitude_m
+        return state.held_force.active and force_m > most_m
 
     def _begin_anew(self, received_s: float) -> None:
         self._state.dates.begin_anew(received_s)
