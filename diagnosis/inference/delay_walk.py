@@ -7,7 +7,7 @@ of steps then stands for the walk in the fit.
 """
 
 from dataclasses import dataclass
-from math import log, sqrt
+from math import inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 _GROUP, _NUMBERS = "stray", 3  # of the law: how far, for how long, and the noise
 _LASTS_S = 2.0  # that a walk is remembered at least: what is shorter is a burst
 _LONGEST = 4.0  # correlation time, in recordings: a walk that lasts longer looks no different
-_LAWS: Lately[tuple[bytes, bool], WanderLaw | None] = Lately(16)
-"""By what a fit leaves of the arrivals, and whether it is the usual law."""
+_LAWS: Lately[tuple[bytes, float, float], WanderLaw | None] = Lately(16)
+"""By what a fit leaves of the arrivals, how long a wander may last, frames, and how far it may stray, s."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,11 @@ def _law_of(last: Fit, usual: bool) -> WanderLaw | None:
     arrivals, stated_s = last.channel("arrival"), last.world.model.timing.capture_delay_std_s
     if arrivals is None or stated_s <= 0.0:
         return None
-    off, frames = arrivals.off, WANDER_S / last.world.step_s("arrival")
-    if usual:
-        return _LAWS.of((off.tobytes(), True), lambda: wander_law(off, frames, stated_s))
-    return _LAWS.of((off.tobytes(), False), lambda: wander_law(off, _LONGEST * len(off)))
+    off = arrivals.off
+    longest, most_s = (
+        (WANDER_S / last.world.step_s("arrival"), stated_s) if usual else (_LONGEST * len(off), inf)
+    )
+    return _LAWS.of((off.tobytes(), longest, most_s), lambda: wander_law(off, longest, most_s))
 
 
 def _terms(fit: Fit) -> tuple[Added, ...]:
