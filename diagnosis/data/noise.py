@@ -67,8 +67,8 @@ class Colour:
 
     @property
     def wandered(self) -> float:
-        """Deviation of the wander alone, in deviations of the innovations: the steady state of its Kalman filter, of
-        gain 1 - moving / stay, has innovations of the variance white / (1 - gain)."""
+        """Deviation of the wander alone, in deviations of the innovations. The white noise's variance is moving / stay
+        of theirs: in the Kalman filter's steady state both ratios are 1 - gain."""
         return sqrt(max(self.strayed**2 - self.moving / self.stay, 0.0)) if self.stay else 0.0
 
 

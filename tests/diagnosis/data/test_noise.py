@@ -5,7 +5,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from stillarm.diagnosis.data.noise import Colour, likeliest_level, log_likelihood, wander_colour
+from stillarm.diagnosis.data.noise import (
+    Colour,
+    likeliest_level,
+    log_likelihood,
+    wander_colour,
+    wander_colours,
+)
 
 Array = NDArray[np.float64]
 
@@ -81,3 +87,11 @@ def test_how_far_a_colour_strays_is_what_it_makes_of_white_values() -> None:
     one = Colour(stay=0.98, moving=0.8)
     made = lfilter([1.0, -one.moving], [1.0, -one.stay], np.random.default_rng(2).standard_normal(200_000))
     assert one.strayed == pytest.approx(float(np.std(made)), rel=0.05)
+
+
+def test_how_far_a_colour_wanders_leaves_out_the_white_noise() -> None:
+    """A wander of a given share of the variance, in white noise."""
+    for time in (50.0, 2000.0):
+        for colour, share in zip(wander_colours(time)[-11:], (0.02, 0.05, 0.1, 0.2, 0.35, 0.5), strict=False):
+            assert (colour.wandered / colour.strayed) ** 2 == pytest.approx(share, rel=1e-6)
+    assert Colour().wandered == 0.0

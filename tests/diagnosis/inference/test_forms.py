@@ -21,7 +21,7 @@ from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
 WORLD = World(measured(6.0, 1), MODEL)
-# a hum, or a walk, has to be there: test_swelling_hum.py, test_image_walk.py
+# a hum, or a walk, has to be there: test_swelling_hum.py, test_image_walk.py, test_delay_walk.py
 ALL = [one for one in forms(WORLD) if one.name not in ("that swells", "as a random walk")]
 COURSES = [
     one for one in ALL if one.added is not None and one.id not in ("lens_distortion", "camera_tilt_coupling")
