@@ -138,7 +138,11 @@ def _is_anyhow(one: Candidate, last: Fit) -> bool:
 
 def is_of_free_form(one: Candidate, last: Fit) -> bool:
     """Whether a form takes any course: so it takes a part of any discrepancy in its channel as well."""
-    return len(one.fit.world.added) > len(last.world.added)
+    return _adds_terms(one.fit, last)
+
+
+def _adds_terms(fit: Fit, last: Fit) -> bool:
+    return len(fit.world.added) > len(last.world.added)
 
 
 def _is_of_an_event(one: Candidate) -> bool:
@@ -183,28 +187,28 @@ def _mended(before: Fit, after: Fit, name: str, split: Split, parts: int) -> flo
     less = before.residuals[name] ** 2 - after.residuals[name] ** 2
     known = less[np.isfinite(less)]
     power = max((float(one.mean()) for one in np.array_split(known, parts) if len(one)), default=0.0)
-    noise = noise_of(after, name, split)
-    if name == "arrival":
-        otherwise = _foretold_otherwise(before, after)
-        lasting = _OF_LASTING * float(np.std(otherwise)) if len(otherwise) > 1 else 0.0
-        drifts = not _steps(otherwise) and len(after.world.added) <= len(before.world.added)
-        return (min(sqrt(max(power, 0.0)), lasting) if drifts else lasting) / noise
     power -= before.world.resolution(name) ** 2 / 12.0
-    return sqrt(max(power, 0.0)) / noise
+    seen = sqrt(max(power, 0.0))
+    return (_lasting(before, after, seen) if name == "arrival" else seen) / noise_of(after, name, split)
 
 
-def _foretold_otherwise(before: Fit, after: Fit) -> Array:
-    """How much later arrivals are foretold, s; none where they were not measured."""
+def _lasting(before: Fit, after: Fit, seen_s: float) -> float:
+    """By how much arrivals that are foretold otherwise count, s. seen_s: beside a wander of the delay, rms."""
     now, then = after.channel("arrival"), before.channel("arrival")
     if now is None or then is None:
-        return np.empty(0)
+        return 0.0
     otherwise = now.predicted - then.predicted
-    return np.asarray(otherwise[np.isfinite(otherwise)])
+    otherwise = otherwise[np.isfinite(otherwise)]
+    if len(otherwise) < 2:
+        return 0.0
+    lasting_s = _OF_LASTING * float(np.std(otherwise))
+    drifts = not _steps(otherwise) and not _adds_terms(after, before)
+    return min(seen_s, lasting_s) if drifts else lasting_s
 
 
 def _steps(later_s: Array) -> bool:
     """Whether most of it comes from one arrival to the next."""
-    return len(later_s) > 1 and bool(np.max(np.abs(np.diff(later_s))) >= _OF_A_STEP * np.ptp(later_s))
+    return bool(np.max(np.abs(np.diff(later_s))) >= _OF_A_STEP * np.ptp(later_s))
 
 
 def noise_of(last: Fit, name: str, split: Split) -> float:

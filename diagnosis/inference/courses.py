@@ -1,6 +1,8 @@
 """Forms that add terms to one channel: a course over time, as knots or as a random walk, and a lens about a centre."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from math import expm1, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +66,40 @@ def of_course(
         return rate_of_course(fit, parameter, channel, group_of(fit, group))
 
     return of_terms(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
+
+
+@dataclass(frozen=True)
+class Walk:
+    """A random walk that a fit leaves in a channel. step: standard deviation of what it strays within the time between
+    two knots, in the channel's unit; nats: more than the channel's usual law gives, less what its numbers cost."""
+
+    step: float
+    nats: float
+
+
+def walk_that_lasts(lasts_s: float, std: float, nats: float) -> Walk:
+    """The walk of a first-order wander. lasts_s: its correlation time; std: its deviation, in the channel's unit."""
+    return Walk(std * sqrt(-2.0 * expm1(-WALK_S / lasts_s)), nats)
+
+
+def of_walk(
+    identifier: str, parameter: str, channel: str, group: str, walk_of: Callable[[Fit], Walk | None]
+) -> Form:
+    """A cause as a random walk, which is judged as a law: by what `walk_of` says of the fit so far. group: of its
+    terms, a name of its own."""
+
+    def added(fit: Fit) -> tuple[Added, ...]:
+        walk = walk_of(fit)
+        return () if walk is None else (Added(group, {channel: walk_over(fit, channel)}, walk.step),)
+
+    def nats(last: Fit) -> float:
+        walk = walk_of(last)
+        return 0.0 if walk is None else walk.nats
+
+    def parameters(fit: Fit) -> Values:
+        return rate_of_course(fit, parameter, channel, group_of(fit, group))
+
+    return of_terms(identifier, "as a random walk", channel, group, parameters, added, nats_of=nats)
 
 
 def rate_of_course(fit: Fit, parameter: str, channel: str, group: Added) -> Values:

@@ -6,50 +6,33 @@ cannot tell: it is of what the usual law makes of the arrivals, and that follows
 of steps then stands for the walk in the fit.
 """
 
-from dataclasses import dataclass
-from math import inf, log, sqrt
-
-import numpy as np
-from numpy.typing import NDArray
+from math import inf, log
 
 from stillarm.diagnosis.data.noise import WanderLaw, wander_law
 from stillarm.diagnosis.inference.candidates import PRICE_NATS
 from stillarm.diagnosis.inference.cause import Form
-from stillarm.diagnosis.inference.courses import WALK_S, group_of, of_terms, rate_of_course, walk_over
+from stillarm.diagnosis.inference.courses import Walk, of_walk, walk_that_lasts
 from stillarm.diagnosis.inference.fit import WANDER_S
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.physics.computing import Lately
-from stillarm.diagnosis.physics.space import Added
 
-Array = NDArray[np.float64]
-
-_GROUP, _NUMBERS = "stray", 3  # of the law: how far, for how long, and the noise
+_NUMBERS = 3  # of the law: how far, for how long, and the noise
 _LASTS_S = 2.0  # that a walk is remembered at least: what is shorter is a burst
 _LONGEST = 4.0  # correlation time, in recordings: a walk that lasts longer looks no different
 _LAWS: Lately[tuple[bytes, float, float], WanderLaw | None] = Lately(16)
 """By what a fit leaves of the arrivals, how long a wander may last, frames, and how far it may stray, s."""
 
 
-@dataclass(frozen=True)
-class DelayWalk:
-    """A walk of the delay. step_s: standard deviation of what it strays within the time between two knots; nats: more
-    than the usual law gives, less what its numbers cost."""
-
-    step_s: float
-    nats: float
-
-
-def delay_walk(last: Fit) -> DelayWalk | None:
+def delay_walk(last: Fit) -> Walk | None:
     """The walk of the delay that a fit leaves in the arrivals; None where there is none, or none is too far."""
     usual, free = _law_of(last, usual=True), _law_of(last, usual=False)
     if usual is None or free is None or free.colour.stay == 0.0:
         return None
     lasts_s = -last.world.step_s("arrival") / log(free.colour.stay)
-    strays_s = free.std * free.colour.wandered
     gain = free.nats - usual.nats - PRICE_NATS * _NUMBERS
     if lasts_s < _LASTS_S or gain <= 0.0:
         return None
-    return DelayWalk(strays_s * sqrt(2.0 * -float(np.expm1(-WALK_S / lasts_s))), gain)
+    return walk_that_lasts(lasts_s, free.std * free.colour.wandered, gain)
 
 
 def is_foretold(last: Fit, other: Fit) -> bool:
@@ -72,24 +55,4 @@ def _law_of(last: Fit, usual: bool) -> WanderLaw | None:
     return _LAWS.of((off.tobytes(), longest, most_s), lambda: wander_law(off, longest, most_s))
 
 
-def _terms(fit: Fit) -> tuple[Added, ...]:
-    walk = delay_walk(fit)
-    if walk is None:
-        return ()
-    return (Added(_GROUP, {"arrival": walk_over(fit, "arrival")}, walk.step_s),)
-
-
-def _nats(last: Fit) -> float:
-    walk = delay_walk(last)
-    return 0.0 if walk is None else walk.nats
-
-
-FORM: Form = of_terms(
-    "delay_drift",
-    "as a random walk",
-    "arrival",
-    _GROUP,
-    lambda fit: rate_of_course(fit, "rate_s_per_s", "arrival", group_of(fit, _GROUP)),
-    _terms,
-    nats_of=_nats,
-)
+FORM: Form = of_walk("delay_drift", "rate_s_per_s", "arrival", "strayed delay", delay_walk)

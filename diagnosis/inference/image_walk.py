@@ -8,9 +8,6 @@ such a spectrum. So the walk has to be the whole of it: what it leaves from imag
 lasts for much longer than the arm swings. A course of knots then stands for the walk in the fit.
 """
 
-from dataclasses import dataclass
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,15 +15,14 @@ from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.inference.band_score import SHAPES, log_density, spectra
 from stillarm.diagnosis.inference.candidates import PRICE_NATS
 from stillarm.diagnosis.inference.cause import Form
-from stillarm.diagnosis.inference.courses import WALK_S, group_of, of_terms, rate_of_course, walk_over
+from stillarm.diagnosis.inference.courses import Walk, of_walk, walk_that_lasts
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.inference.late_bursts import Wander, wander_of
 from stillarm.diagnosis.physics.computing import Lately
-from stillarm.diagnosis.physics.space import Added
 
 Array = NDArray[np.float64]
 
-_GROUP, _NUMBERS = "stray", 3  # of the law: how far, for how long, and the noise
+_NUMBERS = 3  # of the law: how far, for how long, and the noise
 _LASTS_SWINGS = 4.0  # of the arm, that a walk is remembered at least: what is quicker may be the arm
 # nats that the innovations' bands may tell: of what the walk gains; at least
 _OF_GAIN, _BY_CHANCE = 0.05, 20.0
@@ -34,16 +30,7 @@ _WANDERS: Lately[bytes, Wander | None] = Lately(8)
 """By what a fit leaves in the images: it is asked for as terms, as nats, and beside each of some rivals."""
 
 
-@dataclass(frozen=True)
-class ImageWalk:
-    """A walk of the images. step_px: standard deviation of what it strays within the time between two knots; nats: more
-    than white noise gives, less what its numbers cost."""
-
-    step_px: float
-    nats: float
-
-
-def image_walk(last: Fit) -> ImageWalk | None:
+def image_walk(last: Fit) -> Walk | None:
     """The walk that a fit leaves in the images; None where there is none, or it is not the whole of what is left."""
     wander = _wander_in(last)
     if wander is None:
@@ -57,8 +44,7 @@ def image_walk(last: Fit) -> ImageWalk | None:
     gain = wander.nats - wander.white_nats - PRICE_NATS * _NUMBERS
     if gain <= 0.0 or _told_by_bands(wander, period_s) > max(_OF_GAIN * gain, _BY_CHANCE):
         return None
-    step = wander.std * sqrt(2.0 * -np.expm1(-WALK_S / lasts_s))
-    return ImageWalk(float(step), float(gain))
+    return walk_that_lasts(float(lasts_s), wander.std, float(gain))
 
 
 def is_foretold(last: Fit, other: Fit) -> bool:
@@ -86,24 +72,4 @@ def _told_by_bands(wander: Wander, period_s: float) -> float:
     return float(told[0] - told[1])
 
 
-def _terms(fit: Fit) -> tuple[Added, ...]:
-    walk = image_walk(fit)
-    if walk is None:
-        return ()
-    return (Added(_GROUP, {"displacement": walk_over(fit, "displacement")}, walk.step_px),)
-
-
-def _nats(last: Fit) -> float:
-    walk = image_walk(last)
-    return 0.0 if walk is None else walk.nats
-
-
-FORM: Form = of_terms(
-    "tracking_drift",
-    "as a random walk",
-    "displacement",
-    _GROUP,
-    lambda fit: rate_of_course(fit, "rate_px_per_s", "displacement", group_of(fit, _GROUP)),
-    _terms,
-    nats_of=_nats,
-)
+FORM: Form = of_walk("tracking_drift", "rate_px_per_s", "displacement", "strayed image", image_walk)

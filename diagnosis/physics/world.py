@@ -200,7 +200,10 @@ class World:
         return self._variation[channel]
 
     def resolution(self, channel: str) -> float:
-        """The step to which a channel's values are rounded, in its unit; next to nothing where they are not."""
+        """The step to which a channel's values are rounded, in its unit; next to nothing where they are not. None is
+        told of arrivals, which differ by a frame."""
+        if channel == "arrival":
+            return 0.0
         if channel not in self._resolution:
             values = self.channels[channel]
             step = resolution(values[np.isfinite(values)])

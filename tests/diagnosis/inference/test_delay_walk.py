@@ -12,6 +12,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
 from stillarm.diagnosis.inference.delay_walk import FORM, delay_walk, is_foretold
 from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.inference.image_walk import FORM as IMAGE_WALK
 from tests.fixtures.synthetic import ARRIVAL_STD_S, MODEL, fitted, measured
 
 SECONDS, RATE_HZ = 24.0, 65.0
@@ -78,3 +79,20 @@ def test_where_no_scatter_is_stated_no_walk_is_beyond_it() -> None:
     silent = Model(arm=MODEL.arm, camera=MODEL.camera, timing=Timing(capture_delay_std_s=0.0))
     frames = replace(data.frames, received_s=data.frames.received_s + bent(0.025)[: len(data.frames)])
     assert delay_walk(fitted(replace(data, frames=frames), model=silent)) is None
+
+
+def test_a_walk_of_the_delay_and_one_of_the_images_have_terms_of_their_own() -> None:
+    """With terms of one name the amounts of the one were taken for the other's."""
+    data = measured(SECONDS, 1, model=STATED)
+    frames = data.frames
+    count = len(frames)
+    strayed_px = np.cumsum(np.random.default_rng(3).normal(0.0, 0.3, count))
+    both = replace(
+        frames,
+        received_s=frames.received_s + bent(0.025)[:count],
+        displacement_px=frames.displacement_px + strayed_px,
+    )
+    last = fitted(replace(data, frames=both), model=STATED)
+    added = [form.added(last) for form in (FORM, IMAGE_WALK) if form.added is not None]
+    names = [terms[0].name for terms in added if terms]
+    assert len(set(names)) == len(names) == 2

@@ -25,8 +25,7 @@ def begin_force(state: FusionState, time_s: float, size_m: float) -> bool:
         zero_variance = state.bank.zero_variance(quiet, state.held_m)
         if state.shaken or zero_variance > state.assumed.held_force.zero_known * state.image_m2:
             return False
-        by_wrong_dates_m = state.assumed.held_force.by_wrong_dates * state.amplitude_m
-        if not state.consistency.proven and size_m < by_wrong_dates_m:
+        if not state.consistency.proven and size_m < held.by_wrong_dates_m(state.amplitude_m):
             return False
         give_force(state.bank, state.slow_pull.followed_m())
     held.begin(time_s, size_m)

@@ -119,8 +119,8 @@ class Recovery:
     def _holds_more_than_wrong_dates(self) -> bool:
         state = self._state
         force_m = abs(float(state.bank.x[state.evidence.best, state.at.force]))
-        most_m = state.assumed.held_force.by_wrong_dates * state.amplitude_m
-        return state.held_force.active and force_m > most_m
+        held = state.held_force
+        return held.active and force_m > held.by_wrong_dates_m(state.amplitude_m)
 
     def _begin_anew(self, received_s: float) -> None:
         self._state.dates.begin_anew(received_s)

@@ -87,6 +87,10 @@ class HeldForce:
         """Whether one may begin, after what has turned out to be none."""
         return self.active or time_s >= self._not_before_s
 
+    def by_wrong_dates_m(self, amplitude_m: float) -> float:
+        """How far wrong dates alone may move the images of a vibration, m."""
+        return self._assumed.by_wrong_dates * amplitude_m
+
     def begin(self, time_s: float, size_m: float) -> None:
         """Images left their gate by about size_m: a force may have begun, changed, or ended."""
         if not self.active:
