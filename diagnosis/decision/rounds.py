@@ -30,7 +30,7 @@ from stillarm.diagnosis.inference.candidates import (
 from stillarm.diagnosis.inference.clocks import backward_steps
 from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared
 from stillarm.diagnosis.inference.evidence import score
-from stillarm.diagnosis.inference.fit import fit
+from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.forms import forms
 from stillarm.diagnosis.inference.impacts import carried_over
@@ -54,7 +54,8 @@ def explained(
     known: Sequence[LawFound],
     begun: Sequence[Stage] = (),
 ) -> Found:
-    """The findings one after another. begun: rounds that are made already."""
+    """The findings one after another; none where the first round came upon a likelier baseline. begun: rounds that are
+    made already."""
     baseline = found.baseline
     data = make_data(baseline.world, split)
     for law in (*known, *backward_steps(data)):
@@ -72,6 +73,9 @@ def explained(
         upstream = turn == 0 and joint_departs(found.final)
         try:
             stage = _again(found, split) or one_round(found, split, only, upstream)
+            if not found.stages and (plain := likelier_baseline(stage, baseline, split)) is not None:
+                found.likelier = plain
+                break
             found.stages.append(stage)
             if stage.taken is None and upstream:
                 stage = one_round(found, split, only, upstream=False)
@@ -114,6 +118,25 @@ def _settled(one: Candidate, split: Split) -> Candidate:
         return one
     values = one.parameters_of(fitted) if one.parameters_of is not None else one.values
     return replace(one, fit=fitted, values=values, nats=one.nats + more, merit=one.merit + float(more.sum()))
+
+
+def likelier_baseline(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
+    """The baseline fitted again from where the best forms ended, with what they add at nothing, where it is plainly
+    the likelier. The baseline had come to rest far from its best then, with a mode that was fitted away, say, and
+    whatever was freed beside it led out of there: the gain is no cause's. None where it was at its best."""
+    space, data = baseline.world.space, make_data(baseline.world, split)
+    best = baseline
+    for one in [each for each in stage.candidates if each.law is None][:_WHOLE]:
+        own = [name for name in one.fit.free if name not in baseline.free and name in space.place]
+        start = carried_over(one.fit, baseline.world)
+        start = space.with_values(start, {name: space[name].start for name in own})
+        begun = fit(data, start, baseline.free, iterations=1)
+        best = max(best, begun, key=lambda each: each.train_log_likelihood)
+    if best.train_log_likelihood < baseline.train_log_likelihood + CHANGED_NATS:
+        return None
+    plain = fit(data, best.vector, baseline.free, iterations=_FULL)
+    gained = float(score(plain, split).gain(score(baseline, split)).sum())
+    return plain if gained > CHANGED_NATS else None
 
 
 def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: bool) -> Stage:

@@ -79,7 +79,7 @@ def fitted_baseline(world: World, split: Split, reached: Callable[[Fit], None] =
     reached(let_go)
     if _at_its_noise(let_go, split):
         return let_go
-    return _along_a_course(world, split) or let_go
+    return _along_a_course(let_go, world, split) or let_go
 
 
 def _at_its_noise(usual: Fit, split: Split) -> bool:
@@ -167,10 +167,10 @@ def _left_by_a_wrong_start(usual: Fit) -> bool:
     return moved > _MOVED and sensor.sigma > _MUCH * world.model.accelerometer.noise_std_m_s2
 
 
-def _along_a_course(world: World, split: Split) -> Fit | None:
+def _along_a_course(steady: Fit, world: World, split: Split) -> Fit | None:
     """Where the arm's frequency plainly changes, any one frequency hides the impacts in a part of the recording and
     makes up others: the baseline's fit with the impacts that are seen with its course. None where one frequency
-    does."""
+    does. steady: the best fit of one frequency so far."""
     begun = world.space.vector()
     courses = frequency_courses(world, world.predict(begun).motion)
     if not courses:
@@ -183,10 +183,10 @@ def _along_a_course(world: World, split: Split) -> Fit | None:
         for starts in (one.starts(world),)
     ]
     found, starts = max(sought, key=lambda one: one[0].train_log_likelihood)
-    if _steady_with_impacts_of(_likeliest(found, split, starts[1:]), split, starts[0]) is None:
+    if _steady_with_impacts_of(_likeliest(found, split, starts[1:]), steady, split, starts[0]) is None:
         return None  # before its impacts are put in place, which takes long
     struck = with_impacts_in_place(found, split)
-    return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), split, starts[0])
+    return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), steady, split, starts[0])
 
 
 def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) -> Fit:
@@ -197,13 +197,15 @@ def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) ->
     return max((struck, *others), key=lambda one: one.train_log_likelihood)
 
 
-def _steady_with_impacts_of(seen: Fit, split: Split, course: Iterable[str]) -> Fit | None:
+def _steady_with_impacts_of(seen: Fit, steady: Fit, split: Split, course: Iterable[str]) -> Fit | None:
     """The fit of one frequency with the impacts that are seen with a course of these quantities; None where it does as
-    well."""
+    well. Begun where the course begins and, as that may be far from the frequency of most of the recording, from the
+    steady fit."""
     there = seen.world
     usual = {name: there.space[name].start for name in course}
-    start = there.space.with_values(seen.vector, usual)
-    one = fit(make_data(there, split), start, there.baseline_names())
+    starts = (there.space.with_values(seen.vector, usual), carried_over(steady, there))
+    data, names = make_data(there, split), there.baseline_names()
+    one = max((fit(data, start, names) for start in starts), key=lambda each: each.train_log_likelihood)
     return one if seen.train_log_likelihood - one.train_log_likelihood > CHANGED_NATS else None
 
 

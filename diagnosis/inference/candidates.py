@@ -98,6 +98,8 @@ class Found:
     """What the time did not suffice for."""
     laws: tuple[Fit, list[LawFound]] | None = None
     """The last laws that were looked for, and the fit on which."""
+    likelier: Fit | None = None
+    """A likelier baseline that a round came upon: the search is to begin again from there."""
 
 
 def of_law(last: Fit, law: LawFound) -> Candidate:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.inference.band_score import SHAPES, log_density, spectra
-from stillarm.diagnosis.inference.candidates import PRICE_NATS
+from stillarm.diagnosis.inference.candidates import CONVINCING_NATS, PRICE_NATS
 from stillarm.diagnosis.inference.cause import Form
 from stillarm.diagnosis.inference.courses import Walk, of_walk, walk_that_lasts
 from stillarm.diagnosis.inference.fitted import Fit
@@ -26,6 +26,7 @@ _NUMBERS = 3  # of the law: how far, for how long, and the noise
 _LASTS_SWINGS = 4.0  # of the arm, that a walk is remembered at least: what is quicker may be the arm
 # nats that the innovations' bands may tell: of what the walk gains; at least
 _OF_GAIN, _BY_CHANCE = 0.05, 20.0
+_MOST_FORETOLD = 0.5  # of a walk's deviation, left of it at most: a quarter of its power
 _WANDERS: Lately[bytes, Wander | None] = Lately(8)
 """By what a fit leaves in the images: it is asked for as terms, as nats, and beside each of some rivals."""
 
@@ -48,11 +49,15 @@ def image_walk(last: Fit) -> Walk | None:
 
 
 def is_foretold(last: Fit, other: Fit) -> bool:
-    """Whether another fit leaves images that are, as white noise, no less likely than what this one leaves is with its
-    walk: what strays has then a reason, such as a lens, and keeps to it while the arm rests. A fit that leaves the walk
-    as it is does not count."""
+    """Whether another fit gives what strays a reason, such as a lens or the joint: it leaves images that are, as white
+    noise, no less likely than what this fit leaves is with its walk. Or it takes the most of the walk away and leaves
+    one that is likelier by far: a walk goes anywhere, and where a few numbers foretell most of where it went, it was
+    none. The rest may be a pull that nobody has found. A fit that leaves the walk as it is does not count."""
     walk, rest = _wander_in(last), _wander_in(other)
-    return walk is not None and rest is not None and rest.white_nats >= walk.nats
+    if walk is None or rest is None:
+        return False
+    most = rest.std < _MOST_FORETOLD * walk.std and rest.nats > walk.nats + CONVINCING_NATS
+    return most or rest.white_nats >= walk.nats
 
 
 def _wander_in(last: Fit) -> Wander | None:

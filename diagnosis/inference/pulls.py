@@ -10,8 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
-from stillarm.diagnosis.data.robust import MIN_USUAL, white_noise
+from stillarm.diagnosis.data.robust import MIN_USUAL, std_about_zero, white_noise
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.departures import (
     LOUD_OVER_S,
@@ -35,6 +36,7 @@ _WINDOW_S = 0.2  # over which an image's departure is looked at
 _GAP_S, _LEAD_S = 0.15, 0.3  # quiet within a pull; left out before a pull shows, as it begins below the noise
 _SHORTEST_S, _LONGEST_S = 0.25, 8.0  # a push is shorter; nothing longer is looked for
 _ONE_SIDED = 0.5  # of the departure's power beyond the noise is its mean's: a swing has none
+_STRAYING = 0.5  # of the usual departure, that is left once images are seen from where they are for longer than a pull
 _MOST = 0.3  # of the recording, that pulls leave unjudged: of more none is believed
 
 # a push
@@ -208,6 +210,10 @@ def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     time, off = last.world.instants(last.vector)[known], images.off[known]
     rate = 1.0 / last.world.step_s("displacement")
     width = max(3, round(_WINDOW_S * rate))
+    usual_over = min(round(2.0 * _LONGEST_S * rate), len(off) // 2)
+    from_usual = off - median_filter(off, usual_over, mode="nearest")
+    if std_about_zero(from_usual) < _STRAYING * std_about_zero(off):
+        off = from_usual
     loud, noise = is_one_sided(off, width), white_noise(off)
     spans = []
     cycle_s = last.world.measured.cycle_s

@@ -12,6 +12,7 @@ from stillarm.diagnosis.inference.accelerometer_faults import ceiling_of
 from stillarm.diagnosis.inference.baseline import (
     _at_the_seen_frequency,
     _left_by_a_wrong_start,
+    _steady_with_impacts_of,
     fitted_baseline,
 )
 from stillarm.diagnosis.inference.fit import fit
@@ -29,6 +30,19 @@ def test_a_frequency_far_off_is_fitted(hz: float) -> None:
     found = _at_the_seen_frequency(world, interleaved(20.0))
     assert found.value("modes.0.frequency_hz") == pytest.approx(hz, rel=1e-3)
     assert found.value("modes.0.damping_ratio") == pytest.approx(MODEL.arm.modes[0].damping_ratio, rel=0.1)
+
+
+def test_one_frequency_beside_a_course_is_no_less_likely_than_the_steady_fit() -> None:
+    """It is begun from where the course begins: from there this arm's mode is fitted away."""
+    split, hz = interleaved(9.0), 1.7
+    world = World(measured(9.0, 3, {"modes.0.frequency_hz": hz}), MODEL)
+    data, names = make_data(world, split), world.baseline_names()
+    begun = world.space.with_values(world.space.vector(), {"modes.0.frequency_hz": hz})
+    steady = fit(data, begun, names)
+    seen = replace(fit(data, world.space.vector(), names, iterations=0), train_log_likelihood=np.inf)
+    found = _steady_with_impacts_of(seen, steady, split, ("arm.onset_s", "arm.frequency_ratio"))
+    assert found is not None
+    assert found.value("modes.0.frequency_hz") == pytest.approx(hz, rel=1e-3)
 
 
 @pytest.mark.xfail(

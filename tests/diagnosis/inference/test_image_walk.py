@@ -67,3 +67,11 @@ def test_a_walk_gives_way_to_what_foretells_the_images_and_to_nothing_that_leave
     strays, clean = with_images_off(strayed(STEP_PX)), with_images_off(np.zeros(5000))
     assert is_foretold(strays, clean)
     assert not is_foretold(strays, strays)
+
+
+def test_a_walk_gives_way_to_what_foretells_most_of_where_it_went() -> None:
+    """A pull is left, say, that nobody has found."""
+    rng = np.random.default_rng(6)
+    way, rest = strayed(STEP_PX), np.cumsum(rng.normal(0.0, 0.2 * STEP_PX, 5000))
+    assert is_foretold(with_images_off(way + rest), with_images_off(rest))
+    assert not is_foretold(with_images_off(way + rest), with_images_off(0.8 * way + rest))

@@ -56,6 +56,20 @@ def test_a_pull_is_found_up_to_its_release(data: Measured, side: float) -> None:
     assert RELEASED_S - HELD_S - 0.5 < spans[0][0] < RELEASED_S - HELD_S + 0.1
 
 
+def test_a_pull_is_found_while_the_images_stray(data: Measured) -> None:
+    """By several times what the pull bends the arm."""
+    time = seen_s(data)
+    held = np.where((time > RELEASED_S - HELD_S) & (time < RELEASED_S), 1.0, 0.0)
+    spans = pull_spans_s(told(data, held + 0.8 * time))
+    assert len(spans) == 1
+    assert spans[0][1] == pytest.approx(RELEASED_S)
+    assert RELEASED_S - HELD_S - 0.5 < spans[0][0] < RELEASED_S - HELD_S + 0.1
+
+
+def test_images_that_stray_hold_no_pull_by_themselves(data: Measured) -> None:
+    assert pull_spans_s(told(data, 0.8 * seen_s(data))) == ()
+
+
 def test_a_free_ring_down_is_no_pull(data: Measured) -> None:
     assert pull_spans_s(told(data)) == ()
 
