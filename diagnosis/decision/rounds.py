@@ -123,7 +123,15 @@ def _settled(one: Candidate, split: Split) -> Candidate:
 def likelier_baseline(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
     """The baseline fitted again from where the best forms ended, with what they add at nothing, where it is plainly
     the likelier. The baseline had come to rest far from its best then, with a mode that was fitted away, say, and
-    whatever was freed beside it led out of there: the gain is no cause's. None where it was at its best."""
+    whatever was freed beside it led out of there: the gain is no cause's. None where it was at its best, or there is no
+    time left."""
+    try:
+        return _led_out_of(stage, baseline, split)
+    except OutOfTime:
+        return None
+
+
+def _led_out_of(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
     space, data = baseline.world.space, make_data(baseline.world, split)
     best = baseline
     for one in [each for each in stage.candidates if each.law is None][:_WHOLE]:
