@@ -5,6 +5,8 @@ departs from the model at the impact, and goes on while the higher modes ring th
 at a wrong instant no state of those modes fits, and a second impact is made up where they have died away.
 """
 
+import numpy as np
+
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.begun import gain_of
 from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch, stretches
@@ -13,6 +15,7 @@ from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.inference.impacts import pruned, refit_with
 
 _MADE_UP_PERIODS = 4.0  # after an impact at a wrong instant
+_PAIR_PERIODS = 1.5  # apart at most, are two impacts that stand about one
 _STROKE_S, _MOST_STROKES = 0.06, 2  # that a stroke is loud, at most; tried about an impact
 _SHARPER_S = 0.002  # by less no impact is moved
 
@@ -22,7 +25,7 @@ def with_impacts_at_onsets(last: Fit, split: Split) -> Fit:
     reach = _MADE_UP_PERIODS / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
     for cycle in last.world.impacts:
         onset = _onset(last, cycle)
-        for there in [*([] if onset is None else [onset]), *_strokes(last, cycle)]:
+        for there in [*([] if onset is None else [onset]), *_strokes(last, cycle), *_between(last, cycle)]:
             others = tuple(i for i in last.world.impacts if i != cycle and not there < i < there + reach)
             moved = refit_with(last, split, tuple(sorted({*others, there})))
             if gain_of(moved, last) > CHANGED_NATS:
@@ -45,6 +48,20 @@ def _strokes(last: Fit, cycle: int) -> list[int]:
         if lasts < _STROKE_S and abs(middle - cycle * cycle_s) < period and free:
             found.append(round(middle / cycle_s))
     return found[:_MOST_STROKES]
+
+
+def _between(last: Fit, cycle: int) -> list[int]:
+    """The cycle at which the accelerometer departs most between an impact and one that follows within some swings: two
+    that cancel stand about one that neither is at."""
+    acceleration = last.channel("acceleration")
+    after = min((i for i in last.world.impacts if i > cycle), default=None)
+    if acceleration is None or after is None:
+        return []
+    reach = _PAIR_PERIODS / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
+    if after - cycle > reach:
+        return []
+    off = np.abs(acceleration.residual[cycle:after])
+    return [cycle + int(np.nanargmax(off))] if np.isfinite(off).any() else []
 
 
 def _onset(last: Fit, cycle: int) -> int | None:
