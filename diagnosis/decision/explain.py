@@ -81,9 +81,8 @@ def _searched(
 def _from_its_first_part(
     baseline: Fit, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
 ) -> _Beginning | None:
-    """What sets in on the way, or drifts, and explains the recording beside the baseline of its first part, where that
-    is much the better one there, and what was found explains most of what the usual baseline leaves. None where it does
-    not."""
+    """What sets in on the way and explains the recording beside the baseline of its first part, where that is much the
+    better one there, and what was found explains most of what the usual baseline leaves. None where it does not."""
     try:
         early = early_baseline(baseline, split) if anything_matters(baseline, split) else None
         if early is None:
@@ -92,7 +91,7 @@ def _from_its_first_part(
         stage = one_round(Found(early, early), split, only, upstream=joint_departs(early))
     except OutOfTime:
         return None
-    if stage.taken is None or not _grows(stage.taken):
+    if stage.taken is None or not _sets_in(stage.taken):
         return None
     stage = _beside(stage, early, baseline, split)
     assert stage.taken is not None
@@ -102,11 +101,9 @@ def _from_its_first_part(
     return Found(baseline, baseline), [stage]
 
 
-def _grows(one: Candidate) -> bool:
-    """Whether a finding acts from an instant on, or drifts: the first part knows nothing of it, or little. Any other is
-    found beside the usual baseline as well."""
-    sets_in = one.begins is not None or "onset_s" in one.values
-    return one.law is None and (sets_in or one.cause.endswith("_drift"))
+def _sets_in(one: Candidate) -> bool:
+    """Whether a finding acts from an instant on: one that does not is found beside the usual baseline as well."""
+    return one.law is None and (one.begins is not None or "onset_s" in one.values)
 
 
 def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:

@@ -202,18 +202,26 @@ def _holds_beside(time: Array, loud: NDArray[np.bool_], span: tuple[float, float
 
 
 def pull_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
-    """Spans in which something held the arm, from and to, s; each ends where the vibration jumps, or at none."""
+    """Spans in which something held the arm, from and to, s; each ends where the vibration jumps, or at none. Where
+    none shows and the images stray, they are seen from where they are for longer than any pull lasts."""
     images = last.channel("displacement")
     if images is None or len(images.off) < MIN_USUAL:
         return ()
     known = np.isfinite(images.off)
     time, off = last.world.instants(last.vector)[known], images.off[known]
     rate = 1.0 / last.world.step_s("displacement")
-    width = max(3, round(_WINDOW_S * rate))
+    spans = _pulls_in(last, time, off, rate)
+    if spans:
+        return spans
     usual_over = min(round(2.0 * _LONGEST_S * rate), len(off) // 2)
     from_usual = off - median_filter(off, usual_over, mode="nearest")
-    if std_about_zero(from_usual) < _STRAYING * std_about_zero(off):
-        off = from_usual
+    strays = std_about_zero(from_usual) < _STRAYING * std_about_zero(off)
+    return _pulls_in(last, time, from_usual, rate) if strays else ()
+
+
+def _pulls_in(last: Fit, time: Array, off: Array, rate: float) -> tuple[tuple[float, float], ...]:
+    """The same in a departure of the images, px, that were exposed at `time`, s, so many a second."""
+    width = max(3, round(_WINDOW_S * rate))
     loud, noise = is_one_sided(off, width), white_noise(off)
     spans = []
     cycle_s = last.world.measured.cycle_s
