@@ -103,9 +103,8 @@ class CycleBudget:
         loop = Loop(controller, devices, self._recorder, block, clock, self._model.timing.cycle_s)
         self._rig.advance(self._cycle)
         try:
-            loop.run(
-                lambda cycle: len(meter.rows) >= cycles
-            )  # cycles that ran: a busy machine leaves some out
+            # by the cycles that ran: a busy machine leaves some out
+            loop.run(lambda cycle: len(meter.rows) >= cycles)
         finally:
             self._cycle = block.cycle + 1
             block.close()

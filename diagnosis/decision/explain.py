@@ -14,7 +14,7 @@ from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import EXPLAINED, share_explained
 from stillarm.diagnosis.decision.rest import anything_matters, rest_of
-from stillarm.diagnosis.decision.rounds import explained, joint_departs, likelier_baseline, one_round
+from stillarm.diagnosis.decision.rounds import explained, joint_departs, one_round
 from stillarm.diagnosis.inference.begun import free_names
 from stillarm.diagnosis.inference.candidates import (
     PRICE_NATS,
@@ -71,11 +71,8 @@ def _searched(
         baseline, split, only
     )
     found, stages = begun or (Found(baseline, baseline), [])
-    likelier = likelier_baseline(stages[0], found.baseline, split) if stages else None
-    if likelier is None:
-        found = explained(found, split, tick, only, known, stages)
-        likelier = found.likelier
-    return found if likelier is None else _searched(likelier, split, tick, only, known)
+    found = explained(found, split, tick, only, known, stages)
+    return found if found.likelier is None else _searched(found.likelier, split, tick, only, known)
 
 
 def _from_its_first_part(

@@ -54,9 +54,11 @@ def explained(
     known: Sequence[LawFound],
     begun: Sequence[Stage] = (),
 ) -> Found:
-    """The findings one after another; none where the first round came upon a likelier baseline. begun: rounds that are
-    made already."""
+    """The findings one after another, unless the first round came upon a likelier baseline, which is told alone. begun:
+    rounds that are made already."""
     baseline = found.baseline
+    if begun and (plain := _likelier_baseline(begun[0], baseline, split)) is not None:
+        return Found(baseline, baseline, likelier=plain)
     data = make_data(baseline.world, split)
     for law in (*known, *backward_steps(data)):
         one = of_law(baseline, law)
@@ -73,9 +75,8 @@ def explained(
         upstream = turn == 0 and joint_departs(found.final)
         try:
             stage = _again(found, split) or one_round(found, split, only, upstream)
-            if not found.stages and (plain := likelier_baseline(stage, baseline, split)) is not None:
-                found.likelier = plain
-                break
+            if turn == 0 and (plain := _likelier_baseline(stage, baseline, split)) is not None:
+                return Found(baseline, baseline, likelier=plain)
             found.stages.append(stage)
             if stage.taken is None and upstream:
                 stage = one_round(found, split, only, upstream=False)
@@ -120,7 +121,7 @@ def _settled(one: Candidate, split: Split) -> Candidate:
     return replace(one, fit=fitted, values=values, nats=one.nats + more, merit=one.merit + float(more.sum()))
 
 
-def likelier_baseline(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
+def _likelier_baseline(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
     """The baseline fitted again from where the best forms ended, with what they add at nothing, where it is plainly
     the likelier. The baseline had come to rest far from its best then, with a mode that was fitted away, say, and
     whatever was freed beside it led out of there: the gain is no cause's. None where it was at its best, or there is no

@@ -7,7 +7,7 @@ import pytest
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import _moves_are_told, explain
-from stillarm.diagnosis.decision.rounds import likelier_baseline
+from stillarm.diagnosis.decision.rounds import _likelier_baseline
 from stillarm.diagnosis.inference.baseline import moved_as_measured
 from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
 from stillarm.diagnosis.inference.fit import fit
@@ -74,11 +74,11 @@ def test_a_baseline_whose_mode_was_fitted_away_is_fitted_again() -> None:
     lost = fit(data, world.space.with_values(best.vector, {share: 0.01}), best.free, iterations=0)
     led_out = fit(data, world.space.with_values(best.vector, {own: 0.1}), free, iterations=0)
     one = Candidate("mains_hum", led_out, 0.0, 0.0, {}, free=(own,))
-    again = likelier_baseline(Stage([], [one], one), lost, split)
+    again = _likelier_baseline(Stage([], [one], one), lost, split)
     assert again is not None and again.free == best.free
     assert again.value(share) == pytest.approx(best.value(share), rel=1e-3)
     assert again.value(own) == world.space[own].start
-    assert likelier_baseline(Stage([], [one], one), best, split) is None
+    assert _likelier_baseline(Stage([], [one], one), best, split) is None
 
 
 def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
