@@ -90,7 +90,8 @@ def judge(found: Found, split: Split) -> Judged:
     beside = alone = None
     try:
         rivals = first is not None and _may_rival(first, found.final, split)
-        if first is not None and rivals:
+        # a course of free form leaves nothing, whatever it is that it follows
+        if first is not None and (rivals or is_of_free_form(first, found.baseline)):
             alone = rival_law(first, fit_before(found, first), split)
         if alone is None:  # else there is no name that free terms could be held against
             if material or rivals:
@@ -257,12 +258,23 @@ def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | N
         if nats > 0.0 and (world := _world_with(kinds[place], last)) is not None
     ]
     found = shared_out(
-        lambda one: _with_free(*one, last, before, split, slopes),
+        lambda one: _with_free(*one, last, last, before, split, slopes),
         begun,
         [one for group, world in begun for one in (group, world)],
     )
     best = max(found, key=lambda one: one.merit, default=None)
-    return best if best is not None and best.merit > 0.0 else None
+    if best is None or best.merit <= 0.0:
+        return None
+    return max(best, _of_its_own_state(best, last, before, split, slopes), key=lambda one: one.merit)
+
+
+def _of_its_own_state(best: Free, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free:
+    """Free terms once more, over the state that the arm has beside them: that of a fit which had to make up for what
+    they tell is a wrong one."""
+    data = make_data(last.world, split)
+    without = fit(data, carried_over(best.fit, last.world), (), iterations=0, colour=last.colour)
+    world = _world_with(best.group, without)
+    return best if world is None else _with_free(best.group, world, without, last, before, split, slopes)
 
 
 def _promise(group: Group, white: Whitened) -> float:
@@ -277,12 +289,15 @@ def _world_with(group: Group, last: Fit) -> World | None:
     return last.world.changed(added=(*last.world.added, added)) if added is not None else None
 
 
-def _with_free(group: Group, world: World, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free:
+def _with_free(
+    group: Group, world: World, begun: Fit, last: Fit, before: Score, split: Split, slopes: Slopes
+) -> Free:
+    """A group on top of a fit. begun: where it begins."""
     added = world.added[-1]
     names = free_names(last, world, added.amounts)
     fitted = fit(
         make_data(world, split),
-        carried_over(last, world),
+        carried_over(begun, world),
         names,
         iterations=_STEPS,
         colour=last.colour,

@@ -11,13 +11,14 @@ import numpy as np
 
 from stillarm.common.causes import RIVALS
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.inference import image_walk
 from stillarm.diagnosis.inference.begun import free_names
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate
 from stillarm.diagnosis.inference.comparison import QUICK
 from stillarm.diagnosis.inference.evidence import score
 from stillarm.diagnosis.inference.fit import fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.freeform import Free, Group
+from stillarm.diagnosis.inference.freeform import DRIVE, Free, Group
 from stillarm.diagnosis.inference.impacts import carried_over
 from stillarm.diagnosis.physics.copies import shared_out
 
@@ -35,8 +36,29 @@ _FULL = 12  # steps of a fit
 def rival_law(first: Candidate, before: Fit, split: Split) -> Free | None:
     """The best law without a name in the place of a finding, if it does better; None where it does not, or none is of
     the finding's kind. before: the fit on which the finding was taken."""
-    if first.cause != _CUBIC:
+    if first.cause == _CUBIC:
+        return _one_sided(first, before, split)
+    if (first.cause, first.form) == (image_walk.FORM.id, image_walk.FORM.name):
+        return _driven(first, before, split)
+    return None
+
+
+def _driven(first: Candidate, before: Fit, split: Split) -> Free | None:
+    """A joint that no sensor shows, and whose speed is off by a function of it, in the place of images that walk. A
+    walk's merit is not that of the log score, by which free terms are held against any other finding."""
+    added = DRIVE.added(before)
+    if added is None:
         return None
+    world = before.world.changed(added=(*before.world.added, added))
+    names = free_names(before, world, added.amounts)
+    start = carried_over(before, world)
+    fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=before.colour)
+    ahead = image_walk.nats_ahead(before, fitted) - PRICE_NATS * len(added.amounts)
+    return Free(DRIVE, first.merit + ahead, "displacement", fitted) if ahead > 0.0 else None
+
+
+def _one_sided(first: Candidate, before: Fit, split: Split) -> Free | None:
+    """A stiffness that is another beyond a deflection to one side, in the place of a cubic one."""
     world = before.world
     data, cubic = make_data(world, split), first.fit.value(_CUBIC_SIZE)
     began = world.space.with_values(carried_over(first.fit, world), {_CUBIC_SIZE: before.value(_CUBIC_SIZE)})

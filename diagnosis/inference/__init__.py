@@ -21,6 +21,7 @@ __all__ = [
     "freeform",
     "frequency_course",
     "image_dating",
+    "image_walk",
     "impact_onsets",
     "impacts",
     "laws",

@@ -260,8 +260,11 @@ def fit(
     tick: Callable[[], None] = lambda: None,
     known: Slopes | None = None,
     settled_nats: float = SETTLED_NATS,
+    anew: int | None = None,
 ) -> Fit:
     """Fit the free quantities to the training samples from `start`, until a step gains less than settled_nats.
+
+    anew: steps that work out the derivatives; later ones take the last (the chord method), None: all do.
 
     known: derivatives of a fit nearby (`slopes_of`), which are not worked out anew (the chord method): a step is then a
     little less good, and costs what the other quantities do.
@@ -274,8 +277,9 @@ def fit(
     descent = _Descent(data, free, colour, prior)
     now, damping = descent.begun(vector), _DAMPING
     normal = np.zeros((len(free), len(free)))
-    for _ in range(iterations if free else 0):
-        slopes = jacobian(world, now.vector, free, now.predicted, colour, known)
+    for step in range(iterations if free else 0):
+        if anew is None or step < anew:
+            slopes = jacobian(world, now.vector, free, now.predicted, colour, known)
         normal, right = descent.normal_equations(now, slopes)
         if not (np.isfinite(normal).all() and np.isfinite(right).all()):
             normal = np.diag(descent.precision)  # nothing is known of any: its deviations say so

@@ -11,6 +11,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.inference.courses import imaged, walk_over
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.physics.linear_modes import answer_of_mode
@@ -19,6 +20,10 @@ from stillarm.diagnosis.physics.space import Added, hats
 Array = NDArray[np.float64]
 
 _PIECES = 7  # of a free course over position, velocity or time
+_SPEEDS = (0.03, 0.35, 0.7, 1.0)
+"""Of the joint's largest speed, both ways: knots of a free course over it. The first is near rest, as friction jumps
+there."""
+_NEARBY = 1e-4  # of the joint's largest speed, over which that course's slope is taken
 _WANDER = 0.1  # of a scale, from knot to knot: as much as a course of the tracking wanders, of the image's variation
 
 
@@ -76,6 +81,7 @@ def groups(peaks_hz: Iterable[float]) -> list[Group]:
         Group("scale", "an image scale that changes over time", _scale_over_time),
         Group("scale_wanders", "an image scale that wanders", _scale_that_wanders, _WANDER),
         Group("turning", "an accelerometer that senses the joint's speed", _turning),
+        DRIVE,
     ]  # fmt: skip
     for k, hz in enumerate(peaks_hz):
         words = f"a vibration near {hz:.3g} Hz"
@@ -157,19 +163,51 @@ def _over_time(fit: Fit) -> Array:
     return np.concatenate([course * q[:, None], course * v[:, None]], axis=1)
 
 
+def _driven(fit: Fit) -> dict[str, Array]:
+    """A joint whose speed is off by any function of the speed that it should have, and rests where it should rest. Not
+    where its own sensors tell what it did."""
+    world = fit.world
+    if any(name in world.channels for name in JOINT_CHANNELS):
+        return {}
+    speed, acceleration = fit.predicted.motion.joint[:, 1], fit.predicted.motion.joint[:, 2]
+    omega, top = _unit(speed), float(np.max(np.abs(speed))) or 1.0
+    knots = np.array([*(-one for one in _SPEEDS[::-1]), 0.0, *_SPEEDS])
+
+    def course(at: Array) -> Array:
+        return np.asarray(np.delete(hats(at, knots), len(_SPEEDS), axis=1))  # nothing at rest
+
+    step_s, length_m = world.measured.cycle_s, world.length
+    off = course(omega)
+    angle = np.cumsum(off, axis=0) * step_s
+    slope = (course(omega + _NEARBY) - course(omega - _NEARBY)) / (2.0 * _NEARBY)
+    turned = slope * (acceleration / top)[:, None]
+    hz, damping = fit.value("modes.0.frequency_hz"), fit.value("modes.0.damping_ratio")
+    push = fit.value("modes.0.participation") * length_m
+    # differences of the speed, whose sum is right where the acceleration jumps, move the mode
+    moved = np.gradient(off, step_s, axis=0)
+    q, second = answer_of_mode(-push * moved, hz, max(damping, 1e-4), step_s)
+    second = second + push * (moved - turned)
+    return _of_tip(fit, q, length_m * angle + q, length_m * turned + second)
+
+
 def _force(fit: Fit, force: Array) -> dict[str, Array]:
     """What forces on the first mode, (cycles, k), do to the arm's channels."""
     hz, damping = fit.value("modes.0.frequency_hz"), fit.value("modes.0.damping_ratio")
     step = fit.world.measured.cycle_s
     scale = (2.0 * pi * hz) ** 2
     q, second = answer_of_mode(force * scale, hz, max(damping, 1e-4), step)
-    found = {"deflection": q}
+    return _of_tip(fit, q, q, second)
+
+
+def _of_tip(fit: Fit, deflection: Array, path: Array, acceleration: Array) -> dict[str, Array]:
+    """What the arm's channels show of more deflection, m, of the tip's path, m, and of its acceleration, m/s^2; each
+    (cycles, k)."""
+    found = {"deflection": deflection}
     if "acceleration" in fit.world.channels:
-        found["acceleration"] = fit.value("accelerometer.scale") * second
+        found["acceleration"] = fit.value("accelerometer.scale") * acceleration
     if "displacement" in fit.world.channels:
-        found["displacement"] = np.stack(
-            [imaged(fit, -fit.value("camera.scale_px_per_m") * q[:, i]) for i in range(q.shape[1])], axis=1
-        )
+        scene = -fit.value("camera.scale_px_per_m") * path
+        found["displacement"] = np.stack([imaged(fit, scene[:, i]) for i in range(scene.shape[1])], axis=1)
     return found
 
 
@@ -230,3 +268,6 @@ def _ringing(channel: str, hz: float) -> Callable[[Fit], dict[str, Array]]:
         return {channel: whole}
 
     return columns
+
+
+DRIVE = Group("drive", "a joint whose speed is not in proportion to its command", _driven)

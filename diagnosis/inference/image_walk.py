@@ -8,6 +8,8 @@ such a spectrum. So the walk has to be the whole of it: what it leaves from imag
 lasts for much longer than the arm swings. A course of knots then stands for the walk in the fit.
 """
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,15 +51,20 @@ def image_walk(last: Fit) -> Walk | None:
 
 
 def is_foretold(last: Fit, other: Fit) -> bool:
-    """Whether another fit gives what strays a reason, such as a lens or the joint: it leaves images that are, as white
-    noise, no less likely than what this fit leaves is with its walk. Or it takes the most of the walk away and leaves
-    one that is likelier by far: a walk goes anywhere, and where a few numbers foretell most of where it went, it was
-    none. The rest may be a pull that nobody has found. A fit that leaves the walk as it is does not count."""
+    """Whether another fit gives what strays a reason, such as a lens or the joint (`nats_ahead`)."""
+    return nats_ahead(last, other) >= 0.0
+
+
+def nats_ahead(last: Fit, other: Fit) -> float:
+    """By how much likelier the images are with what another fit says of them than with the walk that this one leaves.
+    The other's rest is white noise; or, where it takes the most of the walk away, a walk too, and the likelier one by
+    far: a walk goes anywhere, and where a few numbers foretell most of where it went, it was none. The rest may be a
+    pull that nobody has found. A fit that leaves the walk as it is does not count."""
     walk, rest = _wander_in(last), _wander_in(other)
     if walk is None or rest is None:
-        return False
+        return -inf
     most = rest.std < _MOST_FORETOLD * walk.std and rest.nats > walk.nats + CONVINCING_NATS
-    return most or rest.white_nats >= walk.nats
+    return max(rest.white_nats, rest.nats if most else -inf) - walk.nats
 
 
 def _wander_in(last: Fit) -> Wander | None:

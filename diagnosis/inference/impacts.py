@@ -19,7 +19,8 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
-_WHILE_SOUGHT = 3  # steps of a fit while impacts are sought: they tell where, not how large
+_WHILE_SOUGHT, _ANEW = 4, 2
+"""Steps of a fit while impacts are sought: they tell where, not how large. Those that work out derivatives."""
 _SAME_S = 0.15  # between an impact and the same one moved
 _SIGNIFICANT = 6.0  # standard deviations of its size: by chance two in a thousand million have it
 _CLOSE_S = 2.0  # between impacts of which only the least is dropped at a time
@@ -76,7 +77,7 @@ def _sought(last: Fit, split: Split) -> Fit:
         if turn and not new:
             break
         impacts |= new
-        last = refit_with(last, split, tuple(sorted(impacts)), iterations=_WHILE_SOUGHT)
+        last = refit_with(last, split, tuple(sorted(impacts)), iterations=_WHILE_SOUGHT, anew=_ANEW)
         last, impacts = _sharpened(last, split)
     return last
 
@@ -93,14 +94,20 @@ def impacts_while_moving(last: Fit) -> list[int]:
 
 
 def refit_with(
-    last: Fit, split: Split, impacts: tuple[int, ...], extra: tuple[str, ...] = (), iterations: int = 12
+    last: Fit,
+    split: Split,
+    impacts: tuple[int, ...],
+    extra: tuple[str, ...] = (),
+    iterations: int = 12,
+    anew: int | None = None,
 ) -> Fit:
-    """Fit again with these segments, from what is known."""
+    """Fit again with these segments, from what is known. anew: as in `fit`."""
     world = last.world.changed(impacts=impacts)
     start = carried_over(last, world)
     free = world.with_baseline(extra)
     data = make_data(world, split)
-    return fit(data, start, free, colour=last.colour | colours(data, start), iterations=iterations)
+    colour = last.colour | colours(data, start)
+    return fit(data, start, free, colour=colour, iterations=iterations, anew=anew)
 
 
 def carried_over(last: Fit, world: World) -> Array:
@@ -139,7 +146,7 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
         moved = sorted(set(moved))
         if tuple(moved) == world.impacts:
             break
-        last = refit_with(last, split, tuple(moved), iterations=_WHILE_SOUGHT)
+        last = refit_with(last, split, tuple(moved), iterations=_WHILE_SOUGHT, anew=_ANEW)
         world = last.world
     return last, set(world.impacts)
 

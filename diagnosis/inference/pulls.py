@@ -6,7 +6,7 @@ vibration jumps. A push by hand lasts a part of a swing, with an impact as its b
 model about that impact, and nowhere near it. From the end of either the arm rings from a state of its own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +54,9 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
     is less than it shows. From the end of a pull the arm rings from a state of its own."""
     cycle_s = baseline.world.measured.cycle_s
     for turn in range(_MOST_TURNS):
-        spans = held_spans_s(baseline)
+        spans = tuple(
+            _merged(held_spans_s(baseline))
+        )  # held again before it was free, it rings from no state
         ends = {round(end / cycle_s) for _, end in spans if end < baseline.world.measured.duration_s}
         if turn < _SOUGHT:
             spans += tuple(one for one in pull_spans_s(baseline) if not _overlaps(one, spans))
@@ -253,7 +255,7 @@ def _start(time: Array, loud: NDArray[np.bool_], end: float) -> float | None:
     return start
 
 
-def _merged(spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _merged(spans: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
     found: list[tuple[float, float]] = []
     for start, end in sorted(spans):
         if found and start <= found[-1][1]:

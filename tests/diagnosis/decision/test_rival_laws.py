@@ -1,16 +1,20 @@
 """A law without a name beats a listed one where it is the true one, and there alone."""
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pytest
 
+from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.rival_laws import _as_stiff, rival_law
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate
 from stillarm.diagnosis.inference.evidence import score
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
+from stillarm.diagnosis.inference.freeform import DRIVE
+from stillarm.diagnosis.inference.image_walk import FORM
 from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(20.0)
@@ -55,3 +59,28 @@ def test_it_begins_as_stiff_as_the_cubic_law(part: float) -> None:
     assert np.mean(share * over * np.cos(turn)) == pytest.approx(
         np.mean(cubic * q**3 * np.cos(turn)), rel=1e-3
     )
+
+
+def _without_joint(data: Measured) -> Measured:
+    nothing = np.full(data.cycles, np.nan)
+    return replace(data, position=nothing, velocity=nothing)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("of_the_joint", [True, False])
+def test_images_that_follow_the_joint_are_no_walk(of_the_joint: bool) -> None:
+    """A joint that is slower one way leaves the arm ever further off. No sensor of its own shows it."""
+    data = measured(20.0, 5)
+    if of_the_joint:
+        told = replace(data, command=np.where(data.command < 0.0, 1.0 / 0.98, 1.0) * data.command)
+    else:
+        steps = np.random.default_rng(3).normal(0.0, 0.1, len(data.frames.displacement_px))
+        frames = replace(data.frames, displacement_px=data.frames.displacement_px + np.cumsum(steps))
+        told = replace(data, frames=frames)
+    before = fitted(_without_joint(told))
+    first = Candidate(FORM.id, before, 0.0, 1.0, {}, form=FORM.name, merit=100.0)
+    rival = rival_law(first, before, SPLIT)
+    assert (rival is not None) == of_the_joint
+    if rival is not None:
+        assert rival.group is DRIVE
+        assert rival.merit > first.merit

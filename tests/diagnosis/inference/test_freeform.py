@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.inference.freeform import Group, _memory, groups
-from tests.fixtures.synthetic import fitted, measured
+from stillarm.diagnosis.inference.freeform import DRIVE, Group, _memory, groups
+from stillarm.diagnosis.physics.world import World
+from tests.fixtures.synthetic import MODEL, fitted, measured
 
 PEAKS = (7.0, 24.0)
 ALL = groups(PEAKS)
@@ -26,17 +27,27 @@ def plain() -> Fit:
     return fitted(measured(6.0, 1))
 
 
+@pytest.fixture(scope="module")
+def unseen(plain: Fit) -> Fit:
+    """The same without the joint's sensors."""
+    nothing = np.full(plain.world.measured.cycles, np.nan)
+    data = replace(plain.world.measured, position=nothing, velocity=nothing)
+    assert not {"joint_position", "joint_velocity"} & set(World(data, MODEL).channels)
+    return fitted(data)
+
+
 def named(name: str) -> Group:
     return next(one for one in ALL if one.name == name)
 
 
 def test_each_group_has_a_name_of_its_own() -> None:
-    assert len({one.name for one in ALL}) == len(ALL) == 12 + 2 * len(PEAKS)
+    assert len({one.name for one in ALL}) == len(ALL) == 13 + 2 * len(PEAKS)
     assert len({one.words for one in ALL}) == len(ALL)
 
 
 @pytest.mark.parametrize("group", ALL, ids=lambda one: one.name)
-def test_its_columns_are_finite_and_of_its_channels_length(group: Group, plain: Fit) -> None:
+def test_its_columns_are_finite_and_of_its_channels_length(group: Group, plain: Fit, unseen: Fit) -> None:
+    plain = unseen if group is DRIVE else plain
     found = group.added(plain)
     assert found is not None
     assert found.columns
@@ -56,8 +67,9 @@ def test_its_columns_are_finite_and_of_its_channels_length(group: Group, plain: 
 
 
 @pytest.mark.parametrize("group", ALL, ids=lambda one: one.name)
-def test_its_amounts_take_part_in_a_world(group: Group, plain: Fit) -> None:
+def test_its_amounts_take_part_in_a_world(group: Group, plain: Fit, unseen: Fit) -> None:
     """What an amount adds to a channel is its column, and nothing else."""
+    plain = unseen if group is DRIVE else plain
     added = group.added(plain)
     assert added is not None
     world = plain.world.changed(added=(added,))
@@ -133,6 +145,27 @@ def test_a_force_with_a_memory_lags_behind_the_deflection(plain: Fit) -> None:
     for i, share in enumerate((0.02, 0.06, 0.15, 0.4)):
         assert np.max(np.abs(kept[:, i])) <= share * top * (1.0 + 1e-9)
         assert float(np.sum(kept[1:, i] * np.diff(q))) > 0.0
+
+
+def test_a_joint_that_is_slower_one_way_turns_the_arm_and_shakes_it(unseen: Fit) -> None:
+    """A course over its speed that is a straight line to one side: as the simulation moves by such commands."""
+    world, less = unseen.world, 0.004
+    measured = world.measured
+    slower = replace(measured, command=np.where(measured.command < 0.0, 1.0 - less, 1.0) * measured.command)
+    moved = World(slower, MODEL).predict(unseen.vector).channels
+    omega = unseen.predicted.motion.joint[:, 1]
+    knots = np.array([-1.0, -0.7, -0.35, -0.03, 0.03, 0.35, 0.7, 1.0])
+    line = -less * np.max(np.abs(omega)) * np.where(knots < 0.0, knots, 0.0)
+    for name, columns in DRIVE.columns(unseen).items():
+        if name in moved:
+            wanted = moved[name] - unseen.predicted.channels[name]
+            off = (columns @ line - wanted)[unclipped(unseen, name)]
+            # an accelerometer shows a jump of the speed in a cycle of its own
+            assert np.std(off) < {"acceleration": 0.1}.get(name, 0.02) * np.std(wanted), name
+
+
+def test_a_joint_with_sensors_tells_itself_what_it_did(plain: Fit) -> None:
+    assert DRIVE.added(plain) is None
 
 
 def test_a_peak_that_the_grid_cannot_show_is_not_tried(plain: Fit) -> None:
