@@ -22,6 +22,7 @@ from stillarm.diagnosis.inference.frequency_course import frequency_courses, see
 from stillarm.diagnosis.inference.impacts import (
     carried_over,
     fit_with_impacts,
+    needs_more,
     with_impacts_in_place,
     with_impacts_sought,
 )
@@ -177,12 +178,14 @@ def _along_a_course(steady: Fit, world: World, split: Split) -> Fit | None:
         return None
     most = max(one.nats for one in courses.values())
     sought = [
-        (with_impacts_sought(world, split, world.space.with_values(begun, starts[0])), starts)
+        (with_impacts_sought(world, split, world.space.with_values(begun, starts[0]), steady), starts)
         for one in courses.values()
         if one.nats > _NEXT_TO_BEST * most
         for starts in (one.starts(world),)
     ]
     found, starts = max(sought, key=lambda one: one[0].train_log_likelihood)
+    if needs_more(found, steady):
+        return None
     if _steady_with_impacts_of(_likeliest(found, split, starts[1:]), steady, split, starts[0]) is None:
         return None  # before its impacts are put in place, which takes long
     struck = with_impacts_in_place(found, split)

@@ -50,11 +50,14 @@ def fit_with_impacts(
     return with_impacts_in_place(sought, split)
 
 
-def with_impacts_sought(world: World, split: Split, start: Array | None = None) -> Fit:
-    """The first half of it: a segment wherever an impact seems to have been."""
+def with_impacts_sought(
+    world: World, split: Split, start: Array | None = None, steady: Fit | None = None
+) -> Fit:
+    """The first half of it: a segment wherever an impact seems to have been. steady: a fit from another start, in whose
+    place this one is sought: no further than until it has as many impacts, and is less likely."""
     data = make_data(world, split)
     last = fit(data, world.space.vector() if start is None else start, (), iterations=0)
-    return _sought(last, split)
+    return _sought(last, split, steady)
 
 
 def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
@@ -64,7 +67,7 @@ def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
     return refit_with(last, split, last.world.impacts)
 
 
-def _sought(last: Fit, split: Split) -> Fit:
+def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
     """Impacts sought in what is left, again and again. last: a start, not a fit."""
     split = replace(split, lends=False)  # what follows a misplaced impact is another's
     impacts: set[int] = set(last.world.impacts)
@@ -78,8 +81,16 @@ def _sought(last: Fit, split: Split) -> Fit:
             break
         impacts |= new
         last = refit_with(last, split, tuple(sorted(impacts)), iterations=_WHILE_SOUGHT, anew=_ANEW)
+        if steady is not None and needs_more(last, steady):
+            break
         last, impacts = _sharpened(last, split)
     return last
+
+
+def needs_more(last: Fit, other: Fit) -> bool:
+    """Whether a fit is the less likely one with no fewer impacts."""
+    fewer = len(last.world.impacts) < len(other.world.impacts)
+    return not fewer and last.train_log_likelihood < other.train_log_likelihood
 
 
 def impacts_while_moving(last: Fit) -> list[int]:

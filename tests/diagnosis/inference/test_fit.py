@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.data.split import Split, interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
 from stillarm.diagnosis.physics.world import World
@@ -57,3 +57,13 @@ def test_missing_samples_are_no_samples() -> None:
     found = fitted(data.__class__(**{**data.__dict__, "acceleration": holes}))
     assert found.value("modes.0.frequency_hz") == pytest.approx(2.5, rel=1e-3)
     assert np.isnan(found.residuals["acceleration"][1000:2500]).all()
+
+
+def test_derivatives_that_are_kept_lead_to_the_same_fit() -> None:
+    data = measured(6.0, 5, {"modes.0.frequency_hz": 2.605})
+    world = World(data, MODEL)
+    given = make_data(world, interleaved(6.0))
+    exact = fit(given, world.space.vector(), world.baseline_names())
+    kept = fit(given, world.space.vector(), world.baseline_names(), iterations=30, anew=2)
+    assert kept.train_log_likelihood == pytest.approx(exact.train_log_likelihood, abs=0.5)
+    assert kept.value("modes.0.frequency_hz") == pytest.approx(exact.value("modes.0.frequency_hz"), rel=1e-5)

@@ -7,7 +7,13 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
-from stillarm.diagnosis.inference.impacts import carried_over, fit_with_impacts, pruned
+from stillarm.diagnosis.inference.impacts import (
+    carried_over,
+    fit_with_impacts,
+    needs_more,
+    pruned,
+    with_impacts_sought,
+)
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, measured
 
@@ -32,6 +38,18 @@ def test_impacts_are_found_within_some_milliseconds(cycles: tuple[int, ...]) -> 
 def test_where_nothing_struck_nothing_is_found() -> None:
     data = measured(8.0, 4)
     assert fit_with_impacts(World(data, MODEL), interleaved(8.0)).world.impacts == ()
+
+
+def test_a_search_from_another_start_ends_where_it_needs_more_impacts_and_is_less_likely() -> None:
+    """Here from one that is told too many already, beside a fit with the true one."""
+    data, split = measured(10.0, 3, impact(1, 0.02), impacts=(2800,)), interleaved(10.0)
+    steady = fit_with_impacts(World(data, MODEL), split)
+    many = World(data, MODEL, impacts=(1500, 4200, 7000))
+    begun = many.space.with_values(many.space.vector(), {"modes.0.frequency_hz": 2.9})
+    ended = with_impacts_sought(many, split, begun, steady)
+    assert needs_more(ended, steady)
+    assert not needs_more(steady, ended)
+    assert ended.train_log_likelihood < with_impacts_sought(many, split, begun).train_log_likelihood
 
 
 def test_of_two_impacts_that_share_one_where_it_is_held_out_one_stays() -> None:
