@@ -10,7 +10,7 @@ from stillarm.diagnosis.driven.laws import Numbers, laws_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.play_side_by_side import play_side_by_side
 from stillarm.diagnosis.driven.sensing import is_late, shown_late, slope_weights_of, weights_of
-from stillarm.diagnosis.driven.side_by_side import run_side_by_side
+from stillarm.diagnosis.driven.side_by_side import is_linear, run_side_by_side
 
 Array = NDArray[np.float64]
 
@@ -40,6 +40,29 @@ def shown(box: GreyBox, numbers: Numbers, states: Array, sigma: dict[str, float]
     )
     _run(box, steps, u, states, by_state, by_force, box.stack.places, found)
     return _with_offsets(box, numbers, sigma, found)
+
+
+def free_runs(box: GreyBox, numbers: Numbers, sigma: dict[str, float]) -> Array | None:
+    """What the sensors show of each component of a block's state, of one that begins at 1 without any input, in
+    deviations: (size, outputs, samples of the longest block). None where more than that tells of a state."""
+    numbers = {**box.declared, **numbers}
+    late = any(is_late(one, numbers) for one in box.driven.outputs)
+    if box.driven.joins or box.play or late or numbers.get("inertia_step", 0.0) != 0.0:
+        return None
+    steps = box.steps_of(numbers)
+    if not is_linear(steps.laws[0]):
+        return None
+    size, outputs, longest = box.size, len(box.driven.outputs), int(np.max(np.diff(box.starts)))
+    by_state, by_force = _in_deviations(
+        box, numbers, sigma, [weights_of(one, numbers, steps.linear) for one in box.driven.outputs]
+    )
+    found, still = np.empty((size, outputs, longest)), np.zeros((size * longest * box.substeps, 2))
+    places = longest * (np.arange(outputs)[:, None] + outputs * np.arange(size))
+    run_side_by_side(
+        steps.phi[0], steps.g[0], steps.laws[0], still, box.substeps, box.driven.step_s / box.substeps,
+        longest * np.arange(size + 1), np.eye(size), by_state, by_force, places, found.ravel(),
+    )  # fmt: skip
+    return found
 
 
 def _in_deviations(
@@ -161,4 +184,4 @@ def _told_late(
     return box.stack.of(told)
 
 
-__all__ = ["shown"]
+__all__ = ["free_runs", "shown"]

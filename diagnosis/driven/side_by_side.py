@@ -72,6 +72,11 @@ def laws_on(law: Array) -> tuple[bool, bool]:
     return bool(np.any(law[_SMOOTH])), bool(np.any(law[_RUBS]))
 
 
+def is_linear(law: Array) -> bool:
+    """Whether no law acts, on the joint or on the arm."""
+    return not np.any(law[[*_SMOOTH, *_RUBS, _Q3, _QC]])
+
+
 @inlined
 def begin_group(
     group: int, starts: Integers, states: Array, work: Array, first: Integers, length: Integers
@@ -250,6 +255,7 @@ __all__ = [
     "STATE",
     "advance",
     "begin_group",
+    "is_linear",
     "laws_on",
     "limit_friction",
     "push_joint",
