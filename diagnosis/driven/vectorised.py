@@ -10,7 +10,7 @@ from stillarm.simulation.arm.compiler import inlined
 
 _MOST_EXPONENT = 40.0  # exp(-40) is 4e-18: nothing beside one
 _SHARE = 1.0 / 64.0  # of the exponent, by which ten terms of the series suffice: it is squared six times
-_PER_QUARTER = 2.0 / np.pi
+_PER_QUARTER = 2.0 / np.pi  # quarters of a turn, 1/rad
 # pi/2 in three parts, of which the first has 33 bits, so that its multiples are exact (Cody and Waite, Software Manual
 # for the Elementary Functions, 1980)
 _HIGH, _MIDDLE, _LOW = 1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624871116645580e-21
