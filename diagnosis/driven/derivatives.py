@@ -1,7 +1,8 @@
 """What a grey box leaves of a recording, in each output's deviation, and how that changes with numbers and states.
 
 Derivatives are differences: one simulation for each number, and one for each component of the state, of all blocks at
-once. Errors are stacked (stack.py), zero where nothing was measured.
+once. Where no law acts, one free run of each component tells all blocks'. Errors are stacked (stack.py), zero where
+nothing was measured.
 """
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.gauss_newton import Piece
 from stillarm.diagnosis.driven.greybox import GreyBox
-from stillarm.diagnosis.driven.showing import shown
+from stillarm.diagnosis.driven.showing import free_runs, shown
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,11 @@ def cost_of(
         errors[~(np.abs(errors) < ASTRAY)] = ASTRAY
     if box.stack.known is not None:
         errors[~box.stack.known] = 0.0
-    return 0.5 * float(box.stack.squares(errors)[~box.split.held].sum()), errors
+    return _cost(box, errors), errors
+
+
+def _cost(box: GreyBox, errors: Array) -> float:
+    return 0.5 * float(box.stack.squares(errors)[~box.split.held].sum())
 
 
 def is_sound(values: Array) -> bool:
@@ -65,29 +70,69 @@ def by_block(box: GreyBox, errors: Array) -> Array:
     return np.asarray(box.stack.squares(errors).sum(axis=1))
 
 
+def rescaled(
+    box: GreyBox, errors: Array, before: dict[str, float], after: dict[str, float]
+) -> tuple[float, Array]:
+    """Cost and errors in other deviations, of the same simulation."""
+    errors = np.clip(errors * (box.stack.deviations(after) / box.stack.deviations(before)), -ASTRAY, ASTRAY)
+    return _cost(box, errors), errors
+
+
 def derivatives(
     box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, sigma: dict[str, float],
     errors: Array,
 ) -> list[Piece]:  # fmt: skip
     """Of each block: by the free numbers, by its state, and what is left of it."""
-    scale = np.maximum(np.std(states, axis=0), 1e-3 * np.max(np.abs(states)) + 1e-9)
     slopes = np.empty((len(free) + box.size, len(errors)))
     with np.errstate(over="ignore", invalid="ignore"):
-        base = shown(box, numbers, states, sigma)
+        base = shown(
+            box, numbers, states, sigma
+        )  # not by the errors: what does not show is to differ by nothing
         for row, name in enumerate(free):
+            offset = _offset_of(name, box)
+            if offset is not None:
+                slopes[row] = box.stack.deviations(sigma) * (box.stack.output == offset)
+                continue
             step = difference_of(name, numbers[name], box)
             moved = shown(box, {**numbers, name: numbers[name] + step}, states, sigma)
             _slope(moved, base, step, slopes[row])
-        for place in range(box.size):
-            other, step = states.copy(), _DIFFERENCE * scale[place]
-            other[:, place] += step
-            _slope(shown(box, numbers, other, sigma), base, step, slopes[len(free) + place])
+        _by_states(box, numbers, states, sigma, base, slopes[len(free) :])
     if box.stack.known is not None:
         slopes *= box.stack.known
     return [
         Piece(slopes[: len(free), a:b].T, slopes[len(free) :, a:b].T, errors[a:b], not held)
         for (a, b), held in zip(box.stack.bounds, box.split.held, strict=True)
     ]
+
+
+def _offset_of(name: str, box: GreyBox) -> int | None:
+    """Of which sensor a number is the offset, which no simulation has to tell. None of any other number, and of an
+    accelerometer's, which is in what its filter begins with."""
+    names = [one.name for one in box.driven.outputs if one.kind != "acceleration"]
+    offset, mark, sensor = name.partition(" ")
+    found = offset == "offset" and bool(mark) and sensor in names and not box.driven.joins
+    return [one.name for one in box.driven.outputs].index(sensor) if found else None
+
+
+def _by_states(
+    box: GreyBox,
+    numbers: dict[str, float],
+    states: Array,
+    sigma: dict[str, float],
+    base: Array,
+    slopes: Array,
+) -> None:
+    """Fill in the derivatives by each component of the blocks' states."""
+    told = free_runs(box, numbers, sigma)
+    if told is not None:  # (size, outputs, samples of the longest block)
+        for (begins, ends), length in zip(box.stack.bounds, np.diff(box.starts), strict=True):
+            slopes[:, begins:ends] = told[:, :, :length].reshape(box.size, -1)
+        return
+    scale = np.maximum(np.std(states, axis=0), 1e-3 * np.max(np.abs(states)) + 1e-9)
+    for place in range(box.size):
+        other, step = states.copy(), _DIFFERENCE * scale[place]
+        other[:, place] += step
+        _slope(shown(box, numbers, other, sigma), base, step, slopes[place])
 
 
 def _slope(moved: Array, base: Array, step: float, slope: Array) -> None:

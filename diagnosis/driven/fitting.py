@@ -20,6 +20,7 @@ from stillarm.diagnosis.driven.derivatives import (
     derivatives,
     first_levels,
     levels_of,
+    rescaled,
 )
 from stillarm.diagnosis.driven.gauss_newton import RIDGE, Piece, normal_of, state_steps, stepped
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
@@ -101,8 +102,9 @@ def fit(
     numbers = with_own(numbers, free)
     sigma = first_levels(box)
     states = settled_states(box, numbers, begun_states(box, numbers, states, sigma), sigma)
-    sigma = levels_of(box, cost_of(box, numbers, states, sigma)[1], sigma)
-    cost, errors = cost_of(box, numbers, states, sigma)
+    first, (_, errors) = sigma, cost_of(box, numbers, states, sigma)
+    sigma = levels_of(box, errors, first)
+    cost, errors = rescaled(box, errors, first, sigma)
     damping = _DAMPING
     normal, given_up = np.eye(len(free)), False
     for turn in range(steps):
@@ -132,8 +134,8 @@ def fit(
         damping = max(damping / 10.0, 1e-7)
         if settled or given_up:
             break
-        sigma = levels_of(box, errors, sigma)
-        cost, errors = cost_of(box, numbers, states, sigma)
+        before, sigma = sigma, levels_of(box, errors, sigma)
+        cost, errors = rescaled(box, errors, before, sigma)
     finished = _finished(box, numbers, free, settled_states(box, numbers, states, sigma, 3), normal)
     return replace(finished, given_up=given_up)
 

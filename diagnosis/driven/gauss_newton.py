@@ -60,6 +60,11 @@ class Piece:
         q, _ = self._factors
         return q.T @ self.by_numbers, q.T @ self.left
 
+    @property
+    def most_gain(self) -> float:
+        """By how much another state may lessen the sum of squares, to first order."""
+        return float(np.sum((self.basis.T @ self.left) ** 2)) if len(self.left) else 0.0
+
     def state_step(self, step: Array) -> Array:
         """What the state moves by where the numbers move by `step`."""
         if not len(self.left):

@@ -1,19 +1,36 @@
 """Blocks of a joint with play simulated side by side, for what the sensors show alone.
 
-The equations of motion are those of stillarm.simulation.arm.geared_joint, and its numbers come out to the last bit; see
-side_by_side.py for why there are two.
+The equations of motion are those of stillarm.simulation.arm.geared_joint. See side_by_side.py for why there are two,
+and how the loops are laid out: nothing in them branches, so what does not hold is worked out and thrown away.
 """
+
+from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.driven import side_by_side
-from stillarm.diagnosis.driven.side_by_side import begin_group, laws_on, many_beside
-from stillarm.simulation.arm.compiler import compiled_from
-from stillarm.simulation.arm.torque_joint import friction_limits, smooth_torque
+from stillarm.diagnosis.driven import side_by_side, vectorised
+from stillarm.diagnosis.driven.side_by_side import (
+    BACKWARD,
+    BESIDE,
+    FORWARD,
+    PUSH,
+    SHOWN,
+    STATE,
+    advance,
+    begin_group,
+    laws_on,
+    limit_friction,
+    push_joint,
+    show,
+)
+from stillarm.simulation.arm.compiler import compiled_from, inlined
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+_DRIVES, _TOUCH, _MOTOR, _RATE, _BEFORE = range(4, 9)
 
 
 def play_side_by_side(
@@ -23,81 +40,101 @@ def play_side_by_side(
     """Free runs over all blocks, as `run_side_by_side`. joint: share, gain, damping, gap and bounce of `play_run`; phi:
     (n, n), g: (n,) of the link over a substep. by_state: (m, n + 2), by_contact: (m,), what each sensor shows of link
     and motor, and of the contact's force on the link just after a sample."""
-    beside = many_beside(len(starts) - 1)
-    _run(
-        *joint, law, *laws_on(law), phi, g, beside, u, substeps, step_s, starts, states, by_state, by_contact, places,
-        out,
+    stepper = _stepper_of(len(phi))
+    stepper(
+        joint, law, *laws_on(law), phi, g, u, substeps, step_s, starts, states, by_state, by_contact, places, out
     )  # fmt: skip
 
 
-@compiled_from(__file__, side_by_side.__file__)
-def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as much as its body)
-    share: float, gain: float, damping: float, gap: float, bounce: float, law: Array, pushes: bool, rubs: bool,
-    phi: Array, g: Array, beside: int, u: Array, substeps: int, step_s: float, starts: Integers, states: Array,
-    by_state: Array, by_contact: Array, places: Integers, out: Array,
-) -> None:  # fmt: skip
-    h, n, m, blocks = step_s, len(g), by_state.shape[0], len(starts) - 1
-    z, new, shown = np.zeros((n, beside)), np.zeros((n, beside)), np.zeros(beside)
-    motor, rate, touch = np.zeros(beside), np.zeros(beside), np.zeros(beside)
-    before, before_rate = np.zeros(beside), np.zeros(beside)
-    first, length = np.zeros(beside, np.int64), np.zeros(beside, np.int64)
-    yields, light = g[1] / (1.0 - share), h / share  # of link and motor, to the contact's force over a step
-    for group in range(0, blocks, beside):
-        longest = begin_group(group, starts, states, z, first, length)
-        for b in range(beside):
-            block = min(group + b, blocks - 1)
-            motor[b], rate[b] = states[block, n], states[block, n + 1]
-        here = min(beside, blocks - group)
-        for k in range(longest):
-            for s in range(substeps):
-                for i in range(n):
-                    for b in range(beside):
-                        new[i, b] = 0.0
-                    for j in range(0, n, 2):
-                        for b in range(beside):
-                            new[i, b] = (new[i, b] + phi[i, j] * z[j, b]) + phi[i, j + 1] * z[j + 1, b]
-                for b in range(beside):
-                    at = (first[b] + min(k, length[b] - 1)) * substeps + s
-                    before[b], before_rate[b] = motor[b], rate[b]
-                    push = 0.5 * gain * (u[at, 0] + u[at, 1]) - damping * rate[b]
+@cache
+def _stepper_of(n: int) -> Callable[..., None]:
+    """Compiled for links of so many components."""
+
+    @compiled_from(__file__, side_by_side.__file__, vectorised.__file__)
+    def stepper(
+        joint: tuple[float, float, float, float, float], law: Array, pushes: bool, rubs: bool, phi: Array, g: Array,
+        u: Array, substeps: int, step_s: float, starts: Integers, states: Array, by_state: Array, by_contact: Array,
+        places: Integers, out: Array,
+    ) -> None:  # fmt: skip
+        gain = joint[1]
+        blocks, was = len(starts) - 1, STATE + 2 * n + 2  # where the motor's velocity before a step is
+        work = np.zeros((was + 1) * BESIDE)
+        first, length = np.zeros(BESIDE, np.int64), np.zeros(BESIDE, np.int64)
+        row = np.zeros(BESIDE, np.int64)
+        for group in range(0, blocks, BESIDE):
+            longest = begin_group(group, starts, states, work, first, length)
+            many = min(BESIDE, blocks - group)
+            for b in range(BESIDE):
+                work[_MOTOR * BESIDE + b] = work[(STATE + n) * BESIDE + b]
+                work[_RATE * BESIDE + b] = work[(STATE + n + 1) * BESIDE + b]
+            for k in range(longest):
+                for b in range(BESIDE):
+                    row[b] = (first[b] + min(k, length[b] - 1)) * substeps
+                    work[_BEFORE * BESIDE + b] = work[_MOTOR * BESIDE + b]
+                    work[was * BESIDE + b] = work[_RATE * BESIDE + b]
+                for s in range(substeps):
+                    for b in range(BESIDE):
+                        work[_DRIVES * BESIDE + b] = 0.5 * gain * (u[row[b] + s, 0] + u[row[b] + s, 1])
+                    advance(n, phi, work)
                     if pushes:
-                        push += smooth_torque(law, motor[b] + 0.5 * h * rate[b], rate[b])
-                    forward, backward = 0.0, 0.0
+                        push_joint(law, step_s, work, _MOTOR, _RATE)
                     if rubs:
-                        forward, backward = friction_limits(law, rate[b])
-                    pushed, contact, rub = rate[b] + light * push, 0.0, 0.0
-                    meets = rate[b] - z[1, b]
-                    ahead = motor[b] - z[0, b] + h * meets
-                    if ahead >= 0.5 * gap or ahead <= -0.5 * gap:
-                        parts = bounce * (max(meets, 0.0) if ahead > 0.0 else min(meets, 0.0))
-                        rub = min(max(-pushed / light - new[1, b] / yields, -forward), backward)
-                        contact = (pushed + light * rub - new[1, b] + parts) / (light + yields)
-                        if (ahead > 0.0) != (contact >= 0.0):  # it lets go
-                            contact = 0.0
-                    if contact == 0.0:
-                        rub = min(max(-pushed / light, -forward), backward)
-                    new_rate = pushed + light * (rub - contact)
-                    motor[b] += 0.5 * h * (rate[b] + new_rate)
-                    rate[b], touch[b] = new_rate, contact / (1.0 - share)
-                if s == 0:
-                    for o in range(m):
-                        for b in range(beside):
-                            shown[b] = by_contact[o] * touch[b]
-                            shown[b] += by_state[o, n] * before[b] + by_state[o, n + 1] * before_rate[b]
-                        for j in range(n):
-                            for b in range(beside):
-                                shown[b] += by_state[o, j] * z[j, b]
-                        for b in range(here):
-                            if k < length[b]:
-                                out[places[o, group + b] + k] = shown[b]
-                for i in range(n):
-                    for b in range(beside):
-                        z[i, b] = new[i, b] + g[i] * touch[b]
-                for b in range(beside):
-                    apart = motor[b] - z[0, b]
-                    over = abs(apart) - 0.5 * gap
-                    if over > 0.0:
-                        z[0, b] += np.sign(apart) * over
+                        limit_friction(law, work, _RATE)
+                    _meet(n, joint, g[1], step_s, work)
+                    if s == 0:
+                        for o in range(len(by_state)):
+                            for b in range(BESIDE):
+                                work[SHOWN * BESIDE + b] = (
+                                    by_contact[o] * work[_TOUCH * BESIDE + b]
+                                    + by_state[o, n] * work[_BEFORE * BESIDE + b]
+                                    + by_state[o, n + 1] * work[was * BESIDE + b]
+                                )
+                            show(o, n, many, by_state, work, k, length, places[:, group:], out)
+                    _take_along(n, joint[3], g, work)
+
+    return stepper
+
+
+@inlined
+def _meet(
+    n: int, joint: tuple[float, float, float, float, float], reached: float, h: float, work: Array
+) -> None:
+    """Move the motor by a step h, and fill in the force of its contact on the link. reached: the link's velocity after
+    a step with a force of 1."""
+    share, _, damping, gap, bounce = joint
+    yields, light = (
+        reached / (1.0 - share),
+        h / share,
+    )  # of link and motor, to the contact's force over a step
+    for b in range(BESIDE):
+        motor, rate = work[_MOTOR * BESIDE + b], work[_RATE * BESIDE + b]
+        next_rate = work[(STATE + n + 1) * BESIDE + b]
+        forward, backward = work[FORWARD * BESIDE + b], work[BACKWARD * BESIDE + b]
+        pushed = rate + light * (work[_DRIVES * BESIDE + b] - damping * rate + work[PUSH * BESIDE + b])
+        meets = rate - work[(STATE + 1) * BESIDE + b]
+        ahead = motor - work[STATE * BESIDE + b] + h * meets
+        parts = bounce * (max(meets, 0.0) if ahead > 0.0 else min(meets, 0.0))
+        rub = min(max(-pushed / light - next_rate / yields, -forward), backward)
+        contact = (pushed + light * rub - next_rate + parts) / (light + yields)
+        lets_go = (contact < 0.0) if ahead > 0.0 else (contact >= 0.0)
+        contact = 0.0 if abs(ahead) < 0.5 * gap or lets_go else contact
+        alone = min(max(-pushed / light, -forward), backward)
+        new_rate = pushed + light * ((alone if contact == 0.0 else rub) - contact)
+        work[_MOTOR * BESIDE + b] = motor + 0.5 * h * (rate + new_rate)
+        work[_RATE * BESIDE + b], work[_TOUCH * BESIDE + b] = new_rate, contact / (1.0 - share)
+
+
+@inlined
+def _take_along(n: int, gap: float, g: Array, work: Array) -> None:
+    """The link's state after a step, as far from the motor as the gap lets it."""
+    for b in range(BESIDE):
+        for i in range(n):
+            work[(STATE + i) * BESIDE + b] = (
+                work[(STATE + n + i) * BESIDE + b] + g[i] * work[_TOUCH * BESIDE + b]
+            )
+        apart = work[_MOTOR * BESIDE + b] - work[STATE * BESIDE + b]
+        over = max(abs(apart) - 0.5 * gap, 0.0)
+        work[STATE * BESIDE + b] += over if apart > 0.0 else -over
 
 
 __all__ = ["play_side_by_side"]

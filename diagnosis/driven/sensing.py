@@ -6,18 +6,17 @@ is late, steps are those of the simulation, however slow the samples.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
-from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from stillarm.diagnosis.driven.laws import Numbers
 from stillarm.diagnosis.driven.signals import Output
+from stillarm.simulation.arm.compiler import compiled_from
 from stillarm.simulation.arm.torque_joint import LinearJoint
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
 _FELT = np.array([1.0, 1.0, 0.0])  # of input and forces, by an accelerometer on the arm
@@ -115,45 +114,50 @@ def _tip(name: str, numbers: Numbers, motion: Motion, side: int) -> Array:
     return np.asarray(numbers.get(f"direct {name}", 0.0) * motion.theta_dd[side] + bent @ shares)
 
 
+@compiled_from(__file__)
 def _late(
-    sides: Array, slope: Array, told: Array, late_s: float, lag_s: float, step_s: float,
-    starts: NDArray[np.int64],
-) -> Array:  # fmt: skip
+    sides: Array, slope: Array, told: Array, late_s: float, lag_s: float, step_s: float, starts: Integers
+) -> Array:
     """Each block's signal, delayed, and behind a lag of first order; steady in its slope before the block. sides:
     (2, n), before and after each step's input. told: what a filter shows where a block begins, as an acceleration may
     have jumped before it; NaN for a steady one."""
     shown = np.empty(sides.shape[1])
-    for begun, (a, b) in zip(told, pairwise(starts), strict=True):
-        one = sides[:, a:b]
-        if late_s != 0.0:
-            one = np.stack([_delayed(one, slope[a], slope[b - 1], late_s, step_s)] * 2)
-        if lag_s > 1e-3 * step_s:
-            begins = float(begun) if np.isfinite(begun) else one[1, 0] - lag_s * slope[a]
-            one = np.stack([_lagging(one, begins, lag_s, step_s)] * 2)
-        shown[a:b] = one[1]
+    for block in range(len(starts) - 1):
+        a, b = starts[block], starts[block + 1]
+        if b > a:
+            if late_s != 0.0:
+                _delay(sides[:, a:b], slope[a], slope[b - 1], late_s / step_s, step_s, shown[a:b])
+            if lag_s > 1e-3 * step_s:
+                one = np.stack((shown[a:b], shown[a:b])) if late_s != 0.0 else sides[:, a:b]
+                begins = told[block] if np.isfinite(told[block]) else one[1, 0] - lag_s * slope[a]
+                _lag(one, begins, lag_s, step_s, shown[a:b])
+            elif late_s == 0.0:
+                shown[a:b] = sides[1, a:b]
     return shown
 
 
-def _delayed(sides: Array, first_slope: float, last_slope: float, late_s: float, step_s: float) -> Array:
-    """A block's signal late_s before each step: on the line from after one step to before the next."""
+@compiled_from(__file__)
+def _delay(sides: Array, first: float, last: float, late: float, step_s: float, shown: Array) -> None:
+    """Fill in a block's signal `late` steps before each step: on the line from after one step to before the next.
+    first, last: its slope at either end."""
     count = sides.shape[1]
-    at = np.arange(count) - late_s / step_s
-    place = np.clip(np.floor(at).astype(np.int64), 0, max(count - 2, 0))
-    along = np.clip(at - place, 0.0, 1.0)
-    found = (1.0 - along) * sides[1, place] + along * sides[0, np.minimum(place + 1, count - 1)]
-    found += first_slope * step_s * np.minimum(at, 0.0)
-    return np.asarray(found + last_slope * step_s * np.maximum(at - (count - 1), 0.0))
+    for k in range(count):
+        at = k - late
+        place = int(min(max(np.floor(at), 0.0), max(count - 2.0, 0.0)))
+        along = min(max(at - place, 0.0), 1.0)
+        found = (1.0 - along) * sides[1, place] + along * sides[0, min(place + 1, count - 1)]
+        shown[k] = found + step_s * (first * min(at, 0.0) + last * max(at - (count - 1), 0.0))
 
 
-def _lagging(sides: Array, begins: float, lag_s: float, step_s: float) -> Array:
-    """A block's signal behind a lag, exact for one that is linear from after one step to before the next."""
-    keep = exp(-step_s / lag_s)
+@compiled_from(__file__)
+def _lag(sides: Array, begins: float, lag_s: float, step_s: float, shown: Array) -> None:
+    """Fill in a block's signal behind a lag, exact for one that is linear from after one step to before the next."""
+    keep = np.exp(-step_s / lag_s)
     end = 1.0 - lag_s / step_s * (1.0 - keep)
     begin = 1.0 - keep - end
-    fed = end * sides[0]
-    fed[1:] += begin * sides[1, :-1]
-    fed[0] = begins
-    return np.asarray(lfilter([1.0], [1.0, -keep], fed))
+    shown[0] = begins
+    for k in range(1, sides.shape[1]):
+        shown[k] = keep * shown[k - 1] + end * sides[0, k] + begin * sides[1, k - 1]
 
 
 __all__ = ["Motion", "is_late", "seen", "shown_late", "slope_weights_of", "weights_of"]

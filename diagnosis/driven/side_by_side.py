@@ -1,42 +1,144 @@
 """The blocks of a recording simulated side by side, for what the sensors show alone: the inner loop of every fit.
 
-The equations of motion are those of stillarm.simulation.arm.torque_joint, whose laws are called here, and its numbers
-come out to the last bit. That runs block after block and keeps the whole state. Here some blocks go on together, so
-that the processor has independent numbers to work on; laws that are off cost nothing; and of the state only what the
-sensors make of it is written down.
+The equations of motion are those of stillarm.simulation.arm.torque_joint. That runs block after block and keeps the
+whole state. Here sixteen blocks go on together: each loop over them has a length that the compiler knows, in one array
+whose rows it can tell apart, so that the processor works on several numbers at once. Laws that are off cost nothing;
+and of the state only what the sensors make of it is written down. Numbers are the same but for rounding.
 """
 
-from math import ceil
+from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.simulation.arm.compiler import compiled_from
-from stillarm.simulation.arm.torque_joint import LAWS, friction_limits, smooth_torque
+from stillarm.diagnosis.driven import vectorised
+from stillarm.diagnosis.driven.vectorised import faded, sine_cosine
+from stillarm.simulation.arm.compiler import compiled_from, inlined
+from stillarm.simulation.arm.torque_joint import LAWS
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_MOST_BESIDE = (
-    16  # blocks that go on together: as many as a recording usually has, and few enough to stay in cache
-)
-_AT_ONCE = 4  # numbers that a processor multiplies at once
-_RUBS = np.array([name.startswith(("coulomb_", "stribeck_p", "stribeck_n")) for name in LAWS])
-_SMOOTH = np.array(
-    [name not in ("stribeck_velocity", "ripple_cycles", "arm_cubic", "arm_coulomb") for name in LAWS]
-)
-_SMOOTH &= ~_RUBS
-_ARM_CUBIC, _ARM_COULOMB = LAWS.index("arm_cubic"), LAWS.index("arm_coulomb")
+BESIDE = 16
+"""Blocks that go on together: as many as a recording usually has, and few enough to stay in the registers' cache."""
+_CP, _CN, _SP, _SN, _SV, _V2, _VA, _RS, _RC, _RN, _GS, _GC, _OFF, _K3, _Q3, _QC = range(len(LAWS))
+_SMOOTH, _RUBS = [_V2, _VA, _RS, _RC, _GS, _GC, _OFF, _K3], [_CP, _CN, _SP, _SN]
+_TINY = 1e-12  # rad/s: below it friction that is larger at rest has no velocity over which it fades
+PUSH, FORWARD, BACKWARD, SHOWN, STATE = 0, 1, 2, 3, 9
+"""Rows of a stepper's array, BESIDE numbers each: what `push_joint`, `limit_friction` and `show` fill in, and the first
+of the states' components; between them are the stepper's own."""
+_RUB, _FORCE, _RUB_ARM, _BEGINS, _ENDS = range(4, 9)
+_TILE, _MOST_TILED = 4, 12  # rows of a product that a compiler unrolls; components of a state with five modes
 
 
-def many_beside(blocks: int) -> int:
-    """How many of the blocks go on together."""
-    return min(_AT_ONCE * ceil(blocks / _AT_ONCE), _MOST_BESIDE)
+@inlined
+def push_joint(law: Array, step_s: float, work: Array, theta: int, omega: int) -> None:
+    """Fill in what the smooth laws push the joint by, rad/s^2, at the step's middle. theta, omega: the joint's rows."""
+    for b in range(BESIDE):
+        rate = work[omega * BESIDE + b]
+        middle = work[theta * BESIDE + b] + 0.5 * step_s * rate
+        work[PUSH * BESIDE + b] = (
+            law[_OFF] - (law[_V2] * rate + law[_VA]) * abs(rate) - law[_K3] * middle * middle * middle
+        )
+    if law[_RS] != 0.0 or law[_RC] != 0.0:
+        for b in range(BESIDE):
+            middle = work[theta * BESIDE + b] + 0.5 * step_s * work[omega * BESIDE + b]
+            sine, cosine = sine_cosine(law[_RN] * middle)
+            work[PUSH * BESIDE + b] += law[_RS] * sine + law[_RC] * cosine
+    if law[_GS] != 0.0 or law[_GC] != 0.0:
+        for b in range(BESIDE):
+            middle = work[theta * BESIDE + b] + 0.5 * step_s * work[omega * BESIDE + b]
+            sine, cosine = sine_cosine(middle)
+            work[PUSH * BESIDE + b] += law[_GS] * sine + law[_GC] * cosine
+
+
+@inlined
+def limit_friction(law: Array, work: Array, omega: int) -> None:
+    """Fill in the largest dry friction against forward and against backward motion, rad/s^2."""
+    if law[_SV] > _TINY and (law[_SP] != 0.0 or law[_SN] != 0.0):
+        for b in range(BESIDE):
+            fade = faded(work[omega * BESIDE + b] / law[_SV])
+            work[FORWARD * BESIDE + b] = max(law[_CP] + law[_SP] * fade, 0.0)
+            work[BACKWARD * BESIDE + b] = max(law[_CN] + law[_SN] * fade, 0.0)
+    else:
+        for b in range(BESIDE):
+            work[FORWARD * BESIDE + b] = max(law[_CP], 0.0)
+            work[BACKWARD * BESIDE + b] = max(law[_CN], 0.0)
 
 
 def laws_on(law: Array) -> tuple[bool, bool]:
-    """Whether any law pushes the joint, and whether any rubs."""
+    """Whether any smooth law pushes the joint, and whether any rubs."""
     return bool(np.any(law[_SMOOTH])), bool(np.any(law[_RUBS]))
+
+
+def is_linear(law: Array) -> bool:
+    """Whether no law acts, on the joint or on the arm."""
+    return not np.any(law[[*_SMOOTH, *_RUBS, _Q3, _QC]])
+
+
+@inlined
+def begin_group(
+    group: int, starts: Integers, states: Array, work: Array, first: Integers, length: Integers
+) -> int:
+    """Fill in where the blocks from `group` on begin, how long they are, and their states' components there, one row
+    each from STATE on; returns the longest. A place without a block runs as the last one, unseen."""
+    longest, blocks = 0, len(starts) - 1
+    for b in range(BESIDE):
+        block = min(group + b, blocks - 1)
+        first[b], length[b] = starts[block], starts[block + 1] - starts[block]
+        longest = max(longest, length[b])
+        for i in range(states.shape[1]):
+            work[(STATE + i) * BESIDE + b] = states[block, i]
+    return longest
+
+
+@inlined
+def _tile(begin: int, rows: int, n: int, phi: Array, work: Array) -> None:
+    for b in range(BESIDE):
+        for i in range(begin, begin + rows):
+            total = 0.0
+            for j in range(n):
+                total += phi[i, j] * work[(STATE + j) * BESIDE + b]
+            work[(STATE + n + i) * BESIDE + b] = total
+
+
+@inlined
+def advance(n: int, phi: Array, work: Array) -> None:
+    """Fill in the n rows behind those of the states with phi times these, in tiles that the compiler unrolls."""
+    if n <= _MOST_TILED:
+        _tile(0, min(n, _TILE), n, phi, work)
+        if n > _TILE:
+            _tile(_TILE, min(n - _TILE, _TILE), n, phi, work)
+        if n > 2 * _TILE:
+            _tile(2 * _TILE, n - 2 * _TILE, n, phi, work)
+    else:
+        for i in range(n):
+            _tile(i, 1, n, phi, work)
+
+
+@inlined
+def show(
+    sensor: int,
+    n: int,
+    many: int,
+    by_state: Array,
+    work: Array,
+    k: int,
+    length: Integers,
+    places: Integers,
+    out: Array,
+) -> None:
+    """Add what a sensor shows of the state to the row SHOWN, and write down that of the first `many` blocks, as far as
+    they have a sample k."""
+    for b in range(BESIDE):
+        total = work[SHOWN * BESIDE + b]
+        for j in range(n):
+            total += by_state[sensor, j] * work[(STATE + j) * BESIDE + b]
+        work[SHOWN * BESIDE + b] = total
+    for b in range(many):
+        if k < length[b]:
+            out[places[sensor, b] + k] = work[SHOWN * BESIDE + b]
 
 
 def run_side_by_side(
@@ -50,104 +152,113 @@ def run_side_by_side(
     by_force: (m, 3), what each sensor shows of the state, of the input and of the forces on joint and first mode just
     after a sample. places: (m, blocks), where in `out` a sensor's samples of a block begin.
     """
-    beside = many_beside(len(starts) - 1)
-    _run(
-        phi,
-        g,
-        law,
-        *laws_on(law),
-        beside,
-        u,
-        substeps,
-        step_s,
-        starts,
-        states,
-        by_state,
-        by_force,
-        places,
-        out,
-    )
+    stepper = _stepper_of(len(phi))
+    stepper(phi, g, law, *laws_on(law), u, substeps, step_s, starts, states, by_state, by_force, places, out)
 
 
-@compiled_from(__file__)
-def begin_group(
-    group: int, starts: Integers, states: Array, z: Array, first: Integers, length: Integers
-) -> int:
-    """Fill in where the blocks from `group` on begin, how long they are, and the state at their starts, z: (n, beside);
-    returns the longest. A place without a block runs as the last one, unseen."""
-    longest, blocks = 0, len(starts) - 1
-    for b in range(len(first)):
-        block = min(group + b, blocks - 1)
-        first[b], length[b] = starts[block], starts[block + 1] - starts[block]
-        longest = max(longest, length[b])
-        for i in range(z.shape[0]):
-            z[i, b] = states[block, i]
-    return longest
+@cache
+def _stepper_of(n: int) -> Callable[..., None]:
+    """Compiled for states of so many components."""
+
+    @compiled_from(__file__, vectorised.__file__)
+    def stepper(
+        phi: Array, g: Array, law: Array, pushes: bool, rubs: bool, u: Array, substeps: int, step_s: float,
+        starts: Integers, states: Array, by_state: Array, by_force: Array, places: Integers, out: Array,
+    ) -> None:  # fmt: skip
+        blocks, work = len(starts) - 1, np.zeros((STATE + 2 * n) * BESIDE)
+        first, length = np.zeros(BESIDE, np.int64), np.zeros(BESIDE, np.int64)
+        row = np.zeros(BESIDE, np.int64)
+        bends, arm_rubs = n > 2 and law[_Q3] != 0.0, n > 2 and law[_QC] > 0.0
+        for group in range(0, blocks, BESIDE):
+            longest = begin_group(group, starts, states, work, first, length)
+            many = min(BESIDE, blocks - group)
+            for k in range(longest):
+                for b in range(BESIDE):
+                    row[b] = (first[b] + min(k, length[b] - 1)) * substeps
+                for s in range(substeps):
+                    for b in range(BESIDE):
+                        work[_BEGINS * BESIDE + b] = u[row[b] + s, 0]
+                        work[_ENDS * BESIDE + b] = u[row[b] + s, 1]
+                    if pushes:
+                        push_joint(law, step_s, work, STATE, STATE + 1)
+                    if bends:
+                        _bend(law, step_s, work)
+                    advance(n, phi, work)
+                    _push(n, g, work)
+                    if rubs:
+                        limit_friction(law, work, STATE + 1)
+                        _rub(n, g, work)
+                    if arm_rubs:
+                        _rub_arm(n, g, law[_QC], work)
+                    if s == 0:
+                        for o in range(len(by_state)):
+                            _show_forces(by_force[o], work)
+                            show(o, n, many, by_state, work, k, length, places[:, group:], out)
+                    for b in range(n * BESIDE):
+                        work[STATE * BESIDE + b] = work[(STATE + n) * BESIDE + b]
+
+    return stepper
 
 
-@compiled_from(__file__)
-def _run(  # noqa: PLR0912 (in one loop, as each call inside it would cost as much as its body)
-    phi: Array, g: Array, law: Array, pushes: bool, rubs: bool, beside: int, u: Array, substeps: int,
-    step_s: float, starts: Integers, states: Array, by_state: Array, by_force: Array, places: Integers, out: Array,
-) -> None:  # fmt: skip
-    n, m, blocks = phi.shape[0], by_state.shape[0], len(starts) - 1
-    z, new = np.zeros((n, beside)), np.zeros((n, beside))
-    push, force, rub, rub_arm = np.zeros(beside), np.zeros(beside), np.zeros(beside), np.zeros(beside)
-    begins, ends, shown = np.zeros(beside), np.zeros(beside), np.zeros(beside)
-    first, length = np.zeros(beside, np.int64), np.zeros(beside, np.int64)
-    bends, arm_rubs = n > 2 and law[_ARM_CUBIC] != 0.0, n > 2 and law[_ARM_COULOMB] > 0.0
-    for group in range(0, blocks, beside):
-        longest = begin_group(group, starts, states, z, first, length)
-        here = min(beside, blocks - group)
-        for k in range(longest):
-            for s in range(substeps):
-                for b in range(beside):
-                    at = (first[b] + min(k, length[b] - 1)) * substeps + s
-                    begins[b], ends[b] = u[at, 0], u[at, 1]
-                if pushes:
-                    for b in range(beside):
-                        push[b] = smooth_torque(law, z[0, b] + 0.5 * step_s * z[1, b], z[1, b])
-                if bends:
-                    for b in range(beside):
-                        middle = z[2, b] + 0.5 * step_s * z[3, b]
-                        force[b] = -law[_ARM_CUBIC] * middle * middle * middle
-                for i in range(n):
-                    for b in range(beside):
-                        new[i, b] = (
-                            g[i, 0] * begins[b] + g[i, 1] * ends[b] + g[i, 2] * push[b] + g[i, 3] * force[b]
-                        )
-                    for j in range(0, n, 2):
-                        for b in range(beside):
-                            new[i, b] = (new[i, b] + phi[i, j] * z[j, b]) + phi[i, j + 1] * z[j + 1, b]
-                if rubs:
-                    for b in range(beside):
-                        forward, backward = friction_limits(law, z[1, b])
-                        rub[b] = min(max(-new[1, b] / g[1, 2], -forward), backward)
-                    for i in range(n):
-                        for b in range(beside):
-                            new[i, b] += g[i, 2] * rub[b]
-                if arm_rubs:
-                    for b in range(beside):
-                        rub_arm[b] = min(max(-new[3, b] / g[3, 3], -law[_ARM_COULOMB]), law[_ARM_COULOMB])
-                    for i in range(n):
-                        for b in range(beside):
-                            new[i, b] += g[i, 3] * rub_arm[b]
-                if s == 0:
-                    for o in range(m):
-                        for b in range(beside):
-                            shown[b] = by_force[o, 0] * begins[b] + by_force[o, 1] * (push[b] + rub[b])
-                            shown[b] += by_force[o, 2] * (force[b] + rub_arm[b])
-                        for j in range(0, n, 2):
-                            for b in range(beside):
-                                shown[b] = (shown[b] + by_state[o, j] * z[j, b]) + by_state[o, j + 1] * z[
-                                    j + 1, b
-                                ]
-                        for b in range(here):
-                            if k < length[b]:
-                                out[places[o, group + b] + k] = shown[b]
-                for i in range(n):
-                    for b in range(beside):
-                        z[i, b] = new[i, b]
+@inlined
+def _bend(law: Array, step_s: float, work: Array) -> None:
+    for b in range(BESIDE):
+        middle = work[(STATE + 2) * BESIDE + b] + 0.5 * step_s * work[(STATE + 3) * BESIDE + b]
+        work[_FORCE * BESIDE + b] = -law[_Q3] * middle * middle * middle
 
 
-__all__ = ["begin_group", "laws_on", "many_beside", "run_side_by_side"]
+@inlined
+def _push(n: int, g: Array, work: Array) -> None:
+    for b in range(BESIDE):
+        for i in range(n):
+            work[(STATE + n + i) * BESIDE + b] += (
+                g[i, 0] * work[_BEGINS * BESIDE + b] + g[i, 1] * work[_ENDS * BESIDE + b]
+                + g[i, 2] * work[PUSH * BESIDE + b] + g[i, 3] * work[_FORCE * BESIDE + b]
+            )  # fmt: skip
+
+
+@inlined
+def _show_forces(by_force: Array, work: Array) -> None:
+    for b in range(BESIDE):
+        torque = work[PUSH * BESIDE + b] + work[_RUB * BESIDE + b]
+        force = work[_FORCE * BESIDE + b] + work[_RUB_ARM * BESIDE + b]
+        work[SHOWN * BESIDE + b] = (
+            by_force[0] * work[_BEGINS * BESIDE + b] + by_force[1] * torque + by_force[2] * force
+        )
+
+
+@inlined
+def _rub(n: int, g: Array, work: Array) -> None:
+    for b in range(BESIDE):
+        stops = -work[(STATE + n + 1) * BESIDE + b] / g[1, 2]
+        rub = min(max(stops, -work[FORWARD * BESIDE + b]), work[BACKWARD * BESIDE + b])
+        work[_RUB * BESIDE + b] = rub
+        for i in range(n):
+            work[(STATE + n + i) * BESIDE + b] += g[i, 2] * rub
+
+
+@inlined
+def _rub_arm(n: int, g: Array, limit: float, work: Array) -> None:
+    for b in range(BESIDE):
+        rub = min(max(-work[(STATE + n + 3) * BESIDE + b] / g[3, 3], -limit), limit)
+        work[_RUB_ARM * BESIDE + b] = rub
+        for i in range(n):
+            work[(STATE + n + i) * BESIDE + b] += g[i, 3] * rub
+
+
+__all__ = [
+    "BACKWARD",
+    "BESIDE",
+    "FORWARD",
+    "PUSH",
+    "SHOWN",
+    "STATE",
+    "advance",
+    "begin_group",
+    "is_linear",
+    "laws_on",
+    "limit_friction",
+    "push_joint",
+    "run_side_by_side",
+    "show",
+]  # fmt: skip

@@ -23,6 +23,11 @@ NUMBERS = {
     "log_w_2": 4.0, "zeta_2": 0.01, "follows_2": -0.2, "carries_2": 0.1, f"direct {ACCELERATION}": 0.5,
     f"share_2 {ACCELERATION}": 0.4, "offset joint_velocity_rad_s": 0.3, "scale deflection_m": 1.2,
 }  # fmt: skip
+FURTHER_MODES = {
+    f"{name}_{i}": value
+    for i in range(3, 7)
+    for name, value in (("log_w", 3.0 + 0.4 * i), ("zeta", 0.02), ("follows", 0.3), ("carries", 0.05))
+}
 CASES: dict[str, dict[str, float]] = {
     "linear": {},
     "held": {"held": 1.0, "lag": 0.01, "dead_zone": 0.1, "limit": 1.0},
@@ -66,16 +71,33 @@ def test_blocks_side_by_side_show_what_they_show_one_by_one(case: str, step_s: f
     assert shown(box, numbers, states, sigma) == pytest.approx(wanted, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.parametrize("modes", range(7))
+def test_an_arm_may_have_as_many_modes_as_it_likes(modes: int) -> None:
+    box, states = _box(0.004, modes), 0.1 * np.random.default_rng(4).normal(size=(4, 2 + 2 * modes))
+    numbers = NUMBERS | CASES["friction"] | FURTHER_MODES
+    wanted = box.stack.of([box.run(numbers, states).outputs[name] for name in KINDS])
+    found = shown(box, numbers, states, dict.fromkeys(KINDS, 1.0))
+    assert found == pytest.approx(wanted, rel=1e-9, abs=1e-9)
+
+
 PLAY = {"gap": 0.02, "share": 0.3, "bounce": 0.2, "coulomb": 0.1, "ripple_sine": 0.2, "ripple_cycles": 5.0}
 
 
 @pytest.mark.parametrize(
-    "side", [{}, {"rate_on_motor": 1.0}, {"on_motor": 1.0}, {"delay deflection_m": 0.003}]
+    "side",
+    [
+        {},
+        {"rate_on_motor": 1.0},
+        {"on_motor": 1.0},
+        {"delay deflection_m": 0.003, "delay joint_velocity_rad_s": 0.005},
+        {"rate_on_motor": 1.0, "lag joint_velocity_rad_s": 0.01, f"lag {ACCELERATION}": 0.004},
+        {"on_motor": 1.0, "delay joint_position_rad": -0.003, f"delay {ACCELERATION}": 0.005},
+    ],
 )
-@pytest.mark.parametrize("modes", [0, 2])
+@pytest.mark.parametrize("modes", [0, 2, 4, 6])
 def test_blocks_with_play_show_what_they_show_one_by_one(modes: int, side: dict[str, float]) -> None:
     box = replace(_box(0.004, modes), play=True)
-    numbers = NUMBERS | PLAY | side
+    numbers = NUMBERS | FURTHER_MODES | PLAY | side
     states = 0.1 * np.random.default_rng(4).normal(size=(4, box.size))
     outputs = box.run(numbers, states).outputs
     wanted = box.stack.of([outputs[name] for name in KINDS])
