@@ -30,9 +30,10 @@ from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.image_dating import dated_anew
 from stillarm.diagnosis.inference.impacts import carried_over, impacts_while_moving
 from stillarm.diagnosis.inference.laws import LawFound
-from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 
 _FULL = 12  # steps of a fit
+_FIRST_PART_SHARE = 0.6  # of the time: a round beside the usual baseline may have to follow
 _Beginning = tuple[Found, list[Stage]]
 """Where a search begins, and the rounds that are made already."""
 
@@ -67,35 +68,39 @@ def _searched(
     only: Sequence[str] | None,
     known: Sequence[LawFound],
 ) -> Found:
-    begun = _from_its_first_part(baseline, split, tick, only) or _without_doubtful_impacts(
-        baseline, split, only
-    )
+    begun, hint = _from_its_first_part(baseline, split, tick, only)
+    begun = begun or _without_doubtful_impacts(baseline, split, only)
     found, stages = begun or (Found(baseline, baseline), [])
+    found.hint = hint
     found = explained(found, split, tick, only, known, stages)
     return found if found.likelier is None else _searched(found.likelier, split, tick, only, known)
 
 
 def _from_its_first_part(
     baseline: Fit, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
-) -> _Beginning | None:
+) -> tuple[_Beginning | None, Candidate | None]:
     """What sets in on the way and explains the recording beside the baseline of its first part, where that is much the
-    better one there, and what was found explains most of what the usual baseline leaves. None where it does not."""
+    better one there, and what was found explains most of what the usual baseline leaves. None where it does not; and
+    then what does not set in, which is to be tried beside the usual baseline."""
     try:
         early = early_baseline(baseline, split) if anything_matters(baseline, split) else None
         if early is None:
-            return None
+            return None, None
         tick(0.0, "causes, from the first part")
-        stage = one_round(Found(early, early), split, only, upstream=joint_departs(early))
+        with limited_to(_FIRST_PART_SHARE):
+            stage = one_round(Found(early, early), split, only, upstream=joint_departs(early))
     except OutOfTime:
-        return None
-    if stage.taken is None or not _sets_in(stage.taken):
-        return None
+        return None, None
+    if stage.taken is None or stage.taken.law is not None:
+        return None, None
+    if not _sets_in(stage.taken):
+        return None, stage.taken
     stage = _beside(stage, early, baseline, split)
     assert stage.taken is not None
     most = share_explained(stage.taken, baseline, split) >= EXPLAINED
     if not (most and convinces(stage.taken, baseline, split, False)):
-        return None
-    return Found(baseline, baseline), [stage]
+        return None, None
+    return (Found(baseline, baseline), [stage]), None
 
 
 def _sets_in(one: Candidate) -> bool:

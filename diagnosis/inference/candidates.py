@@ -100,6 +100,8 @@ class Found:
     """The last laws that were looked for, and the fit on which."""
     likelier: Fit | None = None
     """A likelier baseline that a round came upon: the search is to begin again from there."""
+    hint: Candidate | None = None
+    """What was found beside another baseline: it is fitted before any other form, as that one's time is spent."""
 
 
 def of_law(last: Fit, law: LawFound) -> Candidate:

@@ -73,6 +73,8 @@ def compared(
     screening: list[Scored] = []
     try:
         before, slopes = score(last, split), slopes_of(last)
+        if found.hint is not None:
+            candidates += _hinted(found.hint, last, tried, before, split, slopes)
         white = Whitened(make_data(last.world, split), last, slopes)
         begun, screening = begun_fits(white, tried)
         known = _known(begun, last)
@@ -96,6 +98,23 @@ def compared(
     for one in candidates:
         one.fit.world.forget()
     return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
+
+
+def _hinted(
+    hint: Candidate, last: Fit, tried: Sequence[Form], before: Score, split: Split, slopes: Slopes
+) -> list[Candidate]:
+    """A form that was found beside another baseline, fitted to the end from what it was there; none of a form that
+    changes what a world holds."""
+    form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
+    place = last.world.space.place
+    if form is None or form.added is not None or form.begins or not set(hint.free) <= set(place):
+        return []
+    start = last.world.space.with_values(last.vector, {name: hint.fit.value(name) for name in hint.free})
+    begun = Begun(form, last.world, start)
+    fitted = refitted(begun, last, split, slopes)
+    if fitted is None:
+        return []
+    return [candidate_of(begun, polished(begun, fitted, last, split, slopes), last, before, split)]
 
 
 def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:

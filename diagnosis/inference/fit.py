@@ -297,6 +297,7 @@ def fit(
     train, held = _nats(data, now.residuals, sigma)
     return Fit(
         world, now.vector, free, std, sigma, colour, now.residuals, now.predicted, float(train.sum()), held, train,
+        covariance,
     )  # fmt: skip
 
 

@@ -44,7 +44,8 @@ class Fit:
     """A fitted world. free: names that were fitted; std: their standard deviations; sigma: noise level of each channel.
 
     held_out_score: log-likelihood of each held-out block; train_log_likelihood: of all the rest; train_blocks: of each
-    block's part of the rest; residuals: per channel, whitened, not divided by sigma; NaN where unmeasured.
+    block's part of the rest; residuals: per channel, whitened, not divided by sigma; NaN where unmeasured. covariance:
+    of the free quantities, in their order.
     """
 
     world: World
@@ -58,6 +59,7 @@ class Fit:
     train_log_likelihood: float
     held_out_score: Array
     train_blocks: Array = field(default_factory=lambda: np.empty(0))
+    covariance: Array = field(default_factory=lambda: np.empty((0, 0)))
 
     def value(self, name: str) -> float:
         """A quantity's value."""

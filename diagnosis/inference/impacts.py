@@ -2,7 +2,7 @@
 state of its own; it is moved to where it leaves the deflection without a jump, and dropped if it turns out to be none.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import pi
 
@@ -163,25 +163,52 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
 
 
 def pruned(last: Fit, split: Split) -> Fit:
-    """Without the impacts that have turned out to be none; of those close to each other, which may well share one
-    impact and each seem needless beside the other, the least goes first, and one that ends what is not judged last:
-    between that end and a later one the arm would ring on from a state that nobody judged."""
-    near = _CLOSE_S / last.world.measured.cycle_s
-    ends = last.world.unjudged_ends
+    """Without the impacts that have turned out to be none."""
     while True:
-        cycles = last.world.impacts
-        sizes = [
-            np.inf if cycle in ends and any(0 < abs(other - cycle) < near for other in cycles) else size
-            for cycle, size in zip(cycles, sizes_in_stds(last), strict=True)
-        ]
-        kept = tuple(
-            cycle
-            for cycle, size in zip(cycles, sizes, strict=True)
-            if size > _SIGNIFICANT
-            or any(
-                less < size and abs(other - cycle) < near for other, less in zip(cycles, sizes, strict=True)
-            )
-        )
-        if len(kept) == len(cycles):
+        kept = _significant(last)
+        if len(kept) == len(last.world.impacts):
             return last
         last = refit_with(last, split, kept)
+
+
+def _significant(last: Fit) -> tuple[int, ...]:
+    """The impacts that stay where those that are none are dropped, as far as a fit tells without another one: to first
+    order what a fit makes of the rest, once a jump is nothing, is the conditional mean of a normal distribution. Of
+    those close to each other, which may well share one impact and each seem needless beside the other, the least goes
+    first, and one that ends what is not judged last: between that end and a later one the arm would ring on from a
+    state that nobody judged."""
+    near = _CLOSE_S / last.world.measured.cycle_s
+    ends, kept, here = last.world.unjudged_ends, last.world.impacts, last
+    while True:
+        sizes = {
+            cycle: np.inf if cycle in ends and any(0 < abs(other - cycle) < near for other in kept) else size
+            for cycle, size in zip(last.world.impacts, sizes_in_stds(here), strict=True)
+            if cycle in kept
+        }
+        stay = tuple(
+            cycle
+            for cycle, size in sizes.items()
+            if size > _SIGNIFICANT
+            or any(less < size and abs(other - cycle) < near for other, less in sizes.items())
+        )
+        if len(stay) == len(kept):
+            return kept
+        here = _without_jumps(here, [cycle for cycle in kept if cycle not in stay])
+        kept = stay
+
+
+def _without_jumps(last: Fit, cycles: Sequence[int]) -> Fit:
+    """Values and deviations of a fit where the jumps of some impacts are none, to first order."""
+    numbers = {str(1 + last.world.impacts.index(cycle)) for cycle in cycles}
+    gone = np.array([name.startswith("jump.") and name.split(".")[1] in numbers for name in last.free])
+    places = np.array([last.world.space.place[name] for name in last.free])
+    covariance = last.covariance
+    follow = covariance[:, gone] @ np.linalg.pinv(covariance[np.ix_(gone, gone)], hermitian=True)
+    vector = last.vector.copy()
+    vector[places] -= follow @ vector[places[gone]]
+    vector[places[gone]] = 0.0
+    covariance = covariance - follow @ covariance[gone]
+    covariance[gone] = covariance[:, gone] = 0.0
+    variances = np.maximum(np.diag(covariance), 0.0)
+    std = dict(zip(last.free, np.sqrt(variances).tolist(), strict=True))
+    return replace(last, vector=vector, std=std, covariance=covariance)

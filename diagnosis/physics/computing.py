@@ -87,6 +87,19 @@ def limited(end_s: float | None, clock: Clock) -> Iterator[None]:
         _ends.reset(token)
 
 
+@contextmanager
+def limited_to(share: float) -> Iterator[None]:
+    """Within it, `check_time` raises OutOfTime once this share of the time that is left is used."""
+    end = _ends.get()
+    if end is None:
+        yield
+        return
+    end_s, clock = end
+    now_s = clock()
+    with limited(now_s + share * (end_s - now_s), clock):
+        yield
+
+
 def check_time() -> None:
     """Raise OutOfTime where a limit is set and has passed."""
     end = _ends.get()

@@ -8,10 +8,13 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import _moves_are_told, explain
 from stillarm.diagnosis.decision.rounds import _likelier_baseline
+from stillarm.diagnosis.inference import comparison
 from stillarm.diagnosis.inference.baseline import moved_as_measured
-from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
+from stillarm.diagnosis.inference.candidates import CONVINCING_NATS, Candidate, Found, Stage
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
+from stillarm.diagnosis.inference.forms import forms
+from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
 from tests.fixtures.synthetic import MODEL, NOISE, fitted, measured
 
@@ -113,3 +116,21 @@ def test_moves_are_told_where_the_joint_and_the_images_show_nothing_amiss(
     baseline = fit(make_data(world, split), world.space.vector(), world.baseline_names())
     assert _moves_are_told(baseline, split, len(struck)) == told
     assert not _moves_are_told(baseline, split, 100)
+
+
+def test_what_was_found_beside_another_baseline_is_fitted_before_the_time_is_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def no_time(*_: object) -> None:
+        raise OutOfTime
+
+    data, split = measured(SECONDS, 5, {"camera.rate_px_per_s": 0.1}), interleaved(SECONDS)
+    baseline, elsewhere = fitted(data), fitted(data, "camera.rate_px_per_s")
+    hint = Candidate("tracking_drift", elsewhere, 0.0, 1.0, {}, free=("camera.rate_px_per_s",))
+    monkeypatch.setattr(comparison, "begun_fits", no_time)
+    for given, causes in ((hint, ["tracking_drift"]), (None, [])):
+        found = Found(baseline, baseline, hint=given)
+        _, candidates = comparison.compared(baseline, forms(baseline.world), split, found)
+        assert [one.cause for one in candidates] == causes
+        assert all(one.merit > CONVINCING_NATS for one in candidates)
+        assert found.left_out

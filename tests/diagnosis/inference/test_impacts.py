@@ -8,10 +8,12 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
 from stillarm.diagnosis.inference.impacts import (
+    _without_jumps,
     carried_over,
     fit_with_impacts,
     needs_more,
     pruned,
+    refit_with,
     with_impacts_sought,
 )
 from stillarm.diagnosis.physics.world import World
@@ -61,6 +63,19 @@ def test_of_two_impacts_that_share_one_where_it_is_held_out_one_stays() -> None:
     left = pruned(last, split)
     assert len(left.world.impacts) == 1
     assert left.train_log_likelihood > last.train_log_likelihood - 10.0
+
+
+def test_dropping_an_impact_is_foretold_to_first_order() -> None:
+    split = interleaved(9.0)
+    data = measured(9.0, 3, impact(1, 0.02), impacts=(4300,))
+    both = World(data, MODEL, impacts=(2700, 4300))
+    last = fit(make_data(both, split), both.space.vector(), both.baseline_names())
+    foretold, again = _without_jumps(last, [2700]), refit_with(last, split, (4300,))
+    assert foretold.value("jump.1.0.v") == foretold.value("jump.1.0.q") == 0.0
+    for name in again.free:
+        before = name.replace("jump.1.", "jump.2.")
+        assert abs(foretold.value(before) - again.value(name)) < 0.3 * again.std[name], name
+        assert foretold.std[before] == pytest.approx(again.std[name], rel=0.05), name
 
 
 def test_of_impacts_close_together_each_keeps_its_own_state() -> None:
