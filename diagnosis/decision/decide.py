@@ -255,7 +255,7 @@ def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | N
     begun = [
         (kinds[place], world)
         for nats, place in promising
-        if nats > 0.0 and (world := _world_with(kinds[place], last)) is not None
+        if nats > 0.0 and (world := kinds[place].world(last)) is not None
     ]
     found = shared_out(
         lambda one: _with_free(*one, last, last, before, split, slopes),
@@ -273,7 +273,7 @@ def _of_its_own_state(best: Free, last: Fit, before: Score, split: Split, slopes
     they tell is a wrong one."""
     data = make_data(last.world, split)
     without = fit(data, carried_over(best.fit, last.world), (), iterations=0, colour=last.colour)
-    world = _world_with(best.group, without)
+    world = best.group.world(without)
     return best if world is None else _with_free(best.group, world, without, last, before, split, slopes)
 
 
@@ -281,12 +281,6 @@ def _promise(group: Group, white: Whitened) -> float:
     """Nats that a score test foretells of a group; none of one that is not seen."""
     added = group.added(white.last)
     return white.promise(added.columns) if added is not None else 0.0
-
-
-def _world_with(group: Group, last: Fit) -> World | None:
-    """The world of a fit with a group's terms; None where it is not seen."""
-    added = group.added(last)
-    return last.world.changed(added=(*last.world.added, added)) if added is not None else None
 
 
 def _with_free(

@@ -46,14 +46,14 @@ def rival_law(first: Candidate, before: Fit, split: Split) -> Free | None:
 def _driven(first: Candidate, before: Fit, split: Split) -> Free | None:
     """A joint that no sensor shows, and whose speed is off by a function of it, in the place of images that walk. A
     walk's merit is not that of the log score, by which free terms are held against any other finding."""
-    added = DRIVE.added(before)
-    if added is None:
+    world = DRIVE.world(before)
+    if world is None:
         return None
-    world = before.world.changed(added=(*before.world.added, added))
-    names = free_names(before, world, added.amounts)
+    amounts = world.added[-1].amounts
+    names = free_names(before, world, amounts)
     start = carried_over(before, world)
     fitted = fit(make_data(world, split), start, names, iterations=QUICK, colour=before.colour)
-    ahead = image_walk.nats_ahead(before, fitted) - PRICE_NATS * len(added.amounts)
+    ahead = image_walk.nats_ahead(before, fitted) - PRICE_NATS * len(amounts)
     return Free(DRIVE, first.merit + ahead, "displacement", fitted) if ahead > 0.0 else None
 
 

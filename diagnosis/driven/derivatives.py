@@ -85,9 +85,8 @@ def derivatives(
     """Of each block: by the free numbers, by its state, and what is left of it."""
     slopes = np.empty((len(free) + box.size, len(errors)))
     with np.errstate(over="ignore", invalid="ignore"):
-        base = shown(
-            box, numbers, states, sigma
-        )  # not by the errors: what does not show is to differ by nothing
+        # not by the errors: what does not show is to differ by nothing
+        base = shown(box, numbers, states, sigma)
         for row, name in enumerate(free):
             offset = _offset_of(name, box)
             if offset is not None:
@@ -108,10 +107,10 @@ def derivatives(
 def _offset_of(name: str, box: GreyBox) -> int | None:
     """Of which sensor a number is the offset, which no simulation has to tell. None of any other number, and of an
     accelerometer's, which is in what its filter begins with."""
-    names = [one.name for one in box.driven.outputs if one.kind != "acceleration"]
-    offset, mark, sensor = name.partition(" ")
-    found = offset == "offset" and bool(mark) and sensor in names and not box.driven.joins
-    return [one.name for one in box.driven.outputs].index(sensor) if found else None
+    for place, one in enumerate(box.driven.outputs):
+        if name == f"offset {one.name}" and one.kind != "acceleration" and not box.driven.joins:
+            return place
+    return None
 
 
 def _by_states(

@@ -25,6 +25,7 @@ from stillarm.diagnosis.driven.side_by_side import (
     push_joint,
     show,
 )
+from stillarm.simulation.arm import torque_joint
 from stillarm.simulation.arm.compiler import compiled_from, inlined
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ def play_side_by_side(
 def _stepper_of(n: int) -> Callable[..., None]:
     """Compiled for links of so many components."""
 
-    @compiled_from(__file__, side_by_side.__file__, vectorised.__file__)
+    @compiled_from(__file__, side_by_side.__file__, torque_joint.__file__, vectorised.__file__)
     def stepper(
         joint: tuple[float, float, float, float, float], law: Array, pushes: bool, rubs: bool, phi: Array, g: Array,
         u: Array, substeps: int, step_s: float, starts: Integers, states: Array, by_state: Array, by_contact: Array,
@@ -102,10 +103,8 @@ def _meet(
     """Move the motor by a step h, and fill in the force of its contact on the link. reached: the link's velocity after
     a step with a force of 1."""
     share, _, damping, gap, bounce = joint
-    yields, light = (
-        reached / (1.0 - share),
-        h / share,
-    )  # of link and motor, to the contact's force over a step
+    # of link and motor, to the contact's force over a step
+    yields, light = reached / (1.0 - share), h / share
     for b in range(BESIDE):
         motor, rate = work[_MOTOR * BESIDE + b], work[_RATE * BESIDE + b]
         next_rate = work[(STATE + n + 1) * BESIDE + b]

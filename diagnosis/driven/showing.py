@@ -35,9 +35,7 @@ def shown(box: GreyBox, numbers: Numbers, states: Array, sigma: dict[str, float]
     if late:
         return _shown_late(box, numbers, states, sigma, steps, u)
     found = np.empty(len(box.driven.outputs) * box.driven.samples)
-    by_state, by_force = _in_deviations(
-        box, numbers, sigma, [weights_of(one, numbers, steps.linear) for one in box.driven.outputs]
-    )
+    by_state, by_force = _weights(box, numbers, sigma, steps)
     _run(box, steps, u, states, by_state, by_force, box.stack.places, found)
     return _with_offsets(box, numbers, sigma, found)
 
@@ -53,9 +51,7 @@ def free_runs(box: GreyBox, numbers: Numbers, sigma: dict[str, float]) -> Array 
     if not is_linear(steps.laws[0]):
         return None
     size, outputs, longest = box.size, len(box.driven.outputs), int(np.max(np.diff(box.starts)))
-    by_state, by_force = _in_deviations(
-        box, numbers, sigma, [weights_of(one, numbers, steps.linear) for one in box.driven.outputs]
-    )
+    by_state, by_force = _weights(box, numbers, sigma, steps)
     found, still = np.empty((size, outputs, longest)), np.zeros((size * longest * box.substeps, 2))
     places = longest * (np.arange(outputs)[:, None] + outputs * np.arange(size))
     run_side_by_side(
@@ -63,6 +59,12 @@ def free_runs(box: GreyBox, numbers: Numbers, sigma: dict[str, float]) -> Array 
         longest * np.arange(size + 1), np.eye(size), by_state, by_force, places, found.ravel(),
     )  # fmt: skip
     return found
+
+
+def _weights(box: GreyBox, numbers: Numbers, sigma: dict[str, float], steps: Steps) -> tuple[Array, Array]:
+    """What each sensor shows of state and forces, where none is late."""
+    rows = [weights_of(one, numbers, steps.linear) for one in box.driven.outputs]
+    return _in_deviations(box, numbers, sigma, rows)
 
 
 def _in_deviations(

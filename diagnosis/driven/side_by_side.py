@@ -14,17 +14,34 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven import vectorised
 from stillarm.diagnosis.driven.vectorised import faded, sine_cosine
+from stillarm.simulation.arm import torque_joint
 from stillarm.simulation.arm.compiler import compiled_from, inlined
-from stillarm.simulation.arm.torque_joint import LAWS
+from stillarm.simulation.arm.torque_joint import (
+    CN,
+    CP,
+    GC,
+    GS,
+    K3,
+    OFF,
+    Q3,
+    QC,
+    RC,
+    RN,
+    RS,
+    SN,
+    SP,
+    SV,
+    TINY,
+    V2,
+    VA,
+)  # fmt: skip
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 BESIDE = 16
-"""Blocks that go on together: as many as a recording usually has, and few enough to stay in the registers' cache."""
-_CP, _CN, _SP, _SN, _SV, _V2, _VA, _RS, _RC, _RN, _GS, _GC, _OFF, _K3, _Q3, _QC = range(len(LAWS))
-_SMOOTH, _RUBS = [_V2, _VA, _RS, _RC, _GS, _GC, _OFF, _K3], [_CP, _CN, _SP, _SN]
-_TINY = 1e-12  # rad/s: below it friction that is larger at rest has no velocity over which it fades
+"""Blocks that go on together: as many as a recording usually has, and few enough to stay in the nearest cache."""
+_SMOOTH, _RUBS = [V2, VA, RS, RC, GS, GC, OFF, K3], [CP, CN, SP, SN]
 PUSH, FORWARD, BACKWARD, SHOWN, STATE = 0, 1, 2, 3, 9
 """Rows of a stepper's array, BESIDE numbers each: what `push_joint`, `limit_friction` and `show` fill in, and the first
 of the states' components; between them are the stepper's own."""
@@ -39,32 +56,32 @@ def push_joint(law: Array, step_s: float, work: Array, theta: int, omega: int) -
         rate = work[omega * BESIDE + b]
         middle = work[theta * BESIDE + b] + 0.5 * step_s * rate
         work[PUSH * BESIDE + b] = (
-            law[_OFF] - (law[_V2] * rate + law[_VA]) * abs(rate) - law[_K3] * middle * middle * middle
+            law[OFF] - (law[V2] * rate + law[VA]) * abs(rate) - law[K3] * middle * middle * middle
         )
-    if law[_RS] != 0.0 or law[_RC] != 0.0:
+    if law[RS] != 0.0 or law[RC] != 0.0:
         for b in range(BESIDE):
             middle = work[theta * BESIDE + b] + 0.5 * step_s * work[omega * BESIDE + b]
-            sine, cosine = sine_cosine(law[_RN] * middle)
-            work[PUSH * BESIDE + b] += law[_RS] * sine + law[_RC] * cosine
-    if law[_GS] != 0.0 or law[_GC] != 0.0:
+            sine, cosine = sine_cosine(law[RN] * middle)
+            work[PUSH * BESIDE + b] += law[RS] * sine + law[RC] * cosine
+    if law[GS] != 0.0 or law[GC] != 0.0:
         for b in range(BESIDE):
             middle = work[theta * BESIDE + b] + 0.5 * step_s * work[omega * BESIDE + b]
             sine, cosine = sine_cosine(middle)
-            work[PUSH * BESIDE + b] += law[_GS] * sine + law[_GC] * cosine
+            work[PUSH * BESIDE + b] += law[GS] * sine + law[GC] * cosine
 
 
 @inlined
 def limit_friction(law: Array, work: Array, omega: int) -> None:
     """Fill in the largest dry friction against forward and against backward motion, rad/s^2."""
-    if law[_SV] > _TINY and (law[_SP] != 0.0 or law[_SN] != 0.0):
+    if law[SV] > TINY and (law[SP] != 0.0 or law[SN] != 0.0):
         for b in range(BESIDE):
-            fade = faded(work[omega * BESIDE + b] / law[_SV])
-            work[FORWARD * BESIDE + b] = max(law[_CP] + law[_SP] * fade, 0.0)
-            work[BACKWARD * BESIDE + b] = max(law[_CN] + law[_SN] * fade, 0.0)
+            fade = faded(work[omega * BESIDE + b] / law[SV])
+            work[FORWARD * BESIDE + b] = max(law[CP] + law[SP] * fade, 0.0)
+            work[BACKWARD * BESIDE + b] = max(law[CN] + law[SN] * fade, 0.0)
     else:
         for b in range(BESIDE):
-            work[FORWARD * BESIDE + b] = max(law[_CP], 0.0)
-            work[BACKWARD * BESIDE + b] = max(law[_CN], 0.0)
+            work[FORWARD * BESIDE + b] = max(law[CP], 0.0)
+            work[BACKWARD * BESIDE + b] = max(law[CN], 0.0)
 
 
 def laws_on(law: Array) -> tuple[bool, bool]:
@@ -74,7 +91,7 @@ def laws_on(law: Array) -> tuple[bool, bool]:
 
 def is_linear(law: Array) -> bool:
     """Whether no law acts, on the joint or on the arm."""
-    return not np.any(law[[*_SMOOTH, *_RUBS, _Q3, _QC]])
+    return not np.any(law[[*_SMOOTH, *_RUBS, Q3, QC]])
 
 
 @inlined
@@ -160,7 +177,7 @@ def run_side_by_side(
 def _stepper_of(n: int) -> Callable[..., None]:
     """Compiled for states of so many components."""
 
-    @compiled_from(__file__, vectorised.__file__)
+    @compiled_from(__file__, torque_joint.__file__, vectorised.__file__)
     def stepper(
         phi: Array, g: Array, law: Array, pushes: bool, rubs: bool, u: Array, substeps: int, step_s: float,
         starts: Integers, states: Array, by_state: Array, by_force: Array, places: Integers, out: Array,
@@ -168,7 +185,7 @@ def _stepper_of(n: int) -> Callable[..., None]:
         blocks, work = len(starts) - 1, np.zeros((STATE + 2 * n) * BESIDE)
         first, length = np.zeros(BESIDE, np.int64), np.zeros(BESIDE, np.int64)
         row = np.zeros(BESIDE, np.int64)
-        bends, arm_rubs = n > 2 and law[_Q3] != 0.0, n > 2 and law[_QC] > 0.0
+        bends, arm_rubs = n > 2 and law[Q3] != 0.0, n > 2 and law[QC] > 0.0
         for group in range(0, blocks, BESIDE):
             longest = begin_group(group, starts, states, work, first, length)
             many = min(BESIDE, blocks - group)
@@ -189,7 +206,7 @@ def _stepper_of(n: int) -> Callable[..., None]:
                         limit_friction(law, work, STATE + 1)
                         _rub(n, g, work)
                     if arm_rubs:
-                        _rub_arm(n, g, law[_QC], work)
+                        _rub_arm(n, g, law[QC], work)
                     if s == 0:
                         for o in range(len(by_state)):
                             _show_forces(by_force[o], work)
@@ -204,7 +221,7 @@ def _stepper_of(n: int) -> Callable[..., None]:
 def _bend(law: Array, step_s: float, work: Array) -> None:
     for b in range(BESIDE):
         middle = work[(STATE + 2) * BESIDE + b] + 0.5 * step_s * work[(STATE + 3) * BESIDE + b]
-        work[_FORCE * BESIDE + b] = -law[_Q3] * middle * middle * middle
+        work[_FORCE * BESIDE + b] = -law[Q3] * middle * middle * middle
 
 
 @inlined

@@ -16,6 +16,7 @@ from stillarm.diagnosis.inference.courses import imaged, walk_over
 from stillarm.diagnosis.inference.fitted import Fit
 from stillarm.diagnosis.physics.linear_modes import answer_of_mode
 from stillarm.diagnosis.physics.space import Added, hats
+from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]
 
@@ -53,6 +54,11 @@ class Group:
             )
         scaled = {name: one[:, seen] / largest[seen] for name, one in columns.items()}
         return Added(f"free.{self.name}", scaled, 100.0)
+
+    def world(self, fit: Fit) -> World | None:
+        """A fit's world with its terms; None where the recording cannot show it."""
+        added = self.added(fit)
+        return fit.world.changed(added=(*fit.world.added, added)) if added is not None else None
 
 
 @dataclass(frozen=True)

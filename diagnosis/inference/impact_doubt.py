@@ -5,6 +5,8 @@ much at other frequencies and no more than noise about the arm's own, and an imp
 that of the noise's density about the mode, in the channel in which it is largest beside its level.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,12 +20,16 @@ _ABOUT = 0.3  # of the frequency, to either side
 _LEAST = 0.05  # of the level: below that the model's own discrepancy says how sure an impact is
 
 
-def sizes_in_stds(last: Fit) -> list[float]:
+def doubts_about_modes(last: Fit) -> list[float]:
+    """Of each mode the noise about its frequency over that of the fit, both as deviations of white noise; at most 1."""
+    return [_doubt_about_a_mode(last, mode) for mode in range(last.world.modes)]
+
+
+def sizes_in_stds(last: Fit, doubts: Sequence[float]) -> list[float]:
     """Of each impact its size in standard deviations, the larger of the first mode's deflection's and rate's; while
     the joint rests, of all modes': a move sets off more of the higher ones than a model foretells that is a little
-    wrong."""
+    wrong. doubts: `doubts_about_modes`."""
     world = last.world
-    doubts = [_doubt_about_a_mode(last, mode) for mode in range(world.modes)]
     swing = round(1.0 / (last.value("modes.0.frequency_hz") * world.measured.cycle_s))
     found = []
     for number, cycle in enumerate(world.impacts, start=1):
@@ -44,7 +50,6 @@ def size_of_mode(last: Fit, number: int, mode: int) -> float:
 
 
 def _doubt_about_a_mode(last: Fit, mode: int) -> float:
-    """Noise about a mode's frequency over that of the fit, both as deviations of white noise; at most 1."""
     hz = last.value(f"modes.{mode}.frequency_hz")
     shares = [
         level_about(last.residuals[name], hz, last.world.step_s(name)) / last.sigma[name]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.fit import colours, fit
 from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.impact_doubt import size_of_mode, sizes_in_stds
+from stillarm.diagnosis.inference.impact_doubt import doubts_about_modes, size_of_mode, sizes_in_stds
 from stillarm.diagnosis.inference.jumps import find_jumps
 from stillarm.diagnosis.physics.world import World
 
@@ -68,7 +68,8 @@ def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
 
 
 def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
-    """Impacts sought in what is left, again and again. last: a start, not a fit."""
+    """Impacts sought in what is left, again and again. last: a start, not a fit. steady: as in
+    `with_impacts_sought`."""
     split = replace(split, lends=False)  # what follows a misplaced impact is another's
     impacts: set[int] = set(last.world.impacts)
     for turn in range(5):
@@ -179,10 +180,11 @@ def _significant(last: Fit) -> tuple[int, ...]:
     state that nobody judged."""
     near = _CLOSE_S / last.world.measured.cycle_s
     ends, kept, here = last.world.unjudged_ends, last.world.impacts, last
+    doubts = doubts_about_modes(last)  # what it leaves stays as it is
     while True:
         sizes = {
             cycle: np.inf if cycle in ends and any(0 < abs(other - cycle) < near for other in kept) else size
-            for cycle, size in zip(last.world.impacts, sizes_in_stds(here), strict=True)
+            for cycle, size in zip(last.world.impacts, sizes_in_stds(here, doubts), strict=True)
             if cycle in kept
         }
         stay = tuple(

@@ -54,9 +54,8 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
     is less than it shows. From the end of a pull the arm rings from a state of its own."""
     cycle_s = baseline.world.measured.cycle_s
     for turn in range(_MOST_TURNS):
-        spans = tuple(
-            _merged(held_spans_s(baseline))
-        )  # held again before it was free, it rings from no state
+        # where the arm is held again before it was free, it rings from no state between
+        spans = tuple(_merged(held_spans_s(baseline)))
         ends = {round(end / cycle_s) for _, end in spans if end < baseline.world.measured.duration_s}
         if turn < _SOUGHT:
             spans += tuple(one for one in pull_spans_s(baseline) if not _overlaps(one, spans))

@@ -46,8 +46,10 @@ LAWS = (
     "arm_coulomb",  # dry friction on q_1'
 )
 """What `torque_run` obeys beside the linear equations, in the order of its numbers; zero is off."""
-_CP, _CN, _SP, _SN, _SV, _V2, _VA, _RS, _RC, _RN, _GS, _GC, _OFF, _K3, _Q3, _QC = range(len(LAWS))
-_TINY = 1e-12
+CP, CN, SP, SN, SV, V2, VA, RS, RC, RN, GS, GC, OFF, K3, Q3, QC = range(len(LAWS))
+"""Their places in it."""
+TINY = 1e-12
+"""rad/s, below which friction that is larger at rest has no velocity over which it fades."""
 _TERMS = 14  # of a matrix of norm 1/4: 1/14! (1/4)^14 is below 1e-19
 
 
@@ -124,24 +126,24 @@ def exponential(matrix: Array) -> Array:
 def friction_limits(laws: Array, omega: float) -> tuple[float, float]:
     """The largest dry friction against forward and against backward motion, rad/s^2."""
     fade = 0.0
-    if laws[_SV] > _TINY and (laws[_SP] != 0.0 or laws[_SN] != 0.0):
-        ratio = omega / laws[_SV]
+    if laws[SV] > TINY and (laws[SP] != 0.0 or laws[SN] != 0.0):
+        ratio = omega / laws[SV]
         fade = np.exp(-ratio * ratio)
-    return max(laws[_CP] + laws[_SP] * fade, 0.0), max(laws[_CN] + laws[_SN] * fade, 0.0)
+    return max(laws[CP] + laws[SP] * fade, 0.0), max(laws[CN] + laws[SN] * fade, 0.0)
 
 
 @inlined
 def smooth_torque(laws: Array, theta: float, omega: float) -> float:
     """Sum of the laws that act on the joint, without dry friction, rad/s^2."""
-    phase = laws[_RN] * theta
+    phase = laws[RN] * theta
     torque: float = (
-        laws[_OFF]
-        - (laws[_V2] * omega + laws[_VA]) * abs(omega)
-        + laws[_RS] * np.sin(phase)
-        + laws[_RC] * np.cos(phase)
-        + laws[_GS] * np.sin(theta)
-        + laws[_GC] * np.cos(theta)
-        - laws[_K3] * theta * theta * theta
+        laws[OFF]
+        - (laws[V2] * omega + laws[VA]) * abs(omega)
+        + laws[RS] * np.sin(phase)
+        + laws[RC] * np.cos(phase)
+        + laws[GS] * np.sin(theta)
+        + laws[GC] * np.cos(theta)
+        - laws[K3] * theta * theta * theta
     )
     return torque
 
@@ -174,7 +176,7 @@ def torque_run(  # noqa: PLR0912 (in one loop, as each call inside it would cost
                 force = 0.0
                 if n > 2:
                     middle = z[2] + 0.5 * step_s * z[3]
-                    force = -law[_Q3] * middle * middle * middle
+                    force = -law[Q3] * middle * middle * middle
                 for i in range(n):
                     total = g[part, i, 0] * u[at, 0] + g[part, i, 1] * u[at, 1] + g[part, i, 2] * push
                     total += g[part, i, 3] * force
@@ -187,8 +189,8 @@ def torque_run(  # noqa: PLR0912 (in one loop, as each call inside it would cost
                     rub = min(max(-new[1] / g[part, 1, 2], -forward), backward)
                     for i in range(n):
                         new[i] += g[part, i, 2] * rub
-                if n > 2 and law[_QC] > 0.0:
-                    rub_arm = min(max(-new[3] / g[part, 3, 3], -law[_QC]), law[_QC])
+                if n > 2 and law[QC] > 0.0:
+                    rub_arm = min(max(-new[3] / g[part, 3, 3], -law[QC]), law[QC])
                     for i in range(n):
                         new[i] += g[part, i, 3] * rub_arm
                 if s == 0:

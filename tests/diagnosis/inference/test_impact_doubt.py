@@ -8,7 +8,7 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.inference.fit import fit
 from stillarm.diagnosis.inference.fitted import make_data
-from stillarm.diagnosis.inference.impact_doubt import level_about, sizes_in_stds
+from stillarm.diagnosis.inference.impact_doubt import doubts_about_modes, level_about, sizes_in_stds
 from stillarm.diagnosis.physics.world import World
 from tests.diagnosis.inference.test_impacts import impact
 from tests.fixtures.synthetic import MODEL, measured
@@ -45,6 +45,6 @@ def test_a_drift_of_the_images_makes_no_impact_doubtful() -> None:
     for frames in (images.frames, replace(images.frames, displacement_px=seen + drift)):
         world = World(replace(images, frames=frames), MODEL, impacts=(4300,))
         last = fit(make_data(world, interleaved(9.0)), world.space.vector(), world.baseline_names())
-        sizes += sizes_in_stds(last)
+        sizes += sizes_in_stds(last, doubts_about_modes(last))
     assert sizes[0] > 6.0
     assert sizes[1] > 6.0
