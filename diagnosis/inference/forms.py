@@ -67,7 +67,7 @@ BEGINS: dict[Place, str] = {
 }
 """By place: the quantity that says from when on what departs from the model acts."""
 
-_NO_ONSET = ("gear_backlash", "payload_change", "stiffness_drift", "second_bending_mode")
+_NO_ONSET = ("gear_backlash", "payload_change", "second_bending_mode")
 _WHOLLY = (("drive_lag", ""), ("drive_dead_time", ""))  # a key of the model, whose other form has an onset
 
 

@@ -54,20 +54,22 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
     is less than it shows. From the end of a pull the arm rings from a state of its own."""
     cycle_s = baseline.world.measured.cycle_s
     for turn in range(_MOST_TURNS):
-        # where the arm is held again before it was free, it rings from no state between
-        spans = tuple(_merged(held_spans_s(baseline)))
-        ends = {round(end / cycle_s) for _, end in spans if end < baseline.world.measured.duration_s}
+        found = held_spans_s(baseline)
         if turn < _SOUGHT:
-            spans += tuple(one for one in pull_spans_s(baseline) if not _overlaps(one, spans))
+            found += tuple(one for one in pull_spans_s(baseline) if not _overlaps(one, found))
+        known = baseline.world.unjudged_s
+        # where the arm is held again before it has swung once, nothing tells the state from which it rings between
+        unjudged_s = _merged((*known, *found), within_s=1.0 / baseline.value("modes.0.frequency_hz"))
+        spans = [one for one in unjudged_s if one not in known]
         if not spans or sum(end - start for start, end in spans) > _MOST * baseline.world.measured.duration_s:
             break
-        unjudged_s = tuple(sorted({*baseline.world.unjudged_s, *spans}))
+        ends = {round(end / cycle_s) for _, end in spans if end < baseline.world.measured.duration_s}
         kept = {
             i
             for i in baseline.world.impacts
             if not any(a <= i * cycle_s < b - 2.0 * cycle_s for a, b in spans)
         }
-        world = baseline.world.changed(impacts=tuple(sorted(kept | ends)), unjudged_s=unjudged_s)
+        world = baseline.world.changed(impacts=tuple(sorted(kept | ends)), unjudged_s=tuple(unjudged_s))
         baseline = fit_with_impacts(world, split, carried_over(baseline, world))
     return baseline
 
@@ -254,10 +256,11 @@ def _start(time: Array, loud: NDArray[np.bool_], end: float) -> float | None:
     return start
 
 
-def _merged(spans: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+def _merged(spans: Iterable[tuple[float, float]], within_s: float = 0.0) -> list[tuple[float, float]]:
+    """The spans in order, those that overlap as one, and those with so little between them."""
     found: list[tuple[float, float]] = []
     for start, end in sorted(spans):
-        if found and start <= found[-1][1]:
+        if found and start <= found[-1][1] + within_s:
             found[-1] = (found[-1][0], max(end, found[-1][1]))
         else:
             found.append((start, end))

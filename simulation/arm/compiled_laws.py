@@ -25,7 +25,7 @@ _MOST_NUMBERS = 4
 
 def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0.0) -> Records:
     """Records of the laws that act in the arm, (n,), of effects, each a cause with its values by name; none of idle
-    ones. begin_s: instant from which they act."""
+    ones. begin_s: instant from which they act, but those with an onset of their own."""
     rows = []
     for identifier, values in effects:
         cause = LAWS[identifier]
@@ -35,8 +35,9 @@ def laws_of(effects: Iterable[tuple[str, Mapping[str, Any]]], begin_s: float = 0
         own = cause.arguments(values)
         padded = (*own, *[0.0] * (_MOST_NUMBERS - len(own)))
         corner = site == FRICTION or cause.corner
-        onset = values.get("onset_s", begin_s if begin_s > 0.0 else np.inf)
-        rows.append((address_of(identifier), site, len(own), corner, cause.foreign, begin_s, onset, *padded))
+        begin = 0.0 if "onset_s" in values else begin_s
+        onset = values.get("onset_s", begin if begin > 0.0 else np.inf)
+        rows.append((address_of(identifier), site, len(own), corner, cause.foreign, begin, onset, *padded))
     return np.array(rows, dtype=LAW)
 
 

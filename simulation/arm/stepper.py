@@ -98,13 +98,15 @@ def undisturbed(
 
 @inlined
 def ratio_at(arm: Record, i: int, t: float) -> float:
-    """A mode's frequency over the declared one at a time from the recording's start."""
+    """A mode's frequency over the declared one at a time from the recording's start. A law counts time from when it
+    begins to act: what drifts has not drifted by then."""
     ratio = 1.0
     if arm.changes == 0:
         return ratio
     for row in range(arm.laws):
-        if nth(arm.law, row).site == _FREQUENCY and t >= nth(arm.law, row).begin:
-            ratio *= frequency_law(nth(arm.law, row), max(t, 0.0), float(i), arm.mode.hz)
+        law = nth(arm.law, row)
+        if law.site == _FREQUENCY and t >= law.begin:
+            ratio *= frequency_law(law, max(t - law.begin, 0.0), float(i), arm.mode.hz)
     return max(ratio, _LEAST_RATIO)
 
 

@@ -58,6 +58,29 @@ def test_a_frequency_that_drifts(rate: float, share: float, begin_s: float) -> N
     assert_alike(*motions("stiffness_drift", values, begin_s), OF_A_DRIFT)
 
 
+@pytest.mark.parametrize(
+    ("cause", "values"),
+    [
+        ("stiffness_drift", {"frequency_rate_hz_per_s": 0.05, "higher_modes_share": 1.0}),
+        (
+            "modal_temperature_drift",
+            {"time_constant_s": 1.5, "relative_change": 0.03, "higher_modes_share": 1.0},
+        ),
+    ],
+)
+def test_a_drift_counts_time_from_its_onset(cause: str, values: dict[str, float]) -> None:
+    """An arm that is struck then rings as one that is struck at the start, where the drift has begun."""
+    onset = 2000
+
+    def struck(at: int) -> Array:
+        arm, whole = make_arm(DRIVE, DT, MODES, laws_of([(cause, values)], at * DT))
+        outs = [np.zeros((CYCLES, width)) for width in (4, 2, 2, 2)]
+        free_run(arm, np.zeros(CYCLES), whole, np.array([at]), JUMPS[:1], *outs)
+        return np.hstack(outs[2:])
+
+    assert_alike(struck(onset)[onset:], struck(0)[:-onset], OF_A_DRIFT)
+
+
 @settings(max_examples=15, deadline=None)
 @given(lasts_s=st.floats(0.1, 30.0), change=st.floats(-0.1, 0.1))
 def test_a_frequency_that_levels_off(lasts_s: float, change: float) -> None:
