@@ -96,9 +96,11 @@ def jacobian(
     base: Predicted,
     colour: Colours,
     known: Slopes | None = None,
+    before: dict[str, Array] | None = None,
 ) -> dict[str, Array]:
     """Derivative of each channel's (whitened, thinned) prediction by each named quantity, (samples, names). known:
-    derivatives by quantity and channel that are taken as they are."""
+    derivatives by quantity and channel that are taken as they are. before: those of a step before with the same names,
+    which are overwritten but for the known ones."""
     steps = []
     for name in names:
         quantity, at = world.space[name], world.space.place[name]
@@ -108,7 +110,7 @@ def jacobian(
         moved = vector.copy()
         moved[at] += step
         steps.append((moved, step))
-    found = {
+    found = before or {
         name: np.empty((len(values) // THIN.get(name, 1), len(names)), order="F")
         for name, values in world.channels.items()
     }
@@ -132,7 +134,8 @@ def jacobian(
         for channel, columns in found.items():
             columns[:, index] = whitened(channel, slopes[channel], colour) if channel in slopes else 0.0
 
-    side_by_side(column, range(len(names)))
+    there = known if known is not None and before is not None else {}
+    side_by_side(column, [index for index, name in enumerate(names) if name not in there])
     return found
 
 
@@ -276,10 +279,10 @@ def fit(
     colour = colours(data, vector) if colour is None else colour
     descent = _Descent(data, free, colour, prior)
     now, damping = descent.begun(vector), _DAMPING
-    normal = np.zeros((len(free), len(free)))
+    normal, slopes = np.zeros((len(free), len(free))), None
     for step in range(iterations if free else 0):
-        if anew is None or step < anew:
-            slopes = jacobian(world, now.vector, free, now.predicted, colour, known)
+        if slopes is None or anew is None or step < anew:
+            slopes = jacobian(world, now.vector, free, now.predicted, colour, known, slopes)
         normal, right = descent.normal_equations(now, slopes)
         if not (np.isfinite(normal).all() and np.isfinite(right).all()):
             normal = np.diag(descent.precision)  # nothing is known of any: its deviations say so

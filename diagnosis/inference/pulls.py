@@ -61,7 +61,7 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
         # where the arm is held again before it has swung once, nothing tells the state from which it rings between
         unjudged_s = _merged((*known, *found), within_s=1.0 / baseline.value("modes.0.frequency_hz"))
         spans = [one for one in unjudged_s if one not in known]
-        if not spans or sum(end - start for start, end in spans) > _MOST * baseline.world.measured.duration_s:
+        if not spans or _length_s(unjudged_s) - _length_s(known) > _MOST * baseline.world.measured.duration_s:
             break
         ends = {round(end / cycle_s) for _, end in spans if end < baseline.world.measured.duration_s}
         kept = {
@@ -72,6 +72,10 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
         world = baseline.world.changed(impacts=tuple(sorted(kept | ends)), unjudged_s=tuple(unjudged_s))
         baseline = fit_with_impacts(world, split, carried_over(baseline, world))
     return baseline
+
+
+def _length_s(spans: Iterable[tuple[float, float]]) -> float:
+    return sum(end - start for start, end in spans)
 
 
 def _overlaps(span: tuple[float, float], others: Sequence[tuple[float, float]]) -> bool:
@@ -188,7 +192,7 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
         start, end = max(start, since - period), min(end, until + period)
         if _holds_beside(time, flags, (since, until), period):
             spans.append((max(start - LOUD_OVER_S, 0.0), end + LOUD_OVER_S))
-    if sum(end - start for start, end in spans) > _MOST * world.measured.duration_s:
+    if _length_s(spans) > _MOST * world.measured.duration_s:
         return ()
     return tuple(_merged(spans))
 
@@ -237,7 +241,7 @@ def _pulls_in(last: Fit, time: Array, off: Array, rate: float) -> tuple[tuple[fl
         if len(inside) < 4 or np.mean(inside) ** 2 < _ONE_SIDED * (np.mean(inside**2) - noise**2):
             continue
         spans.append((max(start - _LEAD_S, 0.0), end))
-    if sum(end - start for start, end in spans) > _MOST * last.world.measured.duration_s:
+    if _length_s(spans) > _MOST * last.world.measured.duration_s:
         return ()
     return tuple(_merged(spans))
 

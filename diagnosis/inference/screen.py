@@ -116,7 +116,7 @@ class Whitened:
         for _ in range(2):  # again where rounding may exceed what the first time leaves
             shares = self.basis.T @ changes
             changes -= (shares.T @ self.basis.T).T  # in the order in which both lie in memory
-            if (np.einsum("ij,ij->j", changes, changes) > 1e-6 * size).all():
+            if (np.einsum("ij,ij->j", changes, changes) >= 1e-6 * size).all():
                 break
 
     def gain(self, explained: Array) -> float:
@@ -244,6 +244,7 @@ def _scores(
     if not np.isfinite(d).all():
         return []
     later = _later(white, d, trial, onsets_s) if onsets_s and not trial.asked else None
+    white.without_baseline(d)
     throughout = _promised(white, d, trial)
     found = []
     if throughout is not None:
@@ -263,18 +264,22 @@ def _later(
 ) -> tuple[float, Array, float] | None:
     """What directions promise that count from an instant on alone, for the best instant: about that of the cause that
     acts from then on, but for a swing or two in which it sets in. Leaves the directions as they are."""
+    k = d.shape[1]
+    parts = np.empty((len(d), k * len(onsets_s)), order="F")
+    for i, begins_s in enumerate(onsets_s):
+        np.multiply(d, (white.time_s >= begins_s)[:, None], out=parts[:, k * i : k * (i + 1)])
+    white.without_baseline(parts)  # of all at once: what takes the time is to read the baseline's directions
     best = None
-    for begins_s in onsets_s:
-        found = _promised(white, np.asfortranarray(d * (white.time_s >= begins_s)[:, None]), trial)
+    for i, begins_s in enumerate(onsets_s):
+        found = _promised(white, parts[:, k * i : k * (i + 1)], trial)
         if found is not None and (best is None or found[0] > best[0]):
             best = (*found, begins_s)
     return best
 
 
 def _promised(white: Whitened, d: Array, trial: Trial) -> tuple[float, Array] | None:
-    """Predicted gain by directions, (samples, k), and their amounts, (k,); None where they show nothing, or would have
-    to be negative. Takes the baseline's directions out of them in place."""
-    white.without_baseline(d)
+    """Predicted gain by directions without the baseline's, (samples, k), and their amounts, (k,); None where they show
+    nothing, or would have to be negative. Makes them unit vectors in place."""
     norms = np.linalg.norm(d, axis=0)
     seen = norms > 1e-6
     if not seen.any():
