@@ -12,7 +12,7 @@ from stillarm.diagnosis.inference.begun import gain_of
 from stillarm.diagnosis.inference.departures import LOUD_OVER_S, loud_at, loud_stretch, stretches
 from stillarm.diagnosis.inference.fit import CHANGED_NATS
 from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.inference.impacts import pruned, refit_with
+from stillarm.diagnosis.inference.impacts import ANEW, WHILE_SOUGHT, pruned, refit_with
 
 _MADE_UP_PERIODS = 4.0  # after an impact at a wrong instant
 _PAIR_PERIODS = 1.5  # apart at most, are two impacts that stand about one
@@ -22,15 +22,32 @@ _SHARPER_S = 0.002  # by less no impact is moved
 
 def with_impacts_at_onsets(last: Fit, split: Split) -> Fit:
     """The fit, or a likelier one with an impact at the onset of the departure about it, and none made up after it."""
-    reach = _MADE_UP_PERIODS / (last.value("modes.0.frequency_hz") * last.world.measured.cycle_s)
+    before, tried = last, set[tuple[int, int]]()
+    while (moved := _one_moved(last, split, tried)) is not None:
+        last = moved
+    return last if last is before else pruned(last, split)
+
+
+def _one_moved(last: Fit, split: Split, tried: set[tuple[int, int]]) -> Fit | None:
+    """A fit with the first impact moved that is likelier elsewhere; None where none is. tried: cycles from and to, that
+    were no better; adds those of now."""
+    per_s = 1.0 / last.world.measured.cycle_s
+    reach = _MADE_UP_PERIODS * per_s / last.value("modes.0.frequency_hz")
     for cycle in last.world.impacts:
         onset = _onset(last, cycle)
         for there in [*([] if onset is None else [onset]), *_strokes(last, cycle), *_between(last, cycle)]:
-            others = tuple(i for i in last.world.impacts if i != cycle and not there < i < there + reach)
-            moved = refit_with(last, split, tuple(sorted({*others, there})))
+            if any(cycle == old and abs(there - to) < _SHARPER_S * per_s for old, to in tried):
+                continue
+            tried.add((cycle, there))
+            others = (i for i in last.world.impacts if i != cycle and not there < i < there + reach)
+            impacts = tuple(sorted({*others, there}))
+            quick = refit_with(last, split, impacts, iterations=WHILE_SOUGHT, anew=ANEW)
+            if gain_of(quick, last) <= CHANGED_NATS:
+                continue
+            moved = refit_with(last, split, impacts)  # a quick fit may be anywhere
             if gain_of(moved, last) > CHANGED_NATS:
-                return pruned(with_impacts_at_onsets(moved, split), split)
-    return last
+                return moved
+    return None
 
 
 def _strokes(last: Fit, cycle: int) -> list[int]:

@@ -19,7 +19,7 @@ from stillarm.diagnosis.physics.world import World
 Array = NDArray[np.float64]
 
 _FIRST_SHARE, _SHARE = 0.5, 0.25  # of the residual's largest vibration
-_WHILE_SOUGHT, _ANEW = 4, 2
+WHILE_SOUGHT, ANEW = 4, 2
 """Steps of a fit while impacts are sought: they tell where, not how large. Those that work out derivatives."""
 _SAME_S = 0.15  # between an impact and the same one moved
 _SIGNIFICANT = 6.0  # standard deviations of its size: by chance two in a thousand million have it
@@ -81,7 +81,7 @@ def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
         if turn and not new:
             break
         impacts |= new
-        last = refit_with(last, split, tuple(sorted(impacts)), iterations=_WHILE_SOUGHT, anew=_ANEW)
+        last = refit_with(last, split, tuple(sorted(impacts)), iterations=WHILE_SOUGHT, anew=ANEW)
         if steady is not None and needs_more(last, steady):
             break
         last, impacts = _sharpened(last, split)
@@ -158,7 +158,7 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
         moved = sorted(set(moved))
         if tuple(moved) == world.impacts:
             break
-        last = refit_with(last, split, tuple(moved), iterations=_WHILE_SOUGHT, anew=_ANEW)
+        last = refit_with(last, split, tuple(moved), iterations=WHILE_SOUGHT, anew=ANEW)
         world = last.world
     return last, set(world.impacts)
 
