@@ -28,7 +28,7 @@ from stillarm.diagnosis.inference.candidates import (
     is_of_free_form,
     turns_the_joint,
 )
-from stillarm.diagnosis.inference.evidence import Score, score
+from stillarm.diagnosis.inference.evidence import Score, foretold, score
 from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Fit, make_data
 from stillarm.diagnosis.inference.freeform import Free, Group, groups
@@ -298,7 +298,7 @@ def _with_free(
         known=slopes,
     )
     after = score(fitted, split)
-    nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
+    nats, held = after.gain(before), foretold(fitted, before, split, after)
     merit = min(float(nats.sum()) - PRICE_NATS * len(added.amounts), 3.0 * float(held.sum()))
     channel = max(after.whole, key=lambda name: after.gain_of(before, name))
     return Free(group, merit, channel, fitted)

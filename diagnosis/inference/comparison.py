@@ -18,7 +18,7 @@ from stillarm.diagnosis.inference import delay_walk, image_walk
 from stillarm.diagnosis.inference.begun import Begun, free_names, gain_of, settled_nats
 from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate, Found
 from stillarm.diagnosis.inference.cause import Form
-from stillarm.diagnosis.inference.evidence import Score, score
+from stillarm.diagnosis.inference.evidence import Score, foretold, score
 from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
 from stillarm.diagnosis.inference.fitted import Data, Fit, make_data
 from stillarm.diagnosis.inference.forms import from_an_onset
@@ -328,7 +328,7 @@ def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fi
 
 def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split) -> Candidate:
     after = score(fitted, split)
-    nats, held = after.gain(before), after.gain(before, whole=False)[split.held]
+    nats, held = after.gain(before), foretold(fitted, before, split, after)
     own = one.form.cause.free(fitted.world)
     values = one.form.cause.parameters_of(fitted)
     merit = (

@@ -35,7 +35,7 @@ def _course(
         columns = walk_over(fit, channel) if walk else _knots_over(fit, channel, _COURSE_KNOTS)
         unit = scale(fit)
         columns = columns * (unit[:, None] if isinstance(unit, np.ndarray) else unit)
-        return (Added(group, {channel: columns}, std),)
+        return (Added(group, {channel: columns}, std, over_time=True),)
 
     return added
 
@@ -90,7 +90,11 @@ def of_walk(
 
     def added(fit: Fit) -> tuple[Added, ...]:
         walk = walk_of(fit)
-        return () if walk is None else (Added(group, {channel: walk_over(fit, channel)}, walk.step),)
+        return (
+            ()
+            if walk is None
+            else (Added(group, {channel: walk_over(fit, channel)}, walk.step, over_time=True),)
+        )
 
     def nats(last: Fit) -> float:
         walk = walk_of(last)

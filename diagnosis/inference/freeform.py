@@ -31,12 +31,13 @@ _WANDER = 0.1  # of a scale, from knot to knot: as much as a course of the track
 @dataclass(frozen=True)
 class Group:
     """One kind of free-form structure. words: in a sentence; columns: by channel, from a fit; none: not seen here.
-    prior_std: of its amounts, where their columns have a unit of their own."""
+    prior_std: of its amounts, where their columns have a unit of their own. over_time: as in Added."""
 
     name: str
     words: str
     columns: Callable[[Fit], dict[str, Array]]
     prior_std: float | None = None
+    over_time: bool = False
 
     def added(self, fit: Fit) -> Added | None:
         """Its terms for a fit, each scaled to the channels' noise; None where the recording cannot show it."""
@@ -49,11 +50,10 @@ class Group:
         if not seen.any():
             return None
         if self.prior_std is not None:
-            return Added(
-                f"free.{self.name}", {name: one[:, seen] for name, one in columns.items()}, self.prior_std
-            )
+            unscaled = {name: one[:, seen] for name, one in columns.items()}
+            return Added(f"free.{self.name}", unscaled, self.prior_std, self.over_time)
         scaled = {name: one[:, seen] / largest[seen] for name, one in columns.items()}
-        return Added(f"free.{self.name}", scaled, 100.0)
+        return Added(f"free.{self.name}", scaled, 100.0, self.over_time)
 
     def world(self, fit: Fit) -> World | None:
         """A fit's world with its terms; None where the recording cannot show it."""
@@ -81,11 +81,11 @@ def groups(peaks_hz: Iterable[float]) -> list[Group]:
         Group("both", "a force that depends on deflection and velocity", lambda fit: _force(fit, _both(fit))),
         Group("memory", "a force that remembers where the arm has been", lambda fit: _force(fit, _memory(fit))),
         Group("joint", "a force that depends on the joint's place and speed", lambda fit: _force(fit, _of_joint(fit))),
-        Group("wander", "a stiffness or damping that changes over time", lambda fit: _force(fit, _over_time(fit))),
+        Group("wander", "a stiffness or damping that changes over time", _changing, over_time=True),
         Group("reading", "an accelerometer whose reading is no straight line", _bent_reading),
         Group("image", "an image whose displacement is no straight line", _bent_image),
-        Group("scale", "an image scale that changes over time", _scale_over_time),
-        Group("scale_wanders", "an image scale that wanders", _scale_that_wanders, _WANDER),
+        Group("scale", "an image scale that changes over time", _scale_over_time, over_time=True),
+        Group("scale_wanders", "an image scale that wanders", _scale_that_wanders, _WANDER, True),
         Group("turning", "an accelerometer that senses the joint's speed", _turning),
         DRIVE,
     ]  # fmt: skip
@@ -160,6 +160,10 @@ def _of_joint(fit: Fit) -> Array:
         ],
         axis=1,
     )
+
+
+def _changing(fit: Fit) -> dict[str, Array]:
+    return _force(fit, _over_time(fit))
 
 
 def _over_time(fit: Fit) -> Array:

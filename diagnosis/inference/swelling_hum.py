@@ -40,7 +40,8 @@ def _added(fit: Fit) -> tuple[Added, ...]:
     course = _splines(world.cycle_times, world.measured.duration_s, pieces)
     phase = 2.0 * np.pi * hz * world.cycle_times[:, None]
     columns = np.concatenate([course * np.cos(phase), course * np.sin(phase)], axis=1)
-    return (Added(_GROUP, {"acceleration": columns * float(np.nanstd(sensor.residual))}, _STD),)
+    columns *= float(np.nanstd(sensor.residual))
+    return (Added(_GROUP, {"acceleration": columns}, _STD, over_time=True),)
 
 
 def _splines(time_s: Array, duration_s: float, pieces: int) -> Array:

@@ -69,11 +69,13 @@ class Space:
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """One group of terms. columns: by channel, (samples, amounts). prior_std: of each amount."""
+    """One group of terms. columns: by channel, (samples, amounts). prior_std: of each amount. over_time: a course, of
+    which samples tell what lies between them alone."""
 
     name: str
     columns: Mapping[str, Array]
     prior_std: float
+    over_time: bool = False
 
     @property
     def amounts(self) -> tuple[str, ...]:

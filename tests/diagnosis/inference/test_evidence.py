@@ -10,8 +10,9 @@ from scipy.stats import norm
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.inference.band_score import SHAPES
-from stillarm.diagnosis.inference.evidence import noise_spectrum, score, score_of_noise
+from stillarm.diagnosis.inference.evidence import foretold, noise_spectrum, score, score_of_noise
 from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.physics.space import Added
 from tests.fixtures.synthetic import fitted, measured
 
 Array = NDArray[np.float64]
@@ -178,3 +179,22 @@ def test_a_gain_is_the_sum_of_all_channels(plain: Fit) -> None:
     assert float(after.gain(before).sum()) == pytest.approx(after.gain_of(before, "acceleration"))
     assert after.gain(before).shape == after.gain(before, whole=False).shape == (6,)
     assert max(SHAPES) == SHAPES[-1]  # the shape that stands for no spread between blocks
+
+
+@pytest.mark.parametrize("over_time", [False, True])
+def test_a_course_is_not_judged_where_it_was_not_fitted_to(plain: Fit, over_time: bool) -> None:
+    """Nothing is measured in the first block, and the second is held out: what a course is there, nobody knows."""
+    data = noise(5)
+    data[:SAMPLES] = np.nan
+    better = 0.5 * data
+    better[SAMPLES : 2 * SAMPLES] += 30.0
+    course = Added("course", {"acceleration": np.zeros((CYCLES, 2))}, 1.0, over_time)
+    world = plain.world.changed(added=(course,))
+    before, after = left(plain, data), replace(left(plain, better), world=world)
+    found = foretold(after, score(before, SPLIT), SPLIT, score(after, SPLIT))
+    assert len(found) == int(SPLIT.held.sum())
+    if over_time:
+        assert found.min() > 0.0
+        assert found[0] == pytest.approx(found[1:].mean())
+    else:
+        assert found[0] < -SAMPLES
