@@ -74,7 +74,7 @@ def _coulomb_by_direction(fitted: DrivenFit) -> Starts:
         w, zeta = np.exp(numbers[f"log_w_{i}"]), numbers[f"zeta_{i}"]
         q, v = fitted.run.states[:, 2 * i], fitted.run.states[:, 2 * i + 1]
         arm += pull_of(numbers, i) * (w * w * q + 2.0 * zeta * w * v)
-    found = regressed_joint(fitted.box.driven, arm)
+    found = regressed_joint(fitted.box.driven, arm, numbers)
     if found is not None and found[2] > 0.0:
         yield {"gain": found[0], "damping": found[1], "coulomb": found[2], "coulomb_difference": found[3]}
         yield {
