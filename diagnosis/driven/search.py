@@ -134,7 +134,7 @@ def settled(taken: DrivenFit) -> DrivenFit:
     fits = [
         fit(taken.box, one, taken.free, taken.states, steps=SEARCH_STEPS) for one in (taken.numbers, other)
     ]
-    return max(taken, *fits, key=lambda one: float(one.whole.sum()))
+    return max(taken, *fits, key=lambda one: float(one.likeliest.whole.sum()))
 
 
 def holds_in(plain: Form, rich: Form) -> bool:
