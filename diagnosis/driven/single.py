@@ -11,10 +11,11 @@ from functools import cache
 from math import inf
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.from_start import fitted_from
 from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, HELD_OUT_TIMES, PRICE, gains, judged
 from stillarm.diagnosis.driven.mechanisms import FORMS, STRUCTURE, Form
 from stillarm.diagnosis.driven.removal import without_form
-from stillarm.diagnosis.driven.search import Round, Searched, fitted_from, holds_in
+from stillarm.diagnosis.driven.search import Round, Searched, holds_in
 
 _MEAN, _BY_DIRECTION = "coulomb", "coulomb_difference"
 
