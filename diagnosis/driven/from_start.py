@@ -10,7 +10,7 @@ LEAST_PART, MOST_PART = 0.003, 3.0
 # no small part of these is a small effect of the same kind
 _NO_DIRECTION = ("limit", "gap", "onset", "dead_cut")
 _ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
-_SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share", "bounce")
+_SHAPES = ("log_stribeck_velocity", "ripple_cycles", "gravity_cycles", "late", "on_motor", "share", "bounce")
 _MOST_HALVINGS = 6  # of the way to a start that runs away: a 32nd is as good as no way
 
 
