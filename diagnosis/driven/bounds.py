@@ -14,6 +14,9 @@ SLOWEST_STRIBECK, QUICKEST_STRIBECK = (
     -12.0,
     10.0,
 )  # log of rad/s: beyond, friction is the same at all speeds of a rig
+LEAST_CYCLES = (
+    1e-6  # 1/rad, of gravity behind an unknown gear: no gear has more; at none it would be without one
+)
 _NEAR = 0.02  # of the way from one bound to the other: no size that a rig has, but where a fit was stopped
 LONGEST_DELAY_S = 0.5  # of a cause
 LONGEST_SAMPLES = 1.5  # of a delay without a cause
@@ -30,6 +33,8 @@ def within(numbers: dict[str, float], box: GreyBox) -> dict[str, float]:
             numbers[marked] = max(value, 0.0)
         elif name.startswith("carries_"):
             numbers[marked] = min(max(value, 0.0), 50.0)
+        elif name == "gravity_cycles":
+            numbers[marked] = max(value, LEAST_CYCLES)
         elif name == "onset":
             numbers[marked] = min(max(value, 0.0), box.driven.duration_s)
         elif name == "bounce":

@@ -8,11 +8,13 @@ each component of the state, of all blocks at once.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.block_states import begun_states, settled_states
+from stillarm.diagnosis.driven.by_frequency import likelier
 from stillarm.diagnosis.driven.derivatives import (
     ASTRAY,
     by_block,
@@ -25,7 +27,7 @@ from stillarm.diagnosis.driven.derivatives import (
 from stillarm.diagnosis.driven.gauss_newton import RIDGE, Piece, normal_of, state_steps, stepped
 from stillarm.diagnosis.driven.greybox import GreyBox, Run
 from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of, with_own
-from stillarm.diagnosis.inference.band_score import nats_by_band, spectra
+from stillarm.diagnosis.driven.scoring import scored
 
 Array = NDArray[np.float64]
 Simulate = Callable[[dict[str, float], Array], Run]
@@ -58,6 +60,21 @@ class DrivenFit:
     whole_bands: Array
     given_up: bool = False
     """Whether steps gained too little for what they were to decide, and might have gained more."""
+    at_best: bool = False
+    """Whether the score is that of the likeliest numbers."""
+
+    @cached_property
+    def likeliest(self) -> "DrivenFit":
+        """The fit as it is judged: its numbers where the score itself is best, and not the sum of squares."""
+        if self.at_best:
+            return self
+        sigma = levels_of_fit(self)
+        numbers, states = likelier(self.box, self.numbers, self.free, self.states, self.residuals, sigma)
+        found = _finished(self.box, numbers, self.free, states, self.std)
+        better = float(found.held_out[~found.box.split.held].sum()) > float(
+            self.held_out[~self.box.split.held].sum()
+        )
+        return replace(found if better else self, given_up=self.given_up, at_best=True)
 
     @property
     def held_out(self) -> Array:
@@ -136,8 +153,9 @@ def fit(
             break
         before, sigma = sigma, levels_of(box, errors, sigma)
         cost, errors = rescaled(box, errors, before, sigma)
-    finished = _finished(box, numbers, free, settled_states(box, numbers, states, sigma, 3), normal)
-    return replace(finished, given_up=given_up)
+    states = settled_states(box, numbers, states, sigma, 3)
+    found = _finished(box, numbers, free, states, _spread_of(free, normal))
+    return replace(found, given_up=given_up)
 
 
 def runs_away(box: GreyBox, numbers: dict[str, float], states: Array) -> bool:
@@ -165,40 +183,20 @@ def _stacked(fitted: DrivenFit) -> Array:
     return fitted.box.stack.of([np.nan_to_num(fitted.residuals[one.name]) for one in outputs])
 
 
-def _scored(part: GreyBox, residuals: dict[str, Array], rows: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Nats of a recording's blocks and bands, by levels of those that trained, and of all."""
-    count = len(part.split.held)
-    held, whole = [], []
-    for one in part.driven.outputs:
-        least = max(0.29 * one.step, 1e-6 * float(np.nanstd(one.values)))
-        by_bands = spectra(residuals[one.name][rows], part.driven.step_s, part.block, count, least)
-        # a block's own initial state takes its residual's mean away: how exactly says nothing of the model
-        by_bands.count[:, 0], by_bands.power[:, 0] = 0.0, 0.0
-        whole.append(nats_by_band(by_bands, np.ones(count, bool)))
-        trains = ~part.split.held
-        held.append(nats_by_band(by_bands, trains) if trains.any() else np.zeros_like(whole[-1]))
-    return np.asarray(sum(held)), np.asarray(sum(whole))
-
-
-def scored(box: GreyBox, residuals: dict[str, Array]) -> tuple[Array, Array]:
-    """Nats of blocks and bands, by levels of those that trained, and of all; each recording has noise of its own."""
-    each = [
-        _scored(box.parts[k], residuals, (box.recording == k)[box.block])
-        for k in range(box.driven.recordings)
-    ]
-    held, whole = (np.concatenate([one[i] for one in each]) for i in (0, 1))
-    return held, whole
-
-
-def _finished(
-    box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, normal: Array
-) -> DrivenFit:
-    run = box.run(numbers, states)
-    residuals = {one.name: one.values - run.outputs[one.name] for one in box.driven.outputs}
-    held, whole = scored(box, residuals)
+def _spread_of(free: tuple[str, ...], normal: Array) -> dict[str, float]:
+    """Of the free numbers, by a fit's normal matrix."""
     try:
         spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(normal + RIDGE * np.eye(len(free)))), 0.0))
     except np.linalg.LinAlgError:
         spread = np.full(len(free), np.nan)
-    std = dict(zip(free, spread.tolist(), strict=True))
+    return dict(zip(free, spread.tolist(), strict=True))
+
+
+def _finished(
+    box: GreyBox, numbers: dict[str, float], free: tuple[str, ...], states: Array, std: dict[str, float]
+) -> DrivenFit:
+    """A fit as its steps have left it."""
+    run = box.run(numbers, states)
+    residuals = {one.name: one.values - run.outputs[one.name] for one in box.driven.outputs}
+    held, whole = scored(box, residuals)
     return DrivenFit(box, numbers, free, states, std, residuals, run, held, whole)

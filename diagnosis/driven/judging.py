@@ -13,6 +13,9 @@ from stillarm.diagnosis.driven.mechanisms import AMPLIFIER_LAG, STRUCTURE, Form
 CONVINCES = 12.0  # nats: 20 to 1 against all that is tried
 PRICE = 3.0  # nats for each number
 BESIDE_SHARE = 0.05  # of the first finding's worth: what is told beside it
+HELD_OUT_TIMES = 3.0  # one block of so many is held out (blocks.py)
+AT_TOPS = "drive_saturation"
+"""The cause that acts at the tops of the motion alone, which may all lie in blocks that train."""
 NEAR_NATS, NEAR_SHARE = 3.0, 0.02
 """Within which two causes are a class: nats, and a share of the better one's merit."""
 _RIVAL = 2.0  # times the share of a class: what a fit lacks that was given up, and as much again
@@ -53,6 +56,7 @@ def gains(form: Form, fitted: DrivenFit, before: DrivenFit) -> tuple[float, floa
     model with impacts foretells up to a frequency, beyond which the fit before it does, and pays the logarithm of the
     number of frequencies that this one was chosen from.
     """
+    fitted, before = fitted.likeliest, before.likeliest
     whole = (fitted.whole_bands - before.whole_bands).sum(axis=0)
     held = (fitted.held_bands - before.held_bands)[fitted.box.split.held].sum(axis=0)
     if not form.play:
@@ -68,13 +72,26 @@ def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
         # what the plain model may have, and its fit did not reach
         form = replace(form, cause=STRUCTURE, words=DELAY)
     gained, held = gains(form, fitted, before)
-    worth = min(gained, 3.0 * held) - PRICE * form.price
+    worth = min(gained, _of_all(form, fitted, gained, held)) - PRICE * form.price
     travel = float(np.std(fitted.run.states[:, 0]))
     if form.play and fitted.numbers["gap"] < _LEAST_GAP * travel:
         worth = -inf
     if not believable(form.numbers, fitted.numbers, fitted.box.driven.step_s):
         worth = -inf
     return Tried(form, fitted, worth if np.isfinite(worth) else -inf, held)
+
+
+def _of_all(form: Form, fitted: DrivenFit, gained: float, held: float) -> float:
+    """What a form gains on all blocks, by what it gains on those held out: three times that, as every third is. A limit
+    acts at the tops of the motion alone: it gains by as many of them as were held out; where none was, nothing is said.
+    """
+    if form.cause != AT_TOPS:
+        return HELD_OUT_TIMES * held
+    box = fitted.box
+    limit = fitted.numbers.get(form.numbers[0], inf)
+    acts = np.abs(box.driven.u) > limit
+    share = float(acts[box.split.held[box.block]].sum()) / max(float(acts.sum()), 1.0)
+    return held / share if share > 0.0 else gained + HELD_OUT_TIMES * min(held, 0.0)
 
 
 def lags_told(tried: list[Tried]) -> list[Tried]:

@@ -21,6 +21,7 @@ from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.regression import regressed_joint
 from stillarm.diagnosis.driven.rubbing import anew_with_friction
 from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
+from stillarm.diagnosis.driven.unknown_gear import gear_is_unknown, gravity_behind_a_gear, has_geared_gravity
 from stillarm.diagnosis.driven.waves import strongest_waves
 
 Array = NDArray[np.float64]
@@ -74,7 +75,7 @@ def _coulomb_by_direction(fitted: DrivenFit) -> Starts:
         w, zeta = np.exp(numbers[f"log_w_{i}"]), numbers[f"zeta_{i}"]
         q, v = fitted.run.states[:, 2 * i], fitted.run.states[:, 2 * i + 1]
         arm += pull_of(numbers, i) * (w * w * q + 2.0 * zeta * w * v)
-    found = regressed_joint(fitted.box.driven, arm)
+    found = regressed_joint(fitted.box.driven, arm, numbers)
     if found is not None and found[2] > 0.0:
         yield {"gain": found[0], "damping": found[1], "coulomb": found[2], "coulomb_difference": found[3]}
         yield {
@@ -192,13 +193,16 @@ FORMS = (
          _joint),
     Form("joint_viscous_friction", "with the square of velocity", ("viscous_square",), _square, _joint),
     Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, _joint),
-    Form("torque_ripple", "over the joint's angle", ("ripple_cycles", "ripple_sine", "ripple_cosine"), _ripple, _joint),
+    Form("torque_ripple", "over the joint's angle", ("ripple_cycles", "ripple_sine", "ripple_cosine"), _ripple,
+         lambda fitted: _joint(fitted) and not has_geared_gravity(fitted)),
     Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
     Form("torque_offset", "constant", ("offset",), anew_with("offset"), _joint, hidden=True),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
          _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
          anew_with("gravity_sine", "gravity_cosine"), _has("position", "motor"), hidden=True),
+    Form("gravity_load", "over an angle behind an unknown gear", ("gravity_cycles", "gravity_sine", "gravity_cosine"),
+         gravity_behind_a_gear, gear_is_unknown),
     Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, _before_amplifier),
     Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
     Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),

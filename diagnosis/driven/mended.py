@@ -4,11 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
+from stillarm.diagnosis.driven.judging import AT_TOPS
 from stillarm.diagnosis.driven.mechanisms import Form
 
 Array = NDArray[np.float64]
-
-_AT_TOPS = "drive_saturation"
 
 
 def mended_most(before: DrivenFit, after: DrivenFit) -> tuple[str, float, float]:
@@ -27,7 +26,7 @@ def share_mended(form: Form, before: DrivenFit, after: DrivenFit) -> float:
     """How much of a channel's residual a form takes away, on what was held out. A limit acts at the tops of the motion
     alone, which may all lie in blocks that train: of it, what it takes away of the block where that is most."""
     share = mended_most(before, after)[1]
-    if form.cause != _AT_TOPS:
+    if form.cause != AT_TOPS:
         return share
     for one in before.box.driven.outputs:
         left = max(after.rms(one.name, True), 1e-300)

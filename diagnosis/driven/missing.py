@@ -61,7 +61,7 @@ class MissingForce:
 def missing_force(fitted: DrivenFit) -> MissingForce | None:
     """What the linear part of a fit lacks, and all that causes have added to it; None without a sensor at the joint."""
     driven = fitted.box.driven
-    motion = joint_motion(driven, _WINDOW_S)
+    motion = joint_motion(driven, _WINDOW_S, fitted.numbers)
     if motion is None:
         return None
     theta, omega, alpha = motion

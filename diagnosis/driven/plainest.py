@@ -10,7 +10,7 @@ from math import inf
 
 from stillarm.diagnosis.driven.fitting import NEAR_STEPS, DrivenFit, fit
 from stillarm.diagnosis.driven.judging import CONVINCES, judged
-from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form
+from stillarm.diagnosis.driven.mechanisms import FORMS, STRUCTURE, Form
 from stillarm.diagnosis.driven.search import Round, Searched, holds_in
 
 
@@ -21,7 +21,11 @@ def plainest(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Sear
         form = one.taken.form
         if form.cause == STRUCTURE:
             continue
-        plainer = {each.form.numbers: each.form for each in one.tried if holds_in(each.form, form)}
+        tried = [
+            *(each for each in FORMS if each.fits(final) and not each.hidden),
+            *(each.form for each in one.tried),
+        ]
+        plainer = {each.numbers: each for each in tried if holds_in(each, form) and each.cause != STRUCTURE}
         for plain in sorted(plainer.values(), key=lambda each: each.price):
             if left_s() < 0.0:
                 break

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stillarm.diagnosis.driven.fitting import DrivenFit, scored
+from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.mechanisms import Form
+from stillarm.diagnosis.driven.scoring import scored
 
 COARSE_OF_MOTION = 1.0 / 500.0  # of an angle's variation: a finer step matters to nobody
 MATCHING = 0.88  # of the samples: the noise is then below a seventh of the step, half of what the steps make
@@ -42,6 +43,7 @@ def quantised(final: DrivenFit) -> tuple[Form, str, float, float] | None:
 
 def beyond_half_a_step(fitted: DrivenFit, channel: str) -> DrivenFit:
     """The fit as it is judged beside an encoder's steps."""
+    fitted = fitted.likeliest
     step = next(one.step for one in fitted.box.driven.outputs if one.name == channel)
     left = fitted.residuals[channel]
     beyond = np.sign(left) * np.maximum(np.abs(left) - 0.5 * step, 0.0)

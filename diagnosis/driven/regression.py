@@ -1,9 +1,13 @@
 """The joint's numbers from its measured motion: acceleration by local cubics, regressed on input and velocity."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter, savgol_filter
 
+from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.signals import Driven, Output
 
 Array = NDArray[np.float64]
@@ -11,6 +15,7 @@ Array = NDArray[np.float64]
 JOINT = ("position", "motor", "velocity")
 """Kinds of sensors that look at the joint, the best first."""
 _WINDOW_S = 0.05  # of a local cubic: it halves an acceleration's power at 13 Hz
+_AS_MEASURED: Mapping[str, float] = MappingProxyType({})
 
 
 def scale_is_open(output: Output, position: Output) -> bool:
@@ -28,10 +33,15 @@ def resonance(u: Array, w: float, zeta: float, step_s: float) -> Array:
     return np.asarray(lfilter([0.0, one, two], [1.0, -2.0 * cosine, keep * keep], u))
 
 
-def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Array, Array] | None:
-    """theta, theta', theta'' of the joint as measured, by local cubics; None where no sensor looks at it."""
+def joint_motion(
+    driven: Driven, window_s: float = _WINDOW_S, numbers: Mapping[str, float] = _AS_MEASURED
+) -> tuple[Array, Array, Array] | None:
+    """theta, theta', theta'' of the joint as measured, by local cubics; None where no sensor looks at it. numbers: of a
+    fit, in whose units the motion then is: a motor turns by a stated gear's ratio more than the joint."""
     if driven.joins:
-        each = [joint_motion(driven.part(k), window_s) for k in range(driven.recordings)]
+        each = [
+            joint_motion(driven.part(k), window_s, numbers_in(numbers, k)) for k in range(driven.recordings)
+        ]
         there = [one for one in each if one is not None]
         return (
             None
@@ -48,6 +58,7 @@ def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Ar
     h = driven.step_s
     known = np.isfinite(sensor.values)
     values = np.interp(np.arange(driven.samples), np.flatnonzero(known), sensor.values[known])
+    values /= numbers.get(f"scale {sensor.name}", 1.0) or 1.0
     width = max(7, 2 * int(0.5 * window_s / h) + 1)
     order = [savgol_filter(values, width, 3, deriv=d, delta=h) for d in range(3)]
     if sensor.kind == "velocity":
@@ -55,13 +66,15 @@ def joint_motion(driven: Driven, window_s: float = _WINDOW_S) -> tuple[Array, Ar
     return order[0], order[1], order[2]
 
 
-def regressed_joint(driven: Driven, arm: Array | None = None) -> tuple[float, float, float, float] | None:
+def regressed_joint(
+    driven: Driven, arm: Array | None = None, numbers: Mapping[str, float] = _AS_MEASURED
+) -> tuple[float, float, float, float] | None:
     """Gain, damping, dry friction of the joint and half its difference by direction, from its measured acceleration;
     None without a sensor there.
 
-    arm: (n,) what the modes do to the joint, rad/s^2.
+    arm: (n,) what the modes do to the joint, rad/s^2. numbers: of a fit, see `joint_motion`.
     """
-    motion = joint_motion(driven)
+    motion = joint_motion(driven, numbers=numbers)
     if motion is None:
         return None
     _, omega, alpha = motion

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.bounds import LEAST_ZETA, MOST_ZETA
 from stillarm.diagnosis.driven.extents import forms_of_all
-from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit, runs_away
+from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit
 from stillarm.diagnosis.driven.freedom import STATED
-from stillarm.diagnosis.driven.gaps import BOUNCE, HARD_PLAY
+from stillarm.diagnosis.driven.from_start import fitted_from, moved_along
 from stillarm.diagnosis.driven.judging import (
     CONVINCES,
     Tried,
@@ -27,8 +27,9 @@ from stillarm.diagnosis.driven.judging import (
     least_step,
     may_win,
 )
-from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, box_of, forms_for
-from stillarm.diagnosis.driven.own import base_of, recording_of
+from stillarm.diagnosis.driven.mechanisms import STRUCTURE, Form, forms_for
+from stillarm.diagnosis.driven.own import recording_of
+from stillarm.diagnosis.driven.plays import plays
 from stillarm.diagnosis.driven.rests import leaves_much
 from stillarm.diagnosis.driven.screen import Screen
 from stillarm.diagnosis.driven.signals import Driven
@@ -43,14 +44,7 @@ _TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted be
 _PLAY_PROMISES = (
     0.15  # of what the best start explains: play that explains less is fitted once nothing else gains
 )
-_MOST_PLAYS = 3  # starts with play that are fitted, the best first: play is the slowest to simulate
-_LEAST_PART, _MOST_PART = 0.003, 3.0  # of the way to a start: further the first order does not hold
-# no small part of these is a small effect of the same kind
-_NO_DIRECTION = ("limit", "gap", "onset", "dead_cut")
-_ONE_SIDED = ("coulomb", "stribeck", "dead_zone", "lag", "arm_coulomb")
-_SHAPES = ("log_stribeck_velocity", "ripple_cycles", "late", "on_motor", "share", "bounce")
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
-_MOST_HALVINGS = 6  # of the way to a start that runs away: a 32nd is as good as no way
 _MOST_ROUNDS = 7  # and so causes and structure, beside the first model
 _MOST_MODES = 3  # that a fit adds to the arm, each with four numbers of its own and more
 _CAUSE_FIRST, _LINEAR_FIRST = 0.3, 0.7  # of what structure gains
@@ -134,7 +128,7 @@ def settled(taken: DrivenFit) -> DrivenFit:
     fits = [
         fit(taken.box, one, taken.free, taken.states, steps=SEARCH_STEPS) for one in (taken.numbers, other)
     ]
-    return max(taken, *fits, key=lambda one: float(one.whole.sum()))
+    return max(taken, *fits, key=lambda one: float(one.likeliest.whole.sum()))
 
 
 def holds_in(plain: Form, rich: Form) -> bool:
@@ -197,9 +191,9 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             here = start if form.hidden else moved_along(current, start, along)
             begins.append((share, form, here))
     promised = max((share for share, form, _ in begins if not form.hidden), default=0.0)
-    plays = [one for one in forms if one.play]
-    for form in plays:
-        finished += _plays(form, current, screen, left_s, _PLAY_PROMISES * promised)
+    played = [one for one in forms if one.play]
+    for form in played:
+        finished += plays(form, current, screen, left_s, _PLAY_PROMISES * promised)
     put_off = not finished
     done: dict[tuple[str, str, bool, int | None], int] = {}
     for share, form, start in sorted(begins, key=lambda one: -one[0]):
@@ -226,8 +220,8 @@ def tried_forms(current: DrivenFit, left_s: Callable[[], float]) -> list[Tried]:
             counts = _OF_NO_ARM if _at_a_bound(bent) else 1.0
             finished.append(replace(mode, merit=counts * (mode.merit - elsewhere)))
     if put_off and best_merit(finished) < CONVINCES and leaves_much(current):  # no later round will fit it
-        for form in plays:
-            finished += _plays(form, current, screen, left_s, _LEAST_SHARE)
+        for form in played:
+            finished += plays(form, current, screen, left_s, _LEAST_SHARE)
     return sorted(lags_told(_rivals_to_the_end(finished, current)), key=lambda one: -one.merit)
 
 
@@ -242,72 +236,3 @@ def _rivals_to_the_end(tried: list[Tried], current: DrivenFit) -> list[Tried]:
 def _fitted_on(one: Tried, current: DrivenFit) -> Tried:
     fitted = fit(one.fit.box, one.fit.numbers, one.fit.free, one.fit.states, SEARCH_STEPS)
     return judged(one.form, fitted, current)
-
-
-def fitted_from(
-    form: Form, start: dict[str, float], current: DrivenFit, least: float = 0.0
-) -> DrivenFit | None:
-    """A form's fit from a start beside what there is. A start whose simulation runs away is moved back towards what
-    there is; None where even that runs away. least: nats of a step, see `fit`."""
-    from_here = box_of(form, current)
-    free = tuple(dict.fromkeys((*current.free, *(one for one in form.numbers if base_of(one) != "late"))))
-    kept = {name: value for name, value in start.items() if name in free or name not in current.numbers}
-    for _ in range(_MOST_HALVINGS):
-        numbers = {**current.numbers, **kept}
-        if not runs_away(from_here.box, numbers, from_here.states):
-            return fit(from_here.box, numbers, free, from_here.states, SEARCH_STEPS, least)
-        kept = _moved(current, kept, 0.5)
-    return None
-
-
-def _plays(
-    form: Form, current: DrivenFit, screen: Screen, left_s: Callable[[], float], least: float
-) -> list[Tried]:
-    """The best fits with play. Each start's gap is as wide as explains most to first order, against no gap at all.
-    least: share of the squared residual below which no start is fitted. On which side of the play each sensor sits is
-    chosen by what gains most, and no number: it costs the logarithm of how many ways there are."""
-    from_here = box_of(form, current)
-    ranked: list[tuple[float, dict[str, float]]] = []
-    tried = list(form.starts(current))
-    sides = len({(one["on_motor"], one["rate_on_motor"]) for one in tried})
-    for start in tried:
-        if left_s() > 0.0:
-            share, along = screen.share_from(from_here, {**start, "gap": 0.0}, start)
-            if along > 0.0:
-                ranked.append(
-                    (share, {**start, "gap": min(max(along, _LEAST_PART), _MOST_PART) * start["gap"]})
-                )
-    ranked.sort(key=lambda one: -one[0])
-    starts = [one for share, one in ranked[:_MOST_PLAYS] if share >= least]
-    fits = [fitted_from(form, one, current) for one in starts if left_s() > 0.0]
-    found = [judged(form, one, current) for one in fits if one is not None]
-    found.sort(key=lambda one: -one.merit)
-    if found and left_s() > 0.0:  # hard blows part again; small play at rest does not
-        best, hard = found[0].fit, replace(form, words=f"{form.words}, teeth part", numbers=HARD_PLAY)
-        free = tuple(dict.fromkeys((*best.free, *HARD_PLAY)))
-        parts = fit(best.box, {**best.numbers, "bounce": BOUNCE}, free, best.states, steps=SEARCH_STEPS)
-        found.append(judged(hard, parts, current))
-    return [replace(one, merit=one.merit - log(max(sides, 1))) for one in found]
-
-
-def moved_along(current: DrivenFit, start: dict[str, float], along: float) -> dict[str, float]:
-    """A start, as far along its direction as explains most to first order. A start far beyond that leaves the valley in
-    which the fit is; numbers that give an effect its shape, not its size, stay."""
-    if any(base_of(name) in _NO_DIRECTION for name in start):
-        return start
-    part = min(max(abs(along), _LEAST_PART), _MOST_PART)
-    if along < 0.0:  # the other way, where that can be: no friction drives a joint on
-        part = _LEAST_PART if any(base_of(name).startswith(_ONE_SIDED) for name in start) else -part
-    return _moved(current, start, part)
-
-
-def _moved(current: DrivenFit, start: dict[str, float], part: float) -> dict[str, float]:
-    """A part of the way from what there is to a start."""
-    held = {**current.box.declared, **current.numbers}
-    moved = {}
-    for name, value in start.items():
-        neutral = 1.0 if name.startswith("scale") else 0.0
-        before = held.get(name, held.get(base_of(name), neutral))
-        shape = base_of(name).startswith(_SHAPES)
-        moved[name] = value if shape else before + part * (value - before)
-    return moved

@@ -11,10 +11,11 @@ from functools import cache
 from math import inf
 
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, PRICE, gains, judged
+from stillarm.diagnosis.driven.from_start import fitted_from
+from stillarm.diagnosis.driven.judging import BESIDE_SHARE, CONVINCES, HELD_OUT_TIMES, PRICE, gains, judged
 from stillarm.diagnosis.driven.mechanisms import FORMS, STRUCTURE, Form
 from stillarm.diagnosis.driven.removal import without_form
-from stillarm.diagnosis.driven.search import Round, Searched, fitted_from, holds_in
+from stillarm.diagnosis.driven.search import Round, Searched, holds_in
 
 _MEAN, _BY_DIRECTION = "coulomb", "coulomb_difference"
 
@@ -80,7 +81,7 @@ def _does_as_well(single: DrivenFit, both: DrivenFit, plain: Form, fuller: Form,
     """Whether the second cause fails to win its odds against the fuller form of the first."""
     gained, held = gains(other, both, single)
     more = other.price - (fuller.price - plain.price)
-    return min(gained, 3.0 * held) - PRICE * more < CONVINCES
+    return min(gained, HELD_OUT_TIMES * held) - PRICE * more < CONVINCES
 
 
 def _rounds(found: Searched, plain: Form, fuller: Form, other: Form) -> tuple[Round, ...]:

@@ -15,6 +15,7 @@ import numpy as np
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.blocks import longer
 from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit
+from stillarm.diagnosis.driven.from_start import fitted_from
 from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged
 from stillarm.diagnosis.driven.mechanisms import FORMS, STIFF_JOINT, STRUCTURE, Form
 from stillarm.diagnosis.driven.search import (
@@ -22,7 +23,6 @@ from stillarm.diagnosis.driven.search import (
     Round,
     Searched,
     cause_first,
-    fitted_from,
     plainer_first,
     settled,
     tried_forms,

@@ -40,7 +40,7 @@ class Wave:
 
 def strongest_waves(fitted: DrivenFit) -> list[Wave]:
     """The waves over the angle that explain most of what is left, the best first; none where no sensor shows it."""
-    motion = joint_motion(fitted.box.driven)
+    motion = joint_motion(fitted.box.driven, numbers=fitted.numbers)
     if motion is None:
         return []
     travel = float(np.ptp(motion[0]))

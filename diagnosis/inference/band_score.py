@@ -29,13 +29,28 @@ class Spectra:
     least: float
 
 
-def spectra(residual: Array, step_s: float, block: NDArray[np.int64], blocks: int, least: float) -> Spectra:
-    """Of a residual, (n,), NaN where there is none. block: (n,) number of each sample's; least: deviation that its
-    noise has at least."""
+def _edges(step_s: float) -> Array:
+    """Of the bands, Hz."""
     highest = 0.5 / step_s
     bands = max(1, int(np.log(highest / _LOWEST_HZ) / np.log(_WIDTH)))
     edges = np.geomspace(_LOWEST_HZ, highest * 1.001, bands + 1)
     edges[0] = 1e-9
+    return np.asarray(edges, np.float64)
+
+
+def band_of(samples: int, step_s: float) -> NDArray[np.int64]:
+    """Number of the band of each frequency of a real Fourier transform, the mean's zero."""
+    edges = _edges(step_s)
+    band = np.searchsorted(edges, np.fft.rfftfreq(samples, step_s), side="right").clip(1, len(edges) - 1)
+    band[:1] = 0
+    return band
+
+
+def spectra(residual: Array, step_s: float, block: NDArray[np.int64], blocks: int, least: float) -> Spectra:
+    """Of a residual, (n,), NaN where there is none. block: (n,) number of each sample's; least: deviation that its
+    noise has at least."""
+    edges = _edges(step_s)
+    bands = len(edges) - 1
     count, power = np.zeros((blocks, bands + 1)), np.zeros((blocks, bands + 1))
     for b in range(blocks):
         one = residual[block == b]
@@ -45,7 +60,7 @@ def spectra(residual: Array, step_s: float, block: NDArray[np.int64], blocks: in
         one = np.where(known, one, 0.0)
         periodogram = np.abs(np.fft.rfft(one)) ** 2 / known.sum()
         share = known.mean()  # a block tells no more than it has samples, whatever its length
-        band = np.searchsorted(edges, np.fft.rfftfreq(len(one), step_s)[1:], side="right").clip(1, bands)
+        band = band_of(len(one), step_s)[1:]
         count[b, 0], power[b, 0] = 0.5, 0.5 * periodogram[0]
         count[b, 1:] = share * np.bincount(band, minlength=bands + 1)[1:]
         power[b, 1:] = share * np.bincount(band, periodogram[1:], minlength=bands + 1)[1:]
@@ -67,6 +82,13 @@ def nats(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> Array:
 
 def nats_by_band(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> Array:
     """The same of each block and band, (blocks, bands + 1)."""
+    level, shape = level_and_shape(by_bands, learnt_on)
+    found = log_density(by_bands.count, by_bands.power, level, shape)
+    return np.asarray(np.where(by_bands.count > 0.0, found, 0.0))
+
+
+def level_and_shape(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """The likeliest of each band on some blocks, (bands + 1,)."""
     count, power = by_bands.count[learnt_on], by_bands.power[learnt_on]
     total = np.maximum(count.sum(axis=0), 1e-9)
     first = np.maximum(power.sum(axis=0) / total, by_bands.least)
@@ -81,5 +103,4 @@ def nats_by_band(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> Array:
         density = log_density(count, power, at, tried).sum(axis=0)
         better = density > best
         level[better], shape[better], best[better] = at[better], tried, density[better]
-    found = log_density(by_bands.count, by_bands.power, level, shape)
-    return np.asarray(np.where(by_bands.count > 0.0, found, 0.0))
+    return level, shape

@@ -6,8 +6,8 @@ import numpy as np
 
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.fitting import DrivenFit, runs_away
+from stillarm.diagnosis.driven.from_start import fitted_from
 from stillarm.diagnosis.driven.mechanisms import FORMS
-from stillarm.diagnosis.driven.search import fitted_from
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.start import linear_start
 from tests.fixtures.current_joint import STEP_S, drive_input, moved

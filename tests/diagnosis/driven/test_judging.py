@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.judging import (
+    AT_TOPS,
     CONVINCES,
     PRICE,
     Tried,
@@ -24,6 +26,7 @@ from stillarm.diagnosis.driven.signals import Driven, Output
 STEP_S = 0.01
 LATE = next(one for one in FORMS if "late" in one.numbers)
 LAG = next(one for one in FORMS if one.words == AMPLIFIER_LAG)
+LIMIT = next(one for one in FORMS if one.cause == AT_TOPS)
 PLAY = next(one for one in FORMS if one.play)
 
 
@@ -44,7 +47,7 @@ def _fitted(delay_s: float = 0.0) -> DrivenFit:
 
 def test_play_is_judged_up_to_the_frequency_that_its_impacts_leave_alone() -> None:
     """Here it gains 10 nats in each of three low bands, and loses 900 above: other forms would be worth that."""
-    before = _fitted()
+    before = _fitted().likeliest
     more = np.zeros_like(before.whole_bands)
     more[:, 1:4], more[:, -1] = 10.0, -900.0
     after = replace(before, whole_bands=before.whole_bands + more, held_bands=before.held_bands + more)
@@ -54,6 +57,29 @@ def test_play_is_judged_up_to_the_frequency_that_its_impacts_leave_alone() -> No
     assert gains(LAG, after, before)[0] == pytest.approx(-870.0 * blocks)
     none_at_all = replace(after, numbers={**after.numbers, "gap": 0.0})
     assert judged(PLAY, after, before).merit > 0.0 and judged(PLAY, none_at_all, before).merit == -np.inf
+
+
+def _gained(before: DrivenFit, blocks: NDArray[np.bool_]) -> DrivenFit:
+    """A fit that gains 10 nats in each of some blocks."""
+    more = np.zeros_like(before.whole_bands)
+    more[blocks, 1] = 10.0
+    return replace(before, whole_bands=before.whole_bands + more, held_bands=before.held_bands + more)
+
+
+def test_a_limit_that_acts_in_blocks_that_train_alone_is_not_disproven_by_the_others() -> None:
+    """Any other form has to gain a third of its nats where it was held out."""
+    before = _fitted().likeliest
+    box = before.box
+    trains = ~box.split.held
+    highest = np.sort([np.max(np.abs(box.driven.u[box.block == k])) for k in np.flatnonzero(box.split.held)])[
+        -1
+    ]
+    gained = _gained(before, trains)
+    beyond = replace(gained, numbers={**before.numbers, "limit": float(highest)})
+    assert judged(LIMIT, beyond, before).merit == pytest.approx(10.0 * trains.sum() - PRICE)
+    everywhere = replace(gained, numbers={**before.numbers, "limit": 0.0})
+    assert judged(LIMIT, everywhere, before).merit == pytest.approx(-PRICE)
+    assert judged(LAG, gained, before).merit == pytest.approx(-PRICE)
 
 
 def test_a_late_input_is_a_cause_by_odds_against_an_amplifiers_lag() -> None:

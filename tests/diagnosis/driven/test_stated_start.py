@@ -23,6 +23,11 @@ from tests.hidden_world.driven.files import write_case
     [
         (6172500043, "sensor_scale", "command"),  # of the angle; the command is in per cent
         (9081700008, "joint_viscous_friction", "velocity"),  # a tachometer in volts, a bending in metres
+        (
+            7008000013,
+            "joint_viscous_friction",
+            "",
+        ),  # 2 %; the squares of a fit weigh other frequencies than the score
     ],
 )
 def test_what_a_stated_rig_sees_in_its_own_size_is_a_cause(

@@ -1,12 +1,19 @@
 """A torque ripple's wave, beside what a world of its own hides."""
 
+import json
+from pathlib import Path
+
 import pytest
 
+from stillarm.benchmarks.diagnosis.driven import model_of_stated
+from stillarm.common.files.model import load_model
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.start import linear_start
+from stillarm.diagnosis.driven.stated import stated_by
 from stillarm.diagnosis.driven.waves import strongest_waves
 from tests.fixtures.driven_world import driven_of
 from tests.hidden_world.driven.case import make
+from tests.hidden_world.driven.files import write_case
 
 
 @pytest.mark.slow
@@ -21,3 +28,16 @@ def test_the_strongest_wave_is_the_ripples() -> None:
     assert strongest.cycles == pytest.approx(turns, abs=1.0)
     size = case.effect.size / case.rig.inertia
     assert (strongest.sine**2 + strongest.cosine**2) ** 0.5 == pytest.approx(size, rel=0.15)
+
+
+@pytest.mark.slow
+def test_a_wave_behind_a_stated_gear_is_one_over_the_joints_angle(tmp_path: Path) -> None:
+    """The motor's encoder turns fifty times as far."""
+    case = make(7008000018, "torque_ripple")
+    write_case(case, tmp_path / "case")
+    stated = json.loads((tmp_path / "case" / "stated.json").read_text())
+    (tmp_path / "model.toml").write_text(model_of_stated(stated))
+    driven = driven_of(case)
+    known = stated_by(load_model(tmp_path / "model.toml"), driven, "model.toml")
+    strongest = strongest_waves(linear_start(driven, irregular(driven.duration_s), known))[0]
+    assert strongest.cycles == pytest.approx(52.0, abs=1.0)
