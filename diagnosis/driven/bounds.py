@@ -14,9 +14,7 @@ SLOWEST_STRIBECK, QUICKEST_STRIBECK = (
     -12.0,
     10.0,
 )  # log of rad/s: beyond, friction is the same at all speeds of a rig
-LEAST_CYCLES = (
-    1e-6  # 1/rad, of gravity behind an unknown gear: no gear has more; at none it would be without one
-)
+LEAST_CYCLES = 1e-6  # 1/rad, of gravity behind an unknown gear: no gear turns a motor so often
 _NEAR = 0.02  # of the way from one bound to the other: no size that a rig has, but where a fit was stopped
 LONGEST_DELAY_S = 0.5  # of a cause
 LONGEST_SAMPLES = 1.5  # of a delay without a cause

@@ -36,9 +36,8 @@ def laws_of(numbers: Numbers) -> Array:
     law = {name: numbers.get(name, 0.0) for name in LAWS}
     mean, half = numbers.get("coulomb", 0.0), numbers.get("coulomb_difference", 0.0)
     law["arm_cubic"] += numbers.get("arm_cubic_over_w2", 0.0) * exp(2.0 * numbers.get("log_w_1", 0.0))
-    if (
-        numbers.get("gravity_cycles", 0.0) > 0.0
-    ):  # a turn of the joint is no turn of the angle that is measured
+    # a turn of the joint is no turn of the angle that is measured: a wave in the place of a ripple's
+    if numbers.get("gravity_cycles", 0.0) > 0.0:
         law["ripple_sine"], law["gravity_sine"] = law["gravity_sine"], 0.0
         law["ripple_cosine"], law["gravity_cosine"] = law["gravity_cosine"], 0.0
         law["ripple_cycles"] = numbers["gravity_cycles"]
