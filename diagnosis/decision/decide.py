@@ -25,7 +25,9 @@ from stillarm.diagnosis.inference.candidates import (
     Candidate,
     Found,
     Stage,
+    explains_the_same,
     is_of_free_form,
+    shows_most,
     turns_the_joint,
 )
 from stillarm.diagnosis.inference.evidence import Score, foretold, score
@@ -94,14 +96,15 @@ def judge(found: Found, split: Split) -> Judged:
         if first is not None and (rivals or is_of_free_form(first, found.baseline)):
             alone = rival_law(first, fit_before(found, first), split)
         if alone is None:  # else there is no name that free terms could be held against
+            own = shows_most(first) if first is not None else ()
             if material or rivals:
-                beside = best_free(found.final, split)
+                beside = best_free(found.final, split, own)
             if (
                 first is not None
                 and first.law is None
                 and (beside or _may_lead(first, found.baseline, split))
             ):
-                alone = best_free(found.baseline, split, (beside.group,) if beside else ())
+                alone = best_free(found.baseline, split, own, (beside.group,) if beside else ())
     except OutOfTime:
         left_out.append("structure without a name")
     if first is None:
@@ -217,7 +220,9 @@ def _confidence(found: Found, one: Candidate, named: float) -> float:
 def runner_up(found: Found, one: Candidate) -> Candidate | None:
     """The best other cause when a finding was taken."""
     others = [
-        each for each in stage_of(found, one).candidates if each.cause != one.cause and each.law is None
+        each
+        for each in stage_of(found, one).candidates
+        if each.cause != one.cause and each.law is None and explains_the_same(each, one)
     ]
     return max(others, key=lambda each: each.merit, default=None) if one.law is None else None
 
@@ -228,7 +233,7 @@ def class_of(found: Found, one: Candidate) -> list[str]:
         return []
     near = []
     for each in stage_of(found, one).candidates:
-        if each.cause == one.cause or each.law is not None:
+        if each.cause == one.cause or each.law is not None or not explains_the_same(each, one):
             continue
         if one.merit - each.merit < max(ODDS_NATS, _TIE * one.merit) and each.merit > CONVINCING_NATS:
             near.append(each.cause)
@@ -240,9 +245,11 @@ def stage_of(found: Found, one: Candidate) -> Stage:
     return next(stage for stage in found.stages if stage.taken is one)
 
 
-def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | None:
-    """The group of free terms that adds most to a fit's log score. others: tried too, such as a resonance that shows
-    only where the arm's own vibration is explained."""
+def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence[Group] = ()) -> Free | None:
+    """The group of free terms that adds most to a fit's log score, of those that tell something of a channel in which a
+    rest matters, or of one of `own`: what rings in an accelerometer by less than anyone would act on is no rival of a
+    clock that was set. others: tried too, such as a resonance that shows only where the arm's own vibration is
+    explained."""
     before = score(last, split)
     peaks: list[float] = []
     for seen in residual_peaks(last).values():
@@ -262,7 +269,9 @@ def best_free(last: Fit, split: Split, others: Sequence[Group] = ()) -> Free | N
         begun,
         [one for group, world in begun for one in (group, world)],
     )
-    best = max(found, key=lambda one: one.merit, default=None)
+    matters = {*own, *(name for name in last.residuals if not rest_of(last, name, split).immaterial)}
+    telling = [one for one in found if any(one.gains[name] > CONVINCING_NATS for name in matters)]
+    best = max(telling, key=lambda one: one.merit, default=None)
     if best is None or best.merit <= 0.0:
         return None
     return max(best, _of_its_own_state(best, last, before, split, slopes), key=lambda one: one.merit)
@@ -300,5 +309,5 @@ def _with_free(
     after = score(fitted, split)
     nats, held = after.gain(before), foretold(fitted, before, split, after)
     merit = min(float(nats.sum()) - PRICE_NATS * len(added.amounts), 3.0 * float(held.sum()))
-    channel = max(after.whole, key=lambda name: after.gain_of(before, name))
-    return Free(group, merit, channel, fitted)
+    gains = {name: after.gain_of(before, name) for name in after.whole}
+    return Free(group, merit, max(gains, key=lambda name: gains[name]), fitted, gains)

@@ -22,6 +22,7 @@ from stillarm.diagnosis.inference.candidates import (
     Found,
     Stage,
     convinces,
+    explains_the_same,
     is_too_little,
     of_law,
     turns_the_joint,
@@ -192,7 +193,8 @@ def _taken_of(stage: Stage, found: Found, split: Split) -> Stage:
     convincing = [one for one in ranked if convinces(one, last, split, beside)]
     chosen = convincing[0] if convincing else None
     if chosen is not None and any(
-        is_too_little(one, last, split) and one.merit > chosen.merit for one in ranked
+        one.merit > chosen.merit and is_too_little(one, last, split) and explains_the_same(one, chosen)
+        for one in ranked
     ):
         chosen = None  # what is always there, and too little to be named, explains it better
     if chosen is not None and chosen.law is None and turns_the_joint(chosen.cause):

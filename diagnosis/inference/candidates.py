@@ -1,6 +1,6 @@
 """What the search hands on: a cause refitted, a step with its rivals, the end; and whether one is more than chance."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import sqrt
 
@@ -40,6 +40,9 @@ _OF_A_STEP = 0.5  # of what arrivals are foretold otherwise, from one to the nex
 _OF_LASTING = 0.3
 """Of how much later images come, counts as an effect: a delay wanders by half its scatter whatever is wrong."""
 _BLOCKS_OF_AN_EVENT = 2  # of the recording: in which it lies, or across whose edge it rings
+_MUCH = (
+    0.35  # of what another gains in a channel: half, less what no formula tells (as EXPLAINED of a verdict)
+)
 _AT_LIMIT, _OFTEN = 1e-6, 0.01  # of a limit; of the samples, which no noise has at one value
 # parts of the recording: what goes wrong with the joint acts at the tops of its motion, or at its turns, and matters if
 # it does in one of them
@@ -74,6 +77,8 @@ class Candidate:
     """Nats of the log score by frequency, all blocks, less what its numbers cost."""
     nats: Array = field(default_factory=lambda: np.empty(0))
     """Nats of the log score of each block."""
+    gains: Mapping[str, float] = field(default_factory=dict)
+    """The same in each channel; none of a law."""
     parameters_of: Callable[[Fit], dict[str, tuple[float, float]]] | None = None
 
 
@@ -128,6 +133,22 @@ def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
         return size_in_noise(last, one.fit, split) > MATTERS_OF_NOISE
     parts = _TENTHS if turns_the_joint(one.cause) else 1
     return size_in_noise(last, one.fit, split, parts) > LEAST_OF_NOISE
+
+
+def shows_most(one: Candidate) -> tuple[str, ...]:
+    """The channel in which a candidate gains most; none of a law, which changes no fit."""
+    return (max(one.gains, key=lambda name: one.gains[name]),) if one.gains else ()
+
+
+def explains_the_same(one: Candidate, other: Candidate) -> bool:
+    """Whether one candidate explains much of what another does, in the channel in which that one shows most: a mode of
+    the arm tells nothing of a clock, however much it tells of the accelerometer."""
+    if other.law is not None or one.law is not None:
+        return DECLARED[one.cause].place == DECLARED[other.cause].place
+    if not (one.gains and other.gains):
+        return True
+    (channel,) = shows_most(other)
+    return one.gains.get(channel, 0.0) >= _MUCH * other.gains[channel]
 
 
 def is_too_little(one: Candidate, last: Fit, split: Split) -> bool:

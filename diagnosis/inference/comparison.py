@@ -346,4 +346,5 @@ def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split
         begins=one.form.begins, merit=merit, nats=nats,
         begins_s=fitted.value(one.form.begins) if one.form.begins else None,
         parameters_of=one.form.cause.parameters_of,
+        gains={name: after.gain_of(before, name) for name in after.whole},
     )  # fmt: skip

@@ -4,8 +4,8 @@ A force over the arm's state or over time, answered by the first mode and seen b
 one sensor that bends, wanders or rings by itself. Each group is fitted on top of what is known, with the baseline.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from math import pi
 
 import numpy as np
@@ -64,12 +64,13 @@ class Group:
 @dataclass(frozen=True)
 class Free:
     """A group of free terms, or a law without a name, on top of a fit. merit: nats that it adds, less its price.
-    channel: where it shows most."""
+    channel: where it shows most; gains: nats in each channel."""
 
     group: Group
     merit: float
     channel: str
     fit: Fit
+    gains: Mapping[str, float] = field(default_factory=dict)
 
 
 def groups(peaks_hz: Iterable[float]) -> list[Group]:

@@ -1,5 +1,6 @@
 """The verdict: what counts as explained, as left, and as told apart."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -9,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.decide import Judged, class_of, judge
+from stillarm.diagnosis.decision.decide import Judged, best_free, class_of, judge, runner_up
 from stillarm.diagnosis.decision.rest import Rest
 from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
 from stillarm.diagnosis.inference.fitted import Fit
@@ -23,10 +24,10 @@ def arm() -> Fit:
     return fitted(measured(20.0, 3))
 
 
-def _candidate(cause: str, merit: float) -> Candidate:
+def _candidate(cause: str, merit: float, channel: str = "acceleration") -> Candidate:
     nothing = np.zeros(30)
     fit = cast(Fit, SimpleNamespace())
-    return Candidate(cause, fit, merit / 3.0, 1.0, {}, merit=merit, nats=nothing)
+    return Candidate(cause, fit, merit / 3.0, 1.0, {}, merit=merit, nats=nothing, gains={channel: merit})
 
 
 def _found(*merits: tuple[str, float]) -> Found:
@@ -44,6 +45,17 @@ def test_a_rival_far_behind_is_told_apart() -> None:
 def test_a_rival_within_odds_of_twenty_to_one_is_of_the_class() -> None:
     found = _found(("drive_lag", 50.0), ("drive_dead_time", 48.0))
     assert class_of(found, found.findings[0]) == ["drive_dead_time"]
+
+
+def test_what_shows_in_another_channel_is_no_rival() -> None:
+    clock, mode = (
+        _candidate("clock_step", 300.0, "arrival"),
+        _candidate("second_bending_mode", 600.0, "acceleration"),
+    )
+    found = Found(cast(Fit, None), cast(Fit, None), [clock])
+    found.stages.append(Stage([], [mode, clock], clock))
+    assert class_of(found, clock) == []
+    assert runner_up(found, clock) is None
 
 
 @given(first=st.floats(20.0, 1e5), behind=st.floats(0.0, 1.0))
@@ -68,3 +80,18 @@ def test_the_largest_rest_is_told_first() -> None:
     ]
     left = Judged("unexplained", rests, None, None).left
     assert left is not None and left.channel == "displacement"
+
+
+def test_free_terms_count_where_a_rest_matters_or_where_the_finding_shows(arm: Fit) -> None:
+    """A vibration in the acceleration alone, by less than anyone would act on."""
+    name = "acceleration"
+    ringing = 0.3 * arm.sigma[name] * np.sin(2.0 * np.pi * 22.0 * arm.world.cycle_times)
+    channels = {**arm.predicted.channels, name: arm.predicted.channels[name] - ringing}
+    rung = replace(
+        arm,
+        residuals={**arm.residuals, name: arm.residuals[name] + ringing},
+        predicted=replace(arm.predicted, channels=channels),
+    )
+    assert best_free(rung, SPLIT) is None
+    found = best_free(rung, SPLIT, (name,))
+    assert found is not None and found.gains[name] > 12.0

@@ -14,6 +14,7 @@ from stillarm.diagnosis.inference.candidates import (
     LEAST_OF_NOISE,
     Candidate,
     convinces,
+    explains_the_same,
     is_of_free_form,
     is_too_little,
     least_that_matters,
@@ -40,6 +41,18 @@ def with_rest(fit: Fit, channel: str, rms: float) -> Fit:
     residual = fit.residuals[channel]
     wave = np.sqrt(2.0) * rms * np.sin(np.linspace(0.0, 40.0, len(residual)))
     return replace(fit, residuals={**fit.residuals, channel: residual + wave})
+
+
+@pytest.mark.parametrize(("there", "same"), [(0.0, False), (30.0, False), (40.0, True), (150.0, True)])
+def test_a_candidate_explains_the_same_where_it_gains_much_in_the_others_channel(
+    plain: Fit, there: float, same: bool
+) -> None:
+    clock = Candidate("clock_step", plain, 1.0, 1.0, {}, gains={"arrival": 100.0, "acceleration": 1.0})
+    mode = Candidate(
+        "second_bending_mode", plain, 1.0, 1.0, {}, gains={"acceleration": 600.0, "arrival": there}
+    )
+    assert explains_the_same(mode, clock) == same
+    assert not explains_the_same(clock, mode)
 
 
 def test_a_channels_noise_is_its_white_noise(plain: Fit) -> None:
