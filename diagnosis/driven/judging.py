@@ -84,6 +84,8 @@ def judged(form: Form, fitted: DrivenFit, before: DrivenFit) -> Tried:
 def _of_all(form: Form, fitted: DrivenFit, gained: float, held: float) -> float:
     """What a form gains on all blocks, by what it gains on those held out: three times that, as every third is. A limit
     acts at the tops of the motion alone: it gains by as many of them as were held out; where none was, nothing is said.
+    One that acts in no block that trains was not fitted: its value is the one of those tried that suits what was held
+    out.
     """
     if form.cause != AT_TOPS:
         return HELD_OUT_TIMES * held
@@ -91,6 +93,8 @@ def _of_all(form: Form, fitted: DrivenFit, gained: float, held: float) -> float:
     limit = fitted.numbers.get(form.numbers[0], inf)
     acts = np.abs(box.driven.u) > limit
     share = float(acts[box.split.held[box.block]].sum()) / max(float(acts.sum()), 1.0)
+    if share == 1.0:
+        return 0.0
     return held / share if share > 0.0 else gained + HELD_OUT_TIMES * min(held, 0.0)
 
 

@@ -82,6 +82,17 @@ def test_a_limit_that_acts_in_blocks_that_train_alone_is_not_disproven_by_the_ot
     assert judged(LAG, gained, before).merit == pytest.approx(-PRICE)
 
 
+def test_a_limit_that_acts_where_it_was_held_out_alone_says_nothing() -> None:
+    """No sample that trains tells its value."""
+    before = _fitted().likeliest
+    box = before.box
+    u = np.where(box.split.held[box.block], box.driven.u, 0.0)
+    there = replace(before, box=replace(box, driven=replace(box.driven, u=u)))
+    limit = 0.9 * float(np.max(np.abs(u)))
+    gained = replace(_gained(there, box.split.held), numbers={**before.numbers, "limit": limit})
+    assert judged(LIMIT, gained, there).merit == pytest.approx(-PRICE)
+
+
 def test_a_late_input_is_a_cause_by_odds_against_an_amplifiers_lag() -> None:
     fitted = _fitted(0.05)
     lag = Tried(LAG, fitted, 60.0, 60.0)
