@@ -1,8 +1,8 @@
 """What a recording shows that the simulation does not, why, and a model that does. docs/diagnosis.md
 
-data -> physics -> inference -> decision -> report: each imports only those before it. calibration and commissioning
-stand on inference. Not here: the simulation of rendered images and processes. Begin with diagnose.py; from Python
-with notebook.py.
+data -> physics -> fitting -> events -> sensors -> forms -> search -> decision -> report: each imports only those before
+it. calibration and commissioning stand on search; driven is the way of joints that a torque, a current or a voltage
+drives. Not here: the simulation of rendered images and processes. Begin with diagnose.py; from Python with notebook.py.
 """
 
 __all__ = [
@@ -12,7 +12,12 @@ __all__ = [
     "decision",
     "diagnose",
     "driven",
+    "events",
+    "fitting",
+    "forms",
     "notebook",
     "physics",
     "report",
+    "search",
+    "sensors",
 ]

@@ -17,8 +17,8 @@ from stillarm.diagnosis.decision.budget import Budget, unlimited
 from stillarm.diagnosis.decision.run import Tick, run
 from stillarm.diagnosis.driven.diagnosed import DrivenResult, diagnose_driven
 from stillarm.diagnosis.driven.signals import is_driven
-from stillarm.diagnosis.inference.fitted import refitted_model
-from stillarm.diagnosis.inference.frequency_course import with_resonance_of
+from stillarm.diagnosis.events.frequency_course import with_resonance_of
+from stillarm.diagnosis.fitting.fitted import refitted_model
 from stillarm.diagnosis.physics.declared_effects import with_found
 from stillarm.diagnosis.report import tables as say
 from stillarm.diagnosis.report.extended_model import baseline_changes, effect_of

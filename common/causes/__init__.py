@@ -1,7 +1,7 @@
 """The catalogue of causes: what can make a rig depart from its model, one file each, as [[effects]] of a model file.
 
 Here belongs all that is said of a cause in any part of the program; how its effects are checked and folded into a model
-is stillarm.common.files.effects, how a search looks for it stillarm.diagnosis.inference.causes. The package finds a new
+is stillarm.common.files.effects, how a search looks for it stillarm.diagnosis.forms.causes. The package finds a new
 file by itself; docs/causes.md comes from `stillarm causes --markdown`. Begin to read at declaration.py.
 """
 

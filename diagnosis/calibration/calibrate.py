@@ -20,10 +20,10 @@ from stillarm.diagnosis.calibration.start_values import start_values
 from stillarm.diagnosis.data.channels import ARM_CHANNELS, without_dead_sensors
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.fit import fit
-from stillarm.diagnosis.inference.fitted import Data, Fit, make_data, refitted_model
-from stillarm.diagnosis.inference.impacts import fit_with_impacts, refit_with
-from stillarm.diagnosis.inference.screen import residual_peaks
+from stillarm.diagnosis.events.impacts import fit_with_impacts, refit_with
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import Data, Fit, make_data, refitted_model
+from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.physics.quantities import QUARTZ, SKEW
 from stillarm.diagnosis.physics.world import World
 

@@ -1,7 +1,7 @@
 """Which channels a recording has for a diagnosis, and why each of the others is left out.
 
 No recording need hold any one of them: this is the one place that decides, and everybody else asks for a channel by
-name and is told None (stillarm.diagnosis.inference.fitted.Fit.channel) or finds it missing
+name and is told None (stillarm.diagnosis.fitting.fitted.Fit.channel) or finds it missing
 (stillarm.diagnosis.physics.world.World.channels).
 """
 

@@ -25,6 +25,11 @@ class Split:
     held: Mask
     lends: bool = False
 
+    @property
+    def blocks_per_held(self) -> float:
+        """Blocks for each that is held out: what the held-out ones gain, times this, stands for all."""
+        return len(self.held) / int(self.held.sum())
+
     def blocks_of(self, time_s: Array) -> NDArray[np.int64]:
         """Number of the block of each time."""
         return np.clip(np.searchsorted(self.edges_s, time_s, side="right") - 1, 0, len(self.held) - 1)

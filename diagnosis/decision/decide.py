@@ -1,6 +1,5 @@
 """From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import exp
 
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.decision.free_terms import best_free
 from stillarm.diagnosis.decision.rest import (
     Rest,
     anything_matters,
@@ -18,27 +18,20 @@ from stillarm.diagnosis.decision.rest import (
     times_what_matters,
 )
 from stillarm.diagnosis.decision.rival_laws import rival_law
-from stillarm.diagnosis.inference.begun import free_names
-from stillarm.diagnosis.inference.candidates import (
-    CONVINCING_NATS,
-    PRICE_NATS,
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, score
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.forms.freeform import Free
+from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.search.candidates import (
+    EXPLAINED,
     Candidate,
     Found,
     Stage,
     explains_the_same,
-    is_of_free_form,
     shows_most,
     turns_the_joint,
 )
-from stillarm.diagnosis.inference.evidence import Score, foretold, score
-from stillarm.diagnosis.inference.fit import Slopes, fit, slopes_of
-from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.freeform import Free, Group, groups
-from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.inference.screen import Whitened, residual_peaks
-from stillarm.diagnosis.physics.computing import OutOfTime
-from stillarm.diagnosis.physics.copies import shared_out
-from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.convincing import is_of_free_form
 
 Array = NDArray[np.float64]
 
@@ -51,12 +44,6 @@ whatever the odds against the others."""
 _UNCOMPARED = 0.7
 """The most that a name is sure where the time did not suffice to hold free terms against it: of ten such names seven
 were right (seeds 120 and 122, and the strangers': docs/benchmark-diagnosis.md; rule of succession)."""
-_STEPS = 4  # of a fit of free terms: they are linear
-_FITTED = 8  # groups of free terms, by a score test: of linear terms it is off by what the baseline's own slopes change
-_PEAKS = 3  # of a residual's spectrum, at which a resonance of its own is tried
-EXPLAINED = 0.35
-"""Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
-own discrepancy keep from being explained."""
 _TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no formula is quite the true one
 _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
@@ -163,8 +150,8 @@ def share_explained(one: Candidate, before: Fit, split: Split) -> float:
     left = explainable(one.fit, split)
     own = _own_channels(one, before)
     if own and _largest_there(before, one.fit, own, split):
-        now, was = score(one.fit, split), score(before, split)
-        gained = sum(now.gain_of(was, name) for name in own)
+        gains = score(one.fit, split).gains(score(before, split))
+        gained = sum(gains[name] for name in own)
         return max(gained, 0.0) / max(gained + sum(left[name] for name in own), 1e-9)
     gained = float(one.nats.sum())
     if _place(one) != "timing":
@@ -243,71 +230,3 @@ def class_of(found: Found, one: Candidate) -> list[str]:
 def stage_of(found: Found, one: Candidate) -> Stage:
     """The round in which a finding was taken."""
     return next(stage for stage in found.stages if stage.taken is one)
-
-
-def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence[Group] = ()) -> Free | None:
-    """The group of free terms that adds most to a fit's log score, of those that tell something of a channel in which a
-    rest matters, or of one of `own`: what rings in an accelerometer by less than anyone would act on is no rival of a
-    clock that was set. others: tried too, such as a resonance that shows only where the arm's own vibration is
-    explained."""
-    before = score(last, split)
-    peaks: list[float] = []
-    for seen in residual_peaks(last).values():
-        peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
-    kinds = (*groups(peaks), *others)
-    slopes = slopes_of(last)
-    white = Whitened(make_data(last.world, split), last, slopes)
-    promises = shared_out(lambda group: _promise(group, white), kinds)
-    promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
-    begun = [
-        (kinds[place], world)
-        for nats, place in promising
-        if nats > 0.0 and (world := kinds[place].world(last)) is not None
-    ]
-    found = shared_out(
-        lambda one: _with_free(*one, last, last, before, split, slopes),
-        begun,
-        [one for group, world in begun for one in (group, world)],
-    )
-    matters = {*own, *(name for name in last.residuals if not rest_of(last, name, split).immaterial)}
-    telling = [one for one in found if any(one.gains[name] > CONVINCING_NATS for name in matters)]
-    best = max(telling, key=lambda one: one.merit, default=None)
-    if best is None or best.merit <= 0.0:
-        return None
-    return max(best, _of_its_own_state(best, last, before, split, slopes), key=lambda one: one.merit)
-
-
-def _of_its_own_state(best: Free, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free:
-    """Free terms once more, over the state that the arm has beside them: that of a fit which had to make up for what
-    they tell is a wrong one."""
-    data = make_data(last.world, split)
-    without = fit(data, carried_over(best.fit, last.world), (), iterations=0, colour=last.colour)
-    world = best.group.world(without)
-    return best if world is None else _with_free(best.group, world, without, last, before, split, slopes)
-
-
-def _promise(group: Group, white: Whitened) -> float:
-    """Nats that a score test foretells of a group; none of one that is not seen."""
-    added = group.added(white.last)
-    return white.promise(added.columns) if added is not None else 0.0
-
-
-def _with_free(
-    group: Group, world: World, begun: Fit, last: Fit, before: Score, split: Split, slopes: Slopes
-) -> Free:
-    """A group on top of a fit. begun: where it begins."""
-    added = world.added[-1]
-    names = free_names(last, world, added.amounts)
-    fitted = fit(
-        make_data(world, split),
-        carried_over(begun, world),
-        names,
-        iterations=_STEPS,
-        colour=last.colour,
-        known=slopes,
-    )
-    after = score(fitted, split)
-    nats, held = after.gain(before), foretold(fitted, before, split, after)
-    merit = min(float(nats.sum()) - PRICE_NATS * len(added.amounts), 3.0 * float(held.sum()))
-    gains = {name: after.gain_of(before, name) for name in after.whole}
-    return Free(group, merit, max(gains, key=lambda name: gains[name]), fitted, gains)

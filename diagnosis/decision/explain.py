@@ -12,25 +12,20 @@ import numpy as np
 
 from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import EXPLAINED, share_explained
+from stillarm.diagnosis.decision.decide import share_explained
 from stillarm.diagnosis.decision.rest import anything_matters, rest_of
 from stillarm.diagnosis.decision.rounds import explained, joint_departs, one_round
-from stillarm.diagnosis.inference.begun import free_names
-from stillarm.diagnosis.inference.candidates import (
-    PRICE_NATS,
-    Candidate,
-    Found,
-    Stage,
-    convinces,
-)
-from stillarm.diagnosis.inference.early_baseline import early_baseline
-from stillarm.diagnosis.inference.evidence import score
-from stillarm.diagnosis.inference.fit import fit
-from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.image_dating import dated_anew
-from stillarm.diagnosis.inference.impacts import carried_over, impacts_while_moving
-from stillarm.diagnosis.inference.laws import LawFound
+from stillarm.diagnosis.events.impacts import impacts_while_moving
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
+from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
+from stillarm.diagnosis.search.candidates import EXPLAINED, Candidate, Found, Stage
+from stillarm.diagnosis.search.convincing import convinces
+from stillarm.diagnosis.search.early_baseline import early_baseline
+from stillarm.diagnosis.sensors.image_dating import dated_anew
+from stillarm.diagnosis.sensors.laws import LawFound
 
 _FULL = 12  # steps of a fit
 _FIRST_PART_SHARE = 0.6  # of the time: a round beside the usual baseline may have to follow

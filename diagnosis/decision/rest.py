@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.candidates import least_that_matters, noise_of, white_noise
-from stillarm.diagnosis.inference.evidence import score, score_of_noise
-from stillarm.diagnosis.inference.fitted import THIN, Fit
+from stillarm.diagnosis.fitting.channel_noise import least_that_matters, noise_of, white_noise
+from stillarm.diagnosis.fitting.evidence import score, score_of_noise
+from stillarm.diagnosis.fitting.fitted import THIN, Fit
 
 Array = NDArray[np.float64]
 

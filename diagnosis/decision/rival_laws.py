@@ -1,6 +1,6 @@
 """Laws without a name, held against a finding on its own ground: in free run, with a state of their own making.
 
-Free terms (stillarm.diagnosis.inference.freeform) are forces over the state of a fit. Where that fit is far from what
+Free terms (stillarm.diagnosis.forms.freeform) are forces over the state of a fit. Where that fit is far from what
 the arm did, as a baseline is where the arm's frequency goes with its deflection, they are forces over a wrong state,
 and no rival of a law that makes its own.
 """
@@ -11,16 +11,15 @@ import numpy as np
 
 from stillarm.common.causes import RIVALS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference import image_walk
-from stillarm.diagnosis.inference.begun import free_names
-from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate
-from stillarm.diagnosis.inference.comparison import QUICK
-from stillarm.diagnosis.inference.evidence import score
-from stillarm.diagnosis.inference.fit import fit, slopes_of
-from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.freeform import DRIVE, Free, Group
-from stillarm.diagnosis.inference.impacts import carried_over
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
+from stillarm.diagnosis.fitting.fit import fit, slopes_of
+from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
+from stillarm.diagnosis.fitting.gains import free_names
+from stillarm.diagnosis.forms import image_walk
+from stillarm.diagnosis.forms.freeform import DRIVE, Free, Group
 from stillarm.diagnosis.physics.copies import shared_out
+from stillarm.diagnosis.search.candidates import Candidate
+from stillarm.diagnosis.search.refits import QUICK
 
 _CUBIC, _CUBIC_SIZE = "cubic_stiffness", "arm.cubic_per_m2"
 _LAW = "one_sided_stiffness"
@@ -80,13 +79,12 @@ def _one_sided(first: Candidate, before: Fit, split: Split) -> Free | None:
     was = score(before, split)
     best = max(tried, key=lambda one: float(score(one, split).gain(was).sum()))
     best = fit(data, best.vector, names, iterations=_FULL, colour=before.colour)
-    now = score(best, split)
-    merit = float(now.gain(was).sum()) - PRICE_NATS * len(_FREE)
+    gains = score(best, split).gains(was)
+    merit = sum(gains.values()) - PRICE_NATS * len(_FREE)
     if merit < first.merit or merit < _from_there(first, best, before, split):
         return None
-    channel = max(now.whole, key=lambda name: now.gain_of(was, name))
     group = Group(_LAW, RIVALS[_LAW].name, lambda fit: {})
-    return Free(group, merit, channel, best)
+    return Free(group, merit, max(gains, key=lambda name: gains[name]), best, gains)
 
 
 def _from_there(first: Candidate, rival: Fit, before: Fit, split: Split) -> float:

@@ -14,31 +14,31 @@ from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.decide import EXPLAINED, fit_before, share_explained
+from stillarm.diagnosis.decision.decide import fit_before, share_explained
 from stillarm.diagnosis.decision.rest import anything_matters
-from stillarm.diagnosis.inference.begun import free_names
-from stillarm.diagnosis.inference.candidates import (
-    Candidate,
-    Found,
-    Stage,
-    convinces,
-    explains_the_same,
-    is_too_little,
-    of_law,
-    turns_the_joint,
-    white_noise,
-)
-from stillarm.diagnosis.inference.clocks import backward_steps
-from stillarm.diagnosis.inference.comparison import LEFT_OUT, QUICK, compared
-from stillarm.diagnosis.inference.evidence import score
-from stillarm.diagnosis.inference.fit import CHANGED_NATS, fit
-from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.forms import forms
-from stillarm.diagnosis.inference.impacts import carried_over
-from stillarm.diagnosis.inference.laws import LawFound, laws
+from stillarm.diagnosis.fitting.channel_noise import white_noise
+from stillarm.diagnosis.fitting.evidence import score
+from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
+from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
+from stillarm.diagnosis.fitting.gains import free_names
+from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz
 from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.candidates import (
+    EXPLAINED,
+    Candidate,
+    Found,
+    Stage,
+    explains_the_same,
+    of_law,
+    turns_the_joint,
+)
+from stillarm.diagnosis.search.comparison import LEFT_OUT, compared
+from stillarm.diagnosis.search.convincing import convinces, is_too_little
+from stillarm.diagnosis.search.refits import QUICK
+from stillarm.diagnosis.sensors.clocks import backward_steps
+from stillarm.diagnosis.sensors.laws import LawFound, laws
 
 MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
 _WHOLE = 3  # causes of the drive that are fitted to all channels

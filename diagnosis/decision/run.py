@@ -11,22 +11,22 @@ from stillarm.diagnosis.data.split import Split, interleaved, stated
 from stillarm.diagnosis.decision.budget import Budget, affordable
 from stillarm.diagnosis.decision.decide import Judged, judge
 from stillarm.diagnosis.decision.explain import explain
-from stillarm.diagnosis.inference.baseline import (
+from stillarm.diagnosis.events.impact_onsets import with_impacts_at_onsets
+from stillarm.diagnosis.events.pulls import without_pulls, without_pushes
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import Fit, make_data
+from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.baseline import (
     HURRIED_STEPS,
     fitted_baseline,
     moved_as_measured,
     with_lost_modes,
 )
-from stillarm.diagnosis.inference.candidates import Found
-from stillarm.diagnosis.inference.clocks import without_old_images, without_set_stamps, without_steps
-from stillarm.diagnosis.inference.fit import fit
-from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.image_dating import dated, recounted
-from stillarm.diagnosis.inference.impact_onsets import with_impacts_at_onsets
-from stillarm.diagnosis.inference.laws import LawFound
-from stillarm.diagnosis.inference.pulls import without_pulls, without_pushes
-from stillarm.diagnosis.physics.computing import OutOfTime
-from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.candidates import Found
+from stillarm.diagnosis.sensors.clocks import without_old_images, without_set_stamps, without_steps
+from stillarm.diagnosis.sensors.image_dating import dated, recounted
+from stillarm.diagnosis.sensors.laws import LawFound
 
 Tick = Callable[[float, str], None]
 

@@ -3,7 +3,7 @@
 A fit weighs all frequencies alike, and is judged by each for itself. So a delay that serves the strong frequencies may
 cost more at the weak ones than a cause gains, and what a form is worth would depend on how well the numbers beside it
 happen to suit the score. With P the power of a block's band, n its values, and S and a the band's level and shape
-(inference/band_score.py), the score holds
+(fitting/band_score.py), the score holds
 
     - (n + a) log(a + P / S),
 
@@ -26,7 +26,7 @@ from stillarm.diagnosis.driven.derivatives import cost_of, derivatives
 from stillarm.diagnosis.driven.gauss_newton import RIDGE, Piece, state_steps, stepped
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.scoring import spectra_of
-from stillarm.diagnosis.inference.band_score import Spectra, band_of, level_and_shape, log_density
+from stillarm.diagnosis.fitting.band_score import Spectra, band_of, level_and_shape, log_density
 
 Array = NDArray[np.float64]
 Numbers = dict[str, float]

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.signals import Output
-from stillarm.diagnosis.inference.band_score import Spectra, nats_by_band, spectra
+from stillarm.diagnosis.fitting.band_score import Spectra, nats_by_band, spectra
 
 Array = NDArray[np.float64]
 

@@ -25,9 +25,8 @@ from stillarm.diagnosis.physics.linear_modes import answer_of_mode
 Array = NDArray[np.float64]
 
 _SEGMENT_S = 2.0  # a segment of the departure's spectrum: lines 0.5 Hz apart
-_OUTSTANDING = (
-    4.0  # times the noise: a Welch spectrum of 20 segments strays from its mean by less than a half
-)
+# times the noise: a Welch spectrum of 20 segments strays from its mean by less than a half
+_OUTSTANDING = 4.0
 _LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0  # Hz, between which a departure is followed, if there is one
 _FEWEST = 500  # known samples: a segment of the spectrum then has 125
 

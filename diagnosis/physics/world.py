@@ -210,6 +210,10 @@ class World:
             self._resolution[channel] = step if isfinite(step) else 0.0
         return self._resolution[channel]
 
+    def times_of(self, channel: str) -> Array:
+        """When each of a channel's samples was read, s from the first cycle."""
+        return self.measured.frames.received_s if channel in FRAME_CHANNELS else self.cycle_times
+
     def step_s(self, channel: str) -> float:
         """Time between a channel's samples, s."""
         return 1.0 / self.model.camera.frame_rate_hz if channel in FRAME_CHANNELS else self.measured.cycle_s

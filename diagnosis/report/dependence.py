@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.channels import FRAME_CHANNELS
-from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.physics.world import World
 
 Array = NDArray[np.float64]

@@ -9,10 +9,10 @@ import tomli_w
 from stillarm.common.causes import CAUSES
 from stillarm.common.files.effects_check import EffectValue
 from stillarm.common.files.model import Model
-from stillarm.diagnosis.inference.candidates import Candidate
-from stillarm.diagnosis.inference.causes import CAUSES as SEARCHED
-from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.inference.laws import OF_STAMPS
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.forms.causes import CAUSES as SEARCHED
+from stillarm.diagnosis.search.candidates import Candidate
+from stillarm.diagnosis.sensors.laws import OF_STAMPS
 
 
 def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.report.case import Case
 from stillarm.diagnosis.report.dependence import variables
 from stillarm.diagnosis.report.drawing import (
@@ -19,7 +19,7 @@ from stillarm.diagnosis.report.drawing import (
     legend,
     outline,
 )
-from stillarm.diagnosis.report.residuals import UNITS, WORDS, residual_of, spectrum_of, times_of
+from stillarm.diagnosis.report.residuals import UNITS, WORDS, residual_of, spectrum_of
 from stillarm.diagnosis.report.views import (
     arm_frequency,
     binned,
@@ -75,7 +75,7 @@ def residual_in_time(case: Case, name: str) -> Draw:
     def draw(axes: Axes) -> None:
         origin = case.after.world.measured.origin_s
         for fit, colour, word in ((case.before, BEFORE, "before"), (case.after, AFTER, "after")):
-            x, low, high = outline(times_of(fit.world, name) + origin, residual_of(fit, name))
+            x, low, high = outline(fit.world.times_of(name) + origin, residual_of(fit, name))
             axes.fill_between(x, low, high, color=colour, lw=0.4, alpha=0.75, label=word)
         for start, end in _held_spans(case):
             axes.axvspan(start + origin, end + origin, color=SHADE, lw=0, zorder=-1)

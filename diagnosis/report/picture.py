@@ -3,11 +3,11 @@
 from collections.abc import Callable
 
 from stillarm.common.causes import CAUSES, Place
-from stillarm.diagnosis.inference.laws import OF_STAMPS
 from stillarm.diagnosis.report import panels, sensor_panels
 from stillarm.diagnosis.report.case import ARM_CHANNELS, Case, cases, whole
 from stillarm.diagnosis.report.drawing import Draw, Picture
 from stillarm.diagnosis.report.result import Result
+from stillarm.diagnosis.sensors.laws import OF_STAMPS
 
 Panel = Callable[[Case, str], Draw]
 

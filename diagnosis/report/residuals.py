@@ -8,8 +8,7 @@ from scipy.signal import welch
 
 from stillarm.diagnosis.data.channels import FRAME_CHANNELS
 from stillarm.diagnosis.data.robust import std_about_median
-from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.report.dependence import (
     MOVING,
     Dependence,
@@ -85,11 +84,6 @@ def residual_of(last: Fit, name: str) -> Array:
     return found
 
 
-def times_of(world: World, name: str) -> Array:
-    """Time of each sample, s from the first cycle: when it was read."""
-    return world.measured.frames.received_s if name in FRAME_CHANNELS else world.cycle_times
-
-
 def noise_floor(values: Array) -> float:
     """Deviation of the noise from neighbouring samples: what no model of slow things can go below."""
     steps = np.diff(values[np.isfinite(values)])
@@ -100,7 +94,7 @@ def examine_channel(last: Fit, name: str) -> ChannelResidual:
     """Everything about one channel's residual in a fit."""
     world = last.world
     values, white = residual_of(last, name), last.residuals[name]
-    time = times_of(world, name)
+    time = world.times_of(name)
     spectrum = spectrum_of(values, world.step_s(name))
     dependences = dependences_of(white, variables(last, name), time)
     tests = _tests(last, name, white)

@@ -6,7 +6,7 @@ from typing import Any
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import Judged
-from stillarm.diagnosis.inference.candidates import Found
+from stillarm.diagnosis.search.candidates import Found
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from stillarm.diagnosis.report.drawing import (
     legend,
 )
 from stillarm.diagnosis.report.panels import axis_of
-from stillarm.diagnosis.report.residuals import UNITS, WORDS, residual_of, times_of
+from stillarm.diagnosis.report.residuals import UNITS, WORDS, residual_of
 from stillarm.diagnosis.report.views import (
     binned,
     lateness,
@@ -110,7 +110,7 @@ def arrivals(case: Case, name: str) -> Draw:
         origin = case.after.world.measured.origin_s
         fits = ((case.before, BEFORE, "before"), (case.after, AFTER, "after"))
         for fit, colour, word in fits:
-            x, y = few(times_of(fit.world, "arrival") + origin, 1e3 * residual_of(fit, "arrival"))
+            x, y = few(fit.world.times_of("arrival") + origin, 1e3 * residual_of(fit, "arrival"))
             axes.plot(x, y, ".", color=colour, ms=2.5, label=word)
         axes.set_xlabel("time, s")
         axes.set_ylabel("later than simulated, ms")

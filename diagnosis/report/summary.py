@@ -2,12 +2,12 @@
 
 from stillarm.common.causes import CAUSES, experiment_between
 from stillarm.diagnosis.decision.decide import runner_up
-from stillarm.diagnosis.inference.candidates import Candidate
-from stillarm.diagnosis.inference.causes import CAUSES as SEARCHED
+from stillarm.diagnosis.forms.causes import CAUSES as SEARCHED
 from stillarm.diagnosis.report.residuals import UNITS, WORDS
 from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.report.tables import NOTHING_LIKE_IT
 from stillarm.diagnosis.report.words import NAMES, not_tried, verdict_sentence
+from stillarm.diagnosis.search.candidates import Candidate
 
 _MOST = 99  # per cent that a confidence is told to
 

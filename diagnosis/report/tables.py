@@ -9,11 +9,11 @@ from stillarm.common.causes.declaration import SEPARATES
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import Judged, class_of
 from stillarm.diagnosis.decision.rest import Rest
-from stillarm.diagnosis.inference.candidates import Candidate, Found
-from stillarm.diagnosis.inference.cause import Values
-from stillarm.diagnosis.inference.fitted import Fit, least_level, make_data
+from stillarm.diagnosis.fitting.fitted import Fit, least_level, make_data
+from stillarm.diagnosis.forms.cause import Values
 from stillarm.diagnosis.report.residual_tests import autocorrelation
 from stillarm.diagnosis.report.residuals import noise_floor
+from stillarm.diagnosis.search.candidates import Candidate, Found
 
 NOTHING_LIKE_IT = "nothing that was tried"
 _LAGS = 60

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.signal.windows import hann
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.inference.fitted import Fit
-from stillarm.diagnosis.report.residuals import residual_of, times_of
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.report.residuals import residual_of
 
 Array = NDArray[np.float64]
 _STEP_S = 0.005
@@ -87,7 +87,7 @@ def lateness(fit: Fit, span_s: float = 0.5) -> tuple[Array, Array, Array]:
     if images is None:
         return np.empty(0), np.empty(0), np.empty(0)
     residual, rate = residual_of(fit, "displacement"), fit.predicted.rate_px_s
-    time = times_of(fit.world, "displacement")
+    time = fit.world.times_of("displacement")
     known = np.isfinite(residual) & np.isfinite(rate)
     place = (time[known] / span_s).astype(np.int64)
     size = int(place.max()) + 1 if len(place) else 1
@@ -102,7 +102,7 @@ def lateness(fit: Fit, span_s: float = 0.5) -> tuple[Array, Array, Array]:
 def sensitivity(fit: Fit, name: str, span_s: float = 1.0) -> tuple[Array, Array]:
     """Size of the measured channel over the simulated one, over stretches of span_s."""
     values, predicted = fit.world.channels[name], fit.predicted.channels[name]
-    time = times_of(fit.world, name)
+    time = fit.world.times_of(name)
     known = np.isfinite(values)
     place = (time[known] / span_s).astype(np.int64)
     size = int(place.max()) + 1
@@ -114,7 +114,7 @@ def sensitivity(fit: Fit, name: str, span_s: float = 1.0) -> tuple[Array, Array]
 
 def telling_stretch(before: Fit, after: Fit, name: str, split: Split, length_s: float) -> tuple[float, float]:
     """The stretch, s, in which the two fits differ most, its middle in a held-out block where there is one."""
-    time = times_of(after.world, name)
+    time = after.world.times_of(name)
     measured = after.world.channels[name]
     gain = np.nan_to_num(
         (measured - before.predicted.channels[name]) ** 2 - (measured - after.predicted.channels[name]) ** 2
@@ -165,4 +165,4 @@ def sample_times(fit: Fit, name: str) -> Array:
     """When each sample was true: of an image its mid-exposure, of all else when it was read."""
     if name == "displacement":
         return fit.world.instants(fit.vector)
-    return times_of(fit.world, name)
+    return fit.world.times_of(name)

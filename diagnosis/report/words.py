@@ -4,12 +4,13 @@ from math import floor, isfinite, log10
 from typing import Any
 
 from stillarm.common.causes import CAUSES
-from stillarm.diagnosis.inference.candidates import CONVINCING_NATS, Candidate, Stage
-from stillarm.diagnosis.inference.causes import CAUSES as SEARCHED
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
+from stillarm.diagnosis.forms.causes import CAUSES as SEARCHED
 from stillarm.diagnosis.report.residuals import WORDS
 from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.report.tables import NOTHING_LIKE_IT, is_sure_of
 from stillarm.diagnosis.report.use import MEASURES, outcome
+from stillarm.diagnosis.search.candidates import Candidate, Stage
 
 NAMES = {identifier: cause.name for identifier, cause in CAUSES.items()}
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from stillarm.common.datagrams.fields import markdown_table
 
 _ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("data", "physics", "inference", "decision", "driven")
+PACKAGES = ("data", "physics", "fitting", "events", "sensors", "forms", "search", "decision", "driven")
 """Of diagnosis/: what lies between a recording and its verdict."""
 _HEAD = """# Constants of the diagnosis
 

@@ -7,9 +7,8 @@ import smbus2
 from stillarm.drivers.accelerometers.register_tables.register_table import RegisterTable
 
 _READ = 0x0001  # I2C_M_RD
-_ONE_SPAN_GAP = (
-    3  # registers between status and data: up to this many, reading them costs less than a second address
-)
+# registers between status and data: up to this many, reading them costs less than a second address
+_ONE_SPAN_GAP = 3
 
 
 class StatusAndData:

@@ -18,9 +18,8 @@ Record = Any
 """In compiled code: a pointer to the first of some records."""
 
 MOST_MODES, MOST_LAWS = 32, 32
-MOST_STRETCHES = (
-    64  # two holds of a cycle, each with a limit, two stops, and a turn and a contact of the play in each
-)
+# two holds of a cycle, each with a limit, two stops, and a turn and a contact of the play in each
+MOST_STRETCHES = 64
 
 STEP = np.dtype(
     [

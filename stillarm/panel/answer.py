@@ -10,9 +10,8 @@ from stillarm.panel.live.known import Known
 from stillarm.panel.live.telemetry import rows_of
 from stillarm.panel.operate.answered import WITHIN_S, in_force, refusal_since
 
-_REFUSED_WITHIN_S = (
-    0.3  # what is asked for may be in force already, and be refused: the words repeat every 0.25 s
-)
+# what is asked for may be in force already, and be refused: the words repeat every 0.25 s
+_REFUSED_WITHIN_S = 0.3
 _PAUSE_S = 0.01
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from stillarm.diagnosis.data.measured import ClockGap
-from stillarm.diagnosis.inference.clocks import _one_of_many
+from stillarm.diagnosis.sensors.clocks import _one_of_many
 
 LOST = tuple(ClockGap(100 * i, 0.001 * (1 + i % 2)) for i in range(1, 9))
 

@@ -320,9 +320,8 @@ def test_a_gain_changes_while_damping_and_a_method_only_while_not(page: Page) ->
         page.until("document.getElementById('action-told').textContent === 'Method, gain: in force'")
         adjusted.append((method, 0.12 if method == "fused" else 0.05))
         page.until(f"document.getElementById('health').innerText.includes('method\\n{method}')")
-    page.adjusted = (
-        adjusted  # for the fixture's end to judge; a case that failed halfway leaves nothing to judge
-    )
+    # for the fixture's end to judge; a case that failed halfway leaves nothing to judge
+    page.adjusted = adjusted
 
 
 def test_no_view_violates_the_accessibility_rules(page: Page) -> None:

@@ -61,9 +61,8 @@ class Busy:
     scheduling_s: float = 0.004  # mean scheduling delay of each image, gamma of shape 2
     service_s: float = 0.004  # tracking and network: shortest time from one image to the next
     service_tail_s: float = 0.001  # mean of the additional time, exponential
-    stalls_per_s: float = (
-        0.2  # intervals without processor time: 0.11 per second in the quiet runs, 1.1 in the others
-    )
+    # intervals without processor time: 0.11 per second in the quiet runs, 1.1 in the others
+    stalls_per_s: float = 0.2
     stall_s: tuple[float, float] = (0.02, 0.09)
     started_behind_s: tuple[float, float] = (0.025, 0.1)  # wait of the first image
     warm_frames: tuple[int, int] = (8, 25)  # the first images, served at the rate of their arrival

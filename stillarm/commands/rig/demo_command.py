@@ -12,9 +12,8 @@ _DURATION_S, _HIDDEN_DURATION_S = 30.0, 60.0
 _OURS = "fused"
 _LOOK_S, _PANEL_ENDS_WITHIN_S = 0.2, 5.0
 _LOST_SHARE = 0.1  # of the frames; with more losses, the run shows the computer's load rather than the method
-_MISSED_SHARE = (
-    0.1  # of the cycles: 1.5 % missed left the error at 0.8 %, 36 % made it 6.3 % (load 4 on two cores)
-)
+# of the cycles: 1.5 % missed left the error at 0.8 %, 36 % made it 6.3 % (load 4 on two cores)
+_MISSED_SHARE = 0.1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

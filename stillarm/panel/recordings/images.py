@@ -28,9 +28,8 @@ from stillarm.supervisor.view import view_datagram
 
 _MOST_VIEWS = 20_000  # some 200 MB
 _MOST_FILES = 50  # of the folder that are looked into, those of about the same time first
-_FEWEST_MATCHES = (
-    3  # a first image has displacement 0 in every run; three that differ from 0 agree in one run only
-)
+# a first image has displacement 0 in every run; three that differ from 0 agree in one run only
+_FEWEST_MATCHES = 3
 _TELL_EVERY = 50
 _Key = tuple[int, float]
 

@@ -26,9 +26,8 @@ _GOOD_START_PX = 0.5
 _ITERATIONS = 12
 _HYPOTHESES = 60
 _STILL_PX = 1e-4
-_SMALLEST_LEVER_PX = (
-    1e-3  # rms distance from the centre of gravity: coincident points do not determine a rotation
-)
+# rms distance from the centre of gravity: coincident points do not determine a rotation
+_SMALLEST_LEVER_PX = 1e-3
 
 
 @dataclass(frozen=True, slots=True)

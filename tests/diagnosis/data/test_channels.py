@@ -10,10 +10,10 @@ import pytest
 from stillarm import diagnosis
 from stillarm.diagnosis.data.channels import FAST_CHANNELS, FRAME_CHANNELS, without_dead_sensors
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.inference.fit import fit
-from stillarm.diagnosis.inference.fitted import make_data
-from stillarm.diagnosis.inference.image_dating import image_nats, older_from
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import make_data
 from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.sensors.image_dating import image_nats, older_from
 from tests.fixtures.synthetic import MODEL, measured
 
 HOLDERS = {"channels", "sigma", "residuals", "colour", "blocks", "train", "held"}

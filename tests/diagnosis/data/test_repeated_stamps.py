@@ -9,9 +9,9 @@ import pytest
 from stillarm.diagnosis.data.frame_times import held_back
 from stillarm.diagnosis.data.measured import Frames, Measured
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.inference.clocks import without_old_images as _without_old_images
-from stillarm.diagnosis.inference.impacts import fit_with_impacts
+from stillarm.diagnosis.events.impacts import fit_with_impacts
 from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.sensors.clocks import without_old_images as _without_old_images
 from tests.fixtures.synthetic import MODEL, NOISE, measured
 
 SECONDS, FIRST, PERIOD_S = 10.0, 250, 1.0 / MODEL.camera.frame_rate_hz

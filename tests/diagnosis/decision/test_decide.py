@@ -1,6 +1,5 @@
 """The verdict: what counts as explained, as left, and as told apart."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -10,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.decide import Judged, best_free, class_of, judge, runner_up
+from stillarm.diagnosis.decision.decide import Judged, class_of, judge, runner_up
 from stillarm.diagnosis.decision.rest import Rest
-from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
-from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(20.0)
@@ -80,18 +79,3 @@ def test_the_largest_rest_is_told_first() -> None:
     ]
     left = Judged("unexplained", rests, None, None).left
     assert left is not None and left.channel == "displacement"
-
-
-def test_free_terms_count_where_a_rest_matters_or_where_the_finding_shows(arm: Fit) -> None:
-    """A vibration in the acceleration alone, by less than anyone would act on."""
-    name = "acceleration"
-    ringing = 0.3 * arm.sigma[name] * np.sin(2.0 * np.pi * 22.0 * arm.world.cycle_times)
-    channels = {**arm.predicted.channels, name: arm.predicted.channels[name] - ringing}
-    rung = replace(
-        arm,
-        residuals={**arm.residuals, name: arm.residuals[name] + ringing},
-        predicted=replace(arm.predicted, channels=channels),
-    )
-    assert best_free(rung, SPLIT) is None
-    found = best_free(rung, SPLIT, (name,))
-    assert found is not None and found.gains[name] > 12.0

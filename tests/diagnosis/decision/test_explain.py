@@ -8,14 +8,15 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import _moves_are_told, explain
 from stillarm.diagnosis.decision.rounds import _likelier_baseline
-from stillarm.diagnosis.inference import comparison
-from stillarm.diagnosis.inference.baseline import moved_as_measured
-from stillarm.diagnosis.inference.candidates import CONVINCING_NATS, Candidate, Found, Stage
-from stillarm.diagnosis.inference.fit import fit
-from stillarm.diagnosis.inference.fitted import make_data
-from stillarm.diagnosis.inference.forms import forms
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import make_data
+from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search import comparison
+from stillarm.diagnosis.search.baseline import moved_as_measured
+from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.synthetic import MODEL, NOISE, fitted, measured
 
 SECONDS = 20.0

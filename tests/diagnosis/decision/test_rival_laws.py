@@ -9,12 +9,12 @@ import pytest
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.rival_laws import _as_stiff, rival_law
-from stillarm.diagnosis.inference.candidates import PRICE_NATS, Candidate
-from stillarm.diagnosis.inference.evidence import score
-from stillarm.diagnosis.inference.fit import fit
-from stillarm.diagnosis.inference.fitted import Fit, make_data
-from stillarm.diagnosis.inference.freeform import DRIVE
-from stillarm.diagnosis.inference.image_walk import FORM
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import Fit, make_data
+from stillarm.diagnosis.forms.freeform import DRIVE
+from stillarm.diagnosis.forms.image_walk import FORM
+from stillarm.diagnosis.search.candidates import Candidate
 from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(20.0)

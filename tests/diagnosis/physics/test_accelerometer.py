@@ -5,8 +5,8 @@ import pytest
 
 from stillarm.diagnosis.data.noise import fast_noise
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.inference.fit import fit
-from stillarm.diagnosis.inference.fitted import make_data
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import make_data
 from stillarm.diagnosis.physics.accelerometer import without_strikes
 from stillarm.diagnosis.physics.quantities import LAG_BEND, MOST_DOWN, MOST_UP, RANGE
 from stillarm.diagnosis.physics.world import World

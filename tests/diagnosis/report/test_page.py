@@ -15,7 +15,7 @@ from matplotlib.text import Text
 from stillarm.commands.recordings.diagnose_result import sentence
 from stillarm.common.causes import CAUSES as CATALOGUE
 from stillarm.diagnosis.diagnose import diagnose_measured
-from stillarm.diagnosis.inference.causes import CAUSES
+from stillarm.diagnosis.forms.causes import CAUSES
 from stillarm.diagnosis.report.drawing import _VARIABLES, AFTER, INK, SHADE, Picture, figure, svg
 from stillarm.diagnosis.report.page import report_page
 from stillarm.diagnosis.report.picture import _TELLING, main_picture

@@ -10,13 +10,13 @@ from stillarm.common.causes import CAUSES
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.decision.decide import Judged
 from stillarm.diagnosis.decision.rest import Rest
-from stillarm.diagnosis.inference.candidates import Candidate, Found, Stage
-from stillarm.diagnosis.inference.fitted import Fit
+from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.report.summary import summary
 from stillarm.diagnosis.report.tables import NOTHING_LIKE_IT
 from stillarm.diagnosis.report.words import rounded_cut
+from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.synthetic import MODEL, measured
 
 LEFT = {

@@ -1,0 +1,60 @@
+"""Mains hum on the accelerometer."""
+
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.forms.cause import (
+    Cause,
+    Context,
+    Trial,
+    Values,
+    free_of,
+    has,
+    plain,
+    size_of_wave,
+)
+
+
+def _trials(context: Context) -> list[Trial]:
+    peaks = {f for channel in ("acceleration",) for f in context.peaks_hz.get(channel, ())}
+    return [
+        Trial({"accelerometer.hum_hz": f}, ({"accelerometer.hum_sin": 0.01}, {"accelerometer.hum_cos": 0.01}))
+        for f in sorted(peaks)
+    ]
+
+
+def _values(fit: Fit) -> Values:
+    found = plain(fit, frequency_hz="accelerometer.hum_hz")
+    found["amplitude_m_s2"] = size_of_wave(fit, "accelerometer.hum_sin", "accelerometer.hum_cos")
+    return found
+
+
+_MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0)  # the two mains, their second and third harmonics
+
+
+_RARE_HZ = (16.7, 33.3, 400.0)  # railways, ships and aircraft
+
+
+def of_the_mains(hz: float) -> bool:
+    """Whether a frequency is that of a house's mains, or of a harmonic of one, to 1.5 %."""
+    return _among(hz, _MAINS_HZ)
+
+
+def _among(hz: float, usual_hz: tuple[float, ...]) -> bool:
+    return any(abs(hz / one - 1.0) < 0.015 for one in usual_hz)
+
+
+def _unusual(fit: Fit) -> float:
+    hz = fit.value("accelerometer.hum_hz")
+    if of_the_mains(hz):
+        return 0.0
+    # a machine may run at any frequency: at a rare mains' it is a little likelier
+    return 1.5 if _among(hz, _RARE_HZ) else 6.0
+
+
+CAUSE = Cause(
+    id="mains_hum",
+    needs=has("acceleration"),
+    trials=_trials,
+    free=free_of("accelerometer.hum_hz", "accelerometer.hum_sin", "accelerometer.hum_cos"),
+    parameters_of=_values,
+    prior_penalty=_unusual,
+)

@@ -1,0 +1,49 @@
+"""A buffer that hands over old images."""
+
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.forms.cause import (
+    MOST_PENALTY_NATS,
+    Cause,
+    Context,
+    Trial,
+    Values,
+    free_of,
+    has,
+    plain,
+)
+
+
+def _trials(context: Context) -> list[Trial]:
+    return [
+        Trial({"timing.stale_onset_s": onset}, ({"timing.stale_frames": 1.0},))
+        for onset in context.onsets(24)
+    ]
+
+
+def _values(fit: Fit) -> Values:
+    return plain(fit, onset_s="timing.stale_onset_s", frames="timing.stale_frames")
+
+
+_WHOLE = 0.02  # frames: to which the fit's own doubt of a whole number is not believed
+
+
+def _unwhole(fit: Fit) -> float:
+    """A buffer holds whole frames, at least one."""
+    frames = fit.value("timing.stale_frames")
+    doubt = max(fit.std.get("timing.stale_frames", 0.0), _WHOLE)
+    return min(0.5 * ((frames - max(round(frames), 1)) / doubt) ** 2, MOST_PENALTY_NATS)
+
+
+_LEAST_FRAMES = 0.5  # a buffer holds whole images: what is nearer to none is another kind of lateness
+
+
+CAUSE = Cause(
+    id="stale_frame_buffer",
+    needs=has("displacement"),
+    trials=_trials,
+    free=free_of("timing.stale_frames"),
+    possible=lambda fit: abs(fit.value("timing.stale_frames")) > _LEAST_FRAMES,
+    parameters_of=_values,
+    settle={"timing.stale_onset_s": 0.5},
+    prior_penalty=_unwhole,
+)

@@ -1,0 +1,135 @@
+"""Play in the gear, behind which the link coasts: where a search for it begins, from what the encoder saw.
+
+Every touch decides where the next one is, so that a fit finds the law from nearby alone. But the link comes to rest
+against both flanks sooner or later: the encoder's departure from the motor is as wide as the play. The rest is tried
+over the first part of the recording, in which little has added up, and taken on over longer parts of it.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data import robust
+from stillarm.diagnosis.forms.cause import Cause, Context, Trial, driven, free_of, plain
+from stillarm.diagnosis.physics.arm_motion import dead_s
+from stillarm.diagnosis.physics.coasting_play import link_velocity
+from stillarm.diagnosis.physics.computing import check_time
+from stillarm.diagnosis.physics.quantities import COASTING
+
+Array = NDArray[np.float64]
+_Values = tuple[float, ...]
+
+_LEAST_OF_NOISE = 10.0  # of the encoder: a narrower departure tells no course between two flanks
+_WIDTH = 0.001  # of the samples are left out at each end of the departure, for its width
+_GRID = (
+    (0.85, 0.92, 1.0, 1.08),  # gap over the width: teeth give way, and no flank may have been touched at rest
+    (0.5, 2.0, 8.0, 30.0),  # drag, 1/s: beyond it the link stands, as the declared play has it
+    (30.0, 60.0, 120.0),  # of the teeth, Hz: below are the arm's own, above they are hard
+    (0.1, 0.3, 0.7),  # damping ratio of the teeth: from a bounce to none
+)
+_PARTS = (0.25, 0.5, 1.0)  # of the recording from its first departure on, one after another
+_DEPARTED = 0.4  # of the width: four times the least noise of which it is told
+_AT_REST = 0.0  # at the start, rad/s: without a play a fit makes up for the departure by another
+_NO_PLAY = (1e-9, 0.0, 60.0, 0.3)  # gap, drag, teeth of a link that follows its motor
+_FIRST_STEP, _LEAST_STEP = 0.2, 0.004  # of each value's logarithm, in a search along it
+_NEAR = 0.03  # of the width: what is nearer follows the course
+_BEST = 3  # of the grid, that are searched on from
+_FOLLOWED = 0.5  # of the cost without a play: what leaves more follows no course, and costs no more time
+_MOST_TRIALS = 150  # of a search: four values, some ten steps each to either side
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What the encoder saw. command: as it reaches the drive, rad/s; position: of the joint, rad; decay, most: of the
+    drive, 1/s, rad/s^2; width: of the departure, rad; begins: part of the recording before it."""
+
+    command: Array
+    position: Array
+    cycle_s: float
+    decay: float
+    most: float
+    width: float
+    begins: float
+
+    def cost(self, values: _Values, part: float) -> float:
+        """Nats a sample by which a course departs over a part of the recording, far departures all alike (Cauchy)."""
+        check_time()
+        n = round((self.begins + part * (1.0 - self.begins)) * len(self.command))
+        rate = link_velocity(self.command[:n], self.cycle_s, self.decay, self.most, _AT_REST, *values)
+        way = self.cycle_s * (np.cumsum(rate) - 0.5 * rate)
+        off = self.position[:n] - way
+        off = (off - np.nanmedian(off)) / (_NEAR * self.width)
+        return float(np.nanmean(np.log1p(off * off)))
+
+
+def _seen(context: Context) -> _Seen | None:
+    """None where the encoder saw nothing that a play could be."""
+    fit, world = context.fit, context.world
+    shown = fit.channel("joint_position")
+    if shown is None or world.behind_encoder or context.value(COASTING[0]) > 0.0:
+        return None
+    # not as it is judged: of a fine encoder that grants a part of what a drive may be off
+    departure = shown.measured - fit.predicted.motion.joint[:, 0]
+    off = departure[np.isfinite(departure)]
+    width = float(np.quantile(off, 1.0 - _WIDTH) - np.quantile(off, _WIDTH))
+    if width < _LEAST_OF_NOISE * robust.white_noise(departure):
+        return None
+    cycle_s, drive = world.measured.cycle_s, world.model.drive
+    late = dead_s(fit.vector, world.space) / cycle_s
+    top = context.value("drive.max_velocity_rad_s")
+    command = np.clip(np.nan_to_num(world.measured.command), -top, top)
+    cycles = np.arange(len(command), dtype=np.float64)
+    arrived = np.interp(cycles - late, cycles, command)
+    decay = 2.0 * np.pi * context.value("drive.bandwidth_hz")
+    most = drive.max_acceleration_rad_s2
+    begins = float(np.argmax(np.abs(departure - off[0]) > _DEPARTED * width)) / len(command)
+    return _Seen(arrived, shown.measured, cycle_s, decay, most, width, begins)
+
+
+def _follows(seen: _Seen) -> _Values | None:
+    """Gap, drag, teeth's frequency and damping whose course the encoder follows best; None where it follows none."""
+    grid = [(gap * seen.width, *rest) for gap, *rest in product(*_GRID)]
+    tried = [one for _, one in sorted((seen.cost(one, _PARTS[0]), one) for one in grid)[:_BEST]]
+    for part in _PARTS:
+        cost, best = min(_searched(seen, one, part) for one in tried)
+        if cost > _FOLLOWED * seen.cost(_NO_PLAY, part):
+            return None
+        tried = [best]
+    return tried[0]
+
+
+def _searched(seen: _Seen, values: _Values, part: float) -> tuple[float, _Values]:
+    """The least cost along each value in turn, by halving steps of its logarithm."""
+    step, cost, trials = _FIRST_STEP, seen.cost(values, part), 0
+    while step > _LEAST_STEP and trials < _MOST_TRIALS:
+        moved = False
+        trials += 2 * len(values)
+        for place, way in product(range(len(values)), (1.0, -1.0)):
+            there = (*values[:place], values[place] * float(np.exp(way * step)), *values[place + 1 :])
+            now = seen.cost(there, part)
+            if now < cost:
+                values, cost, moved = there, now, True
+        if not moved:
+            step *= 0.5
+    return cost, values
+
+
+def _trials(context: Context) -> list[Trial]:
+    seen = _seen(context)
+    values = _follows(seen) if seen is not None else None
+    if values is None:
+        return []
+    gap, *rest = values
+    shape = {"start.omega": _AT_REST} | dict(zip(COASTING[1:], rest, strict=True))
+    return [Trial(shape, ({COASTING[0]: gap},), one_sided=True, exact=True)]
+
+
+CAUSE = Cause(
+    id="gear_backlash",
+    needs=driven,
+    trials=_trials,
+    free=free_of(*COASTING),
+    parameters_of=lambda fit: plain(fit, gap_rad=COASTING[0]),
+)

@@ -1,0 +1,105 @@
+"""What the search hands on: a cause refitted, a step with its rivals, the end."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.common.causes import CAUSES as DECLARED
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.search.screen import Scored
+from stillarm.diagnosis.sensors.laws import LawFound
+
+Array = NDArray[np.float64]
+
+
+EXPLAINED = 0.35
+"""Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
+own discrepancy keep from being explained."""
+
+
+@dataclass(frozen=True, eq=False)  # one is itself only: arrays have no truth
+class Candidate:
+    """A cause refitted. law: set for a law of noise or timing, which changes no fit. held_out_gain: nats of the log
+    score by frequency, of the held-out blocks (a law's: of all)."""
+
+    cause: str
+    fit: Fit
+    held_out_gain: float
+    held_out_std: float
+    values: dict[str, tuple[float, float]]
+    law: LawFound | None = None
+    free: tuple[str, ...] = ()
+    note: str = ""
+    form: str = ""
+    begins: str | None = None
+    begins_s: float | None = None
+    merit: float = 0.0
+    """Nats of the log score by frequency, all blocks, less what its numbers cost."""
+    nats: Array = field(default_factory=lambda: np.empty(0))
+    """Nats of the log score of each block."""
+    gains: Mapping[str, float] = field(default_factory=dict)
+    """The same in each channel; none of a law."""
+    parameters_of: Callable[[Fit], dict[str, tuple[float, float]]] | None = None
+
+
+@dataclass
+class Stage:
+    """One step of the search: what was screened, who was refitted (best first), who was taken."""
+
+    screening: list[Scored]
+    candidates: list[Candidate]
+    taken: Candidate | None
+
+
+@dataclass
+class Found:
+    """The search's end: the fit with all findings, each with its candidates at the time."""
+
+    baseline: Fit
+    final: Fit
+    findings: list[Candidate] = field(default_factory=list)
+    stages: list[Stage] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    """What the time did not suffice for."""
+    laws: tuple[Fit, list[LawFound]] | None = None
+    """The last laws that were looked for, and the fit on which."""
+    likelier: Fit | None = None
+    """A likelier baseline that a round came upon: the search is to begin again from there."""
+    hint: Candidate | None = None
+    """What was found beside another baseline: it is fitted before any other form, as that one's time is spent."""
+
+
+def of_law(last: Fit, law: LawFound) -> Candidate:
+    """A law of noise or timing as a candidate: each block is judged by what the others say already."""
+    gains = law.held_out_score
+    spread = float(np.std(gains, ddof=1) * sqrt(len(gains)))
+    return Candidate(
+        law.cause, last, float(gains.sum()), spread, law.values, law, tuple(law.values), law.note,
+        merit=float(gains.sum()) - PRICE_NATS * len(law.values), nats=gains,
+    )  # fmt: skip
+
+
+def shows_most(one: Candidate) -> tuple[str, ...]:
+    """The channel in which a candidate gains most; none of a law, which changes no fit."""
+    return (max(one.gains, key=lambda name: one.gains[name]),) if one.gains else ()
+
+
+def explains_the_same(one: Candidate, other: Candidate) -> bool:
+    """Whether one candidate explains much of what another does, in the channel in which that one shows most: a mode of
+    the arm tells nothing of a clock, however much it tells of the accelerometer."""
+    if other.law is not None or one.law is not None:
+        return DECLARED[one.cause].place == DECLARED[other.cause].place
+    if not (one.gains and other.gains):
+        return True
+    (channel,) = shows_most(other)
+    return one.gains.get(channel, 0.0) >= EXPLAINED * other.gains[channel]
+
+
+def turns_the_joint(cause: str) -> bool:
+    """Whether a cause shows in how the joint moves: all of the drive's but a rotor's imbalance, which shakes the
+    arm."""
+    return DECLARED[cause].place == "drive" and DECLARED[cause].acts != "force"

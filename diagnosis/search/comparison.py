@@ -1,0 +1,258 @@
+"""All forms of causes on top of one fit, the best first: fitted quickly from several starts, the best to the end.
+
+The baseline's derivatives are those of the fit so far (the chord method): a further fit works out its own quantities'
+alone, and costs a tenth. The best few are polished with all derivatives.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, Score, score
+from stillarm.diagnosis.fitting.fit import Slopes, slopes_of
+from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
+from stillarm.diagnosis.fitting.gains import gain_of
+from stillarm.diagnosis.forms import delay_walk, image_walk
+from stillarm.diagnosis.forms.catalogue import from_an_onset
+from stillarm.diagnosis.forms.cause import Form
+from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.copies import shared_out
+from stillarm.diagnosis.search.begun import Begun
+from stillarm.diagnosis.search.candidates import Candidate, Found
+from stillarm.diagnosis.search.onsets import sized, with_onset
+from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, to_the_end
+from stillarm.diagnosis.search.screen import Scored, Whitened, screen
+
+_Item = TypeVar("_Item")
+_Key = TypeVar("_Key")
+Array = NDArray[np.float64]
+
+_POLISHED = 3  # causes
+_WALKS = (image_walk, delay_walk)
+_RIVALS = 5  # candidates that a walk is held against
+_WITH_ONSET = 4  # causes that an onset is tried for
+LEFT_OUT = "some forms of causes"
+
+SCREENED_NATS = 8.0
+"""Below this promise of a score test no fit is begun."""
+
+_STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
+_PROMISING = 0.02  # of the best score: what promises less says more in a later round
+_LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most; as above, of those
+_SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
+_WORTH_A_FIT = 0.1
+"""Of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest."""
+_WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
+
+
+_Pair = tuple[Begun, Fit | None]
+
+
+@dataclass(frozen=True)
+class _Promise:
+    """What a quick fit gains, in nats by the log score that makes more of it."""
+
+    begun: Begun
+    gain: float
+
+
+def compared(
+    last: Fit, tried: Sequence[Form], split: Split, found: Found
+) -> tuple[list[Scored], list[Candidate]]:
+    """Each form refitted on top of a fit, and what it is worth; the best first."""
+    candidates: list[Candidate] = []
+    screening: list[Scored] = []
+    try:
+        before, slopes = score(last, split), slopes_of(last)
+        if found.hint is not None:
+            candidates += _hinted(found.hint, last, tried, before, split, slopes)
+        white = Whitened(make_data(last.world, split), last, slopes)
+        begun, screening = begun_fits(white, tried)
+        known = _known(begun, last)
+        quick = _each(lambda one: _quickly(one, last, before, split, slopes), begun, found, known)
+        best = best_of_each(quick)
+        ended = _each(
+            lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found, known
+        )
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
+        worth = _worth_an_onset(candidates, ended)
+        known += [one for one, _ in worth]
+        later = _each(lambda one: with_onset(one, white, split, slopes), worth, found, known)
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in later]
+        best_forms = _leading([*ended, *later], candidates)
+        at_best = _each(
+            lambda pair: (pair[0], polished(pair[0], pair[1], last, split, slopes)), best_forms, found, known
+        )
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in at_best]
+    except OutOfTime:
+        found.left_out.append(LEFT_OUT)
+    for one in candidates:
+        one.fit.world.forget()
+    return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
+
+
+def _hinted(
+    hint: Candidate, last: Fit, tried: Sequence[Form], before: Score, split: Split, slopes: Slopes
+) -> list[Candidate]:
+    """A form that was found beside another baseline, fitted to the end from what it was there; none of a form that
+    changes what a world holds."""
+    form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
+    place = last.world.space.place
+    if form is None or form.added is not None or form.begins or not set(hint.free) <= set(place):
+        return []
+    start = last.world.space.with_values(last.vector, {name: hint.fit.value(name) for name in hint.free})
+    begun = Begun(form, last.world, start)
+    fitted = refitted(begun, last, split, slopes)
+    if fitted is None:
+        return []
+    return [candidate_of(begun, polished(begun, fitted, last, split, slopes), last, before, split)]
+
+
+def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
+    """Candidates without a walk of the images, or of the delay, if one of the best of the others foretells these as
+    well."""
+    needless = set()
+    for walk in _WALKS:
+        form = walk.FORM
+        others = [one for one in by_merit if one.form != form.name and one.merit > PRICE_NATS]
+        rivals = [one.fit for one in others[:_RIVALS] if one.cause != form.id]
+        walks = any(one.form == form.name and one.cause == form.id for one in by_merit)
+        if walks and any(walk.is_foretold(last, rival) for rival in rivals):
+            needless.add((form.id, form.name))
+    return [one for one in by_merit if (one.cause, one.form) not in needless]
+
+
+def _known(begun: Sequence[Begun], last: Fit) -> list[object]:
+    """What a fit of a form shares with the fit so far and with other forms."""
+    shown = last.predicted
+    return [last, last.world, shown.motion, shown.rate_px_s, *begun, *(one.world for one in begun)]
+
+
+def _each(
+    work: Callable[[_Item], tuple[_Key, Fit | None]],
+    items: Sequence[_Item],
+    found: Found,
+    known: Sequence[object],
+) -> list[tuple[_Key, Fit]]:
+    """The work on each item; what the time did not suffice for is left out, and told. known: as in shared_out."""
+
+    def tried(item: _Item) -> tuple[_Key, Fit | None] | None:
+        try:
+            return work(item)
+        except OutOfTime:
+            return None
+
+    done = shared_out(tried, items, known)
+    if any(one is None for one in done) and LEFT_OUT not in found.left_out:
+        found.left_out.append(LEFT_OUT)
+    return [(one[0], one[1]) for one in done if one is not None and one[1] is not None]
+
+
+def _leading(fits: list[tuple[Begun, Fit]], candidates: Sequence[Candidate]) -> list[tuple[Begun, Fit]]:
+    """The best form of each of the few causes that may be taken."""
+    merit = {id(one.fit): one.merit for one in candidates}
+    best = sorted(fits, key=lambda pair: -merit.get(id(pair[1]), 0.0))
+    worth = [pair for pair in best if merit.get(id(pair[1]), 0.0) > PRICE_NATS]
+    return list(_first_of_each_cause(worth).values())[:_POLISHED]
+
+
+def _worth_an_onset(
+    candidates: Sequence[Candidate], ended: list[tuple[Begun, Fit]]
+) -> list[tuple[Begun, Fit]]:
+    """A form each of the causes that gain most and may have begun within the recording."""
+    merit = {(one.cause, one.form): one.merit for one in candidates}
+    by_merit = []
+    for one, fitted in sorted(ended, key=lambda pair: -merit.get((pair[0].form.id, pair[0].form.name), 0.0)):
+        later = from_an_onset(one.form)
+        if later is not None:
+            by_merit.append((replace(one, form=later), fitted))
+    # what acts in half of the recording alone may do worse than nothing throughout
+    by_fit = sorted(by_merit, key=lambda pair: -pair[1].train_log_likelihood)
+    half = list(_first_of_each_cause(by_fit).values())[: _WITH_ONSET // 2]
+    return list(_first_of_each_cause([*half, *by_merit]).values())[:_WITH_ONSET]
+
+
+def _first_of_each_cause(pairs: Sequence[tuple[Begun, Fit]]) -> dict[str, tuple[Begun, Fit]]:
+    """The first pair of each cause, by cause, in their order."""
+    first: dict[str, tuple[Begun, Fit]] = {}
+    for pair in pairs:
+        first.setdefault(pair[0].form.id, pair)
+    return first
+
+
+def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], list[Scored]]:
+    """Where fits begin: the best trials of each form by a score test, and those that the data ask for."""
+    last = white.last
+    by_cause = {id(one.cause): one for one in tried}
+    later = {id(one.cause): from_an_onset(one) for one in tried if one.added is None}
+    causes = [one.cause for one in tried if one.added is None]
+    screening = screen(white, causes, lambda cause: later[id(cause)] is not None)
+    begun: list[Begun] = []
+    begun_later: list[Begun] = []
+    count: dict[int, int] = defaultdict(int)
+    best: dict[int, float] = {}
+    top = max((one.nats for one in screening), default=0.0)
+    for one in screening:
+        form = later[id(one.cause)]
+        if one.begins_s is not None and form is not None:
+            enough = len({each.form.id for each in begun_later} | {form.id}) > _LATER
+            if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
+                assert form.begins is not None
+                start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
+                begun_later.append(Begun(form, one.world, sized(white, one, form.begins, start)))
+            continue
+        least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
+        if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
+            continue
+        best.setdefault(id(one.cause), one.nats)
+        count[id(one.cause)] += 1
+        if count[id(one.cause)] > _MOST_STARTS:
+            continue
+        begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked))
+    for further in tried:
+        terms = further.added(last) if further.added is not None else ()
+        if terms:
+            world = last.world.changed(added=(*last.world.added, *terms))
+            begun.append(Begun(further, world, carried_over(last, world)))
+    return [*begun, *begun_later], screening
+
+
+def _quickly(
+    one: Begun, last: Fit, before: Score, split: Split, slopes: Slopes
+) -> tuple[_Promise, Fit | None]:
+    """A quick fit without what it shows of the recording, of which a hundred would take a gigabyte.
+
+    Noise that is coloured as what the last fit leaves foretells a large smooth rest so well that to be rid of it gains
+    nothing: the log score by frequency, in which the level is learnt anew, has a say too.
+    """
+    fitted = refitted(one, last, split, slopes)
+    if fitted is None:
+        return _Promise(one, 0.0), None
+    gain = max(gain_of(fitted, last), float(score(fitted, split).gain(before).sum()))
+    one.world.forget()
+    return _Promise(one, gain), replace(fitted, residuals={}, predicted=replace(last.predicted, channels={}))
+
+
+def best_of_each(quick: list[tuple[_Promise, Fit]]) -> list[tuple[Begun, Fit]]:
+    """The best start of each form, without those that explain next to nothing of what the best of their place does."""
+    best: dict[tuple[str, str], tuple[_Promise, Fit]] = {}
+    for one, fitted in quick:
+        key = (one.begun.form.id, one.begun.form.name)
+        if key not in best or one.gain > best[key][0].gain:
+            best[key] = (one, fitted)
+    top = max((one.gain for one, _ in best.values()), default=0.0)
+    kept = [found for found in best.values() if _goes_on(found[0].begun, found[0].gain, top)]
+    return [(one.begun, fitted) for one, fitted in sorted(kept, key=lambda found: -found[0].gain)]
+
+
+def _goes_on(one: Begun, gain: float, top: float) -> bool:
+    """Whether a form is fitted to the end. top: gain of the best form."""
+    # white noise's likelihood says little of a course that steps where it is held out
+    if one.form.added or one.asked:
+        return True
+    return gain > (_WORTH_A_SEARCH if one.form.cause.settle else _WORTH_A_FIT) * top

@@ -1,0 +1,33 @@
+"""A jump of the vibration is found about a mode's frequency; where nothing jumps, none."""
+
+import msgspec
+import pytest
+
+from stillarm.common.files.model import Mode
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.events.impacts import fit_with_impacts
+from stillarm.diagnosis.events.jumps import find_jumps
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import make_data
+from stillarm.diagnosis.physics.world import World
+from tests.diagnosis.events.test_impacts import impact
+from tests.fixtures.synthetic import MODEL, fitted, measured
+
+
+def test_a_jump_is_found_within_a_part_of_a_swing_and_where_nothing_jumps_none() -> None:
+    plain = fitted(measured(10.0, 3))
+    assert find_jumps(plain, 0.5) == []
+    struck = World(measured(10.0, 3, impact(1, 0.01), impacts=(4300,)), MODEL)
+    last = fit(make_data(struck, interleaved(10.0)), plain.vector, (), iterations=0)
+    assert find_jumps(last, 0.5) == pytest.approx([4.3], abs=0.1)
+
+
+def test_an_impact_that_a_higher_mode_alone_shows_is_found_while_the_joint_rests() -> None:
+    """An arm that rubs may hold its first mode where it is struck."""
+    modes = [*MODEL.arm.modes, Mode(frequency_hz=16.0, damping_ratio=0.004, participation=-0.3)]
+    model = msgspec.structs.replace(MODEL, arm=msgspec.structs.replace(MODEL.arm, modes=modes))
+    for cycle, seen in ((5600, True), (1500, False)):
+        data = measured(10.0, 3, {"jump.1.1.v": 0.2}, impacts=(cycle,), model=model)
+        assert data.rests_about(cycle, 400) is seen
+        found = fit_with_impacts(World(data, model), interleaved(10.0)).world.impacts
+        assert not seen or (len(found) == 1 and abs(found[0] - cycle) <= 60)

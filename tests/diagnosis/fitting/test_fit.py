@@ -1,0 +1,69 @@
+"""A fit finds what the data were made with, and its standard deviations are those of its errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stillarm.diagnosis.data.split import Split, interleaved
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import make_data
+from stillarm.diagnosis.physics.world import World
+from tests.fixtures.synthetic import MODEL, fitted, measured
+
+TRUE = {
+    "modes.0.frequency_hz": 2.5,
+    "modes.0.damping_ratio": 0.013,
+    "modes.0.participation": 1.2,
+    "accelerometer.bias_m_s2": 0.1,
+    "camera.scale_px_per_m": 790.0,
+    "timing.capture_delay_s": 0.08,
+    "drive.bandwidth_hz": 12.0,
+}
+EXTRA = ("drive.bandwidth_hz",)
+
+
+@pytest.mark.slow
+def test_errors_are_as_large_as_their_standard_deviations_say() -> None:
+    scores = []
+    for seed in range(10):
+        found = fitted(measured(6.0, seed, TRUE), *EXTRA)
+        scores.append([(found.value(name) - true) / found.std[name] for name, true in TRUE.items()])
+    errors = np.array(scores)
+    assert np.all(np.abs(errors) < 5.0)
+    # 70 squares of a standard normal: their mean lies within these but for one case in a thousand
+    assert 0.5 < np.mean(errors**2) < 1.7, np.round(np.mean(errors**2, axis=0), 2)
+
+
+def test_what_is_held_out_is_not_fitted() -> None:
+    data = measured(6.0, 1, TRUE)
+    world = World(data, MODEL)
+    split = Split(np.array([0.0, 2.0, 4.0, 6.0]), np.array([False, True, False]))
+    spoilt = np.where(
+        (world.cycle_times > 2.0) & (world.cycle_times < 4.0), data.acceleration + 5.0, data.acceleration
+    )
+    other = World(replace(data, acceleration=spoilt), MODEL)
+    free = world.baseline_names()
+    first = fit(make_data(world, split), world.space.vector(), free)
+    second = fit(make_data(other, split), other.space.vector(), free)
+    assert second.vector == pytest.approx(first.vector, rel=1e-9, abs=1e-12)
+    assert second.held_out_score[1] < first.held_out_score[1] - 100.0
+
+
+def test_missing_samples_are_no_samples() -> None:
+    data = measured(6.0, 2, TRUE)
+    holes = data.acceleration.copy()
+    holes[1000:2500] = np.nan
+    found = fitted(data.__class__(**{**data.__dict__, "acceleration": holes}))
+    assert found.value("modes.0.frequency_hz") == pytest.approx(2.5, rel=1e-3)
+    assert np.isnan(found.residuals["acceleration"][1000:2500]).all()
+
+
+def test_derivatives_that_are_kept_lead_to_the_same_fit() -> None:
+    data = measured(6.0, 5, {"modes.0.frequency_hz": 2.605})
+    world = World(data, MODEL)
+    given = make_data(world, interleaved(6.0))
+    exact = fit(given, world.space.vector(), world.baseline_names())
+    kept = fit(given, world.space.vector(), world.baseline_names(), iterations=30, anew=2)
+    assert kept.train_log_likelihood == pytest.approx(exact.train_log_likelihood, abs=0.5)
+    assert kept.value("modes.0.frequency_hz") == pytest.approx(exact.value("modes.0.frequency_hz"), rel=1e-5)
