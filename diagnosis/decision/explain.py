@@ -64,9 +64,8 @@ def _searched(
     known: Sequence[LawFound],
 ) -> Found:
     begun, hint = _from_its_first_part(baseline, split, tick, only)
-    begun = begun or _without_doubtful_impacts(baseline, split, only)
-    found, stages = begun or (Found(baseline, baseline), [])
-    found.hint = hint
+    begun = begun or _without_doubtful_impacts(baseline, split, only, hint)
+    found, stages = begun or (Found(baseline, baseline, hint=hint), [])
     found = explained(found, split, tick, only, known, stages)
     return found if found.likelier is None else _searched(found.likelier, split, tick, only, known)
 
@@ -113,9 +112,11 @@ def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:
     return Stage(stage.screening, ranked, ranked[stage.candidates.index(stage.taken)])
 
 
-def _without_doubtful_impacts(baseline: Fit, split: Split, only: Sequence[str] | None) -> _Beginning | None:
+def _without_doubtful_impacts(
+    baseline: Fit, split: Split, only: Sequence[str] | None, hint: Candidate | None
+) -> _Beginning | None:
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
-    model that is wrong about moves is put right by an impact at each. None where it is not."""
+    model that is wrong about moves is put right by an impact at each. None where it is not. hint: as in Found."""
     doubtful = impacts_while_moving(baseline)
     if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
         return None
@@ -126,7 +127,7 @@ def _without_doubtful_impacts(baseline: Fit, split: Split, only: Sequence[str] |
         start = carried_over(baseline, fewer)
         names = free_names(baseline, fewer, ())
         plain = fit(make_data(fewer, split), start, names, iterations=_FULL, colour=baseline.colour)
-        found = Found(plain, plain)
+        found = Found(plain, plain, hint=hint)
         before = score(baseline, split)
         many = len(doubtful) * (2 * world.modes + 2)  # numbers that the impacts took
         if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:

@@ -54,6 +54,8 @@ from stillarm.diagnosis.physics.quantities import (
     LAG_BEND,
     MOST_DOWN,
     MOST_UP,
+    SLOWING,
+    SPEEDING,
 )
 from stillarm.diagnosis.physics.world import World
 
@@ -104,7 +106,7 @@ def from_an_onset(form: Form) -> Form | None:
     if any("onset" in name for name in form.cause.settle):
         return None
     words = f"{form.name}, from an onset" if form.name else "from an onset"
-    return replace(form, name=words, begins=begins)
+    return replace(form, name=words, begins=begins, throughout=form)
 
 
 def _further(
@@ -158,11 +160,15 @@ def _total_dead_time(fit: Fit) -> Values:
     return {"dead_time_s": (fit.value("drive.dead_time_s") + more, std)}
 
 
-def _equivalent_bandwidth(fit: Fit) -> Values:
-    """Of one lag as long as both together."""
-    lag, std = plain(fit, x="drive.further_lag_s")["x"]
-    whole = lag + 1.0 / (2.0 * np.pi * fit.value("drive.bandwidth_hz"))
-    return {"bandwidth_hz": (1.0 / (2.0 * np.pi * whole), std / (2.0 * np.pi * whole**2))}
+def _with_lag(quantity: str) -> Callable[[Fit], Values]:
+    """The bandwidth of one lag as long as the drive's and this one together."""
+
+    def values(fit: Fit) -> Values:
+        lag, std = plain(fit, x=quantity)["x"]
+        whole = lag + 1.0 / (2.0 * np.pi * fit.value("drive.bandwidth_hz"))
+        return {"bandwidth_hz": (1.0 / (2.0 * np.pi * whole), std / (2.0 * np.pi * whole**2))}
+
+    return values
 
 
 def _fastest(fit: Fit) -> Values:
@@ -183,6 +189,14 @@ def _one_limit(quantity: str) -> Callable[[Fit], Values]:
     return lambda fit: plain(fit, range_m_s2=quantity)
 
 
+_LAGS = tuple(
+    _further("drive_lag", name, {quantity: (0.001, 0.004, 0.015, 0.05)}, _with_lag(quantity))
+    for name, quantity in (
+        ("a further lag", "drive.further_lag_s"),
+        ("while it speeds up", SPEEDING),
+        ("while it slows down", SLOWING),
+    )
+)
 _OF_TOP_ACCELERATION = (0.8, 0.5, 0.3, 0.15, 0.07)  # of the largest: limits that a fit begins from
 _OF_TOP_COMMAND = (0.97, 0.9, 0.8, 0.6, 0.4)  # of the largest, as above
 _LIMITS = tuple(
@@ -210,7 +224,7 @@ _ONE_SIDED = tuple(
 )  # fmt: skip
 _TWO_EQUAL_LAGS = 0.25  # of the bend: a fit may go from there to one lag, or to a filter that rings
 _FURTHER: tuple[Form, ...] = (
-    _further("drive_lag", "a further lag", {"drive.further_lag_s": (0.001, 0.004, 0.015, 0.05)}, _equivalent_bandwidth),
+    *_LAGS,
     _further("drive_dead_time", "on top", {"drive.further_dead_time_s": (0.001, 0.004, 0.012, 0.03)}, _total_dead_time),
     Form(COASTING_PLAY, "with a link that coasts"),
     *_LIMITS,

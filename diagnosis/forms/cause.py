@@ -255,13 +255,15 @@ def _amounts(one: Parameter, moves: bool) -> tuple[float, ...]:
 @dataclass(frozen=True)
 class Form:
     """One form of a cause. name: in words; empty for the declared one. added: terms that its fit needs, from the fit so
-    far. begins: the quantity of its onset, where it has one. nats_of: what a law for which the terms stand gains over
-    the fit so far, less what its numbers cost; none where the terms are worth what they foretell."""
+    far. begins: the quantity of its onset, where it has one; throughout: the same form without. nats_of: what a law
+    for which the terms stand gains over the fit so far, less what its numbers cost; none where the terms are worth what
+    they foretell."""
 
     cause: Cause
     name: str = ""
     added: Callable[[Fit], tuple[Added, ...]] | None = None
     begins: str | None = None
+    throughout: "Form | None" = None
     nats_of: Callable[[Fit], float] | None = None
 
     @property

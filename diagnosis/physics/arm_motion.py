@@ -21,7 +21,15 @@ from stillarm.diagnosis.physics.computing import Lately, check_time
 from stillarm.diagnosis.physics.declared_effects import effects_in
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
 from stillarm.diagnosis.physics.measured_joint import answer_to_joint, smoothed
-from stillarm.diagnosis.physics.quantities import ARM_BEGIN, ARRIVAL, COASTING, DRIVE_BEGIN, UNLIMITED
+from stillarm.diagnosis.physics.quantities import (
+    ARM_BEGIN,
+    ARRIVAL,
+    COASTING,
+    DRIVE_BEGIN,
+    SLOWING,
+    SPEEDING,
+    UNLIMITED,
+)
 from stillarm.diagnosis.physics.sampled_force import upsampled
 from stillarm.diagnosis.physics.space import Space
 from stillarm.diagnosis.physics.velocity_loop import equivalent_command
@@ -46,6 +54,8 @@ _OF_THE_LOOP = (
     "drive.most_down_rad_s2",
     "drive.fastest_up_rad_s",
     "drive.fastest_down_rad_s",
+    SPEEDING,
+    SLOWING,
 )
 _OF_TIME = ("periodic_disturbance",)  # forces that ask for no state: a linear mode stays one
 _TURN = 0.03  # rad of the first mode in a step of its laws: to 1e-7 of the amplitude

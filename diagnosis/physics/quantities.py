@@ -20,6 +20,7 @@ _ARRIVAL, _ARRIVAL_STD = 0.1, 0.05  # cycles: what no drive keeps, nor an integr
 RANGE = "accelerometer.range_m_s2"
 MOST_UP, MOST_DOWN = "accelerometer.most_up_m_s2", "accelerometer.most_down_m_s2"
 """Limits of one side of the reading, beside the range of both."""
+SPEEDING, SLOWING = "drive.lag_speeding_up_s", "drive.lag_slowing_down_s"
 LAG_BEND = "accelerometer.lag_bend"
 """Of a sensor's filter 1 / (1 + lag s + bend (lag s)^2): 0 is of first order, 1/4 two equal lags, 1/2 Butterworth's."""
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
@@ -103,6 +104,8 @@ class Layout:
             ("drive.most_down_rad_s2", UNLIMITED, 1e-3, UNLIMITED, 1e-3),
             ("drive.fastest_up_rad_s", UNLIMITED, 1e-4, UNLIMITED, 1e-4),
             ("drive.fastest_down_rad_s", UNLIMITED, 1e-4, UNLIMITED, 1e-4),
+            (SPEEDING, 0.0, 0.0, 2.0, 1e-5),
+            (SLOWING, 0.0, 0.0, 2.0, 1e-5),
             (ARM_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
             (ACCELEROMETER_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),
             (CAMERA_BEGIN, 0.0, 0.0, _NEVER_S, measured.cycle_s),

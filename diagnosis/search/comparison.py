@@ -25,7 +25,7 @@ from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.search.begun import Begun
 from stillarm.diagnosis.search.candidates import Candidate, Found
 from stillarm.diagnosis.search.onsets import sized, with_onset
-from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, to_the_end
+from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, throughout, to_the_end
 from stillarm.diagnosis.search.screen import Scored, Whitened, screen
 
 _Item = TypeVar("_Item")
@@ -89,6 +89,13 @@ def compared(
             lambda pair: (pair[0], polished(pair[0], pair[1], last, split, slopes)), best_forms, found, known
         )
         candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in at_best]
+        whole = _each(
+            lambda pair: throughout(pair[0], pair[1], last, split, slopes),
+            [pair for pair in at_best if pair[0].form.throughout is not None],
+            found,
+            [*known, *(fitted for _, fitted in at_best)],
+        )
+        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in whole]
     except OutOfTime:
         found.left_out.append(LEFT_OUT)
     for one in candidates:
@@ -99,14 +106,20 @@ def compared(
 def _hinted(
     hint: Candidate, last: Fit, tried: Sequence[Form], before: Score, split: Split, slopes: Slopes
 ) -> list[Candidate]:
-    """A form that was found beside another baseline, fitted to the end from what it was there; none of a form that
-    changes what a world holds."""
+    """A form that was found beside another baseline, fitted to the end from what it was there."""
     form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
-    place = last.world.space.place
-    if form is None or form.added is not None or form.begins or not set(hint.free) <= set(place):
+    if form is None:
         return []
-    start = last.world.space.with_values(last.vector, {name: hint.fit.value(name) for name in hint.free})
-    begun = Begun(form, last.world, start)
+    there, terms = hint.fit.world, form.added(last) if form.added is not None else ()
+    world = last.world.changed(
+        extra_modes=there.extra_modes,
+        behind_encoder=there.behind_encoder,
+        added=(*last.world.added, *terms),
+    )
+    if not set(hint.free) <= set(world.space.place):
+        return []
+    values = {name: hint.fit.value(name) for name in hint.free}
+    begun = Begun(form, world, world.space.with_values(carried_over(last, world), values))
     fitted = refitted(begun, last, split, slopes)
     if fitted is None:
         return []

@@ -64,6 +64,17 @@ def polished(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -
     return fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
 
 
+def throughout(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> tuple[Begun, Fit]:
+    """A form with an onset fitted without, from where that one has ended: its search went on from the fit without, and
+    what a fit gains by going on is no onset's."""
+    begins, form = one.form.begins, one.form.throughout
+    assert begins is not None and form is not None
+    data, space = make_data(one.world, split), one.world.space
+    start = space.with_values(fitted.vector, {begins: space[begins].start})
+    whole = fit(data, start, fitted.free, iterations=QUICK, colour=last.colour, known=slopes)
+    return replace(one, form=form), whole
+
+
 def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fit:
     """Quantities without a smooth derivative, searched along with halving steps, all else following."""
     for name, first in one.form.cause.settle.items():

@@ -128,8 +128,16 @@ def test_what_was_found_beside_another_baseline_is_fitted_before_the_time_is_ove
     data, split = measured(SECONDS, 5, {"camera.rate_px_per_s": 0.1}), interleaved(SECONDS)
     baseline, elsewhere = fitted(data), fitted(data, "camera.rate_px_per_s")
     hint = Candidate("tracking_drift", elsewhere, 0.0, 1.0, {}, free=("camera.rate_px_per_s",))
+    (course,) = (
+        one for one in forms(baseline.world) if (one.id, one.name) == ("tracking_drift", "along a course")
+    )
+    assert course.added is not None
+    terms = course.added(baseline)
+    world = baseline.world.changed(added=terms)
+    along = fit(make_data(world, split), world.space.vector(), (*baseline.free, *terms[0].amounts))
+    by_course = replace(hint, fit=along, free=terms[0].amounts, form=course.name)
     monkeypatch.setattr(comparison, "begun_fits", no_time)
-    for given, causes in ((hint, ["tracking_drift"]), (None, [])):
+    for given, causes in ((hint, ["tracking_drift"]), (by_course, ["tracking_drift"]), (None, [])):
         found = Found(baseline, baseline, hint=given)
         _, candidates = comparison.compared(baseline, forms(baseline.world), split, found)
         assert [one.cause for one in candidates] == causes

@@ -16,7 +16,7 @@ DT, DECAY = 0.001, 2.0 * pi * 10.0
 FAR = 1e9
 PLAIN = {
     "begin_s": 0.0, "late_s": 0.0, "lag_s": 0.0, "friction": 0.0, "static": 0.0, "one_sided": 0.0, "most": FAR,
-    "most_up": FAR, "most_down": FAR, "fastest_up": FAR, "fastest_down": FAR,
+    "most_up": FAR, "most_down": FAR, "fastest_up": FAR, "fastest_down": FAR, "speeding_s": 0.0, "slowing_s": 0.0,
 }  # fmt: skip
 TIME = np.arange(4000) * DT
 MOVES = np.where((TIME > 0.3) & (TIME < 1.2), 0.25, np.where((TIME > 1.8) & (TIME < 2.9), -0.15, 0.0))
@@ -70,6 +70,18 @@ def test_a_resting_joint_stays_below_its_static_friction(static: float, share: f
     assert np.all(shown == 0.0)
     freed = moved(np.full(500, 1.01 * static), friction=0.5 * static, static=static)
     assert freed[-1] == pytest.approx(0.51 * static)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_joint_that_speeds_up_may_lag_more_than_one_that_slows_down(way: float) -> None:
+    """From rest to 0.3 rad/s and back: each with the lag of its own."""
+    command = way * np.where(np.arange(1000) < 500, 0.3, 0.0)
+    time = (np.arange(500) + 1.0) * DT
+    for speeding, slowing in ((0.02, 0.0), (0.0, 0.02)):
+        shown = moved(command, speeding_s=speeding, slowing_s=slowing)
+        up, down = (1.0 / (1.0 / DECAY + more) for more in (speeding, slowing))
+        assert shown[:500] == pytest.approx(way * 0.3 * (1.0 - np.exp(-up * time)), abs=1e-9)
+        assert shown[500:] == pytest.approx(shown[499] * np.exp(-down * time), abs=1e-9)
 
 
 def test_a_further_lag_is_a_filter_in_front_of_the_drive() -> None:
