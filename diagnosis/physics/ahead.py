@@ -10,6 +10,7 @@ import numpy as np
 
 from stillarm.common.causes import CAUSES, LAWS
 from stillarm.common.files.model import Drive
+from stillarm.diagnosis.physics.arm_motion import OF_THE_LOOP
 from stillarm.diagnosis.physics.camera import expose
 from stillarm.diagnosis.physics.coasting_play import link_velocity
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
@@ -47,7 +48,7 @@ def _simulate_nothing() -> None:
     driven_run(arm, np.zeros(4 * n + 1), dt, 2, at, jumps, q, qdd)
     command_law = next(cause for cause in CAUSES.values() if cause.acts == "command")
     obeyed([(command_law.identifier, {one.name: 0.1 for one in command_law.numbers})], still)
-    equivalent_command(still, dt, *[0.0] * 13)
+    equivalent_command(still, dt, 0.0, 0.0, 0.0, *[0.0] * len(OF_THE_LOOP))
     link_velocity(still, dt, *[1.0] * 7)
     tip = [np.zeros(n) for _ in range(4)]
     tip_of(joint, q, qdd, 1.0, np.ones(2), *tip)

@@ -43,7 +43,7 @@ JOINTS, ANSWERS = 3, 6
 """Runs of the joint, and answers and decays of a mode, that are remembered: memory against time."""
 _OF_ARM = ("modes.", "jump.", "arm.")  # quantities that say nothing of the joint
 _SEEN_ONLY = ("accelerometer.", "camera.", "timing.", "pair.offset")  # quantities that move nothing
-_OF_THE_LOOP = (
+OF_THE_LOOP = (
     "drive.further_dead_time_s",
     "drive.further_lag_s",
     "drive.friction_rad_s",
@@ -57,6 +57,7 @@ _OF_THE_LOOP = (
     SPEEDING,
     SLOWING,
 )
+"""Quantities of a velocity loop, as `equivalent_command` takes them."""
 _OF_TIME = ("periodic_disturbance",)  # forces that ask for no state: a linear mode stays one
 _TURN = 0.03  # rad of the first mode in a step of its laws: to 1e-7 of the amplitude
 _TURN_OF_PAIR = 0.25  # to 1e-4: a pair has few samples a period
@@ -299,10 +300,10 @@ class ArmMotion:
         begin_s = vector[at[DRIVE_BEGIN]]
         if begin_s > 0.0:
             command = np.where(self.cycle_times >= begin_s, command, plain)
-        own = [float(vector[at[name]]) for name in _OF_THE_LOOP]
+        own = [float(vector[at[name]]) for name in OF_THE_LOOP]
         decay = 2.0 * pi * float(vector[at["drive.bandwidth_hz"]])
         omega, cycle_s = float(vector[at["start.omega"]]), self.measured.cycle_s
-        if own != [self.space[name].start for name in _OF_THE_LOOP]:
+        if own != [self.space[name].start for name in OF_THE_LOOP]:
             command = equivalent_command(command, cycle_s, decay, omega, float(begin_s), *own)
         play = [float(vector[at[name]]) for name in COASTING]
         if play[0] > 0.0:
