@@ -73,9 +73,10 @@ def _searched(
 def _from_its_first_part(
     baseline: Fit, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
 ) -> tuple[_Beginning | None, Candidate | None]:
-    """What sets in on the way and explains the recording beside the baseline of its first part, where that is much the
-    better one there, and what was found explains most of what the usual baseline leaves. None where it does not; and
-    then what does not set in, which is to be tried beside the usual baseline."""
+    """What explains the recording beside the baseline of its first part, where that is much the better one there: what
+    sets in on the way and explains most of what the usual baseline leaves, or what acts throughout and leaves nothing
+    that matters. None where it does not; and then what acts throughout, which is to be tried beside the usual
+    baseline."""
     try:
         early = early_baseline(baseline, split) if anything_matters(baseline, split) else None
         if early is None:
@@ -87,13 +88,14 @@ def _from_its_first_part(
         return None, None
     if stage.taken is None or stage.taken.law is not None:
         return None, None
-    if not _sets_in(stage.taken):
-        return None, stage.taken
+    hint = None if _sets_in(stage.taken) else stage.taken
+    if hint is not None and anything_matters(hint.fit, split):
+        return None, hint
     stage = _beside(stage, early, baseline, split)
     assert stage.taken is not None
     most = share_explained(stage.taken, baseline, split) >= EXPLAINED
     if not (most and convinces(stage.taken, baseline, split, False)):
-        return None, None
+        return None, hint
     return (Found(baseline, baseline), [stage]), None
 
 

@@ -7,14 +7,15 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.rest import rest_of
-from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS, Score, foretold, score
-from stillarm.diagnosis.fitting.fit import Slopes, fit, slopes_of
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS, foretold, score
+from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.forms.freeform import Free, Group, groups
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.begun import Ground, ground_of
 from stillarm.diagnosis.search.screen import Whitened
 
 Array = NDArray[np.float64]
@@ -29,13 +30,12 @@ def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence
     rest matters, or of one of `own`: what rings in an accelerometer by less than anyone would act on is no rival of a
     clock that was set. others: tried too, such as a resonance that shows only where the arm's own vibration is
     explained."""
-    before = score(last, split)
     peaks: list[float] = []
     for seen in residual_peaks(last).values():
         peaks += [hz for hz in seen[:_PEAKS] if all(abs(hz / one - 1.0) > 0.02 for one in peaks)]
     kinds = (*groups(peaks), *others)
-    slopes = slopes_of(last)
-    white = Whitened(make_data(last.world, split), last, slopes)
+    ground = ground_of(last, split)
+    white = Whitened(make_data(last.world, split), last, ground.slopes)
     promises = shared_out(lambda group: _promise(group, white), kinds)
     promising = sorted(zip(promises, range(len(kinds)), strict=True), reverse=True)[:_FITTED]
     begun = [
@@ -44,7 +44,7 @@ def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence
         if nats > 0.0 and (world := kinds[place].world(last)) is not None
     ]
     found = shared_out(
-        lambda one: _with_free(*one, last, last, before, split, slopes),
+        lambda one: _with_free(ground, *one, last),
         begun,
         [one for group, world in begun for one in (group, world)],
     )
@@ -53,16 +53,16 @@ def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence
     best = max(telling, key=lambda one: one.merit, default=None)
     if best is None or best.merit <= 0.0:
         return None
-    return max(best, _of_its_own_state(best, last, before, split, slopes), key=lambda one: one.merit)
+    return max(best, _of_its_own_state(ground, best), key=lambda one: one.merit)
 
 
-def _of_its_own_state(best: Free, last: Fit, before: Score, split: Split, slopes: Slopes) -> Free:
+def _of_its_own_state(ground: Ground, best: Free) -> Free:
     """Free terms once more, over the state that the arm has beside them: that of a fit which had to make up for what
     they tell is a wrong one."""
-    data = make_data(last.world, split)
+    last, data = ground.last, make_data(ground.last.world, ground.split)
     without = fit(data, carried_over(best.fit, last.world), (), iterations=0, colour=last.colour)
     world = best.group.world(without)
-    return best if world is None else _with_free(best.group, world, without, last, before, split, slopes)
+    return best if world is None else _with_free(ground, best.group, world, without)
 
 
 def _promise(group: Group, white: Whitened) -> float:
@@ -71,11 +71,9 @@ def _promise(group: Group, white: Whitened) -> float:
     return white.promise(added.columns) if added is not None else 0.0
 
 
-def _with_free(
-    group: Group, world: World, begun: Fit, last: Fit, before: Score, split: Split, slopes: Slopes
-) -> Free:
+def _with_free(ground: Ground, group: Group, world: World, begun: Fit) -> Free:
     """A group on top of a fit. begun: where it begins."""
-    added = world.added[-1]
+    added, last, split = world.added[-1], ground.last, ground.split
     names = free_names(last, world, added.amounts)
     fitted = fit(
         make_data(world, split),
@@ -83,12 +81,12 @@ def _with_free(
         names,
         iterations=_STEPS,
         colour=last.colour,
-        known=slopes,
+        known=ground.slopes,
     )
     after = score(fitted, split)
-    nats, held = after.gain(before), foretold(fitted, before, split, after)
+    nats, held = after.gain(ground.score), foretold(fitted, ground.score, split, after)
     merit = min(
         float(nats.sum()) - PRICE_NATS * len(added.amounts), split.blocks_per_held * float(held.sum())
     )
-    gains = after.gains(before)
+    gains = after.gains(ground.score)
     return Free(group, merit, max(gains, key=lambda name: gains[name]), fitted, gains)

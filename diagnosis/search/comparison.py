@@ -7,14 +7,14 @@ alone, and costs a tenth. The best few are polished with all derivatives.
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.fitting.evidence import PRICE_NATS, Score, score
-from stillarm.diagnosis.fitting.fit import Slopes, slopes_of
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of
 from stillarm.diagnosis.forms import delay_walk, image_walk
@@ -22,7 +22,7 @@ from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
-from stillarm.diagnosis.search.begun import Begun
+from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found
 from stillarm.diagnosis.search.onsets import sized, with_onset
 from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, throughout, to_the_end
@@ -50,9 +50,6 @@ _WORTH_A_FIT = 0.1
 _WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
 
 
-_Pair = tuple[Begun, Fit | None]
-
-
 @dataclass(frozen=True)
 class _Promise:
     """What a quick fit gains, in nats by the log score that makes more of it."""
@@ -68,34 +65,23 @@ def compared(
     candidates: list[Candidate] = []
     screening: list[Scored] = []
     try:
-        before, slopes = score(last, split), slopes_of(last)
+        ground = ground_of(last, split)
         if found.hint is not None:
-            candidates += _hinted(found.hint, last, tried, before, split, slopes)
-        white = Whitened(make_data(last.world, split), last, slopes)
+            candidates += _hinted(ground, found.hint, tried)
+        white = Whitened(make_data(last.world, split), last, ground.slopes)
         begun, screening = begun_fits(white, tried)
         known = _known(begun, last)
-        quick = _each(lambda one: _quickly(one, last, before, split, slopes), begun, found, known)
-        best = best_of_each(quick)
-        ended = _each(
-            lambda pair: (pair[0], to_the_end(pair[0], pair[1], last, split, slopes)), best, found, known
-        )
-        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in ended]
-        worth = _worth_an_onset(candidates, ended)
-        known += [one for one, _ in worth]
-        later = _each(lambda one: with_onset(one, white, split, slopes), worth, found, known)
-        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in later]
-        best_forms = _leading([*ended, *later], candidates)
-        at_best = _each(
-            lambda pair: (pair[0], polished(pair[0], pair[1], last, split, slopes)), best_forms, found, known
-        )
-        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in at_best]
-        whole = _each(
-            lambda pair: throughout(pair[0], pair[1], last, split, slopes),
-            [pair for pair in at_best if pair[0].form.throughout is not None],
-            found,
-            [*known, *(fitted for _, fitted in at_best)],
-        )
-        candidates += [candidate_of(one, fitted, last, before, split) for one, fitted in whole]
+
+        def judged(work: Callable[[Pair], tuple[Begun, Fit | None]], pairs: Sequence[Pair]) -> list[Pair]:
+            done = _each(work, pairs, found, [*known, *(one for one, _ in pairs)])
+            candidates.extend(candidate_of(ground, pair) for pair in done)
+            return done
+
+        quick = _each(partial(_quickly, ground), begun, found, known)
+        ended = judged(partial(to_the_end, ground), best_of_each(quick))
+        later = judged(partial(with_onset, ground, white), _worth_an_onset(candidates, ended))
+        at_best = judged(partial(polished, ground), _leading([*ended, *later], candidates))
+        judged(partial(throughout, ground), [pair for pair in at_best if pair[0].form.throughout is not None])
     except OutOfTime:
         found.left_out.append(LEFT_OUT)
     for one in candidates:
@@ -103,14 +89,13 @@ def compared(
     return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
 
 
-def _hinted(
-    hint: Candidate, last: Fit, tried: Sequence[Form], before: Score, split: Split, slopes: Slopes
-) -> list[Candidate]:
+def _hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> list[Candidate]:
     """A form that was found beside another baseline, fitted to the end from what it was there."""
+    last, there = ground.last, hint.fit.world
     form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
     if form is None:
         return []
-    there, terms = hint.fit.world, form.added(last) if form.added is not None else ()
+    terms = form.added(last) if form.added is not None else ()
     world = last.world.changed(
         extra_modes=there.extra_modes,
         behind_encoder=there.behind_encoder,
@@ -120,10 +105,8 @@ def _hinted(
         return []
     values = {name: hint.fit.value(name) for name in hint.free}
     begun = Begun(form, world, world.space.with_values(carried_over(last, world), values))
-    fitted = refitted(begun, last, split, slopes)
-    if fitted is None:
-        return []
-    return [candidate_of(begun, polished(begun, fitted, last, split, slopes), last, before, split)]
+    fitted = refitted(ground, begun)
+    return [] if fitted is None else [candidate_of(ground, polished(ground, (begun, fitted)))]
 
 
 def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
@@ -166,7 +149,7 @@ def _each(
     return [(one[0], one[1]) for one in done if one is not None and one[1] is not None]
 
 
-def _leading(fits: list[tuple[Begun, Fit]], candidates: Sequence[Candidate]) -> list[tuple[Begun, Fit]]:
+def _leading(fits: list[Pair], candidates: Sequence[Candidate]) -> list[Pair]:
     """The best form of each of the few causes that may be taken."""
     merit = {id(one.fit): one.merit for one in candidates}
     best = sorted(fits, key=lambda pair: -merit.get(id(pair[1]), 0.0))
@@ -174,9 +157,7 @@ def _leading(fits: list[tuple[Begun, Fit]], candidates: Sequence[Candidate]) -> 
     return list(_first_of_each_cause(worth).values())[:_POLISHED]
 
 
-def _worth_an_onset(
-    candidates: Sequence[Candidate], ended: list[tuple[Begun, Fit]]
-) -> list[tuple[Begun, Fit]]:
+def _worth_an_onset(candidates: Sequence[Candidate], ended: list[Pair]) -> list[Pair]:
     """A form each of the causes that gain most and may have begun within the recording."""
     merit = {(one.cause, one.form): one.merit for one in candidates}
     by_merit = []
@@ -190,9 +171,9 @@ def _worth_an_onset(
     return list(_first_of_each_cause([*half, *by_merit]).values())[:_WITH_ONSET]
 
 
-def _first_of_each_cause(pairs: Sequence[tuple[Begun, Fit]]) -> dict[str, tuple[Begun, Fit]]:
+def _first_of_each_cause(pairs: Sequence[Pair]) -> dict[str, Pair]:
     """The first pair of each cause, by cause, in their order."""
-    first: dict[str, tuple[Begun, Fit]] = {}
+    first: dict[str, Pair] = {}
     for pair in pairs:
         first.setdefault(pair[0].form.id, pair)
     return first
@@ -235,23 +216,21 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     return [*begun, *begun_later], screening
 
 
-def _quickly(
-    one: Begun, last: Fit, before: Score, split: Split, slopes: Slopes
-) -> tuple[_Promise, Fit | None]:
+def _quickly(ground: Ground, one: Begun) -> tuple[_Promise, Fit | None]:
     """A quick fit without what it shows of the recording, of which a hundred would take a gigabyte.
 
     Noise that is coloured as what the last fit leaves foretells a large smooth rest so well that to be rid of it gains
     nothing: the log score by frequency, in which the level is learnt anew, has a say too.
     """
-    fitted = refitted(one, last, split, slopes)
+    last, fitted = ground.last, refitted(ground, one)
     if fitted is None:
         return _Promise(one, 0.0), None
-    gain = max(gain_of(fitted, last), float(score(fitted, split).gain(before).sum()))
+    gain = max(gain_of(fitted, last), float(score(fitted, ground.split).gain(ground.score).sum()))
     one.world.forget()
     return _Promise(one, gain), replace(fitted, residuals={}, predicted=replace(last.predicted, channels={}))
 
 
-def best_of_each(quick: list[tuple[_Promise, Fit]]) -> list[tuple[Begun, Fit]]:
+def best_of_each(quick: list[tuple[_Promise, Fit]]) -> list[Pair]:
     """The best start of each form, without those that explain next to nothing of what the best of their place does."""
     best: dict[tuple[str, str], tuple[_Promise, Fit]] = {}
     for one, fitted in quick:

@@ -6,11 +6,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.fitting.fit import SETTLED_NATS, Slopes, fit
+from stillarm.diagnosis.fitting.fit import SETTLED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Data, Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of, settled_nats
-from stillarm.diagnosis.search.begun import Begun
+from stillarm.diagnosis.search.begun import Begun, Ground, Pair
 from stillarm.diagnosis.search.screen import Scored, Whitened
 
 Array = NDArray[np.float64]
@@ -53,14 +52,12 @@ def sized(white: Whitened, one: Scored, begins: str, start: Array) -> Array:
     return start
 
 
-def with_onset(
-    pair: tuple[Begun, Fit], white: Whitened, split: Split, slopes: Slopes
-) -> tuple[Begun, Fit | None]:
+def with_onset(ground: Ground, white: Whitened, pair: Pair) -> tuple[Begun, Fit | None]:
     """The form fitted with the instant from which it acts: over a grid and along it by halving steps, by a score test.
     None where no onset of the grid gains more than the same form throughout, or than nothing: the true one is at most a
     twelfth of the recording off the nearest of the grid, and what acts from it on is then mended nearly everywhere."""
     one, whole = pair
-    last, world, begins = white.last, one.world, one.form.begins
+    last, world, begins = ground.last, one.world, one.form.begins
     assert begins is not None
     still = carried_over(last, world)
     base, duration = world.predict(still), world.measured.duration_s
@@ -76,12 +73,12 @@ def with_onset(
         for times in _TIMES_THE_WHOLE
     ]
     apart_s = (_ONSETS_SPAN[1] - _ONSETS_SPAN[0]) * duration / (_ONSETS - 1)
-    data, found = make_data(world, split), []
+    data, found = make_data(world, ground.split), []
     for _, times, near_s in sorted(grid, reverse=True)[:_ONSETS_FITTED]:
         onset_s = _sought(partial(foretold, times), near_s, 0.5 * apart_s)
         values = {name: times * size for name, size in sizes.items()} | {begins: onset_s}
         start = world.space.with_values(whole.vector, values)
-        found.append(fit(data, start, whole.free, iterations=_QUICK, colour=last.colour, known=slopes))
+        found.append(fit(data, start, whole.free, iterations=_QUICK, colour=last.colour, known=ground.slopes))
     best = max(found, key=lambda fitted: gain_of(fitted, last))
     return one, best if gain_of(best, last) >= max(gain_of(whole, last), 0.0) else None
 
@@ -98,7 +95,7 @@ def _sought(nats_at: Callable[[float], float], at_s: float, step_s: float) -> fl
     return at_s
 
 
-def with_onset_settled(begins: str, fitted: Fit, last: Fit, data: Data, slopes: Slopes) -> Fit:
+def with_onset_settled(ground: Ground, begins: str, fitted: Fit, data: Data) -> Fit:
     """A fit with its onset at its best: the size follows until it is near, then all else as it is. begins: its
     quantity."""
     swing_s = 1.0 / fitted.value("modes.0.frequency_hz")
@@ -107,29 +104,23 @@ def with_onset_settled(begins: str, fitted: Fit, last: Fit, data: Data, slopes: 
         ((first_s, _ONSET_COARSE_S), _SIZE_FOLLOWS),
         ((_ONSET_COARSE_S, _ONSET_LEAST_S), 1),
     ):
-        fitted = _onset_sought(begins, fitted, last, data, slopes, steps, iterations)
+        fitted = _onset_sought(ground, begins, fitted, data, steps, iterations)
     return fitted
 
 
 def _onset_sought(
-    begins: str,
-    best: Fit,
-    last: Fit,
-    data: Data,
-    slopes: Slopes,
-    steps: tuple[float, float],
-    iterations: int = 1,
+    ground: Ground, begins: str, best: Fit, data: Data, steps: tuple[float, float], iterations: int
 ) -> Fit:
     """A fit's onset moved to where it gains most, by halving steps. begins: its quantity; steps: first and least, s;
     iterations: of the fit of all else at each onset."""
     step, least = steps
-    space = best.world.space
+    space, last = best.world.space, ground.last
     while step > least:
         starts = [
             space.with_values(best.vector, {begins: best.value(begins) + way * step}) for way in (1, -1)
         ]
         tried = [
-            fit(data, start, best.free, iterations=iterations, colour=last.colour, known=slopes)
+            fit(data, start, best.free, iterations=iterations, colour=last.colour, known=ground.slopes)
             for start in starts
         ]
         better = max(tried, key=lambda one: gain_of(one, last))

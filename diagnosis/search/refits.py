@@ -6,12 +6,11 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.fitting.evidence import PRICE_NATS, Score, foretold, score
-from stillarm.diagnosis.fitting.fit import Slopes, fit
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, foretold, score
+from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Data, Fit, make_data
 from stillarm.diagnosis.fitting.gains import free_names, gain_of, settled_nats
-from stillarm.diagnosis.search.begun import Begun
+from stillarm.diagnosis.search.begun import Begun, Ground, Pair
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.search.onsets import with_onset_settled
 
@@ -22,60 +21,63 @@ _MOST_TRIALS = 40  # of a search along a quantity
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 
 
-def refitted(one: Begun, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
-    names = free_names(last, one.world, one.form.cause.free(one.world))
-    data = make_data(one.world, split)
+def refitted(ground: Ground, one: Begun) -> Fit | None:
+    """A form fitted quickly; None where what comes out is not possible."""
+    names = free_names(ground.last, one.world, one.form.cause.free(one.world))
     fitted = fit(
-        data,
+        make_data(one.world, ground.split),
         one.start,
         names,
         iterations=QUICK,
-        colour=last.colour,
-        known=slopes,
+        colour=ground.last.colour,
+        known=ground.slopes,
         settled_nats=_QUICK_SETTLED,
     )
     return fitted if one.form.cause.possible(fitted) else None
 
 
-def to_the_end(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit | None:
+def to_the_end(ground: Ground, pair: Pair) -> tuple[Begun, Fit | None]:
     """All quantities at their best: thresholds and onsets by a search along them, then the rest."""
-    data = make_data(one.world, split)
+    one, fitted = pair
+    data = make_data(one.world, ground.split)
     if one.form.cause.settle:
-        fitted = _settled(one, fitted, last, data, slopes)
-    settled = settled_nats(fitted, last)
+        fitted = _settled(ground, one, fitted, data)
     ended = fit(
         data,
         fitted.vector,
         fitted.free,
         iterations=_FULL,
-        colour=last.colour,
-        known=slopes,
-        settled_nats=settled,
+        colour=ground.last.colour,
+        known=ground.slopes,
+        settled_nats=settled_nats(fitted, ground.last),
     )
-    return ended if one.form.cause.possible(ended) else None
+    return one, ended if one.form.cause.possible(ended) else None
 
 
-def polished(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> Fit:
+def polished(ground: Ground, pair: Pair) -> Pair:
     """The same with all derivatives worked out where it is, and an onset sought to the end."""
-    data = make_data(one.world, split)
+    (one, fitted), last = pair, ground.last
+    data = make_data(one.world, ground.split)
     if one.form.begins is not None:
-        fitted = with_onset_settled(one.form.begins, fitted, last, data, slopes)
+        fitted = with_onset_settled(ground, one.form.begins, fitted, data)
     settled = settled_nats(fitted, last)
-    return fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
+    ended = fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
+    return one, ended
 
 
-def throughout(one: Begun, fitted: Fit, last: Fit, split: Split, slopes: Slopes) -> tuple[Begun, Fit]:
+def throughout(ground: Ground, pair: Pair) -> Pair:
     """A form with an onset fitted without, from where that one has ended: its search went on from the fit without, and
     what a fit gains by going on is no onset's."""
+    one, fitted = pair
     begins, form = one.form.begins, one.form.throughout
     assert begins is not None and form is not None
-    data, space = make_data(one.world, split), one.world.space
+    data, space = make_data(one.world, ground.split), one.world.space
     start = space.with_values(fitted.vector, {begins: space[begins].start})
-    whole = fit(data, start, fitted.free, iterations=QUICK, colour=last.colour, known=slopes)
+    whole = fit(data, start, fitted.free, iterations=QUICK, colour=ground.last.colour, known=ground.slopes)
     return replace(one, form=form), whole
 
 
-def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fit:
+def _settled(ground: Ground, one: Begun, best: Fit, data: Data) -> Fit:
     """Quantities without a smooth derivative, searched along with halving steps, all else following."""
     for name, first in one.form.cause.settle.items():
         onset = "onset" in name
@@ -88,8 +90,8 @@ def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fi
             for sign in (1.0, -1.0):
                 trials += 1
                 start = best.world.space.with_values(best.vector, {name: best.value(name) + sign * step})
-                trial = fit(data, start, names, iterations=1, colour=last.colour, known=slopes)
-                if gain_of(trial, best) > settled_nats(best, last):
+                trial = fit(data, start, names, iterations=1, colour=ground.last.colour, known=ground.slopes)
+                if gain_of(trial, best) > settled_nats(best, ground.last):
                     best, moved = replace(trial, free=best.free), True
                     break
             if not moved:
@@ -97,7 +99,9 @@ def _settled(one: Begun, best: Fit, last: Fit, data: Data, slopes: Slopes) -> Fi
     return best
 
 
-def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split) -> Candidate:
+def candidate_of(ground: Ground, pair: Pair) -> Candidate:
+    """What a form is worth on top of the fit beneath it."""
+    (one, fitted), split, before = pair, ground.split, ground.score
     after = score(fitted, split)
     nats, held = after.gain(before), foretold(fitted, before, split, after)
     own = one.form.cause.free(fitted.world)
@@ -108,7 +112,7 @@ def candidate_of(one: Begun, fitted: Fit, last: Fit, before: Score, split: Split
         - one.form.cause.prior_penalty(fitted)
     )
     if one.form.nats_of is not None:
-        merit = one.form.nats_of(last)
+        merit = one.form.nats_of(ground.last)
     elif one.form.added is not None:  # of many amounts, which fit anything: by what is foretold
         merit = min(merit, split.blocks_per_held * float(held.sum()))
     return Candidate(

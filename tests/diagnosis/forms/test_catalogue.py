@@ -16,6 +16,7 @@ from stillarm.diagnosis.forms.cause import Context, Form
 from stillarm.diagnosis.forms.causes import CAUSES
 from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP
 from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.begun import ground_of
 from stillarm.diagnosis.search.comparison import begun_fits
 from stillarm.diagnosis.search.refits import refitted
 from stillarm.diagnosis.search.screen import Whitened, variant
@@ -193,8 +194,8 @@ def test_a_limit_where_there_was_none_is_fitted_from_its_trial(quantity: str, li
     begun, _ = begun_fits(Whitened(make_data(last.world, interleaved(12.0)), last, slopes_of(last)), own)
     values = [float(one.start[one.world.space.place[quantity]]) for one in begun]
     assert values and all(0.3 * limit < value < 3.0 * limit for value in values)
-    split, slopes = interleaved(12.0), slopes_of(last)
-    fits = [refitted(one, last, split, slopes) for one in begun]
+    ground = ground_of(last, interleaved(12.0))
+    fits = [refitted(ground, one) for one in begun]
     best = max((one for one in fits if one is not None), key=lambda one: gain_of(one, last))
     assert best.value(quantity) == pytest.approx(limit, rel=0.15)
 
@@ -210,7 +211,7 @@ def test_a_camera_that_turns_with_the_joint_alone_is_fitted_with_its_size() -> N
     last = fitted(replace(data, frames=frames))
     (tilt,) = (one for one in ALL if one.name == "with the joint alone")
     begun, _ = begun_fits(Whitened(make_data(last.world, split), last, slopes_of(last)), [tilt])
-    found = refitted(begun[0], last, split, slopes_of(last))
+    found = refitted(ground_of(last, split), begun[0])
     assert found is not None
     told, std = tilt.cause.parameters_of(found)["rotation_px_per_rad"]
     assert abs(told - 80.0) < max(4.0 * std, 4.0)

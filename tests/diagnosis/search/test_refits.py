@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.fitting.evidence import score
-from stillarm.diagnosis.fitting.fit import fit, slopes_of
+from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
 from stillarm.diagnosis.forms.catalogue import forms, from_an_onset
-from stillarm.diagnosis.search.begun import Begun
+from stillarm.diagnosis.search.begun import Begun, ground_of
 from stillarm.diagnosis.search.refits import candidate_of, throughout
 from tests.fixtures.synthetic import fitted, measured
 
@@ -28,11 +27,11 @@ def test_a_form_has_an_onset_where_it_gains_by_it(acts_from_s: float, with_onset
     start = world.space.with_values(last.vector, {LAG: 0.02, later.begins: begins_s})
     begun, data = Begun(later, world, start), make_data(world, split)
     ended = fit(data, start, (*last.free, LAG), colour=last.colour)
-    plain, whole = throughout(begun, ended, last, split, slopes_of(last))
+    ground = ground_of(last, split)
+    plain, whole = throughout(ground, (begun, ended))
     assert plain.form is form and whole.value(later.begins) == 0.0
-    before = score(last, split)
     merit = {
-        one.form.begins: candidate_of(one, one_fit, last, before, split).merit
+        one.form.begins: candidate_of(ground, (one, one_fit)).merit
         for one, one_fit in ((begun, ended), (plain, whole))
     }
     assert (merit[later.begins] > merit[None]) == with_onset
