@@ -10,16 +10,16 @@ from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.free_terms import best_free
-from stillarm.diagnosis.decision.rest import (
+from stillarm.diagnosis.decision.rival_laws import rival_law
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, score
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.fitting.rest import (
     Rest,
     anything_matters,
     explainable,
     rest_of,
     times_what_matters,
 )
-from stillarm.diagnosis.decision.rival_laws import rival_law
-from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, score
-from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.freeform import Free
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.search.candidates import (

@@ -6,22 +6,21 @@ dated anew beside what was found in them.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import share_explained
-from stillarm.diagnosis.decision.rest import anything_matters, rest_of
 from stillarm.diagnosis.decision.rounds import explained, joint_departs, one_round
 from stillarm.diagnosis.events.impacts import impacts_while_moving
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
+from stillarm.diagnosis.fitting.rest import anything_matters, rest_of
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
-from stillarm.diagnosis.search.candidates import EXPLAINED, Candidate, Found, Stage
+from stillarm.diagnosis.search.candidates import EXPLAINED, Candidate, Found, Hint, Stage, beside_another
 from stillarm.diagnosis.search.convincing import convinces
 from stillarm.diagnosis.search.early_baseline import early_baseline
 from stillarm.diagnosis.sensors.image_dating import dated_anew
@@ -72,7 +71,7 @@ def _searched(
 
 def _from_its_first_part(
     baseline: Fit, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
-) -> tuple[_Beginning | None, Candidate | None]:
+) -> tuple[_Beginning | None, Hint | None]:
     """What explains the recording beside the baseline of its first part, where that is much the better one there: what
     sets in on the way and explains most of what the usual baseline leaves, or what acts throughout and leaves nothing
     that matters. None where it does not; and then what acts throughout, which is to be tried beside the usual
@@ -88,8 +87,8 @@ def _from_its_first_part(
         return None, None
     if stage.taken is None or stage.taken.law is not None:
         return None, None
-    hint = None if _sets_in(stage.taken) else stage.taken
-    if hint is not None and anything_matters(hint.fit, split):
+    hint = None if _sets_in(stage.taken) else Hint(early, stage)
+    if hint is not None and anything_matters(hint.taken.fit, split):
         return None, hint
     stage = _beside(stage, early, baseline, split)
     assert stage.taken is not None
@@ -107,15 +106,12 @@ def _sets_in(one: Candidate) -> bool:
 def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:
     """A round's candidates with their merits over another baseline than the one that they were found on."""
     assert stage.taken is not None
-    more = score(first, split).gain(score(baseline, split))
-    ranked = [
-        replace(one, nats=one.nats + more, merit=one.merit + float(more.sum())) for one in stage.candidates
-    ]
+    ranked = beside_another(stage.candidates, first, baseline, split)
     return Stage(stage.screening, ranked, ranked[stage.candidates.index(stage.taken)])
 
 
 def _without_doubtful_impacts(
-    baseline: Fit, split: Split, only: Sequence[str] | None, hint: Candidate | None
+    baseline: Fit, split: Split, only: Sequence[str] | None, hint: Hint | None
 ) -> _Beginning | None:
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
     model that is wrong about moves is put right by an impact at each. None where it is not. hint: as in Found."""

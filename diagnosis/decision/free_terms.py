@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.rest import rest_of
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS, foretold, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
 from stillarm.diagnosis.fitting.peaks import residual_peaks
+from stillarm.diagnosis.fitting.rest import rest_of
 from stillarm.diagnosis.forms.freeform import Free, Group, groups
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World

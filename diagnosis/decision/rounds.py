@@ -15,12 +15,12 @@ from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import fit_before, share_explained
-from stillarm.diagnosis.decision.rest import anything_matters
 from stillarm.diagnosis.fitting.channel_noise import white_noise
 from stillarm.diagnosis.fitting.evidence import score
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
+from stillarm.diagnosis.fitting.rest import anything_matters
 from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz

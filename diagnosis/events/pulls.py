@@ -23,6 +23,7 @@ from stillarm.diagnosis.fitting.departures import (
     long_stretch,
     loud_at,
     loud_stretch,
+    stretches,
 )
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
@@ -57,6 +58,7 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
         found = held_spans_s(baseline)
         if turn < _SOUGHT:
             found += tuple(one for one in pull_spans_s(baseline) if not _overlaps(one, found))
+        found = tuple(one for one in found if not _is_a_move(one, baseline))
         known = baseline.world.unjudged_s
         # where the arm is held again before it has swung once, nothing tells the state from which it rings between
         unjudged_s = _merged((*known, *found), within_s=1.0 / baseline.value("modes.0.frequency_hz"))
@@ -72,6 +74,17 @@ def without_pulls(baseline: Fit, split: Split) -> Fit:
         world = baseline.world.changed(impacts=tuple(sorted(kept | ends)), unjudged_s=tuple(unjudged_s))
         baseline = fit_with_impacts(world, split, carried_over(baseline, world))
     return baseline
+
+
+def _is_a_move(span: tuple[float, float], last: Fit) -> bool:
+    """Whether a span begins and ends as a move of the joint does: what bends the arm then is in the model's account of
+    moves, and has to be explained."""
+    measured = last.world.measured
+    near_s = _LEAD_S + 1.0 / last.value("modes.0.frequency_hz")
+    return any(
+        abs(span[0] - begin * measured.cycle_s) < near_s and abs(span[1] - end * measured.cycle_s) < near_s
+        for begin, end in stretches(measured.told_to_move)
+    )
 
 
 def _length_s(spans: Iterable[tuple[float, float]]) -> float:

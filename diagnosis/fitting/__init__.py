@@ -3,4 +3,4 @@
 Not here: what a fit may be of (events, sensors, forms). Begin with fit.py, then evidence.py.
 """
 
-__all__ = ["band_score", "channel_noise", "departures", "evidence", "fit", "fitted", "gains", "peaks"]
+__all__ = ["band_score", "channel_noise", "departures", "evidence", "fit", "fitted", "gains", "peaks", "rest"]

@@ -8,8 +8,8 @@ from stillarm.common.causes import CAUSES, experiment_between
 from stillarm.common.causes.declaration import SEPARATES
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import Judged, class_of
-from stillarm.diagnosis.decision.rest import Rest
 from stillarm.diagnosis.fitting.fitted import Fit, least_level, make_data
+from stillarm.diagnosis.fitting.rest import Rest
 from stillarm.diagnosis.forms.cause import Values
 from stillarm.diagnosis.report.residual_tests import autocorrelation
 from stillarm.diagnosis.report.residuals import noise_floor

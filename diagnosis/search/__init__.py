@@ -3,4 +3,13 @@
 Not here: what is taken in the end, round by round, and what is said of it (decision). Begin with comparison.py.
 """
 
-__all__ = ["baseline", "candidates", "comparison", "convincing", "early_baseline", "refits", "screen"]
+__all__ = [
+    "baseline",
+    "begun",
+    "candidates",
+    "comparison",
+    "convincing",
+    "early_baseline",
+    "refits",
+    "screen",
+]

@@ -1,14 +1,15 @@
 """What the search hands on: a cause refitted, a step with its rivals, the end."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
-from stillarm.diagnosis.fitting.evidence import PRICE_NATS
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.search.screen import Scored
 from stillarm.diagnosis.sensors.laws import LawFound
@@ -55,6 +56,20 @@ class Stage:
     taken: Candidate | None
 
 
+@dataclass(frozen=True)
+class Hint:
+    """A round beside another baseline, in which something was taken."""
+
+    baseline: Fit
+    stage: Stage
+
+    @property
+    def taken(self) -> Candidate:
+        """What was taken."""
+        assert self.stage.taken is not None
+        return self.stage.taken
+
+
 @dataclass
 class Found:
     """The search's end: the fit with all findings, each with its candidates at the time."""
@@ -69,7 +84,7 @@ class Found:
     """The last laws that were looked for, and the fit on which."""
     likelier: Fit | None = None
     """A likelier baseline that a round came upon: the search is to begin again from there."""
-    hint: Candidate | None = None
+    hint: Hint | None = None
     """What was found beside another baseline: it is fitted before any other form, as that one's time is spent."""
 
 
@@ -81,6 +96,14 @@ def of_law(last: Fit, law: LawFound) -> Candidate:
         law.cause, last, float(gains.sum()), spread, law.values, law, tuple(law.values), law.note,
         merit=float(gains.sum()) - PRICE_NATS * len(law.values), nats=gains,
     )  # fmt: skip
+
+
+def beside_another(
+    candidates: Sequence[Candidate], first: Fit, baseline: Fit, split: Split
+) -> list[Candidate]:
+    """Candidates with their merits over another baseline than the one, `first`, that they were found on."""
+    more = score(first, split).gain(score(baseline, split))
+    return [replace(one, nats=one.nats + more, merit=one.merit + float(more.sum())) for one in candidates]
 
 
 def shows_most(one: Candidate) -> tuple[str, ...]:

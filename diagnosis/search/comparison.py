@@ -17,13 +17,14 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of
+from stillarm.diagnosis.fitting.rest import anything_matters
 from stillarm.diagnosis.forms import delay_walk, image_walk
 from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
-from stillarm.diagnosis.search.candidates import Candidate, Found
+from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
 from stillarm.diagnosis.search.onsets import sized, with_onset
 from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, throughout, to_the_end
 from stillarm.diagnosis.search.screen import Scored, Whitened, screen
@@ -47,6 +48,7 @@ _LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
 _WORTH_A_FIT = 0.1
 """Of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest."""
+_IN_REACH = 0.5  # of the leading form's merit, where that leaves nothing that matters
 _WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
 
 
@@ -67,7 +69,10 @@ def compared(
     try:
         ground = ground_of(last, split)
         if found.hint is not None:
-            candidates += _hinted(ground, found.hint, tried)
+            candidates += _hinted(ground, found.hint.taken, tried)
+            if candidates and not anything_matters(candidates[0].fit, split):
+                tried, far = _near_there(ground, found.hint, tried)
+                candidates += far
         white = Whitened(make_data(last.world, split), last, ground.slopes)
         begun, screening = begun_fits(white, tried)
         known = _known(begun, last)
@@ -79,8 +84,10 @@ def compared(
 
         quick = _each(partial(_quickly, ground), begun, found, known)
         ended = judged(partial(to_the_end, ground), best_of_each(quick))
-        later = judged(partial(with_onset, ground, white), _worth_an_onset(candidates, ended))
-        at_best = judged(partial(polished, ground), _leading([*ended, *later], candidates))
+        near = _in_reach(ended, candidates, split)
+        later = judged(partial(with_onset, ground, white), _worth_an_onset(candidates, near))
+        near = _in_reach([*near, *later], candidates, split)
+        at_best = judged(partial(polished, ground), _leading(near, candidates))
         judged(partial(throughout, ground), [pair for pair in at_best if pair[0].form.throughout is not None])
     except OutOfTime:
         found.left_out.append(LEFT_OUT)
@@ -107,6 +114,18 @@ def _hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> list[Cand
     begun = Begun(form, world, world.space.with_values(carried_over(last, world), values))
     fitted = refitted(ground, begun)
     return [] if fitted is None else [candidate_of(ground, polished(ground, (begun, fitted)))]
+
+
+def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequence[Form], list[Candidate]]:
+    """Of a hint that leaves nothing that matters here either, the forms that came near it there, and the candidates
+    that did not, as they are worth here: what gained far less there is not fitted anew."""
+    if set(hint.baseline.residuals) != set(ground.last.residuals):  # of the joint alone, which costs little
+        return tried, []
+    near = {one.cause for one in hint.stage.candidates if one.merit > _IN_REACH * hint.taken.merit}
+    far = [one for one in hint.stage.candidates if one.cause not in near and one.law is None]
+    return [one for one in tried if one.id in near], beside_another(
+        far, hint.baseline, ground.last, ground.split
+    )
 
 
 def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:
@@ -147,6 +166,16 @@ def _each(
     if any(one is None for one in done) and LEFT_OUT not in found.left_out:
         found.left_out.append(LEFT_OUT)
     return [(one[0], one[1]) for one in done if one is not None and one[1] is not None]
+
+
+def _in_reach(pairs: list[Pair], candidates: Sequence[Candidate], split: Split) -> list[Pair]:
+    """The forms that may still be the best: where the leading one leaves nothing that matters, none can gain much more,
+    and what gains far less is not worth the time to its end."""
+    best = max(candidates, key=lambda one: one.merit, default=None)
+    if best is None or anything_matters(best.fit, split):
+        return pairs
+    merit = {id(one.fit): one.merit for one in candidates}
+    return [pair for pair in pairs if merit[id(pair[1])] > _IN_REACH * best.merit]
 
 
 def _leading(fits: list[Pair], candidates: Sequence[Candidate]) -> list[Pair]:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.decide import Judged, class_of, judge, runner_up
-from stillarm.diagnosis.decision.rest import Rest
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.fitting.rest import Rest
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.synthetic import fitted, measured
 

@@ -16,7 +16,7 @@ from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search import comparison
 from stillarm.diagnosis.search.baseline import moved_as_measured
-from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
+from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, Stage
 from tests.fixtures.synthetic import MODEL, NOISE, fitted, measured
 
 SECONDS = 20.0
@@ -127,7 +127,7 @@ def test_what_was_found_beside_another_baseline_is_fitted_before_the_time_is_ove
 
     data, split = measured(SECONDS, 5, {"camera.rate_px_per_s": 0.1}), interleaved(SECONDS)
     baseline, elsewhere = fitted(data), fitted(data, "camera.rate_px_per_s")
-    hint = Candidate("tracking_drift", elsewhere, 0.0, 1.0, {}, free=("camera.rate_px_per_s",))
+    hint = Candidate("tracking_drift", elsewhere, 0.0, 1.0, {}, free=("camera.rate_px_per_s",), merit=100.0)
     (course,) = (
         one for one in forms(baseline.world) if (one.id, one.name) == ("tracking_drift", "along a course")
     )
@@ -138,7 +138,8 @@ def test_what_was_found_beside_another_baseline_is_fitted_before_the_time_is_ove
     by_course = replace(hint, fit=along, free=terms[0].amounts, form=course.name)
     monkeypatch.setattr(comparison, "begun_fits", no_time)
     for given, causes in ((hint, ["tracking_drift"]), (by_course, ["tracking_drift"]), (None, [])):
-        found = Found(baseline, baseline, hint=given)
+        told = Hint(elsewhere, Stage([], [given], given)) if given is not None else None
+        found = Found(baseline, baseline, hint=told)
         _, candidates = comparison.compared(baseline, forms(baseline.world), split, found)
         assert [one.cause for one in candidates] == causes
         assert all(one.merit > CONVINCING_NATS for one in candidates)
@@ -158,5 +159,24 @@ def test_what_leaves_nothing_beside_the_first_parts_baseline_is_not_sought_again
     monkeypatch.setattr("stillarm.diagnosis.decision.explain.early_baseline", lambda *_: early)
     begun, hint = _from_its_first_part(baseline, split, lambda done, what: None, ["joint_friction"])
     assert (begun is not None) == suffices and (hint is None) == suffices
-    taken = begun[1][0].taken if begun is not None else hint
+    taken = begun[1][0].taken if begun is not None else hint and hint.taken
     assert taken is not None and taken.cause == "joint_friction" and taken.begins is None
+
+
+@pytest.mark.parametrize(
+    ("beside", "alone"), [({}, True), ({"accelerometer.gravity_m_s2_per_rad": 5.0}, False)]
+)
+def test_only_what_came_near_elsewhere_is_fitted_where_that_leaves_nothing(
+    beside: dict[str, float], alone: bool
+) -> None:
+    data, split = measured(SECONDS, 5, {"camera.rate_px_per_s": 0.1, **beside}), interleaved(SECONDS)
+    baseline = fitted(data)
+    both = [one for one in forms(baseline.world) if one.id in ("tracking_drift", "gravity_leakage")]
+    _, there = comparison.compared(baseline, both, split, Found(baseline, baseline))
+    drift = next(one for one in there if one.cause == "tracking_drift" and not one.form)
+    other = replace(drift, cause="cubic_stiffness", form="", merit=0.1 * drift.merit)
+    hint = Hint(baseline, Stage([], [drift, other], drift))
+    screened, here = comparison.compared(baseline, both, split, Found(baseline, baseline, hint=hint))
+    assert ("gravity_leakage" not in {one.cause.id for one in screened}) == alone
+    told = [one.merit for one in here if one.cause == "cubic_stiffness"]
+    assert told == ([pytest.approx(other.merit)] if alone else [])

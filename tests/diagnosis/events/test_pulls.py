@@ -9,7 +9,7 @@ import pytest
 
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.split import Split, interleaved
-from stillarm.diagnosis.events.pulls import pull_spans_s, push_spans_s, without_pushes
+from stillarm.diagnosis.events.pulls import _is_a_move, pull_spans_s, push_spans_s, without_pushes
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.physics.world import World
@@ -91,6 +91,16 @@ def test_what_has_ended_before_the_impact_is_no_pull(data: Measured) -> None:
     time = seen_s(data)
     over = (time > RELEASED_S - 2.0) & (time < RELEASED_S - 0.8)
     assert pull_spans_s(told(data, np.where(over, 4.0, 0.0))) == ()
+
+
+@pytest.mark.parametrize(
+    ("span", "a_move"), [((0.6, 1.5), True), ((0.6, 3.6), False), ((3.0, 6.0), False), ((5.1, 5.9), False)]
+)
+def test_what_begins_and_ends_as_the_joint_moves_is_no_pull(
+    data: Measured, span: tuple[float, float], a_move: bool
+) -> None:
+    """Moves from 0.8 to 1.4 s, 1.6 to 2.3, 2.5 to 3.0, 3.2 to 3.9, 4.4 to 4.9."""
+    assert _is_a_move(span, told(data)) == a_move
 
 
 def test_most_of_a_recording_is_no_pull(data: Measured) -> None:

@@ -9,8 +9,8 @@ import pytest
 from stillarm.common.causes import CAUSES
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.decision.decide import Judged
-from stillarm.diagnosis.decision.rest import Rest
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.fitting.rest import Rest
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.report.summary import summary

@@ -10,10 +10,10 @@ from scipy.signal import lfilter
 from stillarm.diagnosis.data.measured import Frames, Measured, dated_by_requests
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision.explain import explain
-from stillarm.diagnosis.decision.rest import rest_of
 from stillarm.diagnosis.events.impacts import fit_with_impacts
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
+from stillarm.diagnosis.fitting.rest import rest_of
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.sensors.image_dating import dated, dated_anew
 from tests.fixtures.synthetic import MODEL, NOISE, measured

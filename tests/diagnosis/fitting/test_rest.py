@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.rest import rest_of, times_what_matters
 from stillarm.diagnosis.fitting.channel_noise import noise_of
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.fitting.rest import rest_of, times_what_matters
 from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(20.0)
