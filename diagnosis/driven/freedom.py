@@ -36,6 +36,7 @@ def free_of(box: GreyBox) -> tuple[str, ...]:
             free.append(f"offset {one.name}")
         if one.kind == "acceleration":
             free += [f"direct {one.name}"] if has_joint(driven) else []
+            free.append(f"jump {one.name}")
             free += [f"share_{i} {one.name}" for i in range(1, box.modes + 1)]
             if not has_joint(driven) and not bends and box.modes:
                 free.remove("gain")

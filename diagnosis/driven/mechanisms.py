@@ -15,6 +15,7 @@ from stillarm.diagnosis.driven.anew import anew_with
 from stillarm.diagnosis.driven.fitting import DrivenFit
 from stillarm.diagnosis.driven.freedom import STATED
 from stillarm.diagnosis.driven.gaps import gaps
+from stillarm.diagnosis.driven.input_path import STEADY
 from stillarm.diagnosis.driven.laws import pull_of
 from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.own import base_of
@@ -29,6 +30,7 @@ Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
 AMPLIFIER_LAG = "a lag of the amplifier"
 STIFF_JOINT = "a stiffness of the joint"
+_NO_NUMBER = ("late", STEADY)  # a mark; an initial state, as each block has
 _SLIGHT = 0.1  # samples: a jump behind a longer lag is another shape, which no first order leads to
 _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
@@ -52,7 +54,7 @@ class Form:
     @property
     def price(self) -> int:
         """How many numbers it adds."""
-        return len([one for one in self.numbers if base_of(one) != "late"])
+        return len([one for one in self.numbers if base_of(one) not in _NO_NUMBER])
 
 
 def force_of(fitted: DrivenFit) -> float:
@@ -155,7 +157,7 @@ def _lag(fitted: DrivenFit) -> Starts:
     """In place of the delay, which is the same to first order."""
     step_s = fitted.box.driven.step_s
     for more in (0.5, 5.0):
-        yield {"lag": max(fitted.numbers["delay"], 0.0) + more * step_s, "delay": 0.0}
+        yield {"lag": max(fitted.numbers["delay"], 0.0) + more * step_s, "delay": 0.0, STEADY: 1.0}
 
 
 def _onset(fitted: DrivenFit) -> Starts:
@@ -173,7 +175,18 @@ def _before_amplifier(fitted: DrivenFit) -> bool:
     return fitted.box.driven.drive not in MEASURED_INPUTS
 
 
-_joint = _has("position", "motor", "velocity")
+def _joint(fitted: DrivenFit) -> bool:
+    """Whether a sensor moves with the joint: at it, or an accelerometer on an arm that does not bend."""
+    rigid = fitted.box.modes == 0 and _has("acceleration")(fitted)
+    return rigid or _has("position", "motor", "velocity")(fitted)
+
+
+def _angle(fitted: DrivenFit) -> bool:
+    """Whether a sensor shows by how much the joint turns: its angle, or a velocity that is known in rad/s."""
+    outputs, known = fitted.box.driven.outputs, STATED in fitted.numbers
+    return _has("position", "motor")(fitted) or any(
+        one.kind == "velocity" and (known or one.stated) for one in outputs
+    )
 
 
 def _bends(fitted: DrivenFit) -> bool:
@@ -198,9 +211,9 @@ FORMS = (
     Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
     Form("torque_offset", "constant", ("offset",), anew_with("offset"), _joint, hidden=True),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
-         _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
+         _small("gravity_sine", "gravity_cosine"), _angle),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
-         anew_with("gravity_sine", "gravity_cosine"), _has("position", "motor"), hidden=True),
+         anew_with("gravity_sine", "gravity_cosine"), _angle, hidden=True),
     Form("gravity_load", "over an angle behind an unknown gear", ("gravity_cycles", "gravity_sine", "gravity_cosine"),
          gravity_behind_a_gear, gear_is_unknown),
     Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, _before_amplifier),
@@ -212,7 +225,7 @@ FORMS = (
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
     Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
-    Form(STRUCTURE, AMPLIFIER_LAG, ("lag",), _lag, _before_amplifier, hidden=True),
+    Form(STRUCTURE, AMPLIFIER_LAG, ("lag", STEADY), _lag, _before_amplifier, hidden=True),
     Form(STRUCTURE, STIFF_JOINT, ("stiffness",), _small("stiffness"), _has("position", "motor")),
 )  # fmt: skip
 

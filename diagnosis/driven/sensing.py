@@ -1,7 +1,9 @@
 """What the sensors of a rig make of its motion, step by step.
 
 An acceleration jumps with a held input: at each step it has a value before and one after. A sensor that is late, or
-slow against the steps, shows the one before; between steps all signals are taken for straight lines. So where a sensor
+slow against the steps, shows the one before; any other shows some of the jump in the sample that is taken as the input
+changes ("jump NAME"): all of it where it is read just after, half of it where it averages over a short time about its
+sample. Between steps all signals are taken for straight lines. So where a sensor
 is late, steps are those of the simulation, however slow the samples.
 """
 
@@ -48,6 +50,8 @@ def seen(output: Output, numbers: Numbers, motion: Motion, step_s: float, starts
     else:
         before, after = _tip(name, numbers, motion, 0), _tip(name, numbers, motion, 1)
         slope = np.gradient(after, step_s)
+        if not is_late(output, numbers):
+            after = before + jump_shown(output, numbers) * (after - before)
     if is_late(output, numbers):
         after = shown_late(output, numbers, np.stack([before, after]), slope, step_s, starts)
     return np.asarray(scale * after + offset)
@@ -102,6 +106,11 @@ def slope_weights_of(output: Output, linear: LinearJoint) -> tuple[Array, Array]
 def is_late(output: Output, numbers: Numbers) -> bool:
     """Whether a sensor shows what was, by a delay or a filter."""
     return numbers.get(f"delay {output.name}", 0.0) != 0.0 or numbers.get(f"lag {output.name}", 0.0) > 0.0
+
+
+def jump_shown(output: Output, numbers: Numbers) -> float:
+    """How much of an input's jump a sensor that is not late shows in the sample at which the input changes."""
+    return numbers.get(f"jump {output.name}", 1.0) if output.kind == "acceleration" else 1.0
 
 
 def _tip(name: str, numbers: Numbers, motion: Motion, side: int) -> Array:
@@ -160,4 +169,4 @@ def _lag(sides: Array, begins: float, lag_s: float, step_s: float, shown: Array)
         shown[k] = keep * shown[k - 1] + end * sides[0, k] + begin * sides[1, k - 1]
 
 
-__all__ = ["Motion", "is_late", "seen", "shown_late", "slope_weights_of", "weights_of"]
+__all__ = ["Motion", "is_late", "jump_shown", "seen", "shown_late", "slope_weights_of", "weights_of"]

@@ -8,7 +8,7 @@ import pytest
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.greybox import GreyBox
-from stillarm.diagnosis.driven.sensing import is_late
+from stillarm.diagnosis.driven.sensing import is_late, jump_shown
 from stillarm.diagnosis.driven.signals import Driven, Output
 
 STEP_S, SAMPLES, LAG_S = 0.02, 300, 0.008
@@ -59,3 +59,12 @@ def test_a_sensor_is_late_by_its_own_numbers_alone() -> None:
     assert is_late(ACCELEROMETER, {f"delay {NAME}": -0.01})
     assert is_late(ACCELEROMETER, {f"lag {NAME}": 0.01})
     assert not is_late(ACCELEROMETER, {f"lag {NAME}": 0.0, "delay joint_position_rad": 0.01})
+
+
+def test_a_sensor_may_show_some_of_a_jump() -> None:
+    """One that averages over a short time about its sample shows the mean of before and after."""
+    box = _box(np.zeros(SAMPLES))
+    u = box.driven.u
+    assert _shown(box, jump=0.5)[1:] == pytest.approx(u[:-1] + u[1:], abs=1e-9)
+    assert jump_shown(ACCELEROMETER, {}) == 1.0
+    assert jump_shown(replace(ACCELEROMETER, kind="velocity"), {f"jump {NAME}": 0.5}) == 1.0
