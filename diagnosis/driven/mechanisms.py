@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.anew import anew_with
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.freedom import STATED
+from stillarm.diagnosis.driven.freedom import (
+    STATED,
+    before_amplifier,
+    shows,
+    shows_angle,
+    shows_bending,
+    shows_joint,
+    shows_link,
+)
 from stillarm.diagnosis.driven.gaps import gaps
 from stillarm.diagnosis.driven.input_path import STEADY
 from stillarm.diagnosis.driven.laws import pull_of
@@ -21,7 +29,6 @@ from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.regression import regressed_joint
 from stillarm.diagnosis.driven.rubbing import anew_with_friction
-from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
 from stillarm.diagnosis.driven.unknown_gear import gear_is_unknown, gravity_behind_a_gear, has_geared_gravity
 from stillarm.diagnosis.driven.waves import strongest_waves
 
@@ -166,67 +173,36 @@ def _onset(fitted: DrivenFit) -> Starts:
             yield {"inertia_step": step, "onset": part * fitted.box.driven.duration_s}
 
 
-def _has(*kinds: str) -> Callable[[DrivenFit], bool]:
-    return lambda fitted: any(one.kind in kinds for one in fitted.box.driven.outputs)
-
-
-def _before_amplifier(fitted: DrivenFit) -> bool:
-    """Whether the input is what the amplifier was told: a measured current or torque came out of it."""
-    return fitted.box.driven.drive not in MEASURED_INPUTS
-
-
-def _joint(fitted: DrivenFit) -> bool:
-    """Whether a sensor moves with the joint: at it, or an accelerometer on an arm that does not bend."""
-    rigid = fitted.box.modes == 0 and _has("acceleration")(fitted)
-    return rigid or _has("position", "motor", "velocity")(fitted)
-
-
-def _angle(fitted: DrivenFit) -> bool:
-    """Whether a sensor shows by how much the joint turns: its angle, or a velocity that is known in rad/s."""
-    outputs, known = fitted.box.driven.outputs, STATED in fitted.numbers
-    return _has("position", "motor")(fitted) or any(
-        one.kind == "velocity" and (known or one.stated) for one in outputs
-    )
-
-
-def _bends(fitted: DrivenFit) -> bool:
-    return fitted.box.modes > 0 and _has("deflection", "acceleration")(fitted)
-
-
-def _turns(fitted: DrivenFit) -> bool:
-    """Whether anything shows what the link does."""
-    return _joint(fitted) or _bends(fitted)
-
-
 FORMS = (
-    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, _joint),
-    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), anew_with_friction, _joint, hidden=True),
-    Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction, _joint),
+    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, shows_joint),
+    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), anew_with_friction, shows_joint, hidden=True),
+    Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction,
+         shows_joint),
     Form("joint_stribeck_friction", "larger at rest", ("coulomb", "stribeck", "log_stribeck_velocity"), _stribeck,
-         _joint),
-    Form("joint_viscous_friction", "with the square of velocity", ("viscous_square",), _square, _joint),
-    Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, _joint),
+         shows_joint),
+    Form("joint_viscous_friction", "with the square of velocity", ("viscous_square",), _square, shows_joint),
+    Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, shows_joint),
     Form("torque_ripple", "over the joint's angle", ("ripple_cycles", "ripple_sine", "ripple_cosine"), _ripple,
-         lambda fitted: _joint(fitted) and not has_geared_gravity(fitted)),
-    Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
-    Form("torque_offset", "constant", ("offset",), anew_with("offset"), _joint, hidden=True),
+         lambda fitted: shows_joint(fitted) and not has_geared_gravity(fitted)),
+    Form("torque_offset", "constant", ("offset",), _small("offset"), shows_joint),
+    Form("torque_offset", "constant", ("offset",), anew_with("offset"), shows_joint, hidden=True),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
-         _small("gravity_sine", "gravity_cosine"), _angle),
+         _small("gravity_sine", "gravity_cosine"), shows_angle),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
-         anew_with("gravity_sine", "gravity_cosine"), _angle, hidden=True),
+         anew_with("gravity_sine", "gravity_cosine"), shows_angle, hidden=True),
     Form("gravity_load", "over an angle behind an unknown gear", ("gravity_cycles", "gravity_sine", "gravity_cosine"),
          gravity_behind_a_gear, gear_is_unknown),
-    Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, _before_amplifier),
-    Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
-    Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
-    Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
-    Form("gear_backlash", "between motor and joint", ("gap", "share"), gaps, _turns, play=True),
+    Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, before_amplifier),
+    Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, before_amplifier),
+    Form("drive_saturation", "of the input", ("limit",), _limit, before_amplifier),
+    Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, shows_joint),
+    Form("gear_backlash", "between motor and joint", ("gap", "share"), gaps, shows_link, play=True),
     Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
-         lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
-    Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
-    Form(STRUCTURE, AMPLIFIER_LAG, ("lag", STEADY), _lag, _before_amplifier, hidden=True),
-    Form(STRUCTURE, STIFF_JOINT, ("stiffness",), _small("stiffness"), _has("position", "motor")),
+         lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), shows_bending),
+    Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), shows_bending),
+    Form(STRUCTURE, AMPLIFIER_LAG, ("lag", STEADY), _lag, before_amplifier, hidden=True),
+    Form(STRUCTURE, STIFF_JOINT, ("stiffness",), _small("stiffness"), shows("position", "motor")),
 )  # fmt: skip
 
 
