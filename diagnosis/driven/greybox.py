@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.input_path import OF_INPUT, reaching
+from stillarm.diagnosis.driven.input_path import OF_INPUT, before_and_after, reaching
 from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.regression import joint_motion
@@ -293,12 +293,6 @@ class GreyBox:
 def on_motor(output: Output, numbers: Numbers) -> bool:
     """Whether a sensor sits on the motor's side of the play."""
     return output.kind == "motor" or bool(numbers.get(_SIDES.get(output.kind, ""), 0.0))
-
-
-def before_and_after(u: Array, parts: int) -> Array:
-    """What reaches the joint just before each sample and just after, (2, n). u: at both ends of each substep."""
-    after = u[::parts, 0]
-    return np.stack([np.concatenate([after[:1], u[parts - 1 :: parts, 1][:-1]]), after])
 
 
 def _joined(runs: list[Run]) -> Run:

@@ -11,10 +11,10 @@ from stillarm.diagnosis.driven.signals import Driven
 
 Array = NDArray[np.float64]
 
-OF_INPUT = ("dead_zone", "dead_cut", "limit", "delay", "held", "lag", "steady")
-"""The numbers of this way."""
 STEADY = "steady"
 """The input before the first sample, over the first: 1 where a lag has settled at it, 0 where the drive was off."""
+OF_INPUT = ("dead_zone", "dead_cut", "limit", "delay", "held", "lag", STEADY)
+"""The numbers of this way."""
 _CUT_OVER = 0.1  # of the width: over which a dead zone opens, so that a derivative by the width is one
 
 
@@ -38,7 +38,7 @@ def reaching(driven: Driven, numbers: Numbers, parts: int) -> Array:
         whole = np.interp(fine, np.arange(driven.samples + 1) * h, passed) + before * np.minimum(fine, 0.0)
         begin = end = np.diff(whole) / step
     else:
-        at = np.interp(fine, np.arange(driven.samples) * h, u, left=before)
+        at = np.interp(fine, np.arange(-1, driven.samples) * h, np.concatenate([[before], u]))
         begin, end = at[:-1], at[1:]
     lag = numbers.get("lag", 0.0)
     if lag > 1e-3 * step:
@@ -49,3 +49,9 @@ def reaching(driven: Driven, numbers: Numbers, parts: int) -> Array:
         after = lfilter([1.0], [1.0, -keep], fed - (1.0 - keep) * before) + before
         begin, end = np.concatenate([[before], after[:-1]]), after
     return np.ascontiguousarray(np.column_stack([begin, end]))
+
+
+def before_and_after(u: Array, parts: int) -> Array:
+    """What reaches the joint just before each sample and just after, (2, n). u: at both ends of each substep."""
+    after = u[::parts, 0]
+    return np.stack([np.concatenate([after[:1], u[parts - 1 :: parts, 1][:-1]]), after])

@@ -5,14 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stillarm.diagnosis.driven.greybox import (
-    PARTS_OF_PLAY,
-    Geared,
-    GreyBox,
-    Steps,
-    before_and_after,
-    on_motor,
-)
+from stillarm.diagnosis.driven.greybox import PARTS_OF_PLAY, Geared, GreyBox, Steps, on_motor
+from stillarm.diagnosis.driven.input_path import before_and_after
 from stillarm.diagnosis.driven.laws import Numbers, laws_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.play_side_by_side import play_side_by_side
