@@ -8,9 +8,7 @@ from stillarm.diagnosis.driven.input_path import STEADY
 from stillarm.diagnosis.driven.own import base_of, named_in, recording_of
 
 LEAST_ZETA, MOST_ZETA = 1e-5, 0.3  # of an arm that rings
-MOST_OFF = (
-    0.7  # of the log of a mode's frequency against the model's: beyond half or twice it is another mode
-)
+MOST_OFF = 0.7  # log of a mode's frequency over the stated one: beyond half or twice it is another mode
 LEAST_SHARE = 0.02  # of the motor in the inertia of motor and hub
 MOST_BOUNCE = 0.8  # of the velocity at which teeth meet
 LEAST_INERTIA, MOST_INERTIA = -0.8, 10.0  # of what it was, that an inertia changes by
@@ -20,9 +18,7 @@ SLOWEST_STRIBECK, QUICKEST_STRIBECK = (
 )  # log of rad/s: beyond, friction is the same at all speeds of a rig
 LEAST_CYCLES = 1e-6  # 1/rad, of gravity behind an unknown gear: no gear turns a motor so often
 _NEAR = 0.02  # of the way from one bound to the other: no size that a rig has, but where a fit was stopped
-LEAST_STICTION = (
-    0.05  # of dry friction, that is more at rest: less is the width over which friction turns over
-)
+LEAST_STICTION = 0.05  # of dry friction, more at rest: less is the width over which friction turns over
 LONGEST_DELAY_S = 0.5  # of a cause
 LONGEST_SAMPLES = 1.5  # of a delay without a cause
 

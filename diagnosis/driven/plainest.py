@@ -39,7 +39,7 @@ def plainest(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Sear
 
 
 def _each_once(rounds: list[Round]) -> list[Round]:
-    """The rounds without those of a cause that hold the numbers of another round's form, or some of them."""
+    """Each cause once: without the rounds whose form is that of an earlier round, or is held in another one's."""
     kept: list[Round] = []
     for place, one in enumerate(rounds):
         form = one.taken.form
