@@ -167,6 +167,13 @@ def _lag(fitted: DrivenFit) -> Starts:
         yield {"lag": max(fitted.numbers["delay"], 0.0) + more * step_s, "delay": 0.0, STEADY: 1.0}
 
 
+def _damped(fitted: DrivenFit) -> Starts:
+    """A joint that no sensor looks at: a bending shows its damping as a pole of its own. An accelerometer may too, but
+    on the measured robot arm (docs/measured-rigs.md) it is then a mode that damping makes up for."""
+    for damping in (1.0, 8.0):
+        yield {"damping": damping}
+
+
 def _onset(fitted: DrivenFit) -> Starts:
     for part in (0.2, 0.35, 0.5, 0.65, 0.8):
         for step in (0.3, -0.25):
@@ -202,6 +209,8 @@ FORMS = (
          lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), shows_bending),
     Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), shows_bending),
     Form(STRUCTURE, AMPLIFIER_LAG, ("lag", STEADY), _lag, before_amplifier, hidden=True),
+    Form(STRUCTURE, "a damping of the joint", ("damping",), _damped,
+         lambda fitted: shows("deflection")(fitted) and not shows_joint(fitted) and STATED not in fitted.numbers),
     Form(STRUCTURE, STIFF_JOINT, ("stiffness",), _small("stiffness"), shows("position", "motor")),
 )  # fmt: skip
 

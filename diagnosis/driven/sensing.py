@@ -63,10 +63,11 @@ def shown_late(
     """What a late sensor shows, before its scale and offset. sides: (2, n), before and after each step's input."""
     name = output.name
     scale, offset = numbers.get(f"scale {name}", 1.0), numbers.get(f"offset {name}", 0.0)
-    told = np.full(len(starts) - 1, np.nan)
-    if output.kind == "acceleration" and scale != 0.0:
-        told = (output.values[starts[:-1] * len(output.values) // sides.shape[1]] - offset) / scale
     late_s, lag_s = numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0)
+    told, many = np.full(len(starts) - 1, np.nan), sides.shape[1] // len(output.values)
+    slow = lag_s > many * step_s  # it still shows what was before the block
+    if (output.kind == "acceleration" or slow) and scale != 0.0:
+        told = (output.values[starts[:-1] // many] - offset) / scale
     return _late(sides, slope, told, late_s, lag_s, step_s, starts)
 
 
@@ -128,8 +129,8 @@ def _late(
     sides: Array, slope: Array, told: Array, late_s: float, lag_s: float, step_s: float, starts: Integers
 ) -> Array:
     """Each block's signal, delayed, and behind a lag of first order; steady in its slope before the block. sides:
-    (2, n), before and after each step's input. told: what a filter shows where a block begins, as an acceleration may
-    have jumped before it; NaN for a steady one."""
+    (2, n), before and after each step's input. told: what a filter shows where a block begins, as it may have been
+    moved before it by more than a slope; NaN for a steady one."""
     shown = np.empty(sides.shape[1])
     for block in range(len(starts) - 1):
         a, b = starts[block], starts[block + 1]

@@ -7,7 +7,13 @@ import pytest
 
 from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.freedom import STATED, shows_angle, shows_bending, shows_joint, shows_link
+from stillarm.diagnosis.driven.freedom import (
+    STATED,
+    shows_angle,
+    shows_bending,
+    shows_joint,
+    shows_link,
+)
 from stillarm.diagnosis.driven.greybox import GreyBox
 from stillarm.diagnosis.driven.signals import Driven, Kind, Output
 from tests.fixtures.current_joint import STEP_S, drive_input, moved

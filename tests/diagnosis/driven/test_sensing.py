@@ -49,6 +49,21 @@ def test_a_filter_goes_on_from_what_it_showed_where_a_block_begins() -> None:
     assert _shown(_box(exact, (0.0, 1.0, 2.5, STEP_S * SAMPLES)), lag=LAG_S) == pytest.approx(exact, abs=1e-9)
 
 
+def test_a_slow_filter_of_a_velocity_still_shows_what_was_before_the_block() -> None:
+    """A lag of five samples, of a motion that turns over within them."""
+    name, numbers = "joint_velocity_rad_s", NUMBERS | {"lag joint_velocity_rad_s": 5.0 * STEP_S}
+    whole = _box(np.zeros(SAMPLES))
+    seen = Output(name, "velocity", np.zeros(SAMPLES), True, 0.0)
+    whole = replace(whole, driven=replace(whole.driven, outputs=(seen,)))
+    run = whole.run(numbers, np.zeros((1, 2)))
+    exact = run.outputs[name]
+    edges = np.array([0.0, 1.0, 2.5, STEP_S * SAMPLES])
+    driven = replace(whole.driven, outputs=(replace(seen, values=exact),))
+    parts = GreyBox(driven, Split(edges, np.zeros(3, bool)))
+    shown = parts.run(numbers, np.ascontiguousarray(run.states[parts.starts[:-1]])).outputs[name]
+    assert shown == pytest.approx(exact, abs=1e-9)
+
+
 def test_a_delay_shows_what_was_between_two_jumps() -> None:
     box = _box(np.zeros(SAMPLES))
     shown = _shown(box, delay=0.5 * STEP_S)
