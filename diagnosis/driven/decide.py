@@ -36,9 +36,9 @@ Array = NDArray[np.float64]
 
 SHARE_TO_NAME = 0.35  # of what all findings gain
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away
-LEAST_OF_PLAY = (
-    MATTERS_OF_NOISE  # impacts that fall to one sample or the next fit some noise: they must matter
-)
+# of play, and beside an encoder's steps: impacts that fall to one sample or the next fit some noise, and so do numbers
+# that make up for some of what rounding leaves. They must matter
+LEAST_OF_ROUGH = MATTERS_OF_NOISE
 _MOST_CONFIDENCE = 0.99  # the most that is stated, whatever the odds
 
 
@@ -82,7 +82,7 @@ def decide(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Verdic
         if steps is not None:
             fits = (beyond_half_a_step(each, steps[1]) for each in (final, without))
             worth = min(worth, judged(one.form, *fits).merit)
-        least = LEAST_OF_PLAY if one.form.play else LEAST_OF_NOISE
+        least = LEAST_OF_ROUGH if one.form.play or steps is not None else LEAST_OF_NOISE
         if worth >= CONVINCES and share_mended(one.form, *_where(one.form, without, final)) >= least:
             needed.append((one, worth, without))
     of_cause = {one.form.cause: 0.0 for one, _, _ in needed}

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.input_path import OF_INPUT, reaching
+from stillarm.diagnosis.driven.input_path import OF_INPUT, before_and_after, reaching
 from stillarm.diagnosis.driven.laws import OF_JOINT, Numbers, laws_of, pull_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.regression import joint_motion
@@ -203,7 +203,7 @@ class GreyBox:
             out,
             forces,
         )
-        drive = _before_and_after(u, parts // many)
+        drive = before_and_after(u, parts // many)
         a, b = steps.linear.equations()
         theta_dd = out @ a[1] + b[1, 0] * drive + b[1, 1] * forces[:, 0] + b[1, 2] * forces[:, 1]
         motion = Motion(steps.linear, out, forces, drive, theta_dd)
@@ -237,7 +237,7 @@ class GreyBox:
         play_run(
             *geared.joint, law, geared.phi, geared.held, u, parts, step, self.starts, states, out, contact
         )
-        drive = _before_and_after(u, parts)
+        drive = before_and_after(u, parts)
         forces = np.column_stack([contact, np.zeros(driven.samples)])
         a, _ = link.equations()
         accelerations = out[:, :n] @ a[1] + contact, np.gradient(out[:, n + 1], driven.step_s)
@@ -293,12 +293,6 @@ class GreyBox:
 def on_motor(output: Output, numbers: Numbers) -> bool:
     """Whether a sensor sits on the motor's side of the play."""
     return output.kind == "motor" or bool(numbers.get(_SIDES.get(output.kind, ""), 0.0))
-
-
-def _before_and_after(u: Array, parts: int) -> Array:
-    """What reaches the joint just before each sample and just after, (2, n). u: at both ends of each substep."""
-    after = u[::parts, 0]
-    return np.stack([np.concatenate([after[:1], u[parts - 1 :: parts, 1][:-1]]), after])
 
 
 def _joined(runs: list[Run]) -> Run:

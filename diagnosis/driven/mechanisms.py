@@ -13,14 +13,22 @@ from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.anew import anew_with
 from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.freedom import STATED
+from stillarm.diagnosis.driven.freedom import (
+    STATED,
+    before_amplifier,
+    shows,
+    shows_angle,
+    shows_bending,
+    shows_joint,
+    shows_link,
+)
 from stillarm.diagnosis.driven.gaps import gaps
+from stillarm.diagnosis.driven.input_path import STEADY
 from stillarm.diagnosis.driven.laws import pull_of
 from stillarm.diagnosis.driven.missing import missing_force
 from stillarm.diagnosis.driven.own import base_of
 from stillarm.diagnosis.driven.regression import regressed_joint
 from stillarm.diagnosis.driven.rubbing import anew_with_friction
-from stillarm.diagnosis.driven.signals import MEASURED_INPUTS
 from stillarm.diagnosis.driven.unknown_gear import gear_is_unknown, gravity_behind_a_gear, has_geared_gravity
 from stillarm.diagnosis.driven.waves import strongest_waves
 
@@ -29,6 +37,7 @@ Starts = Iterator[dict[str, float]]
 STRUCTURE = ""
 AMPLIFIER_LAG = "a lag of the amplifier"
 STIFF_JOINT = "a stiffness of the joint"
+_NO_NUMBER = ("late", STEADY)  # a mark; an initial state, as each block has
 _SLIGHT = 0.1  # samples: a jump behind a longer lag is another shape, which no first order leads to
 _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 
@@ -52,7 +61,7 @@ class Form:
     @property
     def price(self) -> int:
         """How many numbers it adds."""
-        return len([one for one in self.numbers if base_of(one) != "late"])
+        return len([one for one in self.numbers if base_of(one) not in _NO_NUMBER])
 
 
 def force_of(fitted: DrivenFit) -> float:
@@ -155,7 +164,14 @@ def _lag(fitted: DrivenFit) -> Starts:
     """In place of the delay, which is the same to first order."""
     step_s = fitted.box.driven.step_s
     for more in (0.5, 5.0):
-        yield {"lag": max(fitted.numbers["delay"], 0.0) + more * step_s, "delay": 0.0}
+        yield {"lag": max(fitted.numbers["delay"], 0.0) + more * step_s, "delay": 0.0, STEADY: 1.0}
+
+
+def _damped(fitted: DrivenFit) -> Starts:
+    """A joint that no sensor looks at: a bending shows its damping as a pole of its own. An accelerometer may too, but
+    on the measured robot arm (docs/measured-rigs.md) it is then a mode that damping makes up for."""
+    for damping in (1.0, 8.0):
+        yield {"damping": damping}
 
 
 def _onset(fitted: DrivenFit) -> Starts:
@@ -164,56 +180,38 @@ def _onset(fitted: DrivenFit) -> Starts:
             yield {"inertia_step": step, "onset": part * fitted.box.driven.duration_s}
 
 
-def _has(*kinds: str) -> Callable[[DrivenFit], bool]:
-    return lambda fitted: any(one.kind in kinds for one in fitted.box.driven.outputs)
-
-
-def _before_amplifier(fitted: DrivenFit) -> bool:
-    """Whether the input is what the amplifier was told: a measured current or torque came out of it."""
-    return fitted.box.driven.drive not in MEASURED_INPUTS
-
-
-_joint = _has("position", "motor", "velocity")
-
-
-def _bends(fitted: DrivenFit) -> bool:
-    return fitted.box.modes > 0 and _has("deflection", "acceleration")(fitted)
-
-
-def _turns(fitted: DrivenFit) -> bool:
-    """Whether anything shows what the link does."""
-    return _joint(fitted) or _bends(fitted)
-
-
 FORMS = (
-    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, _joint),
-    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), anew_with_friction, _joint, hidden=True),
-    Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction, _joint),
+    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), _coulomb, shows_joint),
+    Form("joint_coulomb_friction", "the same both ways", ("coulomb",), anew_with_friction, shows_joint, hidden=True),
+    Form("joint_coulomb_friction", "by direction", ("coulomb", "coulomb_difference"), _coulomb_by_direction,
+         shows_joint),
     Form("joint_stribeck_friction", "larger at rest", ("coulomb", "stribeck", "log_stribeck_velocity"), _stribeck,
-         _joint),
-    Form("joint_viscous_friction", "with the square of velocity", ("viscous_square",), _square, _joint),
-    Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, _joint),
+         shows_joint),
+    Form("joint_viscous_friction", "with the square of velocity", ("viscous_square",), _square, shows_joint),
+    Form("joint_viscous_friction", "by direction", ("viscous_asymmetry",), _asymmetry, shows_joint),
     Form("torque_ripple", "over the joint's angle", ("ripple_cycles", "ripple_sine", "ripple_cosine"), _ripple,
-         lambda fitted: _joint(fitted) and not has_geared_gravity(fitted)),
-    Form("torque_offset", "constant", ("offset",), _small("offset"), _joint),
-    Form("torque_offset", "constant", ("offset",), anew_with("offset"), _joint, hidden=True),
+         lambda fitted: shows_joint(fitted) and not has_geared_gravity(fitted)),
+    Form("torque_offset", "constant", ("offset",), _small("offset"), shows_joint),
+    Form("torque_offset", "constant", ("offset",), anew_with("offset"), shows_joint, hidden=True),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
-         _small("gravity_sine", "gravity_cosine"), _has("position", "motor")),
+         _small("gravity_sine", "gravity_cosine"), shows_angle),
     Form("gravity_load", "over the joint's angle", ("gravity_sine", "gravity_cosine"),
-         anew_with("gravity_sine", "gravity_cosine"), _has("position", "motor"), hidden=True),
+         anew_with("gravity_sine", "gravity_cosine"), shows_angle, hidden=True),
     Form("gravity_load", "over an angle behind an unknown gear", ("gravity_cycles", "gravity_sine", "gravity_cosine"),
          gravity_behind_a_gear, gear_is_unknown),
-    Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, _before_amplifier),
-    Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, _before_amplifier),
-    Form("drive_saturation", "of the input", ("limit",), _limit, _before_amplifier),
-    Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, _joint),
-    Form("gear_backlash", "between motor and joint", ("gap", "share"), gaps, _turns, play=True),
+    Form("amplifier_dead_zone", "about zero", ("dead_zone",), _dead_zone, before_amplifier),
+    Form("amplifier_dead_zone", "small inputs are cut", ("dead_cut",), _dead_cut, before_amplifier),
+    Form("drive_saturation", "of the input", ("limit",), _limit, before_amplifier),
+    Form("inertia_change", "from an onset on", ("inertia_step", "onset"), _onset, shows_joint),
+    Form("gear_backlash", "between motor and joint", ("gap", "share"), gaps, shows_link, play=True),
     Form("channel_delay", "of all sensors against the input", ("delay", "late"), _late),
     Form("coulomb_damping", "of the arm", ("arm_coulomb",),
-         lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), _bends),
-    Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), _bends),
-    Form(STRUCTURE, AMPLIFIER_LAG, ("lag",), _lag, _before_amplifier, hidden=True),
-    Form(STRUCTURE, STIFF_JOINT, ("stiffness",), _small("stiffness"), _has("position", "motor")),
+         lambda fitted: iter([{"arm_coulomb": 0.05 * _arm_force(fitted)}]), shows_bending),
+    Form("cubic_stiffness", "of the arm", ("arm_cubic",), _small("arm_cubic"), shows_bending),
+    Form(STRUCTURE, AMPLIFIER_LAG, ("lag", STEADY), _lag, before_amplifier, hidden=True),
+    Form(STRUCTURE, "a damping of the joint", ("damping",), _damped,
+         lambda fitted: shows("deflection")(fitted) and not shows_joint(fitted) and STATED not in fitted.numbers),
+    Form(STRUCTURE, STIFF_JOINT, ("stiffness",), _small("stiffness"), shows("position", "motor")),
 )  # fmt: skip
 
 

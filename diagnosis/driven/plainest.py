@@ -1,7 +1,8 @@
 """A form that holds another one wins its odds against that in the final model, or gives way to it.
 
 Dry friction that is larger at rest is dry friction with two numbers more. While other causes are still missing, those
-numbers make up for them; what is then left of their gain shows only once all is in.
+numbers make up for them; what is then left of their gain shows only once all is in. A search may take both, one after
+the other. They are one cause then: neither is worth anything beside the other, which keeps its numbers in the model.
 """
 
 from collections.abc import Callable
@@ -34,7 +35,19 @@ def plainest(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Sear
                 rounds[place] = Round(one.before, (replace(one.taken, form=plain), *one.tried[1:]))
                 final = without
                 break
-    return replace(found, rounds=tuple(rounds), final=final)
+    return replace(found, rounds=tuple(_each_once(rounds)), final=final)
+
+
+def _each_once(rounds: list[Round]) -> list[Round]:
+    """Each cause once: without the rounds whose form is that of an earlier round, or is held in another one's."""
+    kept: list[Round] = []
+    for place, one in enumerate(rounds):
+        form = one.taken.form
+        again = any(other.taken.form.numbers == form.numbers for other in kept)
+        fuller = any(holds_in(form, other.taken.form) for other in (*kept, *rounds[place + 1 :]))
+        if form.cause == STRUCTURE or not (again or fuller):
+            kept.append(one)
+    return kept
 
 
 def _reduced(final: DrivenFit, form: Form, plain: Form, taken: list[Form]) -> DrivenFit:

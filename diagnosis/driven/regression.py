@@ -99,6 +99,7 @@ def joint_numbers(driven: Driven) -> dict[str, float]:
         numbers[f"offset {one.name}"] = 0.0
         numbers[f"scale {one.name}"] = 1.0
         if one.kind == "acceleration":
+            numbers[f"jump {one.name}"] = 1.0
             numbers[f"direct {one.name}"] = float(np.nanstd(one.values) / max(float(np.std(alpha)), 1e-12))
     _scale_second_sensors(driven, numbers, omega)
     return numbers
@@ -106,7 +107,8 @@ def joint_numbers(driven: Driven) -> dict[str, float]:
 
 def numbers_without_joint(driven: Driven) -> dict[str, float]:
     """Start values where no sensor looks at the joint."""
-    return {"gain": 1.0 / size_of(driven.u), "damping": 0.0, "delay": 0.0}
+    jumps = {f"jump {one.name}": 1.0 for one in driven.outputs if one.kind == "acceleration"}
+    return {"gain": 1.0 / size_of(driven.u), "damping": 0.0, "delay": 0.0, **jumps}
 
 
 def _scale_second_sensors(driven: Driven, numbers: dict[str, float], omega: Array) -> None:

@@ -1,7 +1,9 @@
 """What the sensors of a rig make of its motion, step by step.
 
 An acceleration jumps with a held input: at each step it has a value before and one after. A sensor that is late, or
-slow against the steps, shows the one before; between steps all signals are taken for straight lines. So where a sensor
+slow against the steps, shows the one before; any other shows some of the jump in the sample that is taken as the input
+changes ("jump NAME"): all of it where it is read just after, half of it where it averages over a short time about its
+sample. Between steps all signals are taken for straight lines. So where a sensor
 is late, steps are those of the simulation, however slow the samples.
 """
 
@@ -48,6 +50,8 @@ def seen(output: Output, numbers: Numbers, motion: Motion, step_s: float, starts
     else:
         before, after = _tip(name, numbers, motion, 0), _tip(name, numbers, motion, 1)
         slope = np.gradient(after, step_s)
+        if not is_late(output, numbers):
+            after = before + jump_shown(output, numbers) * (after - before)
     if is_late(output, numbers):
         after = shown_late(output, numbers, np.stack([before, after]), slope, step_s, starts)
     return np.asarray(scale * after + offset)
@@ -59,10 +63,11 @@ def shown_late(
     """What a late sensor shows, before its scale and offset. sides: (2, n), before and after each step's input."""
     name = output.name
     scale, offset = numbers.get(f"scale {name}", 1.0), numbers.get(f"offset {name}", 0.0)
-    told = np.full(len(starts) - 1, np.nan)
-    if output.kind == "acceleration" and scale != 0.0:
-        told = (output.values[starts[:-1] * len(output.values) // sides.shape[1]] - offset) / scale
     late_s, lag_s = numbers.get(f"delay {name}", 0.0), numbers.get(f"lag {name}", 0.0)
+    told, many = np.full(len(starts) - 1, np.nan), sides.shape[1] // len(output.values)
+    slow = lag_s > many * step_s  # it still shows what was before the block
+    if (output.kind == "acceleration" or slow) and scale != 0.0:
+        told = (output.values[starts[:-1] // many] - offset) / scale
     return _late(sides, slope, told, late_s, lag_s, step_s, starts)
 
 
@@ -104,6 +109,11 @@ def is_late(output: Output, numbers: Numbers) -> bool:
     return numbers.get(f"delay {output.name}", 0.0) != 0.0 or numbers.get(f"lag {output.name}", 0.0) > 0.0
 
 
+def jump_shown(output: Output, numbers: Numbers) -> float:
+    """How much of an input's jump a sensor that is not late shows in the sample at which the input changes."""
+    return numbers.get(f"jump {output.name}", 1.0) if output.kind == "acceleration" else 1.0
+
+
 def _tip(name: str, numbers: Numbers, motion: Motion, side: int) -> Array:
     """An accelerometer's acceleration before (0) or after (1) each step's input."""
     a, b = motion.linear.equations()
@@ -119,8 +129,8 @@ def _late(
     sides: Array, slope: Array, told: Array, late_s: float, lag_s: float, step_s: float, starts: Integers
 ) -> Array:
     """Each block's signal, delayed, and behind a lag of first order; steady in its slope before the block. sides:
-    (2, n), before and after each step's input. told: what a filter shows where a block begins, as an acceleration may
-    have jumped before it; NaN for a steady one."""
+    (2, n), before and after each step's input. told: what a filter shows where a block begins, as it may have been
+    moved before it by more than a slope; NaN for a steady one."""
     shown = np.empty(sides.shape[1])
     for block in range(len(starts) - 1):
         a, b = starts[block], starts[block + 1]
@@ -160,4 +170,4 @@ def _lag(sides: Array, begins: float, lag_s: float, step_s: float, shown: Array)
         shown[k] = keep * shown[k - 1] + end * sides[0, k] + begin * sides[1, k - 1]
 
 
-__all__ = ["Motion", "is_late", "seen", "shown_late", "slope_weights_of", "weights_of"]
+__all__ = ["Motion", "is_late", "jump_shown", "seen", "shown_late", "slope_weights_of", "weights_of"]

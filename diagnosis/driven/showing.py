@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.driven.greybox import PARTS_OF_PLAY, Geared, GreyBox, Steps, on_motor
+from stillarm.diagnosis.driven.input_path import before_and_after
 from stillarm.diagnosis.driven.laws import Numbers, laws_of
 from stillarm.diagnosis.driven.own import numbers_in
 from stillarm.diagnosis.driven.play_side_by_side import play_side_by_side
-from stillarm.diagnosis.driven.sensing import is_late, shown_late, slope_weights_of, weights_of
+from stillarm.diagnosis.driven.sensing import is_late, jump_shown, shown_late, slope_weights_of, weights_of
 from stillarm.diagnosis.driven.side_by_side import is_linear, run_side_by_side
 
 Array = NDArray[np.float64]
@@ -37,6 +38,7 @@ def shown(box: GreyBox, numbers: Numbers, states: Array, sigma: dict[str, float]
     found = np.empty(len(box.driven.outputs) * box.driven.samples)
     by_state, by_force = _weights(box, numbers, sigma, steps)
     _run(box, steps, u, states, by_state, by_force, box.stack.places, found)
+    found = _with_less_of_jumps(box, numbers, by_force[:, 0], u, found)
     return _with_offsets(box, numbers, sigma, found)
 
 
@@ -59,6 +61,15 @@ def free_runs(box: GreyBox, numbers: Numbers, sigma: dict[str, float]) -> Array 
         longest * np.arange(size + 1), np.eye(size), by_state, by_force, places, found.ravel(),
     )  # fmt: skip
     return found
+
+
+def _with_less_of_jumps(box: GreyBox, numbers: Numbers, by_input: Array, u: Array, found: Array) -> Array:
+    """Without what the sensors do not show of the input's jumps. by_input: what each shows of the input just after."""
+    lacks = by_input * [1.0 - jump_shown(one, numbers) for one in box.driven.outputs]
+    if not lacks.any():
+        return found
+    before, after = before_and_after(u, box.substeps)
+    return found - box.stack.of([one * (after - before) for one in lacks])
 
 
 def _weights(box: GreyBox, numbers: Numbers, sigma: dict[str, float], steps: Steps) -> tuple[Array, Array]:
@@ -181,6 +192,9 @@ def _told_late(
                 sides[0, 1:] -= share * jumps
                 slopes = np.gradient(after, step_s)
             seen = shown_late(one, numbers, sides, slopes, step_s, starts)
+        elif jump_shown(one, numbers) != 1.0:
+            seen = after.copy()
+            seen[1:] -= (1.0 - jump_shown(one, numbers)) * share * jumps
         scale, offset = numbers.get(f"scale {one.name}", 1.0), numbers.get(f"offset {one.name}", 0.0)
         told.append((scale * seen[::many] + offset) / sigma[one.name])
     return box.stack.of(told)

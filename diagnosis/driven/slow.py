@@ -18,6 +18,7 @@ from stillarm.diagnosis.driven.fitting import SEARCH_STEPS, DrivenFit, fit
 from stillarm.diagnosis.driven.from_start import fitted_from
 from stillarm.diagnosis.driven.judging import CONVINCES, Tried, judged
 from stillarm.diagnosis.driven.mechanisms import FORMS, STIFF_JOINT, STRUCTURE, Form
+from stillarm.diagnosis.driven.removal import without_form
 from stillarm.diagnosis.driven.search import (
     ANOTHER_MODE,
     Round,
@@ -34,7 +35,7 @@ _MOST_ROUNDS = 2  # an offset and gravity
 
 def with_slow_torques(found: Searched, left_s: Callable[[], float] = lambda: inf) -> Searched:
     """What the search found, with what longer blocks say of slow torques in place of what short ones said. The same
-    where they say less, or where the blocks were held out by somebody."""
+    where they say less, lose a cause that was worth more, or where the blocks were held out by somebody."""
     split = longer(found.final.box.split) if not found.final.box.driven.joins else None
     if split is None or left_s() < 0.0:
         return found
@@ -52,10 +53,24 @@ def with_slow_torques(found: Searched, left_s: Callable[[], float] = lambda: inf
         rounds.append(Round(current, tuple(tried)))
         current = settled(tried[0].fit)
     causes = [one.taken for one in rounds if one.taken.form.cause != STRUCTURE]
-    said = [one.taken.merit for one in found.rounds if one.taken.form.cause in _OF_SLOW_TORQUES]
-    if not causes or max(one.merit for one in causes) < max(said, default=0.0):
+    if not causes:
         return found
-    return replace(found, rounds=(*kept, *rounds), final=current)
+    longer_said = replace(found, rounds=(*kept, *rounds), final=current)
+    said = [one.taken.merit for one in found.rounds if one.taken.form.cause in _OF_SLOW_TORQUES]
+    said += _lost(longer_said, kept)
+    return longer_said if max(one.merit for one in causes) >= max(said, default=0.0) else found
+
+
+def _lost(longer_said: Searched, kept: list[Round]) -> list[float]:
+    """What those causes were worth on short blocks that the model of the long ones does as well without. A fit over
+    long blocks may end beside the ripple that short ones have found, as its phase adds up an error of the angle."""
+    forms, final = [one.taken.form for one in longer_said.rounds], longer_said.final
+    lost = []
+    for one in (each.taken for each in kept if each.taken.form.cause != STRUCTURE):
+        without = without_form(final, one.form, forms, longer_said.start.numbers)
+        if judged(one.form, final, without).merit < CONVINCES:
+            lost.append(one.merit)
+    return lost
 
 
 def _is_slow(form: Form) -> bool:

@@ -50,6 +50,7 @@ def stated_by(model: Model, driven: Driven, name: str) -> Stated | None:
     }
     for i, (mode, inertia) in enumerate(zip(heavy, carried, strict=True), 1):
         numbers[f"log_w_{i}"] = log(mode.angular_frequency)
+        numbers[f"stated_log_w_{i}"] = numbers[f"log_w_{i}"]
         numbers[f"zeta_{i}"] = mode.damping_ratio
         numbers[f"carries_{i}"] = inertia / hub
     if drive.input_limit is not msgspec.UNSET:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.driven.fitting import DrivenFit, fit
 from stillarm.diagnosis.driven.freedom import STATED, free_of, has_joint
 from stillarm.diagnosis.driven.greybox import GreyBox
+from stillarm.diagnosis.driven.input_path import STEADY
 from stillarm.diagnosis.driven.regression import JOINT, joint_numbers, numbers_without_joint
 from stillarm.diagnosis.driven.stated import Stated
 
@@ -36,6 +37,9 @@ def stated_start(plain: GreyBox, stated: Stated) -> DrivenFit:
         free += [f"follows_{i}" for i in range(1, stated.modes + 1) if f"stated_follows_{i}" in numbers]
     if "gain" in stated.fixed:  # nothing else takes up the scale of a sensor whose unit nobody knows
         free += [f"scale {one.name}" for one in driven.outputs if one.kind in JOINT and not one.stated]
+    if numbers["lag"] > 0.0:
+        numbers[STEADY] = 1.0
+        free.append(STEADY)
     begun = _with_sensors_scaled(box, numbers, free)
     return fit(replace(box, begun=begun), begun, tuple(dict.fromkeys(free)))
 

@@ -1,4 +1,5 @@
-"""Gravity where nobody knows how far the joint turns: behind a motor's encoder with an unstated gear, or in counts.
+"""Gravity where nobody knows how far the joint turns: behind a motor's encoder with an unstated gear, in counts, or by
+a velocity in volts.
 
 Gravity has one period a turn of the joint, and so fewer a turn of the motor. It is a wave over the measured angle whose
 cycles are a number more, in the place of a ripple's in the equations: beside one, no ripple is sought.
@@ -19,7 +20,7 @@ _HUNDREDTH = 0.01  # of the usual force: as good as none, and clear of rounding
 def gear_is_unknown(fitted: DrivenFit) -> bool:
     """Whether the measured angle's turns are no known ones of the joint, and no other wave is in the model."""
     joint = next((one for kind in JOINT for one in fitted.box.driven.outputs if one.kind == kind), None)
-    if joint is None or joint.kind == "velocity" or STATED in fitted.numbers:
+    if joint is None or STATED in fitted.numbers:
         return False
     others = {"ripple_cycles", "gravity_sine"} & {*fitted.free, *fitted.box.declared}
     return (joint.kind == "motor" or not joint.stated) and not others

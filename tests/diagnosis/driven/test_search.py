@@ -32,6 +32,14 @@ def test_play_is_found_with_its_gap_with_and_without_a_mode(seed: int) -> None:
     assert best.fit.numbers["gap"] == pytest.approx(ratio * case.effect.size, rel=0.25)
 
 
+@pytest.mark.slow
+def test_a_bending_alone_asks_for_the_joints_damping_and_no_further_mode() -> None:
+    """Nothing is hidden; the joint's damping is a pole of its own, for which two further modes stood before."""
+    driven = driven_of(make(7009500016, "none"))
+    best = tried_forms(linear_start(driven, irregular(driven.duration_s)), lambda: 1e9)[0]
+    assert (best.form.cause, best.form.words) == ("", "a damping of the joint") and best.merit > 100.0
+
+
 def test_a_round_that_the_time_did_not_suffice_for_is_told() -> None:
     """The joint rubs. An answer without a cause, as none could be tried, must not pass for one that has tried all."""
     u = drive_input()

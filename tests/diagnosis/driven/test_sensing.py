@@ -8,7 +8,7 @@ import pytest
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.driven.greybox import GreyBox
-from stillarm.diagnosis.driven.sensing import is_late
+from stillarm.diagnosis.driven.sensing import is_late, jump_shown
 from stillarm.diagnosis.driven.signals import Driven, Output
 
 STEP_S, SAMPLES, LAG_S = 0.02, 300, 0.008
@@ -49,6 +49,21 @@ def test_a_filter_goes_on_from_what_it_showed_where_a_block_begins() -> None:
     assert _shown(_box(exact, (0.0, 1.0, 2.5, STEP_S * SAMPLES)), lag=LAG_S) == pytest.approx(exact, abs=1e-9)
 
 
+def test_a_slow_filter_of_a_velocity_still_shows_what_was_before_the_block() -> None:
+    """A lag of five samples, of a motion that turns over within them."""
+    name, numbers = "joint_velocity_rad_s", NUMBERS | {"lag joint_velocity_rad_s": 5.0 * STEP_S}
+    whole = _box(np.zeros(SAMPLES))
+    seen = Output(name, "velocity", np.zeros(SAMPLES), True, 0.0)
+    whole = replace(whole, driven=replace(whole.driven, outputs=(seen,)))
+    run = whole.run(numbers, np.zeros((1, 2)))
+    exact = run.outputs[name]
+    edges = np.array([0.0, 1.0, 2.5, STEP_S * SAMPLES])
+    driven = replace(whole.driven, outputs=(replace(seen, values=exact),))
+    parts = GreyBox(driven, Split(edges, np.zeros(3, bool)))
+    shown = parts.run(numbers, np.ascontiguousarray(run.states[parts.starts[:-1]])).outputs[name]
+    assert shown == pytest.approx(exact, abs=1e-9)
+
+
 def test_a_delay_shows_what_was_between_two_jumps() -> None:
     box = _box(np.zeros(SAMPLES))
     shown = _shown(box, delay=0.5 * STEP_S)
@@ -59,3 +74,12 @@ def test_a_sensor_is_late_by_its_own_numbers_alone() -> None:
     assert is_late(ACCELEROMETER, {f"delay {NAME}": -0.01})
     assert is_late(ACCELEROMETER, {f"lag {NAME}": 0.01})
     assert not is_late(ACCELEROMETER, {f"lag {NAME}": 0.0, "delay joint_position_rad": 0.01})
+
+
+def test_a_sensor_may_show_some_of_a_jump() -> None:
+    """One that averages over a short time about its sample shows the mean of before and after."""
+    box = _box(np.zeros(SAMPLES))
+    u = box.driven.u
+    assert _shown(box, jump=0.5)[1:] == pytest.approx(u[:-1] + u[1:], abs=1e-9)
+    assert jump_shown(ACCELEROMETER, {}) == 1.0
+    assert jump_shown(replace(ACCELEROMETER, kind="velocity"), {f"jump {NAME}": 0.5}) == 1.0

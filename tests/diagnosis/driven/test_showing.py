@@ -31,6 +31,12 @@ FURTHER_MODES = {
 CASES: dict[str, dict[str, float]] = {
     "linear": {},
     "held": {"held": 1.0, "lag": 0.01, "dead_zone": 0.1, "limit": 1.0},
+    "half a jump": {"held": 1.0, f"jump {ACCELERATION}": 0.5},
+    "half a jump beside a late angle": {
+        "held": 1.0,
+        f"jump {ACCELERATION}": 0.5,
+        "delay joint_position_rad": 0.007,
+    },
     "friction": {"coulomb": 0.5, "coulomb_difference": 0.1, "stribeck": 0.2, "log_stribeck_velocity": -1.0},
     "forces": {
         "viscous_square": 0.1,

@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from stillarm.diagnosis.data.split import Split, stated
 from stillarm.diagnosis.driven.blocks import irregular, longer
-from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.judging import CONVINCES
-from stillarm.diagnosis.driven.search import Searched, tried_forms
+from stillarm.diagnosis.driven.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.judging import CONVINCES, Tried
+from stillarm.diagnosis.driven.mechanisms import FORMS
+from stillarm.diagnosis.driven.search import Round, Searched, tried_forms
 from stillarm.diagnosis.driven.signals import Driven, Output
 from stillarm.diagnosis.driven.slow import with_slow_torques
 from stillarm.diagnosis.driven.start import linear_start
@@ -54,6 +56,18 @@ def test_a_constant_torque_is_told_from_gravity_and_nothing_from_nothing() -> No
     assert [one.taken.form.cause for one in found.rounds] == ["torque_offset"]
     nothing = _searched(_start(0.0))
     assert with_slow_torques(nothing) is nothing
+
+
+@pytest.mark.parametrize(("worth", "cause"), [(1e6, "torque_ripple"), (CONVINCES, "gravity_load")])
+def test_long_blocks_do_not_lose_a_cause_that_was_worth_more(worth: float, cause: str) -> None:
+    """Here they have no use for a ripple, as they may not where a fit over them has ended beside it."""
+    start = _start(0.01)
+    ripple = next(one for one in FORMS if one.cause == "torque_ripple")
+    begun = {**start.numbers, "ripple_cycles": 40.0, "ripple_sine": 1e-3, "ripple_cosine": 0.0}
+    final = fit(start.box, begun, (*start.free, *ripple.numbers), start.states)
+    taken = Round(start, (Tried(ripple, final, worth, worth),))
+    found = with_slow_torques(Searched(start, (taken,), final, (), ()))
+    assert found.rounds[-1].taken.form.cause == cause
 
 
 def test_what_somebody_holds_out_stays_so() -> None:

@@ -28,6 +28,10 @@ from tests.hidden_world.driven.files import write_case
             "joint_viscous_friction",
             "",
         ),  # 2 %; the squares of a fit weigh other frequencies than the score
+        (7009500001, "sensor_lag", ""),  # of a velocity, ten samples: each block begins with what it showed
+        (7009100009, "gravity_load", ""),  # a velocity alone shows over which angle it acts
+        (7009100022, "joint_coulomb_friction", ""),  # an accelerometer alone, on an arm that does not bend
+        (7009100024, "joint_stribeck_friction", ""),  # else the stated modes go down to 0.1 Hz in its place
     ],
 )
 def test_what_a_stated_rig_sees_in_its_own_size_is_a_cause(
