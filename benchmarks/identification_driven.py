@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stillarm.benchmarks.identification_data import Pair
 from stillarm.diagnosis.driven.foretold import foretold, identified_on
-from stillarm.diagnosis.driven.signals import Driven, Kind, Output, counter_step
+from stillarm.diagnosis.driven.recording.signals import Driven, Kind, Output, counter_step
 
 Array = NDArray[np.float64]
 

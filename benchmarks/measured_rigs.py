@@ -7,7 +7,7 @@ from pathlib import Path
 from stillarm.benchmarks.identification_data import Pair, f16, robot_arm, silverbox
 from stillarm.benchmarks.identification_driven import read_pair
 from stillarm.common.recording.reader import open_recording
-from stillarm.diagnosis.driven.signals import Driven, read_driven
+from stillarm.diagnosis.driven.recording.signals import Driven, read_driven
 from stillarm.tables.description import parse_description
 from stillarm.tables.importing import import_tables
 from stillarm.tables.readers.read_file import read_table_file

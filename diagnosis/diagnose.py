@@ -16,7 +16,7 @@ from stillarm.diagnosis.data.reading import read_measured
 from stillarm.diagnosis.decision.budget import Budget, unlimited
 from stillarm.diagnosis.decision.run import Tick, run
 from stillarm.diagnosis.driven.diagnosed import DrivenResult, diagnose_driven
-from stillarm.diagnosis.driven.signals import is_driven
+from stillarm.diagnosis.driven.recording.signals import is_driven
 from stillarm.diagnosis.events.frequency_course import with_resonance_of
 from stillarm.diagnosis.fitting.fitted import refitted_model
 from stillarm.diagnosis.physics.declared_effects import with_found

@@ -5,4 +5,4 @@ has there, the verdict and the page. Joints that follow a velocity command are i
 of motion are stillarm.simulation.arm.torque_joint. Begin to read at diagnosed.py.
 """
 
-__all__ = ["diagnosed", "foretold", "page", "signals", "together"]
+__all__ = ["diagnosed", "foretold", "page", "recording", "together"]

@@ -12,9 +12,9 @@ import numpy as np
 from stillarm.common.causes.driven import DRIVEN_CAUSES
 from stillarm.common.files.effects_check import EffectValue
 from stillarm.common.files.model import Model
-from stillarm.diagnosis.driven.decide import DrivenFinding
-from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of
-from stillarm.diagnosis.driven.signals import Driven
+from stillarm.diagnosis.driven.decision.decide import DrivenFinding
+from stillarm.diagnosis.driven.recording.own import base_of, numbers_in, recording_of
+from stillarm.diagnosis.driven.recording.signals import Driven
 
 _ARM = {
     "coulomb_damping": ("force_per_mass_m_s2", "arm_coulomb"),

@@ -10,16 +10,16 @@ import numpy as np
 from stillarm.common.files.model import Model
 from stillarm.common.recording.reader import Recording
 from stillarm.diagnosis.data.split import Split, stated
-from stillarm.diagnosis.driven.blocks import irregular
-from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, Verdict, decide
+from stillarm.diagnosis.driven.decision.decide import DrivenFinding, Rest, Verdict, decide
 from stillarm.diagnosis.driven.declared import declared_numbers, with_findings
-from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.judging import gains
-from stillarm.diagnosis.driven.laws import carried_by
-from stillarm.diagnosis.driven.search import Searched, search
-from stillarm.diagnosis.driven.signals import Driven, read_driven
-from stillarm.diagnosis.driven.slow import with_slow_torques
-from stillarm.diagnosis.driven.stated import stated_by
+from stillarm.diagnosis.driven.fitting.fitting import DrivenFit
+from stillarm.diagnosis.driven.greybox.laws import carried_by
+from stillarm.diagnosis.driven.recording.blocks import irregular
+from stillarm.diagnosis.driven.recording.signals import Driven, read_driven
+from stillarm.diagnosis.driven.search.judging import gains
+from stillarm.diagnosis.driven.search.search import Searched, search
+from stillarm.diagnosis.driven.search.slow import with_slow_torques
+from stillarm.diagnosis.driven.starts.stated import stated_by
 
 Tick = Callable[[float, str], None]
 _CHANNELS = {"position": "joint_position", "motor": "motor_position", "velocity": "joint_velocity"}

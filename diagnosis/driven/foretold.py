@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.diagnosed import DrivenResult, diagnose_read
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.greybox import GreyBox
-from stillarm.diagnosis.driven.signals import Driven
+from stillarm.diagnosis.driven.fitting.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.greybox.greybox import GreyBox
+from stillarm.diagnosis.driven.recording.blocks import irregular
+from stillarm.diagnosis.driven.recording.signals import Driven
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from stillarm.common.causes.driven import DRIVEN_CAUSES
 from stillarm.common.recording.header import program_version
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
-from stillarm.diagnosis.driven.missing import Curve, MissingForce, missing_bend, missing_force
+from stillarm.diagnosis.driven.mechanisms.missing import Curve, MissingForce, missing_bend, missing_force
 from stillarm.diagnosis.report.drawing import AFTER, BEFORE, MEASURED, Picture, figure, svg
 from stillarm.diagnosis.report.words import rounded_cut, unread
 

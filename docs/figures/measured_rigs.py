@@ -9,7 +9,7 @@ from style import BLUE, ORANGE, RED, new_pairs, save
 from stillarm.benchmarks.measured_rigs import SETS
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
 from stillarm.diagnosis.driven.foretold import identified_on
-from stillarm.diagnosis.driven.missing import Curve
+from stillarm.diagnosis.driven.mechanisms.missing import Curve
 from stillarm.diagnosis.driven.page import missing_before
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"

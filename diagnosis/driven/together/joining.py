@@ -7,8 +7,8 @@ import numpy as np
 
 from stillarm.common.user_error import UserError
 from stillarm.diagnosis.data.split import Split, stated
-from stillarm.diagnosis.driven.blocks import irregular
-from stillarm.diagnosis.driven.signals import MOST_SAMPLES, Driven, Output, thinned
+from stillarm.diagnosis.driven.recording.blocks import irregular
+from stillarm.diagnosis.driven.recording.signals import MOST_SAMPLES, Driven, Output, thinned
 
 _SAME_RATE = 1e-3  # of a step: clocks that are set alike
 

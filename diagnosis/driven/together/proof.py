@@ -10,8 +10,8 @@ from math import inf
 
 import numpy as np
 
-from stillarm.diagnosis.driven.fitting import DrivenFit, fit
-from stillarm.diagnosis.driven.own import recording_of
+from stillarm.diagnosis.driven.fitting.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.recording.own import recording_of
 
 _STEPS = 6  # of a fit from the numbers that all recordings gave: it is near its end
 WORSE_NATS = 3.0  # lost: 20 to 1

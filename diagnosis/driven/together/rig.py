@@ -6,12 +6,12 @@ from math import inf
 from typing import Any
 
 from stillarm.common.files.model import Model
-from stillarm.diagnosis.driven.decide import DrivenFinding, Rest, rest_of
+from stillarm.diagnosis.driven.decision.decide import DrivenFinding, Rest, rest_of
 from stillarm.diagnosis.driven.declared import with_findings
 from stillarm.diagnosis.driven.diagnosed import DrivenResult, Tick, channel_row, diagnose_read, name_of
-from stillarm.diagnosis.driven.fitting import DrivenFit
-from stillarm.diagnosis.driven.own import base_of, numbers_in, recording_of
-from stillarm.diagnosis.driven.signals import Driven
+from stillarm.diagnosis.driven.fitting.fitting import DrivenFit
+from stillarm.diagnosis.driven.recording.own import base_of, numbers_in, recording_of
+from stillarm.diagnosis.driven.recording.signals import Driven
 from stillarm.diagnosis.driven.together.joining import joined, joined_split
 from stillarm.diagnosis.driven.together.proof import Proof, proofs
 

@@ -11,7 +11,7 @@ from stillarm.common.process.blas_threads import one_blas_thread
 from stillarm.common.user_error import UserError
 
 if TYPE_CHECKING:
-    from stillarm.diagnosis.driven.signals import Driven
+    from stillarm.diagnosis.driven.recording.signals import Driven
 
 _FEWEST = 2
 
@@ -22,7 +22,7 @@ def of_one_rig(jobs: Sequence[Job]) -> list[Job]:
     A file that cannot be read is none of them: its own job says what is wrong with it.
     """
     from stillarm.common.recording.reader import open_recording
-    from stillarm.diagnosis.driven.signals import is_driven
+    from stillarm.diagnosis.driven.recording.signals import is_driven
 
     found = []
     for job in jobs:
@@ -44,7 +44,7 @@ def diagnose_together(jobs: Sequence[Job], folder: Path) -> list[Done]:
     from stillarm.common.recording.reader import open_recording
     from stillarm.diagnosis.decision.budget import Budget
     from stillarm.diagnosis.diagnose import model_of
-    from stillarm.diagnosis.driven.signals import read_driven
+    from stillarm.diagnosis.driven.recording.signals import read_driven
     from stillarm.diagnosis.driven.together.rig import diagnose_rig
 
     failed: list[Done] = []

@@ -11,7 +11,7 @@ from stillarm.common.user_error import UserError
 from stillarm.diagnosis.diagnose import diagnose
 from stillarm.diagnosis.driven.declared import declared_numbers
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
-from stillarm.diagnosis.driven.signals import Driven, Output
+from stillarm.diagnosis.driven.recording.signals import Driven, Output
 from stillarm.diagnosis.report.extended_model import model_text
 from tests.fixtures.current_joint import write_recording
 

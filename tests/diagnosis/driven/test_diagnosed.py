@@ -8,10 +8,10 @@ import pytest
 
 from stillarm.commands.recordings.diagnose_result import write_driven
 from stillarm.diagnosis.diagnose import diagnose
-from stillarm.diagnosis.driven.blocks import irregular
 from stillarm.diagnosis.driven.diagnosed import DrivenResult
-from stillarm.diagnosis.driven.missing import missing_force
+from stillarm.diagnosis.driven.mechanisms.missing import missing_force
 from stillarm.diagnosis.driven.page import sentences
+from stillarm.diagnosis.driven.recording.blocks import irregular
 from tests.fixtures.current_joint import GAIN, write_recording
 
 

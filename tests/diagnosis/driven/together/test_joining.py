@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stillarm.common.user_error import UserError
-from stillarm.diagnosis.driven.fitting import fit
-from stillarm.diagnosis.driven.greybox import GreyBox
-from stillarm.diagnosis.driven.signals import Driven, Output
+from stillarm.diagnosis.driven.fitting.fitting import fit
+from stillarm.diagnosis.driven.greybox.greybox import GreyBox
+from stillarm.diagnosis.driven.recording.signals import Driven, Output
 from stillarm.diagnosis.driven.together.joining import joined, joined_split
 
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from stillarm.common.recording.reader import open_recording
-from stillarm.diagnosis.driven.fitting import fit
-from stillarm.diagnosis.driven.signals import read_driven
-from stillarm.diagnosis.driven.start import linear_start
+from stillarm.diagnosis.driven.fitting.fitting import fit
+from stillarm.diagnosis.driven.recording.signals import read_driven
+from stillarm.diagnosis.driven.starts.start import linear_start
 from stillarm.diagnosis.driven.together.joining import joined, joined_split
 from stillarm.diagnosis.driven.together.proof import proofs
 from tests.fixtures.current_joint import write_recording

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from stillarm.common.recording.reader import open_recording
-from stillarm.diagnosis.driven.signals import read_driven
+from stillarm.diagnosis.driven.recording.signals import read_driven
 from stillarm.diagnosis.driven.together.rig import RigResult, diagnose_rig
 from tests.fixtures.current_joint import write_recording
 

@@ -1,0 +1,44 @@
+"""What sensors can show of a joint: by their kinds, and by what is known of their units."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stillarm.diagnosis.driven.fitting.fitting import DrivenFit, fit
+from stillarm.diagnosis.driven.fitting.freedom import (
+    STATED,
+    shows_angle,
+    shows_bending,
+    shows_joint,
+    shows_link,
+)
+from stillarm.diagnosis.driven.greybox.greybox import GreyBox
+from stillarm.diagnosis.driven.recording.blocks import irregular
+from stillarm.diagnosis.driven.recording.signals import Driven, Kind, Output
+from tests.fixtures.current_joint import STEP_S, drive_input, moved
+
+
+def _fitted(kind: Kind, unit: bool = True, modes: int = 0, model: bool = False) -> DrivenFit:
+    u = drive_input()
+    seen = Output("x", kind, np.asarray(moved(u, 0.0, 0.0)[0]), unit, 0.0)
+    driven = Driven("x", STEP_S, 0.0, "motor_voltage_v", u, True, (seen,), {})
+    numbers = {"gain": 1.0, "damping": 1.0} | ({STATED: 1.0} if model else {})
+    fitted = fit(GreyBox(driven, irregular(driven.duration_s)), numbers, ())
+    return replace(fitted, box=replace(fitted.box, modes=modes))
+
+
+@pytest.mark.parametrize(
+    ("fitted", "shown"),
+    [
+        (_fitted("position"), {shows_joint, shows_angle, shows_link}),
+        (_fitted("velocity"), {shows_joint, shows_angle, shows_link}),
+        (_fitted("velocity", unit=False), {shows_joint, shows_link}),  # in volts
+        (_fitted("velocity", unit=False, model=True), {shows_joint, shows_angle, shows_link}),
+        (_fitted("acceleration"), {shows_joint, shows_link}),  # the arm does not bend
+        (_fitted("acceleration", modes=1), {shows_bending, shows_link}),
+        (_fitted("deflection", modes=1), {shows_bending, shows_link}),
+    ],
+)
+def test_what_sensors_show(fitted: DrivenFit, shown: set[object]) -> None:
+    assert {one for one in (shows_joint, shows_angle, shows_bending, shows_link) if one(fitted)} == shown
