@@ -1,8 +1,9 @@
 """Which causes are in the data: every form of every cause refitted, and judged by how well it foretells the recording.
 
 The search (rounds.py) begins from a baseline. Which one that is, is a part of the question: that of the first part for
-what sets in on the way, one without impacts that a wrong model of the moves has had made up, one of images that are
-dated anew beside what was found in them.
+what sets in on the way, that of the modes as stated for what bends the fitted ones out of all measure, one without
+impacts that a wrong model of the moves has had made up, one of images that are dated anew beside what was found in
+them.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,11 +24,12 @@ from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 from stillarm.diagnosis.search.candidates import EXPLAINED, Candidate, Found, Hint, Stage, beside_another
 from stillarm.diagnosis.search.convincing import convinces
 from stillarm.diagnosis.search.early_baseline import early_baseline
+from stillarm.diagnosis.search.stated_baseline import stated_baseline
 from stillarm.diagnosis.sensors.image_dating import dated_anew
 from stillarm.diagnosis.sensors.laws import LawFound
 
 _FULL = 12  # steps of a fit
-_FIRST_PART_SHARE = 0.6  # of the time: a round beside the usual baseline may have to follow
+_ANOTHER_SHARE = 0.6  # of the time: a round beside the usual baseline may have to follow
 _Beginning = tuple[Found, list[Stage]]
 """Where a search begins, and the rounds that are made already."""
 
@@ -62,40 +64,51 @@ def _searched(
     only: Sequence[str] | None,
     known: Sequence[LawFound],
 ) -> Found:
-    begun, hint = _from_its_first_part(baseline, split, tick, only)
+    begun, hint = _from_another_baseline(baseline, split, tick, only)
     begun = begun or _without_doubtful_impacts(baseline, split, only, hint)
     found, stages = begun or (Found(baseline, baseline, hint=hint), [])
     found = explained(found, split, tick, only, known, stages)
     return found if found.likelier is None else _searched(found.likelier, split, tick, only, known)
 
 
-def _from_its_first_part(
+def _from_another_baseline(
     baseline: Fit, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
 ) -> tuple[_Beginning | None, Hint | None]:
-    """What explains the recording beside the baseline of its first part, where that is much the better one there: what
-    sets in on the way and explains most of what the usual baseline leaves, or what acts throughout and leaves nothing
-    that matters. None where it does not; and then what acts throughout, which is to be tried beside the usual
-    baseline."""
+    """What explains the recording beside the modes as stated, where the usual baseline has left them, or beside the
+    baseline of its first part, where that is much the better one there. It is to explain most of what the usual
+    baseline leaves; and what acts throughout is to leave nothing that matters beside the first part's baseline. None
+    where it does not; and then what acts throughout, which is to be tried beside the usual baseline."""
     try:
-        early = early_baseline(baseline, split) if anything_matters(baseline, split) else None
-        if early is None:
+        if not anything_matters(baseline, split):
             return None, None
-        tick(0.0, "causes, from the first part")
-        with limited_to(_FIRST_PART_SHARE):
-            stage = one_round(Found(early, early), split, only, upstream=joint_departs(early))
+        stated = stated_baseline(baseline, split)
+        other = stated or early_baseline(baseline, split)
+        stage = _round_beside(other, split, tick, only)
     except OutOfTime:
         return None, None
-    if stage.taken is None or stage.taken.law is not None:
+    if stage is None or other is None:
         return None, None
-    hint = None if _sets_in(stage.taken) else Hint(early, stage)
-    if hint is not None and anything_matters(hint.taken.fit, split):
-        return None, hint
-    stage = _beside(stage, early, baseline, split)
-    assert stage.taken is not None
-    most = share_explained(stage.taken, baseline, split) >= EXPLAINED
-    if not (most and convinces(stage.taken, baseline, split, False)):
-        return None, hint
-    return (Found(baseline, baseline), [stage]), None
+    hint = Hint(other, stage)
+    begun = None
+    if _sets_in(hint.taken) or other is stated or not anything_matters(hint.taken.fit, split):
+        moved = _beside(stage, other, baseline, split)
+        assert moved.taken is not None
+        most = share_explained(moved.taken, baseline, split) >= EXPLAINED
+        if most and convinces(moved.taken, baseline, split, False):
+            begun = Found(baseline, baseline), [moved]
+    return begun, None if begun or _sets_in(hint.taken) else hint
+
+
+def _round_beside(
+    other: Fit | None, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
+) -> Stage | None:
+    """A round beside another baseline than the usual one; None where there is none, or nothing is taken but a law."""
+    if other is None:
+        return None
+    tick(0.0, "causes, beside another baseline")
+    with limited_to(_ANOTHER_SHARE):
+        stage = one_round(Found(other, other), split, only, upstream=joint_departs(other))
+    return stage if stage.taken is not None and stage.taken.law is None else None
 
 
 def _sets_in(one: Candidate) -> bool:

@@ -81,7 +81,8 @@ class Camera:
         exposure_s, cycle_s = self.model.camera.exposure_s, self.measured.cycle_s
         tilt, begin_s = vector[at["camera.rotation_px_per_rad"]], vector[at[CAMERA_BEGIN]]
         later = tilt - self.space["camera.rotation_px_per_rad"].start if begin_s > 0.0 else 0.0
-        scene = -vector[at["camera.scale_px_per_m"]] * tip_m - (tilt - later) * motion.tip_angle
+        with np.errstate(over="ignore", invalid="ignore"):  # of a trial in which the arm runs away
+            scene = -vector[at["camera.scale_px_per_m"]] * tip_m - (tilt - later) * motion.tip_angle
         instants = self.instants(vector)
         value, rate = np.empty(len(instants)), np.empty(len(instants))
         expose(scene, instants, exposure_s, cycle_s, value, rate)

@@ -12,4 +12,5 @@ __all__ = [
     "early_baseline",
     "refits",
     "screen",
+    "stated_baseline",
 ]

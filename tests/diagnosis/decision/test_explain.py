@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.explain import _from_its_first_part, _moves_are_told, explain
+from stillarm.diagnosis.decision.explain import _from_another_baseline, _moves_are_told, explain
 from stillarm.diagnosis.decision.rounds import _likelier_baseline
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fit import fit
@@ -157,7 +157,7 @@ def test_what_leaves_nothing_beside_the_first_parts_baseline_is_not_sought_again
     baseline = fitted(data)
     early = fit(make_data(baseline.world, split), baseline.world.space.vector(), baseline.free, iterations=0)
     monkeypatch.setattr("stillarm.diagnosis.decision.explain.early_baseline", lambda *_: early)
-    begun, hint = _from_its_first_part(baseline, split, lambda done, what: None, ["joint_friction"])
+    begun, hint = _from_another_baseline(baseline, split, lambda done, what: None, ["joint_friction"])
     assert (begun is not None) == suffices and (hint is None) == suffices
     taken = begun[1][0].taken if begun is not None else hint and hint.taken
     assert taken is not None and taken.cause == "joint_friction" and taken.begins is None

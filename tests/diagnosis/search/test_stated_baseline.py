@@ -1,0 +1,48 @@
+"""The baseline with the stated modes, where the fitted one has left them."""
+
+import pytest
+
+from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision.explain import explain
+from stillarm.diagnosis.fitting.fit import fit
+from stillarm.diagnosis.fitting.fitted import Fit, make_data
+from stillarm.diagnosis.search.stated_baseline import stated_baseline
+from tests.fixtures.synthetic import fitted, measured
+
+SECONDS = 20.0
+SPLIT = interleaved(SECONDS)
+HZ, DAMPING = "modes.0.frequency_hz", "modes.0.damping_ratio"
+
+
+@pytest.fixture(scope="module")
+def rubbing() -> Fit:
+    """The baseline of an arm that dry friction stops soon, where a fit had ended with a heavily damped mode."""
+    baseline = fitted(measured(SECONDS, 5, {"arm.coulomb_m_s2": 1.0}))
+    return moved(baseline, {HZ: 1.6 * baseline.world.space[HZ].start, DAMPING: 0.4})
+
+
+def moved(baseline: Fit, values: dict[str, float]) -> Fit:
+    """The baseline with other values, everything else as it is."""
+    world = baseline.world
+    start = world.space.with_values(baseline.vector, values)
+    return fit(make_data(world, SPLIT), start, baseline.free, iterations=0)
+
+
+@pytest.mark.parametrize(
+    ("of_hz", "damping", "far"), [(1.1, 0.04, False), (1.2, 0.04, True), (0.8, 0.04, True), (1.0, 0.3, True)]
+)
+def test_a_baseline_has_left_the_stated_modes_where_no_model_is_as_wrong(
+    rubbing: Fit, of_hz: float, damping: float, far: bool
+) -> None:
+    stated_hz = rubbing.world.space[HZ].start
+    one = moved(rubbing, {HZ: of_hz * stated_hz, DAMPING: damping})
+    found = stated_baseline(one, SPLIT)
+    assert (found is not None) == far
+    if found is not None:
+        assert found.value(HZ) == stated_hz and HZ not in found.free and "camera.offset_px" in found.free
+
+
+def test_friction_is_found_beside_the_stated_modes(rubbing: Fit) -> None:
+    found = explain(rubbing, SPLIT, only=("coulomb_damping", "quadratic_damping", "drive_lag"))
+    assert [one.cause for one in found.findings] == ["coulomb_damping"]
+    assert found.final.value("arm.coulomb_m_s2") == pytest.approx(1.0, rel=0.05)
