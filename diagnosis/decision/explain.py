@@ -75,9 +75,9 @@ def _from_another_baseline(
     baseline: Fit, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
 ) -> tuple[_Beginning | None, Hint | None]:
     """What explains the recording beside the modes as stated, where the usual baseline has left them, or beside the
-    baseline of its first part, where that is much the better one there. It is to explain most of what the usual
-    baseline leaves; and what acts throughout is to leave nothing that matters beside the first part's baseline. None
-    where it does not; and then what acts throughout, which is to be tried beside the usual baseline."""
+    baseline of its first part, where that is much the better one there, and there what sets in on the way. It is to
+    explain most of what the usual baseline leaves. None where it does not; and then what acts throughout, which is to
+    be tried beside the usual baseline."""
     try:
         if not anything_matters(baseline, split):
             return None, None
@@ -90,7 +90,7 @@ def _from_another_baseline(
         return None, None
     hint = Hint(other, stage)
     begun = None
-    if _sets_in(hint.taken) or other is stated or not anything_matters(hint.taken.fit, split):
+    if _sets_in(hint.taken) or other is stated:
         moved = _beside(stage, other, baseline, split)
         assert moved.taken is not None
         most = share_explained(moved.taken, baseline, split) >= EXPLAINED

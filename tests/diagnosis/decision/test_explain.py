@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.explain import _from_another_baseline, _moves_are_told, explain
+from stillarm.diagnosis.decision.explain import _moves_are_told, explain
 from stillarm.diagnosis.decision.rounds import _likelier_baseline
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fit import fit
@@ -144,23 +144,6 @@ def test_what_was_found_beside_another_baseline_is_fitted_before_the_time_is_ove
         assert [one.cause for one in candidates] == causes
         assert all(one.merit > CONVINCING_NATS for one in candidates)
         assert found.left_out
-
-
-@pytest.mark.parametrize(
-    ("beside", "suffices"), [({}, True), ({"accelerometer.gravity_m_s2_per_rad": 5.0}, False)]
-)
-def test_what_leaves_nothing_beside_the_first_parts_baseline_is_not_sought_again(
-    monkeypatch: pytest.MonkeyPatch, beside: dict[str, float], suffices: bool
-) -> None:
-    """What acts throughout is told by the first part too; with something else left, the whole is looked at."""
-    data, split = measured(SECONDS, 5, {"drive.velocity_loss_rad_s": 0.02, **beside}), interleaved(SECONDS)
-    baseline = fitted(data)
-    early = fit(make_data(baseline.world, split), baseline.world.space.vector(), baseline.free, iterations=0)
-    monkeypatch.setattr("stillarm.diagnosis.decision.explain.early_baseline", lambda *_: early)
-    begun, hint = _from_another_baseline(baseline, split, lambda done, what: None, ["joint_friction"])
-    assert (begun is not None) == suffices and (hint is None) == suffices
-    taken = begun[1][0].taken if begun is not None else hint and hint.taken
-    assert taken is not None and taken.cause == "joint_friction" and taken.begins is None
 
 
 @pytest.mark.parametrize(
