@@ -14,7 +14,7 @@ from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import share_explained
 from stillarm.diagnosis.decision.rounds import explained, joint_departs, one_round
-from stillarm.diagnosis.events.impacts import impacts_while_moving
+from stillarm.diagnosis.events.impacts import impacts_while_moving, without_impacts_while_moving
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
@@ -119,7 +119,7 @@ def _sets_in(one: Candidate) -> bool:
 def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:
     """A round's candidates with their merits over another baseline than the one that they were found on."""
     assert stage.taken is not None
-    ranked = beside_another(stage.candidates, first, baseline, split)
+    ranked = beside_another(stage.candidates, score(first, split), score(baseline, split))
     return Stage(stage.screening, ranked, ranked[stage.candidates.index(stage.taken)])
 
 
@@ -131,16 +131,14 @@ def _without_doubtful_impacts(
     doubtful = impacts_while_moving(baseline)
     if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
         return None
-    world = baseline.world
-    kept = tuple(cycle for cycle in world.impacts if cycle not in doubtful)
-    fewer = world.changed(impacts=kept, strokes=world.strokes)
+    fewer = without_impacts_while_moving(baseline)
     try:
         start = carried_over(baseline, fewer)
         names = free_names(baseline, fewer, ())
         plain = fit(make_data(fewer, split), start, names, iterations=_FULL, colour=baseline.colour)
         found = Found(plain, plain, hint=hint)
         before = score(baseline, split)
-        many = len(doubtful) * (2 * world.modes + 2)  # numbers that the impacts took
+        many = len(doubtful) * (2 * fewer.modes + 2)  # numbers that the impacts took
         if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
             return found, []
         stage = one_round(found, split, only, upstream=joint_departs(plain))

@@ -2,9 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS, foretold, score
 from stillarm.diagnosis.fitting.fit import fit
@@ -17,8 +14,6 @@ from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import Ground, ground_of
 from stillarm.diagnosis.search.screen import Whitened
-
-Array = NDArray[np.float64]
 
 _STEPS = 4  # of a fit of free terms: they are linear
 _FITTED = 8  # groups of free terms, by a score test: of linear terms it is off by what the baseline's own slopes change

@@ -104,6 +104,13 @@ def impacts_while_moving(last: Fit) -> list[int]:
     ]
 
 
+def without_impacts_while_moving(last: Fit) -> World:
+    """The fit's world without them. The accelerometer is judged about their strokes as little as before."""
+    doubtful, world = impacts_while_moving(last), last.world
+    kept = tuple(cycle for cycle in world.impacts if cycle not in doubtful)
+    return world.changed(impacts=kept, strokes=world.strokes)
+
+
 def refit_with(
     last: Fit,
     split: Split,

@@ -8,14 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
-from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, Score
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.search.screen import Scored
 from stillarm.diagnosis.sensors.laws import LawFound
 
 Array = NDArray[np.float64]
-
 
 EXPLAINED = 0.35
 """Of the nats that a perfect model would gain: half of what is explainable, less what each form's formula and the rig's
@@ -98,11 +96,9 @@ def of_law(last: Fit, law: LawFound) -> Candidate:
     )  # fmt: skip
 
 
-def beside_another(
-    candidates: Sequence[Candidate], first: Fit, baseline: Fit, split: Split
-) -> list[Candidate]:
+def beside_another(candidates: Sequence[Candidate], first: Score, baseline: Score) -> list[Candidate]:
     """Candidates with their merits over another baseline than the one, `first`, that they were found on."""
-    more = score(first, split).gain(score(baseline, split))
+    more = first.gain(baseline)
     return [replace(one, nats=one.nats + more, merit=one.merit + float(more.sum())) for one in candidates]
 
 

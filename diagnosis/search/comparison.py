@@ -10,9 +10,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
@@ -31,8 +28,6 @@ from stillarm.diagnosis.search.screen import Scored, Whitened, screen
 
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
-Array = NDArray[np.float64]
-
 _POLISHED = 3  # causes
 _WALKS = (image_walk, delay_walk)
 _RIVALS = 5  # candidates that a walk is held against
@@ -123,9 +118,8 @@ def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequ
         return tried, []
     near = {one.cause for one in hint.stage.candidates if one.merit > _IN_REACH * hint.taken.merit}
     far = [one for one in hint.stage.candidates if one.cause not in near and one.law is None]
-    return [one for one in tried if one.id in near], beside_another(
-        far, hint.baseline, ground.last, ground.split
-    )
+    there = score(hint.baseline, ground.split)
+    return [one for one in tried if one.id in near], beside_another(far, there, ground.score)
 
 
 def _without_needless_walks(by_merit: Sequence[Candidate], last: Fit) -> list[Candidate]:

@@ -15,7 +15,6 @@ from stillarm.diagnosis.search.candidates import Candidate, turns_the_joint
 
 Array = NDArray[np.float64]
 
-
 LEAST_OF_NOISE = 0.15
 """Least effect with a name, of a channel's noise: what the model's discrepancy may be anyhow."""
 

@@ -3,9 +3,6 @@
 from dataclasses import replace
 from math import sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, foretold, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Data, Fit, make_data
@@ -13,8 +10,6 @@ from stillarm.diagnosis.fitting.gains import free_names, gain_of, settled_nats
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.search.onsets import with_onset_settled
-
-Array = NDArray[np.float64]
 
 QUICK, _FULL = 4, 12  # steps of a fit
 _MOST_TRIALS = 40  # of a search along a quantity

@@ -6,7 +6,7 @@ stated the cause is plain, whatever else these leave.
 """
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.events.impacts import impacts_while_moving
+from stillarm.diagnosis.events.impacts import without_impacts_while_moving
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 
@@ -17,13 +17,9 @@ _STEPS = 6  # of a fit of all but the modes
 
 def stated_baseline(baseline: Fit, split: Split) -> Fit | None:
     """The recording as the stated modes foretell it, all else fitted; None where the baseline has them too."""
-    world = baseline.world
-    if world.measured.pair or not _has_left(baseline):
+    if baseline.world.measured.pair or not _has_left(baseline):
         return None
-    doubtful = impacts_while_moving(baseline)
-    fewer = world.changed(
-        impacts=tuple(one for one in world.impacts if one not in doubtful), strokes=world.strokes
-    )
+    fewer = without_impacts_while_moving(baseline)
     space = fewer.space
     stated = {name: space[name].start for name in space.names(("modes.",))}
     start = space.with_values(carried_over(baseline, fewer), stated)

@@ -10,7 +10,7 @@ from stillarm.diagnosis.data.noise import MATTERS_OF_MOTION
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.channel_noise import least_that_matters, noise_of, white_noise
 from stillarm.diagnosis.fitting.fitted import Fit
-from tests.fixtures.synthetic import NOISE, fitted, measured
+from tests.fixtures.synthetic import NOISE, fitted, measured, with_rest
 
 SPLIT = interleaved(6.0)
 
@@ -18,13 +18,6 @@ SPLIT = interleaved(6.0)
 @pytest.fixture(scope="module")
 def plain() -> Fit:
     return fitted(measured(6.0, 1))
-
-
-def with_rest(fit: Fit, channel: str, rms: float) -> Fit:
-    """The fit with a slow wave more in what it leaves of a channel."""
-    residual = fit.residuals[channel]
-    wave = np.sqrt(2.0) * rms * np.sin(np.linspace(0.0, 40.0, len(residual)))
-    return replace(fit, residuals={**fit.residuals, channel: residual + wave})
 
 
 def test_a_channels_noise_is_its_white_noise(plain: Fit) -> None:

@@ -18,7 +18,7 @@ from stillarm.diagnosis.search.convincing import (
     is_too_little,
     size_in_noise,
 )
-from tests.fixtures.synthetic import NOISE, fitted, measured
+from tests.fixtures.synthetic import NOISE, fitted, measured, with_rest
 
 SPLIT = interleaved(6.0)
 BLOCKS = len(SPLIT.held)
@@ -28,13 +28,6 @@ FOUND = np.full(BLOCKS, FORETOLD_NATS)
 @pytest.fixture(scope="module")
 def plain() -> Fit:
     return fitted(measured(6.0, 1))
-
-
-def with_rest(fit: Fit, channel: str, rms: float) -> Fit:
-    """The fit with a slow wave more in what it leaves of a channel."""
-    residual = fit.residuals[channel]
-    wave = np.sqrt(2.0) * rms * np.sin(np.linspace(0.0, 40.0, len(residual)))
-    return replace(fit, residuals={**fit.residuals, channel: residual + wave})
 
 
 def test_what_is_mended_is_measured_by_the_noise(plain: Fit) -> None:
