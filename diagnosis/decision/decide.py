@@ -3,9 +3,6 @@
 from dataclasses import dataclass, field
 from math import exp
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
@@ -32,8 +29,6 @@ from stillarm.diagnosis.search.candidates import (
     turns_the_joint,
 )
 from stillarm.diagnosis.search.convincing import is_of_free_form
-
-Array = NDArray[np.float64]
 
 ODDS_NATS = 3.0
 """Odds of 20 to 1 (contract.md)."""

@@ -24,14 +24,6 @@ from stillarm.diagnosis.driven.starts.stated import stated_by
 Tick = Callable[[float, str], None]
 _CHANNELS = {"position": "joint_position", "motor": "motor_position", "velocity": "joint_velocity"}
 _SEARCH_SHARE = 0.75  # of the time that there is; the rest is for the verdict
-_UNITS = {
-    "coulomb": "rad_s2",
-    "gain": "rad_s2_per_unit",
-    "gap": "rad",
-    "delay": "s",
-    "lag": "s",
-    "onset": "s",
-}
 
 
 @dataclass(frozen=True)

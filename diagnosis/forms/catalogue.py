@@ -10,7 +10,6 @@ from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.common.causes import Place
@@ -58,8 +57,6 @@ from stillarm.diagnosis.physics.quantities import (
     SPEEDING,
 )
 from stillarm.diagnosis.physics.world import World
-
-Array = NDArray[np.float64]
 
 BEGINS: dict[Place, str] = {
     "arm": ARM_BEGIN,

@@ -11,7 +11,6 @@ lasts for much longer than the arm swings. A course of knots then stands for the
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.fitting.band_score import SHAPES, log_density, spectra
@@ -21,8 +20,6 @@ from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.forms.courses import Walk, of_walk, walk_that_lasts
 from stillarm.diagnosis.physics.computing import Lately
 from stillarm.diagnosis.sensors.late_bursts import Wander, wander_of
-
-Array = NDArray[np.float64]
 
 _NUMBERS = 3  # of the law: how far, for how long, and the noise
 _LASTS_SWINGS = 4.0  # of the arm, that a walk is remembered at least: what is quicker may be the arm

@@ -4,15 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.report.residuals import residual_of
 from stillarm.diagnosis.report.result import Result
 from stillarm.diagnosis.search.candidates import Candidate
-
-Array = NDArray[np.float64]
 
 ARM_CHANNELS = ("acceleration", "deflection", "displacement")
 

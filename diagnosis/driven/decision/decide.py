@@ -8,9 +8,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import exp, inf
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.driven.decision.mended import mended_most, share_mended
 from stillarm.diagnosis.driven.decision.plainest import plainest
@@ -31,8 +28,6 @@ from stillarm.diagnosis.driven.search.judging import (
 from stillarm.diagnosis.driven.search.removal import without_form
 from stillarm.diagnosis.driven.search.rests import Rest, rest_of
 from stillarm.diagnosis.driven.search.search import Searched, holds_in
-
-Array = NDArray[np.float64]
 
 SHARE_TO_NAME = 0.35  # of what all findings gain
 LEAST_OF_NOISE = 0.15  # of a channel's residual that a finding takes away

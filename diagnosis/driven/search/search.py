@@ -41,9 +41,8 @@ Tick = Callable[[float, str], None]
 
 _MOST_FITS, _MOST_STARTS = 10, 2  # of a round; of a form: what a round costs
 _TRIED_ANYWAY = 1.0  # share of a form that no small step shows: it is fitted before all others
-_PLAY_PROMISES = (
-    0.15  # of what the best start explains: play that explains less is fitted once nothing else gains
-)
+# of what the best start explains: play that explains less is fitted once nothing else gains
+_PLAY_PROMISES = 0.15
 _LEAST_SHARE = 1e-4  # of the squared residual, that a start's direction explains
 _MOST_ROUNDS = 7  # and so causes and structure, beside the first model
 _MOST_MODES = 3  # that a fit adds to the arm, each with four numbers of its own and more
