@@ -4,4 +4,14 @@ Not here: what should have been measured (physics), and anything that is fitted 
 measured.py.
 """
 
-__all__ = ["channels", "frame_clock", "frame_times", "measured", "noise", "reading", "robust", "split"]
+__all__ = [
+    "channels",
+    "frame_clock",
+    "frame_times",
+    "lost_frames",
+    "measured",
+    "noise",
+    "reading",
+    "robust",
+    "split",
+]

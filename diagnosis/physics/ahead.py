@@ -1,4 +1,4 @@
-"""All that a simulation of a recording calls, compiled before the time of a diagnosis begins to count.
+"""All that a simulation of a recording calls, and the search for lost frames, compiled before a diagnosis' time counts.
 
 Compiling takes some twenty seconds of a processor, once after an installation; loading it from disk half of one.
 """
@@ -10,6 +10,7 @@ import numpy as np
 
 from stillarm.common.causes import CAUSES, LAWS
 from stillarm.common.files.model import Drive
+from stillarm.diagnosis.data.lost_frames import lost_before
 from stillarm.diagnosis.physics.arm_motion import OF_THE_LOOP
 from stillarm.diagnosis.physics.camera import expose
 from stillarm.diagnosis.physics.coasting_play import link_velocity
@@ -23,6 +24,7 @@ from stillarm.simulation.arm.state import make_arm
 
 _COMPILING = "compiling the simulation, once after an installation"
 _CYCLES = 4  # simulated so that all is compiled: any few do
+_ONE_LOST = (0.0, 1.0, 2.0, 4.0, 5.0)  # arrivals of frames, periods: one was lost, so that it is searched for
 _OF_THE_STEPPER = ("force", "friction", "frequency", "command")
 
 
@@ -34,6 +36,7 @@ def compile_ahead() -> float:
             if cause.law is not None and cause.acts in _OF_THE_STEPPER:
                 address_of(cause.identifier)
         _simulate_nothing()
+        lost_before(np.array(_ONE_LOST), np.ones(len(_ONE_LOST) - 1, np.int64), 1.0)
     return time.monotonic() - began_s
 
 

@@ -1,10 +1,12 @@
-"""A simulation after `compile_ahead` compiles nothing more, whatever acts in it."""
+"""A simulation after `compile_ahead` compiles nothing more, whatever acts in it; nor does a search for lost frames."""
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from stillarm.common.causes import CAUSES
 from stillarm.common.files.model import Mode
+from stillarm.diagnosis.data import lost_frames
 from stillarm.diagnosis.physics.ahead import compile_ahead
 from stillarm.diagnosis.physics.camera import expose
 from stillarm.diagnosis.physics.linear_modes import add_decay, free_decay, tip_of
@@ -39,6 +41,16 @@ def test_nothing_is_left_to_compile(modes: int) -> None:
     ):
         world.predict(world.space.with_values(vector, values), near)
     assert compiled() == before
+
+
+def test_the_search_for_lost_frames_is_compiled() -> None:
+    compile_ahead()
+    kernel = lost_frames._likeliest
+    before = len(kernel.signatures)
+    assert before > 0
+    received_s = np.delete(np.arange(60.0) / 30.0, 20)
+    assert lost_frames.lost_before(received_s, np.ones(58, np.int64), 1.0 / 30.0).sum() == 1
+    assert len(kernel.signatures) == before
 
 
 def test_every_law_of_the_stepper_has_its_address() -> None:
