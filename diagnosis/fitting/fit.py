@@ -122,6 +122,8 @@ def jacobian(
             return
         slopes = world.slopes_of_amount(names[index])
         if slopes is None:
+            slopes = world.slopes_of_jump(names[index], vector, base)
+        if slopes is None:
             slopes = by_difference(*steps[index])
         for channel, columns in found.items():
             columns[:, index] = whitened(channel, slopes[channel], colour) if channel in slopes else 0.0

@@ -58,19 +58,46 @@ class Accelerometer:
         usual[self._of_sensor] = self._usual[self._of_sensor]
         return np.where(self.cycle_times >= begin_s, self._read(motion, vector), self._read(motion, usual))
 
+    def answer(self, acceleration: Array, vector: Array) -> Array | None:
+        """What it shows more where the tip moves by that much more, m/s^2, from rest; None where it does not answer
+        alike at all times. Within its limits."""
+        at = self.space.place
+        if vector[at[ACCELEROMETER_BEGIN]] > 0.0:
+            return None
+        effects = effects_in(vector, at)
+        if any(laws_at(effects, where) for where in ("sensitivity", "reading")):
+            return None
+        late = self._late(acceleration, vector)
+        return np.asarray(vector[at["accelerometer.scale"]] * self._lagged(late, vector))
+
+    def is_within_limits(self, shown: Array, vector: Array) -> Array:
+        """Where what it shows is not at a limit, (n,) bool."""
+        lowest, highest = self._limits(vector)
+        return np.asarray((shown > lowest) & (shown < highest))
+
+    def _limits(self, vector: Array) -> tuple[float, float]:
+        at = self.space.place
+        most = vector[at[RANGE]]
+        return -min(most, vector[at[MOST_DOWN]]), min(most, vector[at[MOST_UP]])
+
+    def _late(self, value: Array, vector: Array) -> Array:
+        cycles = vector[self.space.place["accelerometer.delay_s"]] / self.measured.cycle_s
+        return _late(value, cycles) if cycles > 0.0 else value
+
+    def _lagged(self, value: Array, vector: Array) -> Array:
+        at = self.space.place
+        lag_s = vector[at["accelerometer.lag_s"]]
+        return _lagged(value, self.measured.cycle_s / lag_s, vector[at[LAG_BEND]]) if lag_s > 0.0 else value
+
     def _read(self, motion: Motion, vector: Array) -> Array:
         """What the accelerometer reads, m/s^2."""
         at = self.space.place
         t = np.maximum(self.cycle_times - vector[at[ACCELEROMETER_BEGIN]], 0.0)
-        value = motion.tip_acceleration + self._of_arrivals(motion, vector)
-        cycles = vector[at["accelerometer.delay_s"]] / self.measured.cycle_s
-        if cycles > 0.0:
-            value = _late(value, cycles)
+        value = self._late(motion.tip_acceleration + self._of_arrivals(motion, vector), vector)
         if vector[at[OF_LAST_JUMP]]:
-            value = value + self._of_last_jump(motion, vector, int(cycles))
-        lag_s = vector[at["accelerometer.lag_s"]]
-        if lag_s > 0.0:
-            value = _lagged(value, self.measured.cycle_s / lag_s, vector[at[LAG_BEND]])
+            late = int(vector[at["accelerometer.delay_s"]] / self.measured.cycle_s)
+            value = value + self._of_last_jump(motion, vector, late)
+        value = self._lagged(value, vector)
         gain = vector[at["accelerometer.scale"]]
         effects = effects_in(vector, at)
         for law in laws_at(effects, "sensitivity"):
@@ -78,8 +105,7 @@ class Accelerometer:
         value = gain * value + vector[at["accelerometer.bias_m_s2"]]
         for law in laws_at(effects, "reading"):
             value = value + law(t, motion.tip_angle)
-        most = vector[at[RANGE]]
-        shown: Array = np.clip(value, -min(most, vector[at[MOST_DOWN]]), min(most, vector[at[MOST_UP]]))
+        shown: Array = np.clip(value, *self._limits(vector))
         return shown
 
     def _of_arrivals(self, motion: Motion, vector: Array) -> Array:

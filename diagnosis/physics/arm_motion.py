@@ -246,6 +246,19 @@ class ArmMotion:
         }
         return "frequency" not in acting and (0 not in modes or not acting & {"force", "friction"})
 
+    def jump_at(self, place: int, vector: Array) -> tuple[int, int, bool] | None:
+        """Cycle and mode of the impact whose jump is at that place of the vector, and whether of the rate; None for any
+        other quantity, and for a mode that does not answer linearly. The state at the start is no impact's: a sensor
+        may have looked before."""
+        one = self._jumps.get(place)
+        if one is None or one[0] == 0 or not self._answers_linearly(vector, {one[1]}):
+            return None
+        return one
+
+    def decay_of(self, mode: int, vector: Array) -> tuple[Array, float]:
+        """What a jump of a mode does from then on, as `free_decay` has it, and the tip's angle by it, rad/m."""
+        return self._decay(vector, mode), float(self._slopes[mode])
+
     def _decay(self, vector: Array, mode: int) -> Array:
         """What a jump of a mode does from then on; the last few are remembered."""
         first = self.space.place[f"modes.{mode}.frequency_hz"]

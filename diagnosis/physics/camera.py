@@ -3,7 +3,7 @@
 An exposure shows a scene's mean place, and how fast it passes; that part is compiled.
 """
 
-from math import pi
+from math import ceil, pi
 
 import numpy as np
 from numba import njit
@@ -74,6 +74,31 @@ class Camera:
         stepped = self.in_order_s >= vector[at["timing.step_onset_s"]]
         known: Array = due + np.where(stepped, vector[at["timing.step_s"]], 0.0)
         return known
+
+    @property
+    def exposed_cycles(self) -> int:
+        """Cycles that an exposure lasts, rounded up."""
+        return ceil(self.model.camera.exposure_s / self.measured.cycle_s)
+
+    def scene_of(self, tip_m: Array, angle: Array, vector: Array) -> Array | None:
+        """What the camera looks at more, px, where the tip is that much further and turned; None where it does not show
+        it alike at all times and places."""
+        at = self.space.place
+        if vector[at[CAMERA_BEGIN]] > 0.0 or laws_at(effects_in(vector, at), "image"):
+            return None
+        if vector[at["camera.locking_sin_px"]] or vector[at["camera.locking_cos_px"]]:
+            return None
+        tilt = vector[at["camera.rotation_px_per_rad"]]
+        return np.asarray(-vector[at["camera.scale_px_per_m"]] * tip_m - tilt * angle)
+
+    def exposed_later(self, scene: Array, cycles: int, vector: Array) -> Array:
+        """What the images show of a scene, px, that begins so many cycles after the recording does: at rest there, for
+        longer than an exposure."""
+        cycle_s = self.measured.cycle_s
+        instants = self.instants(vector) - cycles * cycle_s
+        value, rate = np.empty(len(instants)), np.empty(len(instants))
+        expose(np.ascontiguousarray(scene), instants, self.model.camera.exposure_s, cycle_s, value, rate)
+        return value
 
     def displacement(self, motion: Motion, tip_m: Array, vector: Array) -> tuple[Array, Array]:
         """Displacement of each frame, px, and its rate, px/s. tip_m: the tip's path, (n,)."""

@@ -23,6 +23,7 @@ from stillarm.diagnosis.physics.arm_motion import ANSWERS, JOINTS, ArmMotion, Mo
 from stillarm.diagnosis.physics.camera import Camera
 from stillarm.diagnosis.physics.computing import Lately
 from stillarm.diagnosis.physics.declared_effects import is_behind_encoder
+from stillarm.diagnosis.physics.jump_answers import JumpAnswers
 from stillarm.diagnosis.physics.measured_joint import answer_to_path, noise_at_tip, tip_moved, within_reach
 from stillarm.diagnosis.physics.quantities import QUARTZ, SKEW, Layout
 from stillarm.diagnosis.physics.space import Added, Quantity
@@ -93,6 +94,7 @@ class World:
         )  # fmt: skip
         self._accelerometer = Accelerometer(measured, self.space, self.modes, self.length)
         self._camera = Camera(measured, model, self.space, self.frame_clock)
+        self._jumps = JumpAnswers(self._arm, self._accelerometer, self._camera, 2 * self.modes)
         for group in added:
             for name in group.amounts:
                 self.space.add(Quantity(name, 0.0, step=1e-3 * group.prior_std, prior_std=group.prior_std))
@@ -135,6 +137,7 @@ class World:
     def forget(self) -> None:
         """Give the memory of what simulations have in common back, of a world that is kept for what it has shown."""
         self._arm.forget()
+        self._jumps.forget()
         self._offs.forget()
         self._answers.forget()
 
@@ -179,6 +182,11 @@ class World:
         group, _, number = name.rpartition(".")
         found = self.added_group(group)
         return None if found is None else {one: by[:, int(number)] for one, by in found.columns.items()}
+
+    def slopes_of_jump(self, name: str, vector: Array, base: Predicted) -> dict[str, Array] | None:
+        """Derivative of each channel that an impact's jump moves, (samples,), at a vector that makes `base` of the
+        recording; None for any other quantity, and where it does not follow from another impact's."""
+        return self._jumps.slopes(self.space.place[name], vector, base.channels)
 
     def baseline_names(self) -> list[str]:
         """What the baseline refits (the contract's list), as far as this recording's channels can show it."""
