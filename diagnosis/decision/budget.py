@@ -14,7 +14,7 @@ from stillarm.diagnosis.physics.computing import Clock, limited
 from stillarm.diagnosis.physics.world import World
 
 VERDICT_S = 5.0  # for what is left, the tables and the report's drawings, of one minute at 1 kHz on one core
-VERDICT_SHARE = 0.25  # of the budget, where that is more: a machine may be slower, or busy
+VERDICT_SHARE = 0.18  # of the budget, where that is more: a machine may be slower, or busy
 MIN_STAGES_SHARE = 0.4  # of a budget too small for either
 # simulations in a baseline and a round of the search, the median of the table in docs/diagnosis.md
 RUNS = 700

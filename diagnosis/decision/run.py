@@ -31,7 +31,7 @@ from stillarm.diagnosis.sensors.laws import LawFound
 Tick = Callable[[float, str], None]
 
 _BASELINE_SHARE, _CLOCKS_SHARE = 0.45, 0.6  # of the time for all stages
-_JUDGED_SHARE = 1.15  # of what the stages may take: the verdict's share of the budget holds as much
+_JUDGED_SHARE = 1.1  # of what the stages may take: the verdict's share of the budget holds as much
 
 
 @dataclass(frozen=True)

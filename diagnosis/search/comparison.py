@@ -18,7 +18,7 @@ from stillarm.diagnosis.fitting.rest import anything_matters
 from stillarm.diagnosis.forms import delay_walk, image_walk
 from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
-from stillarm.diagnosis.physics.computing import OutOfTime
+from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
@@ -43,6 +43,9 @@ _LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most
 _SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
 _WORTH_A_FIT = 0.1
 """Of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest."""
+_QUICK_SHARE, _ENDED_SHARE, _ONSET_SHARE = 0.5, 0.6, 0.5
+"""Of the time that is left, what the quick fits may take, those to the end of what these leave, and so on: the best of
+few forms says more than quick fits of all, and the most promising go first."""
 _IN_REACH = 0.5  # of the leading form's merit, where that leaves nothing that matters
 _WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched along
 
@@ -72,15 +75,19 @@ def compared(
         begun, screening = begun_fits(white, tried)
         known = _known(begun, last)
 
-        def judged(work: Callable[[Pair], tuple[Begun, Fit | None]], pairs: Sequence[Pair]) -> list[Pair]:
-            done = _each(work, pairs, found, [*known, *(one for one, _ in pairs)])
+        def judged(
+            work: Callable[[Pair], tuple[Begun, Fit | None]], pairs: Sequence[Pair], share: float = 1.0
+        ) -> list[Pair]:
+            with limited_to(share):
+                done = _each(work, pairs, found, [*known, *(one for one, _ in pairs)])
             candidates.extend(candidate_of(ground, pair) for pair in done)
             return done
 
-        quick = _each(partial(_quickly, ground), begun, found, known)
-        ended = judged(partial(to_the_end, ground), best_of_each(quick))
+        with limited_to(_QUICK_SHARE):
+            quick = _each(partial(_quickly, ground), begun, found, known)
+        ended = judged(partial(to_the_end, ground), best_of_each(quick), _ENDED_SHARE)
         near = _in_reach(ended, candidates, split)
-        later = judged(partial(with_onset, ground, white), _worth_an_onset(candidates, near))
+        later = judged(partial(with_onset, ground, white), _worth_an_onset(candidates, near), _ONSET_SHARE)
         near = _in_reach([*near, *later], candidates, split)
         at_best = judged(partial(polished, ground), _leading(near, candidates))
         judged(partial(throughout, ground), [pair for pair in at_best if pair[0].form.throughout is not None])
