@@ -21,7 +21,14 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.fitting.band_score import SHAPES, Spectra, log_density, nats, spectra
+from stillarm.diagnosis.fitting.band_score import (
+    SHAPES,
+    Spectra,
+    level_and_shape,
+    log_density,
+    nats,
+    spectra,
+)
 from stillarm.diagnosis.fitting.fitted import THIN, Fit, least_level, thinned
 
 Array = NDArray[np.float64]
@@ -115,11 +122,21 @@ def _noise_level(by_bands: Spectra, white: float) -> Array:
     return level
 
 
-def score_of_noise(fit: Fit, name: str, split: Split, white: float) -> float:
-    """What the log score of a channel would be, nats over all blocks, if nothing but its own noise were left."""
+def score_of_noise(fit: Fit, name: str, split: Split, white: float, matters: float) -> float:
+    """What the log score of a channel would be, nats over all blocks, if nothing but its own noise were left.
+
+    white: the noise's deviation; matters: of what is too little to matter, in the same unit. Where that is more than the
+    noise, a band keeps what it holds below it, and one that holds more is left with so much: a band of a fine sensor
+    that is foretold to the noise would else make up for another that is not foretold at all."""
     by_bands = _spectra(fit, name, split)
     level = _noise_level(by_bands, white)
     density = log_density(by_bands.count, by_bands.count * level, level, SHAPES[-1])
+    if matters > white:
+        held, shape = level_and_shape(by_bands, np.ones(len(by_bands.count), bool))
+        least = np.maximum(level, matters**2)
+        left = log_density(by_bands.count, by_bands.count * least, least, SHAPES[-1])
+        now = log_density(by_bands.count, by_bands.power, held, shape)
+        density = np.where(held > least, left, now)
     return float(np.where(by_bands.count > 0.0, density, 0.0).sum())
 
 

@@ -32,8 +32,9 @@ def explainable(last: Fit, split: Split) -> dict[str, float]:
     now = score(last, split)
     found = {}
     for name in last.residuals:
-        noise = max(white_noise(last, name), least_that_matters(last, name))
-        ideal = score_of_noise(last, name, split, noise / sqrt(THIN.get(name, 1)))
+        of_mean = 1.0 / sqrt(THIN.get(name, 1))
+        noise, matters = of_mean * white_noise(last, name), of_mean * least_that_matters(last, name)
+        ideal = score_of_noise(last, name, split, noise, matters)
         found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
     return found
 

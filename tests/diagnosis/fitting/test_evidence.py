@@ -67,12 +67,24 @@ def test_noise_alone_would_score_as_its_own_density_does_on_average(plain: Fit) 
     """White noise has no colour: its level is learnt from `white` up, and the score is E log N without its constant."""
     for deviation in (0.3, 2.0):
         one = left(plain, noise(5, deviation))
-        ideal = score_of_noise(one, "acceleration", SPLIT, deviation)
+        ideal = score_of_noise(one, "acceleration", SPLIT, deviation, 0.0)
         assert ideal == pytest.approx(INSIDE * (-log(deviation) - 0.5), abs=0.02 * INSIDE)
         assert (
             abs(whole(plain, noise(5, deviation)) - ideal)
             < 4.0 * (0.5 * INSIDE) ** 0.5 + BANDS + 0.02 * INSIDE
         )
+
+
+def test_what_is_finer_than_matters_makes_up_for_no_departure(plain: Fit) -> None:
+    """A sensor of a twentieth of what matters: its own noise is nothing to be explained, and a slow departure of many
+    times what matters is, however well all other bands are foretold."""
+    fine, matters = 0.05 * noise(7), 1.0
+    of_noise = score_of_noise(left(plain, fine), "acceleration", SPLIT, 0.05, matters)
+    assert of_noise == pytest.approx(whole(plain, fine), abs=1e-6 * INSIDE)
+    slow = fine + 30.0 * sinusoid(1)
+    gained = score_of_noise(left(plain, slow), "acceleration", SPLIT, 0.05, matters) - whole(plain, slow)
+    # one value of each block's periodogram, whose level falls to that of what matters
+    assert gained == pytest.approx(BLOCKS * log(30.0**2 * SAMPLES / 2.0), rel=0.05)
 
 
 def test_a_departure_in_some_blocks_is_no_noise(plain: Fit) -> None:
