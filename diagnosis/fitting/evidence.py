@@ -125,9 +125,9 @@ def _noise_level(by_bands: Spectra, white: float) -> Array:
 def score_of_noise(fit: Fit, name: str, split: Split, white: float, matters: float) -> float:
     """What the log score of a channel would be, nats over all blocks, if nothing but its own noise were left.
 
-    white: the noise's deviation; matters: of what is too little to matter, in the same unit. Where that is more than the
-    noise, a band keeps what it holds below it, and one that holds more is left with so much: a band of a fine sensor
-    that is foretold to the noise would else make up for another that is not foretold at all."""
+    white: the noise's deviation; matters: of what is too little to matter, in the same unit. Where that is more than
+    the noise, a band keeps what it holds below it, and one that holds more is left with so much: a band of a fine
+    sensor that is foretold to the noise would else make up for another that is not foretold at all."""
     by_bands = _spectra(fit, name, split)
     level = _noise_level(by_bands, white)
     density = log_density(by_bands.count, by_bands.count * level, level, SHAPES[-1])
