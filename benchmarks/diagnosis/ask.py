@@ -10,20 +10,18 @@ from stillarm.benchmarks.diagnosis.warm import Lost, Warm
 LONGEST_S = 600.0
 
 
-def ask(bundle: Path, work: Path, hold_out: list[list[float]], user: Warm) -> dict[str, Any]:
+def ask(bundle: Path, work: Path, user: Warm) -> dict[str, Any]:
     """Returns {"seconds", "cpu_s", "answer": the content of diagnosis.json, or None and "error"}.
 
-    work: folder for the files. hold_out: [from, to] in s, chosen by the judge, so that the gain can be compared with
-    the true model's on the same samples. seconds, cpu_s: wall clock and processor time of
-    `stillarm diagnose --no-use`, without its imports after the first.
+    work: folder for the files. seconds, cpu_s: wall clock and processor time of `stillarm diagnose --no-use`, without
+    its imports after the first.
     """
     recording, out = work / "recording.mcap", work / "out"
     imported = _told(user, "import", str(bundle), "-o", str(recording))
     if imported["problem"] is not None:
         return {"seconds": None, "cpu_s": None, "answer": None, "error": f"import: {imported['problem']}"}
     began = time.perf_counter()
-    windows = [word for begin, end in hold_out for word in ("--hold-out", f"{begin}:{end}")]
-    done = _told(user, "diagnose", str(recording), "--no-use", "--out", str(out), *windows)
+    done = _told(user, "diagnose", str(recording), "--no-use", "--out", str(out))
     took = {"seconds": time.perf_counter() - began, "cpu_s": done["cpu_s"]}
     if done["problem"] is not None:
         return took | {"answer": None, "error": f"diagnose: {done['problem']}"}

@@ -1,4 +1,4 @@
-"""Blind trials, one per core at a time, each kept in a separate file so that a campaign can be resumed.
+"""Blind trials, one per two cores at a time, each kept in a separate file so that a campaign can be resumed.
 
 `--trials N`: N recordings with one cause hidden (every cause in turn), half as many with nothing, a fifth with an
 effect that the catalogue does not have, a fifth with two causes.
@@ -19,6 +19,8 @@ from stillarm.benchmarks.diagnosis.summary import summary
 from stillarm.benchmarks.diagnosis.warm import Lost, Warm
 from stillarm.common.user_error import UserError
 
+_CORES = 2  # that one diagnosis uses; with fewer it runs out of its time
+_WORLD = "rigs"  # that the trials are drawn from
 Row = dict[str, Any]
 Trial = Callable[[str, int, int], Row]
 
@@ -67,13 +69,13 @@ def _one_by_one(
 
 
 def _side_by_side(keys: list[tuple[str, int]], seed: int) -> Iterator[tuple[tuple[str, int], Row]]:
-    """Yield each row as it completes. On each core, one process makes and marks trials, and another answers them."""
+    """Yield each row as it completes. In each lane, one process makes and marks trials, and another answers them."""
     if not keys:
         return
     lanes: queue.SimpleQueue[Warm] = queue.SimpleQueue()
     all_lanes = [
         Warm("stillarm.benchmarks.diagnosis.trial", own_group=True)
-        for _ in range(len(os.sched_getaffinity(0)))
+        for _ in range(max(1, len(os.sched_getaffinity(0)) // _CORES))
     ]
     for lane in all_lanes:
         lanes.put(lane)
@@ -120,10 +122,12 @@ def _file(folder: Path, key: tuple[str, int]) -> Path:
 
 
 def _claim(folder: Path, trials: int, seed: int) -> None:
-    """Note which campaign a folder contains; refuse to mix two seeds."""
+    """Note which campaign a folder contains; refuse to mix two seeds, or two worlds."""
     note = folder / "campaign.json"
     if note.is_file():
         had = json.loads(note.read_text())
+        if had.get("world") != _WORLD:
+            raise UserError(f"--resume {folder}: contains trials of an earlier benchmark; name a new folder")
         if had.get("seed") != seed:
             raise UserError(
                 f"--resume {folder}: contains a campaign of seed {had.get('seed')}, not {seed}; "
@@ -132,4 +136,4 @@ def _claim(folder: Path, trials: int, seed: int) -> None:
     elif folder.exists() and any(folder.iterdir()):
         raise UserError(f"--resume {folder}: contains other files; name a new folder, or that of a campaign")
     folder.mkdir(parents=True, exist_ok=True)
-    note.write_text(json.dumps({"seed": seed, "trials": trials}) + "\n")
+    note.write_text(json.dumps({"world": _WORLD, "seed": seed, "trials": trials}) + "\n")

@@ -1,135 +1,115 @@
-"""Marks one trial: compares the answer with what was hidden.
+"""Marks one trial by the contract: compares the answer with what was hidden.
 
-right        kind one: the cause is the first finding, or the first finding names it as the one other cause that it
-             cannot be distinguished from, and the contract lists the pair as hard or impossible to distinguish
-             kind two: both are among the findings, each in that sense
-             kind none: verdict `none` and no finding; kind unknown: verdict `unexplained` and no finding at 0.5 or over
-misnamed     a finding at a confidence of 0.5 or over that was not hidden: the first (one, unknown) or any (two)
+right        the verdict that was expected; and where a cause is to be named
+             kinds one, unknown: as the first finding, or in its class of at most two; a cause that is the same law in
+             this recording, or that is hidden as well and about as large, will do
+             kind two: every effect that matters alone among the findings, each in that sense
+named        kind one: verdict `named`, with the cause in that sense, whatever was expected
+misnamed     kinds one, unknown, none: verdict `named` with a first finding that was not hidden
+false alarm  kind none: a verdict that is not `none`; no answer counts as one
 """
 
-from statistics import median
+from collections.abc import Iterable
+from statistics import mean, median
 from typing import Any
 
-CONFIDENT = 0.5  # confidence from which a finding counts
-
-INSEPARABLE = {
-    frozenset(pair)
-    for pair in (
-        ("joint_friction", "drive_deadband"),
-        ("accelerometer_lag", "drive_dead_time"),
-        ("camera_clock_skew", "delay_drift"),
-        ("stale_frame_buffer", "clock_step"),
-    )
-}
-"""Pairs of causes that may form a class of two. The contract also pairs causes with other effects (participation, sag,
-a step of the delay); those need no entry. A step of received_s is a step of the delay."""
-
-_GAIN_CHANNELS = {
-    "acceleration_m_s2": ("accel",),
-    "joint_position_rad": ("position",),
-    "joint_velocity_rad_s": ("velocity",),
-    "displacement_px": ("displacement", "image"),
-}
+_MOST_TOGETHER = 2  # causes in a class that still names one
+_TOLD = ("cause", "confidence", "indistinguishable_from", "parameters")
+_OF_TRUTH = (
+    "kind",
+    "seed",
+    "number",
+    "duration_s",
+    "expected",
+    "cause",
+    "also",
+    "doubtful",
+    "size_in_noise",
+    "oracle_nats",
+    "hidden",
+)
 
 
 def mark(truth: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
     """The trial as one row of plain values: truth, answer and marks."""
     answer = asked["answer"]
     row: dict[str, Any] = {
-        "kind": truth["kind"],
-        "seed": truth["seed"],
-        "number": truth["number"],
-        "hidden": truth["hidden"],
-        "duration_s": truth["duration_s"],
-        "over_noise": truth["over_noise"],
+        **{key: truth[key] for key in _OF_TRUTH},
         "seconds": asked["seconds"],
         "cpu_s": asked.get("cpu_s"),
         "error": asked["error"],
         "verdict": None,
         "answers": [],
-        "right": False,
-        "misnamed": False,
         "answer": "failed",
+        "right": False,
+        "named": False,
+        "misnamed": False,
+        "false_alarm": truth["kind"] == "none",
         "parameter_error": None,
         "value_errors": {},
         "gain_ratio": None,
     }
     if answer is None:
         return row
-    findings = answer["findings"]
-    names = [hidden["cause"] for hidden in truth["hidden"]]
-    row["verdict"] = answer["verdict"]
-    row["answers"] = [
-        {key: finding.get(key) for key in ("cause", "confidence", "indistinguishable_from", "parameters")}
-        for finding in findings
-    ]
-    open_question = truth["kind"] == "unknown" and not any(_sure(f) for f in findings)
-    row["answer"] = findings[0]["cause"] if findings and not open_question else answer["verdict"]
-    row["right"] = _right(truth["kind"], names, answer)
-    row["misnamed"] = _misnamed(truth["kind"], names, findings)
-    if truth["kind"] == "one" and row["right"]:
-        row |= _measured(truth, answer)
+    findings, verdict = answer["findings"], answer["verdict"]
+    names = verdict == "named" and bool(findings)
+    row["verdict"] = verdict
+    row["answers"] = [{key: finding.get(key) for key in _TOLD} for finding in findings]
+    row["answer"] = findings[0]["cause"] if names else verdict
+    row["right"] = _right(truth, answer)
+    hidden = {truth["cause"], *truth["also"]}
+    row["named"] = truth["kind"] == "one" and names and covers(findings[0], hidden)
+    row["misnamed"] = truth["kind"] != "two" and names and not covers(findings[0], hidden)
+    row["false_alarm"] = truth["kind"] == "none" and verdict != "none"
+    if row["named"]:
+        errors = _value_errors(truth["hidden"][0], findings[0])
+        row["value_errors"] = errors
+        row["parameter_error"] = mean(errors.values()) if errors else None
+        row["gain_ratio"] = _gain_ratio(truth, answer)
     return row
 
 
-def covers(finding: dict[str, Any], cause: str) -> bool:
-    """Whether a finding names a cause, or an allowed class of two that contains it."""
-    if finding["cause"] == cause:
-        return True
-    others = finding.get("indistinguishable_from") or []
-    return others == [cause] and frozenset((finding["cause"], cause)) in INSEPARABLE
+def covers(finding: dict[str, Any], causes: Iterable[str | None]) -> bool:
+    """Whether a finding names one of some causes, itself or by its class of at most two."""
+    told = {finding["cause"], *(finding.get("indistinguishable_from") or [])}
+    return len(told) <= _MOST_TOGETHER and bool(told & (set(causes) - {None}))
 
 
-def _right(kind: str, names: list[str], answer: dict[str, Any]) -> bool:
+def _right(truth: dict[str, Any], answer: dict[str, Any]) -> bool:
     findings = answer["findings"]
-    if kind == "none":
-        return answer["verdict"] == "none" and not findings
-    if kind == "unknown":
-        return answer["verdict"] == "unexplained" and not any(_sure(f) for f in findings)
-    if kind == "one":
-        return bool(findings) and covers(findings[0], names[0])
-    return all(any(covers(finding, name) for finding in findings) for name in names)
+    if answer["verdict"] != truth["expected"]:
+        return False
+    if truth["expected"] != "named":
+        return True
+    wanted = [{one["cause"], *one["same"]} for one in truth["hidden"] if one["matters"]]
+    if truth["kind"] != "two" or not wanted:
+        return bool(findings) and covers(findings[0], {truth["cause"], *truth["also"]})
+    return all(any(covers(finding, causes) for finding in findings) for causes in wanted)
 
 
-def _misnamed(kind: str, names: list[str], findings: list[dict[str, Any]]) -> bool:
-    judged = findings if kind == "two" else findings[:1]
-    return any(_sure(f) and not any(covers(f, name) for name in names) for f in judged)
-
-
-def _sure(finding: dict[str, Any]) -> bool:
-    return float(finding.get("confidence", 1.0)) >= CONFIDENT
-
-
-def _measured(truth: dict[str, Any], answer: dict[str, Any]) -> dict[str, Any]:
-    """Errors of the parameters and of the gain, if the cause itself was named."""
-    hidden, finding = truth["hidden"][0], answer["findings"][0]
-    if finding["cause"] != hidden["cause"]:
+def _value_errors(hidden: dict[str, Any], finding: dict[str, Any]) -> dict[str, float]:
+    """|told - true| / |true| of each parameter that both have, but an onset, whose zero is arbitrary; none where
+    another cause of its class stands first, or the form's parameters are not the formula's."""
+    if finding["cause"] != hidden["cause"] or not hidden["comparable"]:
         return {}
-    errors = {}
-    for name, true in hidden["parameters"].items():
-        told = finding["parameters"].get(name)
-        if told is not None and name != "onset_s" and true:
-            errors[name] = abs(float(told["value"]) - true) / abs(true)
-    size = hidden["size"]
-    error = None
-    if size in errors:
-        error = errors[size] * abs(hidden["parameters"][size]) / abs(hidden["departure"])
-    return {"value_errors": errors, "parameter_error": error, "gain_ratio": _gain_ratio(truth, answer)}
+    told = finding["parameters"]
+    return {
+        name: abs(float(told[name]["value"]) - true) / abs(true)
+        for name, true in hidden["parameters"].items()
+        if name in told and name != "onset_s" and true
+    }
 
 
 def _gain_ratio(truth: dict[str, Any], answer: dict[str, Any]) -> float | None:
-    """Fraction of the true model's variance reduction that was reached, in the channel that shows the cause most."""
-    column = truth["strongest"]
-    if column not in _GAIN_CHANNELS or truth["hidden"][0]["law"]:
+    """Share of the true model's reduction of the held-out variance that was reached, in the channel that the effect
+    changes most; None where that is one of timing, or only a part of the recording was looked at."""
+    name = truth["strongest"]
+    channel, least = answer["channels"].get(name), truth["floor"].get(name)
+    cut = any(str(one).startswith("time after") for one in answer.get("looked_at", {}).get("left_out", ()))
+    if channel is None or least is None or cut:
         return None
-    for name, channel in answer["channels"].items():
-        if name == column or any(word in name for word in _GAIN_CHANNELS[column]):
-            before, after = channel.get("nrmse_before"), channel.get("nrmse_after")
-            floor = truth["floor"].get(column)
-            if before is None or after is None or floor is None or before <= floor:
-                return None
-            return float((before**2 - after**2) / (before**2 - floor**2))
-    return None
+    before, after = channel["nrmse_before"], channel["nrmse_after"]
+    return float((before**2 - after**2) / (before**2 - least**2)) if before > least else None
 
 
 def median_of(rows: list[dict[str, Any]], key: str) -> float | None:

@@ -14,7 +14,7 @@ from stillarm.benchmarks.diagnosis.hidden import Prepare, hidden_world
 from stillarm.benchmarks.diagnosis.mark import mark
 from stillarm.benchmarks.diagnosis.warm import Warm, serve
 
-Ask = Callable[[Path, Path, list[list[float]]], dict[str, Any]]
+Ask = Callable[[Path, Path], dict[str, Any]]
 
 
 def trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def trial(kind: str, number: int, seed: int, prepare: Prepare, answer: Ask) -> d
     try:
         truth = prepare(kind, number, seed, work / "data") | {"number": number}
         making_s = time.process_time() - began
-        return mark(truth, answer(work / "data", work, truth["hold_out"])) | {"making_cpu_s": making_s}
+        return mark(truth, answer(work / "data", work)) | {"making_cpu_s": making_s}
     finally:
         shutil.rmtree(work, ignore_errors=True)
 

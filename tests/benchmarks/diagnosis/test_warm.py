@@ -66,6 +66,6 @@ def test_a_bundle_that_cannot_be_read_is_a_miss_with_its_reason(tmp_path: Path) 
     (tmp_path / "data").mkdir()
     began = time.monotonic()
     with Warm("stillarm.benchmarks.diagnosis.user") as user:
-        asked = ask(tmp_path / "data", tmp_path, [], user)
+        asked = ask(tmp_path / "data", tmp_path, user)
     assert asked["answer"] is None and asked["error"].startswith("import: stillarm: ")
     assert time.monotonic() - began < 60.0

@@ -16,6 +16,12 @@ _FAST = {"time_s": "%.4f", "joint_position_rad": "%.7f"}
 
 def write_bundle(case: Case, folder: Path) -> None:
     """Write the four files; `folder` is made."""
+    write_data(case, folder)
+    (folder / "truth.json").write_text(json.dumps(truth(case), indent=1))
+
+
+def write_data(case: Case, folder: Path) -> None:
+    """Write what is measured and the model file, without what is hidden; `folder` is made."""
     folder.mkdir(parents=True, exist_ok=True)
     recording, seen = case.recording, case.recording.images
     fast = {"time_s": np.arange(case.rig.cycles) * TICK_S}
@@ -36,7 +42,6 @@ def write_bundle(case: Case, folder: Path) -> None:
         frames["captured_s"], formats["captured_s"] = seen.stamp_s, "%.6f"
     _write(folder / "frames.csv", frames, formats)
     (folder / "model.toml").write_text(model_text(case))
-    (folder / "truth.json").write_text(json.dumps(truth(case), indent=1))
 
 
 def truth(case: Case) -> dict[str, object]:

@@ -16,7 +16,7 @@ _RANGES = (19.6, 39.2, 78.4, 156.8)
 _SIZES = (1.8, 120.0)
 _HARDLY = (0.01, 0.1)
 _SHARE_HARDLY = 0.06
-_LEAST_CLEAR, _MOST_HIDDEN = 1.3, 0.15
+LEAST_CLEAR, _MOST_HIDDEN = 1.3, 0.15
 """Between these sizes it is doubtful what should be answered."""
 _CLOSE_ENOUGH = 1.4
 _MOST_OF_NOISE = 0.3
@@ -76,19 +76,19 @@ def make(seed: int, what: str = "mixed", two: bool = False) -> Case:
     hardly = hardly and ALL[causes[0]].fitted
     for attempt in range(_ATTEMPTS):
         case = _made(seed * _ATTEMPTS + attempt, causes, hardly)
-        if len(case.moves) >= _FEWEST_MOVES and not case.doubtful and (hardly or _all_clear(case)):
+        if len(case.moves) >= _FEWEST_MOVES and not case.doubtful and (hardly or all_clear(case)):
             break
     return case
 
 
-def _all_clear(case: Case) -> bool:
-    """Whether the rig shows what was to be plain."""
-    return all(size >= _LEAST_CLEAR for size in case.sizes)
+def all_clear(case: Case) -> bool:
+    """Whether the rig shows each effect plainly."""
+    return all(size >= LEAST_CLEAR for size in case.sizes)
 
 
 def _doubtful(sizes: list[float], seen: dict[str, Departure]) -> bool:
     """Whether it is open what should be answered."""
-    if any(_MOST_HIDDEN < size < _LEAST_CLEAR for size in sizes):
+    if any(_MOST_HIDDEN < size < LEAST_CLEAR for size in sizes):
         return True
     return bool(sizes) and max(sizes) <= _MOST_HIDDEN and of_noise(seen) > _MOST_OF_NOISE
 

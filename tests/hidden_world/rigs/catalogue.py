@@ -248,7 +248,7 @@ CAUSES: dict[str, Entry] = {
         ("angle", "sine", "joint_alone"),
         0.5,  # px/rad
         400.0,
-        lambda rig, e: {"rotation_px_per_rad": e.sign * e.size},
+        lambda rig, e: {"rotation_px_per_rad": rig.camera.rotation_px_per_rad + e.sign * e.size},
     ),
     "camera_clock_skew": Entry(
         ("steady", "warming", "from_onset"),

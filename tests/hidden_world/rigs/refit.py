@@ -80,6 +80,8 @@ class Linear:
         )
 
 
+# a trial past critical damping has a cost that is no number, and is refused
+@np.errstate(divide="ignore", invalid="ignore")
 def _mode(w: float, z: float, force: Values, q0: float, v0: float) -> tuple[Values, Values]:
     s = complex(-z * w, w * np.sqrt(1.0 - z * z))
     turn = np.exp(s * TICK_S)
