@@ -16,7 +16,7 @@ from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import fit_before, share_explained
 from stillarm.diagnosis.fitting.channel_noise import white_noise
-from stillarm.diagnosis.fitting.evidence import score
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, score
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
@@ -171,7 +171,8 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
             candidates += [of_law(last, law) for law in known if law.cause not in taken]
         except OutOfTime:
             found.left_out.append("laws of noise and timing")
-    return _taken_of(Stage(screening, _best_of_each(candidates), None), found, split)
+    ranked = _best_that_convinces(candidates, last, split, beside=bool(found.findings))
+    return _taken_of(Stage(screening, ranked, None), found, split)
 
 
 def _again(found: Found, split: Split) -> Stage | None:
@@ -210,6 +211,22 @@ def _best_of_each(candidates: Sequence[Candidate]) -> list[Candidate]:
     for one in sorted(candidates, key=lambda one: -one.merit):
         best.setdefault(one.cause, one)
     return list(best.values())
+
+
+def _best_that_convinces(
+    candidates: Sequence[Candidate], last: Fit, split: Split, beside: bool
+) -> list[Candidate]:
+    """The best form of each cause that convinces, or else the best, the best cause first: what one form of a mechanism
+    takes for too little to be named, another may tell in full."""
+    best: dict[str, Candidate] = {}
+    doubtful = set()
+    for one in sorted(candidates, key=lambda one: -one.merit):
+        if one.cause not in best or (one.cause in doubtful and convinces(one, last, split, beside)):
+            best[one.cause] = one
+            doubtful.discard(one.cause)
+            if one.merit >= CONVINCING_NATS and not convinces(one, last, split, beside):
+                doubtful.add(one.cause)
+    return sorted(best.values(), key=lambda one: -one.merit)
 
 
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:

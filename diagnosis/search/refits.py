@@ -3,6 +3,8 @@
 from dataclasses import replace
 from math import sqrt
 
+import numpy as np
+
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, foretold, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Data, Fit, make_data
@@ -106,8 +108,9 @@ def candidate_of(ground: Ground, pair: Pair) -> Candidate:
         - PRICE_NATS * (len(own) + (2 if one.form.begins else 0))
         - one.form.cause.prior_penalty(fitted)
     )
-    if one.form.nats_of is not None:
+    if one.form.nats_of is not None:  # a law of all blocks alike
         merit = one.form.nats_of(ground.last)
+        nats = np.full(len(nats), merit / len(nats))
     elif one.form.added is not None:  # of many amounts, which fit anything: by what is foretold
         merit = min(merit, split.blocks_per_held * float(held.sum()))
     return Candidate(
