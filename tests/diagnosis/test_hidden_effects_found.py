@@ -1,7 +1,7 @@
 """Blind: an effect is hidden by a world that the diagnosis does not know, and has to be found from the bundle alone.
 
 Fixed seeds, one case for each cause of the contract, 20 s each. The cases take turns, a few in each run
-(tests/plugins/blind_slices.py). `stillarm benchmark diagnosis` draws new ones.
+(tests/plugins/blind_slices.py). `stillarm benchmark diagnosis` draws new ones, from a wider world.
 """
 
 import json
@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from stillarm.benchmarks.diagnosis.mark import mark
+from stillarm.benchmarks.diagnosis.mark import covers
 from stillarm.main import main
 from tests.hidden_world.blind import prepare
 from tests.hidden_world.effects import CAUSES
@@ -20,7 +20,7 @@ SECONDS = 20.0
 
 
 def diagnosed(truth: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The trial's marks, by the commands that a user would give."""
+    """What is said of the trial, by the commands that a user would give."""
     assert main(["import", str(folder / "data"), "-o", str(folder / "rec.mcap")]) == 0
     windows = [word for begin, end in truth["hold_out"] for word in ("--hold-out", f"{begin}:{end}")]
     assert (
@@ -38,8 +38,8 @@ def diagnosed(truth: dict[str, Any], folder: Path) -> dict[str, Any]:
         )
         == 0
     )
-    answer = json.loads((folder / "out" / "diagnosis.json").read_text())
-    return mark(truth, {"answer": answer, "seconds": None, "error": None})
+    answer: dict[str, Any] = json.loads((folder / "out" / "diagnosis.json").read_text())
+    return answer
 
 
 MISSED: dict[str, str] = {}
@@ -54,13 +54,13 @@ def _marked(cause: str) -> object:
 @pytest.mark.blind(each_run=2, seed=SEED)
 @pytest.mark.parametrize("cause", [_marked(cause) for cause in sorted(CAUSES)])
 def test_the_hidden_cause_is_named(cause: str, tmp_path: Path) -> None:
-    truth = prepare("one", 0, SEED, tmp_path / "data", SECONDS, cause) | {"number": 0}
-    row = diagnosed(truth, tmp_path)
-    assert row["right"], (row["hidden"], row["verdict"], row["answers"])
+    truth = prepare("one", 0, SEED, tmp_path / "data", SECONDS, cause)
+    answer = diagnosed(truth, tmp_path)
+    findings = answer["findings"]
+    assert findings and covers(findings[0], {cause}), (truth["hidden"], answer["verdict"], findings)
 
 
 @pytest.mark.slow
 def test_nothing_is_found_where_nothing_is_hidden(tmp_path: Path) -> None:
-    truth = prepare("none", 0, SEED, tmp_path / "data", SECONDS) | {"number": 0}
-    row = diagnosed(truth, tmp_path)
-    assert row["right"], (row["verdict"], row["answers"])
+    answer = diagnosed(prepare("none", 0, SEED, tmp_path / "data", SECONDS), tmp_path)
+    assert answer["verdict"] == "none" and not answer["findings"], (answer["verdict"], answer["findings"])
