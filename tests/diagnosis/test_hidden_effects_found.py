@@ -42,7 +42,10 @@ def diagnosed(truth: dict[str, Any], folder: Path) -> dict[str, Any]:
     return answer
 
 
-MISSED: dict[str, str] = {}
+MISSED: dict[str, str] = {
+    "second_bending_mode": "too little to matter by the contract: `none` is answered",
+    "stale_frame_buffer": "a clock_step is named, without its class",
+}
 """What is known not to be found with this seed: kept, so that it is seen when it is."""
 
 
