@@ -16,7 +16,7 @@ from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import fit_before, share_explained
 from stillarm.diagnosis.fitting.channel_noise import white_noise
-from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, score
+from stillarm.diagnosis.fitting.evidence import score
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
@@ -218,15 +218,14 @@ def _best_that_convinces(
 ) -> list[Candidate]:
     """The best form of each cause that convinces, or else the best, the best cause first: what one form of a mechanism
     takes for too little to be named, another may tell in full."""
-    best: dict[str, Candidate] = {}
-    doubtful = set()
+    forms_of: dict[str, list[Candidate]] = {}
     for one in sorted(candidates, key=lambda one: -one.merit):
-        if one.cause not in best or (one.cause in doubtful and convinces(one, last, split, beside)):
-            best[one.cause] = one
-            doubtful.discard(one.cause)
-            if one.merit >= CONVINCING_NATS and not convinces(one, last, split, beside):
-                doubtful.add(one.cause)
-    return sorted(best.values(), key=lambda one: -one.merit)
+        forms_of.setdefault(one.cause, []).append(one)
+    best = [
+        next((one for one in of_cause if convinces(one, last, split, beside)), of_cause[0])
+        for of_cause in forms_of.values()
+    ]
+    return sorted(best, key=lambda one: -one.merit)
 
 
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:

@@ -129,14 +129,12 @@ def score_of_noise(fit: Fit, name: str, split: Split, white: float, matters: flo
     the noise, a band keeps what it holds below it, and one that holds more is left with so much: a band of a fine
     sensor that is foretold to the noise would else make up for another that is not foretold at all."""
     by_bands = _spectra(fit, name, split)
-    level = _noise_level(by_bands, white)
-    density = log_density(by_bands.count, by_bands.count * level, level, SHAPES[-1])
+    least = np.maximum(_noise_level(by_bands, white), matters**2 if matters > white else 0.0)
+    density = log_density(by_bands.count, by_bands.count * least, least, SHAPES[-1])
     if matters > white:
         held, shape = level_and_shape(by_bands, np.ones(len(by_bands.count), bool))
-        least = np.maximum(level, matters**2)
-        left = log_density(by_bands.count, by_bands.count * least, least, SHAPES[-1])
         now = log_density(by_bands.count, by_bands.power, held, shape)
-        density = np.where(held > least, left, now)
+        density = np.where(held > least, density, now)
     return float(np.where(by_bands.count > 0.0, density, 0.0).sum())
 
 

@@ -15,6 +15,17 @@ from stillarm.main import main
 from tests.hidden_world.blind import prepare
 from tests.hidden_world.effects import CAUSES
 
+INSEPARABLE = {
+    frozenset(pair)
+    for pair in (
+        ("joint_friction", "drive_deadband"),
+        ("accelerometer_lag", "drive_dead_time"),
+        ("camera_clock_skew", "delay_drift"),
+        ("stale_frame_buffer", "clock_step"),
+    )
+}
+"""Pairs of causes that may form a class of two here: the contract's that are hard or impossible to distinguish."""
+
 SEED = 2024
 SECONDS = 20.0
 
@@ -60,7 +71,10 @@ def test_the_hidden_cause_is_named(cause: str, tmp_path: Path) -> None:
     truth = prepare("one", 0, SEED, tmp_path / "data", SECONDS, cause)
     answer = diagnosed(truth, tmp_path)
     findings = answer["findings"]
-    assert findings and covers(findings[0], {cause}), (truth["hidden"], answer["verdict"], findings)
+    told = (truth["hidden"], answer["verdict"], findings)
+    assert findings and covers(findings[0], {cause}), told
+    first = findings[0]["cause"]
+    assert first == cause or frozenset((first, cause)) in INSEPARABLE, told
 
 
 @pytest.mark.slow
