@@ -63,12 +63,18 @@ def _searched(
     tick: Callable[[float, str], None],
     only: Sequence[str] | None,
     known: Sequence[LawFound],
+    hint: Hint | None = None,
 ) -> Found:
-    begun, hint = _from_another_baseline(baseline, split, tick, only)
+    """The search from a baseline, or from the likelier one that its first round comes upon. hint: as in Found."""
+    begun = None
+    if hint is None:
+        begun, hint = _from_another_baseline(baseline, split, tick, only)
     begun = begun or _without_doubtful_impacts(baseline, split, only, hint)
     found, stages = begun or (Found(baseline, baseline, hint=hint), [])
-    found = explained(found, split, tick, only, known, stages)
-    return found if found.likelier is None else _searched(found.likelier, split, tick, only, known)
+    told = explained(found, split, tick, only, known, stages)
+    if told.likelier is None:
+        return told
+    return _searched(told.likelier, split, tick, only, known, told.hint)
 
 
 def _from_another_baseline(

@@ -15,12 +15,13 @@ from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import fit_before, share_explained
+from stillarm.diagnosis.events.impacts import with_further_impacts
 from stillarm.diagnosis.fitting.channel_noise import white_noise
-from stillarm.diagnosis.fitting.evidence import score
+from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
-from stillarm.diagnosis.fitting.rest import anything_matters
+from stillarm.diagnosis.fitting.rest import anything_matters, explainable
 from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz
@@ -29,6 +30,7 @@ from stillarm.diagnosis.search.candidates import (
     EXPLAINED,
     Candidate,
     Found,
+    Hint,
     Stage,
     explains_the_same,
     of_law,
@@ -44,6 +46,7 @@ MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _FULL = 12  # steps of a fit
+_TOLD = 0.5  # of what is explainable beside a finding is left at most, where impacts tell most of it
 _OF_A_SWING = 0.25  # by which a delay is off, for another swing to fit nearly as well
 
 
@@ -55,22 +58,20 @@ def explained(
     known: Sequence[LawFound],
     begun: Sequence[Stage] = (),
 ) -> Found:
-    """The findings one after another, unless the first round came upon a likelier baseline, which is told alone. begun:
-    rounds that are made already."""
+    """The findings one after another, unless the first round came upon a likelier baseline, which is told alone, or
+    with that round as a hint. begun: rounds that are made already."""
     baseline = found.baseline
-    if begun and (plain := _likelier_baseline(begun[0], baseline, split)) is not None:
-        return Found(baseline, baseline, likelier=plain)
+    if begun and (better := _likelier_baseline(begun[0], baseline, split)) is not None:
+        return Found(baseline, baseline, likelier=better)
     data = make_data(baseline.world, split)
     for law in (*known, *backward_steps(data)):
         one = of_law(baseline, law)
         found.findings.append(one)
         found.stages.append(Stage([], [one], one))
     for stage in begun:
-        assert stage.taken is not None
-        stage.taken = _settled(stage.taken, split)
-        found.stages.append(stage)
-        found.findings.append(stage.taken)
-        found.final = stage.taken.fit
+        _take(stage, found, split)
+    if begun and (better := _struck_beside(found, split)) is not None:
+        return Found(baseline, baseline, likelier=better, hint=Hint(baseline, found.stages[-1]))
     for turn in range(len(begun), MOST_CAUSES):
         tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
         upstream = turn == 0 and joint_departs(found.final)
@@ -91,10 +92,10 @@ def explained(
         if little and found.findings:  # a part of something without a name, which is told as left
             stage.taken = None
             break
-        if stage.taken.law is None:
-            stage.taken = _settled(stage.taken, split)
-            found.final = stage.taken.fit
-        found.findings.append(stage.taken)
+        found.stages.pop()
+        _take(stage, found, split)
+        if turn == 0 and (better := _struck_beside(found, split)) is not None:
+            return Found(baseline, baseline, likelier=better, hint=Hint(baseline, stage))
         if little:  # what the most of it is has no name, whatever beside it has one
             break
     return found
@@ -120,6 +121,41 @@ def _settled(one: Candidate, split: Split) -> Candidate:
         return one
     values = one.parameters_of(fitted) if one.parameters_of is not None else one.values
     return replace(one, fit=fitted, values=values, nats=one.nats + more, merit=one.merit + float(more.sum()))
+
+
+def _take(stage: Stage, found: Found, split: Split) -> None:
+    """Add a round and what it took."""
+    assert stage.taken is not None
+    if stage.taken.law is None:
+        stage.taken = _settled(stage.taken, split)
+        found.final = stage.taken.fit
+    found.stages.append(stage)
+    found.findings.append(stage.taken)
+
+
+def _struck_beside(found: Found, split: Split) -> Fit | None:
+    """The baseline with the impacts that show beside the first finding, where they tell most of what that leaves: a
+    model that lacks the finding hides some, and has others made up. None where they do not, or there is no time
+    left."""
+    last, baseline = found.final, found.baseline
+    if (
+        last is baseline
+        or any(one.over_time for one in last.world.added)
+        or not anything_matters(last, split)
+    ):
+        return None
+    try:
+        struck = with_further_impacts(last, split)
+        impacts, many = struck.world.impacts, len(struck.free) - len(last.free)
+        left, before = (sum(explainable(one, split).values()) for one in (struck, last))
+        gained = float(score(struck, split).gain(score(last, split)).sum()) - PRICE_NATS * max(many, 0)
+        if impacts == last.world.impacts or left > _TOLD * before or gained < CHANGED_NATS:
+            return None
+        world = baseline.world.changed(impacts=impacts, borne_out=frozenset(impacts))
+        start, names = carried_over(baseline, world), world.baseline_names()
+        return fit(make_data(world, split), start, names, iterations=_FULL, colour=baseline.colour)
+    except OutOfTime:
+        return None
 
 
 def _likelier_baseline(stage: Stage, baseline: Fit, split: Split) -> Fit | None:

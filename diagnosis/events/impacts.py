@@ -50,12 +50,17 @@ def fit_with_impacts(
 
 
 def with_impacts_sought(
-    world: World, split: Split, start: Array | None = None, steady: Fit | None = None
+    world: World,
+    split: Split,
+    start: Array | None = None,
+    steady: Fit | None = None,
+    extra: tuple[str, ...] = (),
 ) -> Fit:
     """The first half of it: a segment wherever an impact seems to have been. steady: a fit from another start, in whose
-    place this one is sought: no further than until it has as many impacts, and is less likely."""
+    place this one is sought: no further than until it has as many impacts, and is less likely. extra: what is fitted
+    beside the baseline's quantities, here and in the second half."""
     data = make_data(world, split)
-    last = fit(data, world.space.vector() if start is None else start, (), iterations=0)
+    last = fit(data, world.space.vector() if start is None else start, extra, iterations=0)
     return _sought(last, split, steady)
 
 
@@ -66,8 +71,13 @@ def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
     return refit_with(last, split, last.world.impacts)
 
 
+def with_further_impacts(last: Fit, split: Split) -> Fit:
+    """A fit, whatever it frees beside the baseline's quantities, with the impacts that show in what it leaves."""
+    return pruned(_sought(last, split, None), split)
+
+
 def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
-    """Impacts sought in what is left, again and again. last: a start, not a fit. steady: as in
+    """Impacts sought in what is left, again and again. last: a start, or a fit. steady: as in
     `with_impacts_sought`."""
     split = replace(split, lends=False)  # what follows a misplaced impact is another's
     impacts: set[int] = set(last.world.impacts)
@@ -94,13 +104,16 @@ def needs_more(last: Fit, other: Fit) -> bool:
 
 
 def impacts_while_moving(last: Fit) -> list[int]:
-    """The impacts within a swing of which the joint was on the move; without those that end what is not judged: from
-    there the arm rings from a state of its own, whatever the model says of moves."""
+    """The impacts within a swing of which the joint was on the move; without those that a better model bears out, and
+    those that end what is not judged: from there the arm rings from a state of its own, whatever the model says of
+    moves."""
     world = last.world
     reach = round(1.0 / (last.value("modes.0.frequency_hz") * world.measured.cycle_s))
-    ends = world.unjudged_ends
+    known = world.unjudged_ends | world.borne_out
     return [
-        cycle for cycle in world.impacts if cycle not in ends and not world.measured.rests_about(cycle, reach)
+        cycle
+        for cycle in world.impacts
+        if cycle not in known and not world.measured.rests_about(cycle, reach)
     ]
 
 
@@ -119,10 +132,12 @@ def refit_with(
     iterations: int = 12,
     anew: int | None = None,
 ) -> Fit:
-    """Fit again with these segments, from what is known. anew: as in `fit`."""
+    """Fit again with these segments, from what is known. extra: freed beside what is free already. anew: as in
+    `fit`."""
     world = last.world.changed(impacts=impacts)
     start = carried_over(last, world)
-    free = world.with_baseline(extra)
+    kept = (name for name in last.free if not name.startswith("jump."))
+    free = tuple(dict.fromkeys((*world.with_baseline(extra), *kept)))
     data = make_data(world, split)
     colour = last.colour | colours(data, start)
     return fit(data, start, free, colour=colour, iterations=iterations, anew=anew)
@@ -133,11 +148,11 @@ def _sharpened(last: Fit, split: Split) -> tuple[Fit, set[int]]:
     comes out of that in any state."""
     world = last.world
     cycle_s = world.measured.cycle_s
-    ends = world.unjudged_ends
+    known = world.unjudged_ends | world.borne_out
     for _ in range(2):
         moved = []
         for j, cycle in enumerate(world.impacts, start=1):
-            shift = min(max(_refined(last, j), -0.12), 0.12) if cycle not in ends else 0.0
+            shift = min(max(_refined(last, j), -0.12), 0.12) if cycle not in known else 0.0
             moved.append(min(max(cycle + round(shift / cycle_s), 1), world.measured.cycles - 2))
         moved = sorted(set(moved))
         if tuple(moved) == world.impacts:
@@ -167,7 +182,10 @@ def _significant(last: Fit) -> tuple[int, ...]:
     doubts = doubts_about_modes(last)  # what it leaves stays as it is
     while True:
         sizes = {
-            cycle: np.inf if cycle in ends and any(0 < abs(other - cycle) < near for other in kept) else size
+            cycle: np.inf
+            if cycle in last.world.borne_out
+            or (cycle in ends and any(0 < abs(other - cycle) < near for other in kept))
+            else size
             for cycle, size in zip(last.world.impacts, sizes_in_stds(here, doubts), strict=True)
             if cycle in kept
         }

@@ -28,6 +28,7 @@ _NEAR = 5.0  # times the median of those near by: by noise one in 2^25
 _NORMAL = 2.0  # times as many medians make a difference of amplitudes, which is normal, as rare as Rayleigh's
 _LEAST_SHARE = 0.01  # of the arm's largest vibration
 _AGREE = 0.6  # of a jump, by which another sensor may have it otherwise
+_TURNED = 0.6  # sine of the angle, by which a jump that both show plainly may be turned: what a wrong delay makes of it
 _APART_PERIODS = 1.2  # of the first mode, between jumps that one look finds
 _MOST = 40  # jumps that one look finds
 
@@ -158,7 +159,8 @@ def _jumps_of_the_first_mode(last: Fit, share: float) -> list[tuple[float, float
 def _borne_out(at: Array, period: float, w: float, shown: Series, other: Series) -> NDArray[np.bool_]:
     """Whether another sensor shows the same jump: an impact moves the arm, and all that look at it; a sensor that has
     gone wrong moves its own reading. While a push by hand lasts, its force is another jump to each sensor: windows
-    before and after it agree. Where the other sensor's noise hides it, it is taken for the same."""
+    before and after it agree. Where the other sensor's noise hides it, it is taken for the same. Where it shows it as
+    plainly, at the same phase or the opposite one, its size may be any: its scale may be wrong, even in sign."""
     agree, full = _same_jump(at, period, w, shown, other, 0.0)
     apart, full_apart = _same_jump(at, period, w, shown, other, PUSH_PERIODS / 2.0 * period)
     return agree | ~full | (apart & full_apart)
@@ -177,7 +179,10 @@ def _same_jump(
     there = after - before
     full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
     usual = float(np.median(np.abs(there[full]))) if full.any() else 0.0
-    return np.abs(there - jump) < np.maximum(_AGREE * np.abs(jump), 3.0 * usual), full
+    alike = np.abs(there - jump) < np.maximum(_AGREE * np.abs(jump), 3.0 * usual)
+    across = np.abs((there * np.conj(jump)).imag) < _TURNED * np.abs(there * jump)
+    plain = np.abs(there) > _OUTSTANDING * usual
+    return alike | (across & plain & (usual > 0.0)), full
 
 
 def _usual(jump: Array, full: NDArray[np.bool_], period: int) -> Array:

@@ -15,7 +15,7 @@ from scipy.ndimage import median_filter
 from stillarm.diagnosis.data.robust import MIN_USUAL, std_about_zero, white_noise
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.events.held import held_spans_s
-from stillarm.diagnosis.events.impacts import fit_with_impacts, pruned
+from stillarm.diagnosis.events.impacts import ANEW, WHILE_SOUGHT, fit_with_impacts, pruned
 from stillarm.diagnosis.events.jumps import PUSH_PERIODS
 from stillarm.diagnosis.fitting.departures import (
     LOUD_OVER_S,
@@ -124,10 +124,10 @@ def _without_pushes_seen(baseline: Fit, split: Split) -> Fit:
         spans = [
             (max(struck - before * period, 0.0), struck + after * period) for before, after in _SPANS_PERIODS
         ]
-        tried = [_left_out(baseline, [span], split) for span in spans]
+        tried = [_left_out(baseline, [span], split, quick=True) for span in spans]
         nats = [_nats_where_both(one, baseline) for one in tried]
         if max(nats) > CHANGED_NATS:
-            baseline = tried[int(np.argmax(nats))]
+            baseline = _left_out(baseline, [spans[int(np.argmax(nats))]], split)
             continue
         span = _seen_about(baseline, struck, period)
         if span is None:
@@ -161,8 +161,9 @@ def _nats_where_both(found: Fit, before: Fit) -> float:
     return 0.5 * int(both.sum()) * float(np.log(power_before / max(power, 1e-300)))
 
 
-def _left_out(baseline: Fit, spans: Sequence[tuple[float, float]], split: Split) -> Fit:
-    """The fit without what these spans show, and with one impact in each: a state to ring on from."""
+def _left_out(baseline: Fit, spans: Sequence[tuple[float, float]], split: Split, quick: bool = False) -> Fit:
+    """The fit without what these spans show, and with one impact in each: a state to ring on from. quick: in the few
+    steps that tell which span is the best."""
     world = baseline.world
     unjudged_s = tuple(_merged([*world.unjudged_s, *spans]))
     kept = set(world.impacts)
@@ -170,9 +171,10 @@ def _left_out(baseline: Fit, spans: Sequence[tuple[float, float]], split: Split)
         inside = [i for i in world.impacts if start <= i * world.measured.cycle_s <= end]
         kept -= set(inside[:-1])
     there = world.changed(impacts=tuple(sorted(kept)), unjudged_s=unjudged_s)
-    begun = carried_over(baseline, there)
-    last = fit(make_data(there, split), begun, there.baseline_names(), colour=baseline.colour)
-    return pruned(last, split)
+    begun, data, names = carried_over(baseline, there), make_data(there, split), there.baseline_names()
+    if quick:
+        return fit(data, begun, names, colour=baseline.colour, iterations=WHILE_SOUGHT, anew=ANEW)
+    return pruned(fit(data, begun, names, colour=baseline.colour), split)
 
 
 def _no_worse(found: Fit, before: Fit) -> bool:

@@ -1,18 +1,21 @@
 """What a fit leaves in the channels: how much, whether it matters, and what a perfect model would gain."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
+from stillarm.diagnosis.data.robust import without_spikes
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.channel_noise import least_that_matters, noise_of, white_noise
 from stillarm.diagnosis.fitting.evidence import score, score_of_noise
 from stillarm.diagnosis.fitting.fitted import THIN, Fit
 
 Array = NDArray[np.float64]
+
+_SPIKED = "acceleration"  # the channel in which impulse noise is looked for
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,9 @@ class Rest:
 
 def explainable(last: Fit, split: Split) -> dict[str, float]:
     """Nats that a perfect model would gain on a fit, by channel: all but the channel's own noise, and but for what is
-    too little to matter. A fine encoder has next to no noise: no user asks for a model as good as that."""
+    too little to matter. A fine encoder has next to no noise: no user asks for a model as good as that. Nor does any
+    model foretell a lone spike, which is a matter of laws."""
+    last = _without_spikes(last)
     now = score(last, split)
     found = {}
     for name in last.residuals:
@@ -37,6 +42,17 @@ def explainable(last: Fit, split: Split) -> dict[str, float]:
         ideal = score_of_noise(last, name, split, noise, matters)
         found[name] = max(ideal - float(now.whole[name].sum()), 0.0)
     return found
+
+
+def _without_spikes(last: Fit) -> Fit:
+    """A fit without the lone spikes of its accelerometer's residual."""
+    residual = last.residuals.get(_SPIKED)
+    if residual is None:
+        return last
+    known = np.isfinite(residual)
+    quiet = residual.copy()
+    quiet[known] = without_spikes(residual[known])
+    return replace(last, residuals={**last.residuals, _SPIKED: quiet})
 
 
 def anything_matters(last: Fit, split: Split) -> bool:

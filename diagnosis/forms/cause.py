@@ -85,12 +85,17 @@ class Context:
 
     @cached_property
     def _courses(self) -> dict[str, Course]:
-        """How the arm's frequency is seen to go, as long as the fit has no course of it."""
+        """How the arm's frequency is seen to go, as long as the fit has no course of it: beside the fit's answer to the
+        joint, or beside the stated model's, whichever shows it more plainly. A fit of one frequency may be bent."""
         start = self.world.space.vector()
         names = ("arm.frequency_ratio", "arm.frequency_rate_per_s", "arm.cubic_per_m2")
         if any(self.value(name) != start[self.world.space.place[name]] for name in names):
             return {}
-        return frequency_courses(self.world, self.fit.predicted.motion)
+        found = frequency_courses(self.world, self.fit.predicted.motion)
+        for cause, course in frequency_courses(self.world, self.world.predict(start).motion).items():
+            if cause not in found or course.nats > found[cause].nats:
+                found[cause] = course
+        return found
 
     def along_a_course(self, cause: str, name: str) -> list["Trial"]:
         """Trials that start from how the arm's frequency is seen to go, if as the cause has it, higher modes with it or

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.cause import Cause, Form, Trial, Values, has, plain
 from stillarm.diagnosis.physics.camera import expose
+from stillarm.diagnosis.physics.declared_effects import quantity_of
 from stillarm.diagnosis.physics.space import Added, hats
 from stillarm.diagnosis.physics.world import World
 
@@ -58,7 +59,8 @@ def of_course(
     """A cause that takes a course of its own over time (`_course`); its rate is the course's mean one."""
 
     def parameters(fit: Fit) -> Values:
-        return rate_of_course(fit, parameter, channel, group_of(fit, group))
+        rate = rate_of_course(fit, channel, group_of(fit, group), scale(fit))
+        return {parameter: (rate + _declared(fit, identifier, parameter), 0.0)}
 
     return of_terms(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
 
@@ -96,16 +98,25 @@ def of_walk(
         return 0.0 if walk is None else walk.nats
 
     def parameters(fit: Fit) -> Values:
-        return rate_of_course(fit, parameter, channel, group_of(fit, group))
+        rate = rate_of_course(fit, channel, group_of(fit, group))
+        return {parameter: (rate + _declared(fit, identifier, parameter), 0.0)}
 
     return of_terms(identifier, "as a random walk", channel, group, parameters, added, nats_of=nats)
 
 
-def rate_of_course(fit: Fit, parameter: str, channel: str, group: Added) -> Values:
-    """The mean rate of a fitted course, as a parameter."""
-    amounts = np.array([fit.value(each) for each in group.amounts])
-    course = group.columns[channel] @ amounts
-    return {parameter: (float(np.polyfit(fit.world.times_of(channel), course, 1)[0]), 0.0)}
+def rate_of_course(fit: Fit, channel: str, group: Added, unit: Array | float = 1.0) -> float:
+    """The mean rate of a fitted course: of the straight line next to it, in the channel's unit a second. unit: what the
+    course is a share of, (samples,), if it varies: the rate is that share's then, 1/s."""
+    course = group.columns[channel] @ np.array([fit.value(each) for each in group.amounts])
+    share_of = unit if isinstance(unit, np.ndarray) else np.ones(len(course))
+    line = np.stack([share_of, share_of * fit.world.times_of(channel)], axis=1)
+    return float(np.linalg.lstsq(line, course, rcond=None)[0][1])
+
+
+def _declared(fit: Fit, cause: str, parameter: str) -> float:
+    """The rate that the model declares already: a course comes on top of it."""
+    name = quantity_of(cause, parameter)
+    return fit.value(name) if name in fit.world.space.place else 0.0
 
 
 def of_terms(

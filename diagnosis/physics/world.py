@@ -64,11 +64,14 @@ class World:
         unjudged_s: tuple[tuple[float, float], ...] = (),
         joint_hz: float = 0.0,
         strokes: tuple[int, ...] | None = None,
+        borne_out: frozenset[int] = frozenset(),
     ) -> None:
         """Lay out the vector. behind_encoder: a play lies behind the joint sensor. clock: the frames', if known.
         added: terms without a formula. unjudged_s: spans in which something unknown holds the arm, from and to.
         joint_hz: up to which frequency the arm is moved by the joint as it was measured. strokes: cycles about which
-        the accelerometer is not judged; those of the impacts, if not given."""
+        the accelerometer is not judged; those of the impacts, if not given. borne_out: cycles of impacts that stand
+        beside a better model: no weaker one drops them."""
+        self.borne_out = borne_out
         self.strokes = impacts if strokes is None else strokes
         self.added, self.unjudged_s, self.joint_hz = added, unjudged_s, joint_hz
         self.measured, self.model = measured, model
@@ -113,6 +116,7 @@ class World:
         unjudged_s: tuple[tuple[float, float], ...] | None = None,
         joint_hz: float | None = None,
         strokes: tuple[int, ...] | None = None,
+        borne_out: frozenset[int] | None = None,
     ) -> "World":
         """The same recording and model in a world of another structure; what is not given stays. The frames' clock,
         which a search works out, is the same."""
@@ -127,6 +131,7 @@ class World:
             self.unjudged_s if unjudged_s is None else unjudged_s,
             self.joint_hz if joint_hz is None else joint_hz,
             strokes if strokes is not None or impacts is not None else self.strokes,
+            self.borne_out if borne_out is None else borne_out,
         )
 
     @property
@@ -146,6 +151,7 @@ class World:
         return World(
             measured, self.model, self.impacts if impacts is None else impacts, self.extra_modes,
             self.behind_encoder, None, self.added, self.unjudged_s, self.joint_hz,
+            borne_out=self.borne_out,
         )  # fmt: skip
 
     def _leave_out(self, span_s: tuple[float, float]) -> None:

@@ -10,7 +10,6 @@ from stillarm.common.causes import CAUSES
 from stillarm.common.files.effects_check import EffectValue
 from stillarm.common.files.model import Model
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.forms.causes import CAUSES as SEARCHED
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.sensors.laws import OF_STAMPS
 
@@ -18,8 +17,8 @@ from stillarm.diagnosis.sensors.laws import OF_STAMPS
 def effect_of(one: Candidate, final: Fit) -> dict[str, EffectValue]:
     """A finding as an entry of [[effects]], its values those of the last fit."""
     values = one.values
-    if one.law is None and one.cause in SEARCHED:
-        values = SEARCHED[one.cause].parameters_of(final)
+    if one.law is None and one.parameters_of is not None:
+        values = one.parameters_of(final)
     effect: dict[str, EffectValue] = {"cause": one.cause}
     for parameter in CAUSES[one.cause].parameters:
         if parameter.name not in values:

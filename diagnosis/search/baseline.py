@@ -177,7 +177,13 @@ def _along_a_course(steady: Fit, world: World, split: Split) -> Fit | None:
         return None
     most = max(one.nats for one in courses.values())
     sought = [
-        (with_impacts_sought(world, split, world.space.with_values(begun, starts[0]), steady), starts)
+        (
+            # freed: a course that is a little off leaves as much as an impact does
+            with_impacts_sought(
+                world, split, world.space.with_values(begun, starts[0]), steady, _smooth(starts[0])
+            ),
+            starts,
+        )
         for one in courses.values()
         if one.nats > _NEXT_TO_BEST * most
         for starts in (one.starts(world),)
@@ -191,11 +197,16 @@ def _along_a_course(steady: Fit, world: World, split: Split) -> Fit | None:
     return _steady_with_impacts_of(_likeliest(struck, split, starts[1:]), steady, split, starts[0])
 
 
+def _smooth(course: Iterable[str]) -> tuple[str, ...]:
+    """The quantities of a course that a fit follows by slopes, but for the frequency, which it follows anyway."""
+    return tuple(name for name in course if name not in ("modes.0.frequency_hz", "arm.onset_s"))
+
+
 def _likeliest(struck: Fit, split: Split, starts: Sequence[dict[str, float]]) -> Fit:
     """The fit, or one of those with its impacts from these starts."""
     there = struck.world
-    data, names = make_data(there, split), there.baseline_names()
-    others = [fit(data, there.space.with_values(struck.vector, one), names) for one in starts]
+    data = make_data(there, split)
+    others = [fit(data, there.space.with_values(struck.vector, one), struck.free) for one in starts]
     return max((struck, *others), key=lambda one: one.train_log_likelihood)
 
 
@@ -203,7 +214,7 @@ def _steady_with_impacts_of(seen: Fit, steady: Fit, split: Split, course: Iterab
     """The fit of one frequency with the impacts that are seen with a course of these quantities; None where it does as
     well. Begun where the course begins and, as that may be far from the frequency of most of the recording, from the
     steady fit."""
-    there = seen.world
+    there = seen.world.changed(borne_out=frozenset(seen.world.impacts))
     usual = {name: there.space[name].start for name in course}
     starts = (there.space.with_values(seen.vector, usual), carried_over(steady, there))
     data, names = make_data(there, split), there.baseline_names()

@@ -8,9 +8,11 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.events.impacts import (
     _without_jumps,
     fit_with_impacts,
+    impacts_while_moving,
     needs_more,
     pruned,
     refit_with,
+    with_further_impacts,
     with_impacts_sought,
 )
 from stillarm.diagnosis.fitting.fit import fit
@@ -94,3 +96,29 @@ def test_the_end_of_what_is_not_judged_stays_beside_a_later_impact() -> None:
     both = World(data, MODEL, impacts=(4400, 4600), unjudged_s=((4.2, 4.4),))
     last = fit(make_data(both, split), both.space.vector(), both.baseline_names())
     assert pruned(last, split).world.impacts == (4400,)
+
+
+def test_an_impact_that_a_better_model_bears_out_is_neither_dropped_nor_doubtful() -> None:
+    data, split = measured(9.0, 3), interleaved(9.0)
+    moving = int(data.told_to_move.argmax()) + 100
+    for borne_out in (frozenset[int](), frozenset({moving})):
+        world = World(data, MODEL, impacts=(moving,), borne_out=borne_out)
+        last = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+        assert impacts_while_moving(last) == ([] if borne_out else [moving])
+        assert pruned(last, split).world.impacts == ((moving,) if borne_out else ())
+
+
+def test_what_a_fit_frees_beside_the_baseline_stays_free_while_impacts_are_sought() -> None:
+    """A stiffness that is a little off would be made up for by impacts."""
+    cubic = "arm.cubic_per_m2"
+    data = measured(10.0, 3, {**impact(1, 0.02), cubic: 10.0}, impacts=(4300,))
+    split = interleaved(10.0)
+    world = World(data, MODEL)
+    begun = world.space.with_values(world.space.vector(), {cubic: 8.0})
+    found = with_impacts_sought(world, split, begun, extra=(cubic,))
+    assert cubic in found.free and len(found.world.impacts) == 1
+    assert abs(found.world.impacts[0] - 4300) <= 8
+    lacking = fit(make_data(world, split), begun, (*world.baseline_names(), cubic))
+    beside = with_further_impacts(lacking, split)
+    assert beside.value(cubic) == pytest.approx(10.0, rel=0.05)
+    assert [abs(one - 4300) <= 8 for one in beside.world.impacts] == [True]

@@ -31,3 +31,13 @@ def test_an_impact_that_a_higher_mode_alone_shows_is_found_while_the_joint_rests
         assert data.rests_about(cycle, 400) is seen
         found = fit_with_impacts(World(data, model), interleaved(10.0)).world.impacts
         assert not seen or (len(found) == 1 and abs(found[0] - cycle) <= 60)
+
+
+@pytest.mark.parametrize("factor", [-1.6, 2.7])
+def test_a_jump_that_both_sensors_show_plainly_is_found_whatever_the_scale_of_one(factor: float) -> None:
+    """A camera that turns with the tip sees its bending enlarged, or the other way round."""
+    data = measured(10.0, 3, impact(1, 0.01), impacts=(4300,))
+    camera = msgspec.structs.replace(MODEL.camera, scale_px_per_m=factor * MODEL.camera.scale_px_per_m)
+    struck = World(data, msgspec.structs.replace(MODEL, camera=camera))
+    last = fit(make_data(struck, interleaved(10.0)), struck.space.vector(), (), iterations=0)
+    assert 4.3 in [pytest.approx(one, abs=0.1) for one in find_jumps(last, 0.5)]

@@ -8,7 +8,7 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.channel_noise import noise_of
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.fitting.rest import rest_of, times_what_matters
+from stillarm.diagnosis.fitting.rest import explainable, rest_of, times_what_matters
 from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(20.0)
@@ -47,3 +47,15 @@ def test_a_rest_is_told_in_times_what_matters(arm: Fit) -> None:
         3.0 * noise / np.sqrt(2.0) / matters, rel=0.15
     )
     assert times_what_matters(arm, name, SPLIT) < 1.0
+
+
+def test_lone_spikes_are_nothing_that_a_model_could_explain(arm: Fit) -> None:
+    name = "acceleration"
+    off = arm.residuals[name].copy()
+    off[500::997] += 40.0 * noise_of(arm, name, SPLIT)
+    spiked = replace(arm, residuals={**arm.residuals, name: off})
+    assert explainable(spiked, SPLIT)[name] < 10.0
+    lasting = off.copy()
+    for after in range(1, 8):
+        lasting[500 + after :: 997] += 40.0 * noise_of(arm, name, SPLIT)
+    assert explainable(replace(arm, residuals={**arm.residuals, name: lasting}), SPLIT)[name] > 100.0

@@ -14,6 +14,7 @@ from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.forms.catalogue import BEGINS, forms, from_an_onset
 from stillarm.diagnosis.forms.cause import Context, Form
 from stillarm.diagnosis.forms.causes import CAUSES
+from stillarm.diagnosis.physics.declared_effects import quantity_of
 from stillarm.diagnosis.physics.quantities import MOST_DOWN, MOST_UP
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import ground_of
@@ -156,6 +157,20 @@ def test_the_rate_of_a_course_is_that_of_its_straight_line(one: Form, plain: Fit
         unit = np.mean(group.columns[channel].sum(axis=1)) if not walks else np.max(group.columns[channel])
         assert course == pytest.approx(2.0 * unit * time, abs=1e-6 * np.max(np.abs(course)))
         assert rates[0] == pytest.approx(unit, rel=1e-6)
+    else:  # in shares of it
+        assert rates[0] == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("one", COURSES, ids=titled)
+def test_a_course_comes_on_top_of_the_rate_that_is_declared(one: Form, plain: Fit) -> None:
+    found = fit_of(one, plain)
+    (parameter,) = one.cause.parameters_of(found)
+    name = quantity_of(one.id, parameter)
+    more = replace(
+        found, vector=found.world.space.with_values(found.vector, {name: found.value(name) + 3e-4})
+    )
+    rates = [next(iter(one.cause.parameters_of(each).values()))[0] for each in (found, more)]
+    assert rates[1] - rates[0] == pytest.approx(3e-4)
 
 
 def test_the_mean_rate_of_an_exponential_drift_is_from_begin_to_end(plain: Fit) -> None:

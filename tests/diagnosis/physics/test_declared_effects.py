@@ -45,14 +45,7 @@ def test_an_extended_model_s_recording_holds_nothing_unknown(tmp_path: Path) -> 
     [
         ("cubic_stiffness", "coefficient_per_m2"),
         ("gravity_leakage", "gain_m_s2_per_rad"),
-        pytest.param(
-            "tracking_drift",
-            "rate_px_per_s",
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason="found along a course, whose rate is not added to the one that is declared",
-            ),
-        ),
+        ("tracking_drift", "rate_px_per_s"),
         pytest.param(
             "quadratic_damping",
             "coefficient_per_m",
