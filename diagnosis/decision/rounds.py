@@ -14,14 +14,14 @@ from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.decision.beginning_again import likelier_baseline, to_begin_again
 from stillarm.diagnosis.decision.decide import fit_before, share_explained
-from stillarm.diagnosis.events.impacts import with_further_impacts
 from stillarm.diagnosis.fitting.channel_noise import white_noise
-from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
-from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
+from stillarm.diagnosis.fitting.evidence import score
+from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
-from stillarm.diagnosis.fitting.rest import anything_matters, explainable
+from stillarm.diagnosis.fitting.rest import anything_matters
 from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz
@@ -30,7 +30,6 @@ from stillarm.diagnosis.search.candidates import (
     EXPLAINED,
     Candidate,
     Found,
-    Hint,
     Stage,
     explains_the_same,
     of_law,
@@ -46,7 +45,6 @@ MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
 _FULL = 12  # steps of a fit
-_TOLD = 0.5  # of what is explainable beside a finding is left at most, where impacts tell most of it
 _OF_A_SWING = 0.25  # by which a delay is off, for another swing to fit nearly as well
 
 
@@ -61,7 +59,7 @@ def explained(
     """The findings one after another, unless the first round came upon a likelier baseline, which is told alone, or
     with that round as a hint. begun: rounds that are made already."""
     baseline = found.baseline
-    if begun and (better := _likelier_baseline(begun[0], baseline, split)) is not None:
+    if begun and (better := likelier_baseline(begun[0], baseline, split)) is not None:
         return Found(baseline, baseline, likelier=better)
     data = make_data(baseline.world, split)
     for law in (*known, *backward_steps(data)):
@@ -70,14 +68,14 @@ def explained(
         found.stages.append(Stage([], [one], one))
     for stage in begun:
         _take(stage, found, split)
-    if begun and (better := _struck_beside(found, split)) is not None:
-        return Found(baseline, baseline, likelier=better, hint=Hint(baseline, found.stages[-1]))
+    if begun and (again := to_begin_again(found, split)) is not None:
+        return again
     for turn in range(len(begun), MOST_CAUSES):
         tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
         upstream = turn == 0 and joint_departs(found.final)
         try:
             stage = _again(found, split) or one_round(found, split, only, upstream)
-            if turn == 0 and (plain := _likelier_baseline(stage, baseline, split)) is not None:
+            if turn == 0 and (plain := likelier_baseline(stage, baseline, split)) is not None:
                 return Found(baseline, baseline, likelier=plain)
             found.stages.append(stage)
             if stage.taken is None and upstream:
@@ -94,8 +92,8 @@ def explained(
             break
         found.stages.pop()
         _take(stage, found, split)
-        if turn == 0 and (better := _struck_beside(found, split)) is not None:
-            return Found(baseline, baseline, likelier=better, hint=Hint(baseline, stage))
+        if (again := to_begin_again(found, split)) is not None:
+            return again
         if little:  # what the most of it is has no name, whatever beside it has one
             break
     return found
@@ -131,58 +129,6 @@ def _take(stage: Stage, found: Found, split: Split) -> None:
         found.final = stage.taken.fit
     found.stages.append(stage)
     found.findings.append(stage.taken)
-
-
-def _struck_beside(found: Found, split: Split) -> Fit | None:
-    """The baseline with the impacts that show beside the first finding, where they tell most of what that leaves: a
-    model that lacks the finding hides some, and has others made up. None where they do not, or there is no time
-    left."""
-    last, baseline = found.final, found.baseline
-    if (
-        last is baseline
-        or any(one.over_time for one in last.world.added)
-        or not anything_matters(last, split)
-    ):
-        return None
-    try:
-        struck = with_further_impacts(last, split)
-        impacts, many = struck.world.impacts, len(struck.free) - len(last.free)
-        left, before = (sum(explainable(one, split).values()) for one in (struck, last))
-        gained = float(score(struck, split).gain(score(last, split)).sum()) - PRICE_NATS * max(many, 0)
-        if impacts == last.world.impacts or left > _TOLD * before or gained < CHANGED_NATS:
-            return None
-        world = baseline.world.changed(impacts=impacts, borne_out=frozenset(impacts))
-        start, names = carried_over(baseline, world), world.baseline_names()
-        return fit(make_data(world, split), start, names, iterations=_FULL, colour=baseline.colour)
-    except OutOfTime:
-        return None
-
-
-def _likelier_baseline(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
-    """The baseline fitted again from where the best forms ended, with what they add at nothing, where it is plainly
-    the likelier. The baseline had come to rest far from its best then, with a mode that was fitted away, say, and
-    whatever was freed beside it led out of there: the gain is no cause's. None where it was at its best, or there is no
-    time left."""
-    try:
-        return _led_out_of(stage, baseline, split)
-    except OutOfTime:
-        return None
-
-
-def _led_out_of(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
-    space, data = baseline.world.space, make_data(baseline.world, split)
-    best = baseline
-    for one in [each for each in stage.candidates if each.law is None][:_WHOLE]:
-        own = [name for name in one.fit.free if name not in baseline.free and name in space.place]
-        start = carried_over(one.fit, baseline.world)
-        start = space.with_values(start, {name: space[name].start for name in own})
-        begun = fit(data, start, baseline.free, iterations=1)
-        best = max(best, begun, key=lambda each: each.train_log_likelihood)
-    if best.train_log_likelihood < baseline.train_log_likelihood + CHANGED_NATS:
-        return None
-    plain = fit(data, best.vector, baseline.free, iterations=_FULL)
-    gained = float(score(plain, split).gain(score(baseline, split)).sum())
-    return plain if gained > CHANGED_NATS else None
 
 
 def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: bool) -> Stage:

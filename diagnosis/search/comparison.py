@@ -67,7 +67,7 @@ def compared(
     try:
         ground = ground_of(last, split)
         if found.hint is not None:
-            candidates += _hinted(ground, found.hint.taken, tried)
+            candidates += hinted(ground, found.hint.taken, tried)
             if candidates and not anything_matters(candidates[0].fit, split):
                 tried, far = _near_there(ground, found.hint, tried)
                 candidates += far
@@ -98,8 +98,8 @@ def compared(
     return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
 
 
-def _hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> list[Candidate]:
-    """A form that was found beside another baseline, fitted to the end from what it was there."""
+def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> list[Candidate]:
+    """At most one: a form that was found beside another baseline, fitted to the end from what it was there."""
     last, there = ground.last, hint.fit.world
     form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
     if form is None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision.beginning_again import likelier_baseline
 from stillarm.diagnosis.decision.explain import _moves_are_told, explain
-from stillarm.diagnosis.decision.rounds import _likelier_baseline
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
@@ -78,11 +78,11 @@ def test_a_baseline_whose_mode_was_fitted_away_is_fitted_again() -> None:
     lost = fit(data, world.space.with_values(best.vector, {share: 0.01}), best.free, iterations=0)
     led_out = fit(data, world.space.with_values(best.vector, {own: 0.1}), free, iterations=0)
     one = Candidate("mains_hum", led_out, 0.0, 0.0, {}, free=(own,))
-    again = _likelier_baseline(Stage([], [one], one), lost, split)
+    again = likelier_baseline(Stage([], [one], one), lost, split)
     assert again is not None and again.free == best.free
     assert again.value(share) == pytest.approx(best.value(share), rel=1e-3)
     assert again.value(own) == world.space[own].start
-    assert _likelier_baseline(Stage([], [one], one), best, split) is None
+    assert likelier_baseline(Stage([], [one], one), best, split) is None
 
 
 def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:

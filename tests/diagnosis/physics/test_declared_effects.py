@@ -46,11 +46,7 @@ def test_an_extended_model_s_recording_holds_nothing_unknown(tmp_path: Path) -> 
         ("cubic_stiffness", "coefficient_per_m2"),
         ("gravity_leakage", "gain_m_s2_per_rad"),
         ("tracking_drift", "rate_px_per_s"),
-        pytest.param(
-            "quadratic_damping",
-            "coefficient_per_m",
-            marks=pytest.mark.xfail(reason="its amount is found 12 % too large, where 10 % are asked"),
-        ),
+        ("quadratic_damping", "coefficient_per_m"),
     ],
 )
 def test_another_amount_of_a_known_effect_is_found_and_replaces_it(
