@@ -69,7 +69,8 @@ def _searched(
     begun = None
     if hint is None:
         begun, hint = _from_another_baseline(baseline, split, tick, only)
-    begun = begun or _without_doubtful_impacts(baseline, split, only, hint)
+    if begun is None:
+        begun, hint = _without_doubtful_impacts(baseline, split, only, hint)
     found, stages = begun or (Found(baseline, baseline, hint=hint), [])
     told = explained(found, split, tick, only, known, stages)
     if told.likelier is None:
@@ -131,12 +132,13 @@ def _beside(stage: Stage, first: Fit, baseline: Fit, split: Split) -> Stage:
 
 def _without_doubtful_impacts(
     baseline: Fit, split: Split, only: Sequence[str] | None, hint: Hint | None
-) -> _Beginning | None:
+) -> tuple[_Beginning | None, Hint | None]:
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
-    model that is wrong about moves is put right by an impact at each. None where it is not. hint: as in Found."""
+    model that is wrong about moves is put right by an impact at each. None where it is not; and then what was found
+    without them, which is to be tried beside them. hint: as in Found."""
     doubtful = impacts_while_moving(baseline)
     if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
-        return None
+        return None, hint
     fewer = without_impacts_while_moving(baseline)
     try:
         start = carried_over(baseline, fewer)
@@ -146,16 +148,17 @@ def _without_doubtful_impacts(
         before = score(baseline, split)
         many = len(doubtful) * (2 * fewer.modes + 2)  # numbers that the impacts took
         if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
-            return found, []
-        stage = one_round(found, split, only, upstream=joint_departs(plain))
+            return (found, []), hint
+        with limited_to(_ANOTHER_SHARE):
+            stage = one_round(found, split, only, upstream=joint_departs(plain))
     except OutOfTime:
-        return None
+        return None, hint
     if stage.taken is None or stage.taken.law is not None:
-        return None
+        return None, hint
     lead = float(score(stage.taken.fit, split).gain(before).sum())
     if lead < PRICE_NATS * (len(stage.taken.free) - many):
-        return None
-    return found, [stage]
+        return None, Hint(plain, stage)
+    return (found, [stage]), hint
 
 
 def _moves_are_told(baseline: Fit, split: Split, doubtful: int) -> bool:

@@ -152,22 +152,28 @@ def _jumps_of_the_first_mode(last: Fit, share: float) -> list[tuple[float, float
     swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
     threshold = np.maximum(usual, max(share * float(np.max(np.abs(after))), swing))
     for other in series[1:]:
-        jump[~_borne_out(at, period, w, series[0], other)] = 0.0
+        borne_out = _borne_out(at, period, w, series[0], other)
+        if not world.impacts and not (borne_out & (jump >= threshold)).any():
+            borne_out = _borne_out(at, period, w, series[0], other, of_any_size=True)
+        jump[~borne_out] = 0.0
     return [(w * w * size, time) for size, time in _largest(jump, threshold, at, _APART_PERIODS * period)]
 
 
-def _borne_out(at: Array, period: float, w: float, shown: Series, other: Series) -> NDArray[np.bool_]:
+def _borne_out(
+    at: Array, period: float, w: float, shown: Series, other: Series, of_any_size: bool = False
+) -> NDArray[np.bool_]:
     """Whether another sensor shows the same jump: an impact moves the arm, and all that look at it; a sensor that has
     gone wrong moves its own reading. While a push by hand lasts, its force is another jump to each sensor: windows
-    before and after it agree. Where the other sensor's noise hides it, it is taken for the same. Where it shows it as
-    plainly, at the same phase or the opposite one, its size may be any: its scale may be wrong, even in sign."""
-    agree, full = _same_jump(at, period, w, shown, other, 0.0)
-    apart, full_apart = _same_jump(at, period, w, shown, other, PUSH_PERIODS / 2.0 * period)
+    before and after it agree. Where the other sensor's noise hides it, it is taken for the same. of_any_size: also
+    where the other shows it plainly, at the same phase or the opposite one: its scale may be wrong, even in sign, as
+    long as no impact has told it."""
+    agree, full = _same_jump(at, period, w, shown, other, 0.0, of_any_size)
+    apart, full_apart = _same_jump(at, period, w, shown, other, PUSH_PERIODS / 2.0 * period, of_any_size)
     return agree | ~full | (apart & full_apart)
 
 
 def _same_jump(
-    at: Array, period: float, w: float, shown: Series, other: Series, gap: float
+    at: Array, period: float, w: float, shown: Series, other: Series, gap: float, of_any_size: bool
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Whether two sensors' phasors jump alike across a gap, s, to either side of each instant; and whether the other
     sensor has enough samples to tell."""
@@ -180,6 +186,8 @@ def _same_jump(
     full = np.minimum(n_before, n_after) > 0.5 * np.median(n_after)
     usual = float(np.median(np.abs(there[full]))) if full.any() else 0.0
     alike = np.abs(there - jump) < np.maximum(_AGREE * np.abs(jump), 3.0 * usual)
+    if not of_any_size:
+        return alike, full
     across = np.abs((there * np.conj(jump)).imag) < _TURNED * np.abs(there * jump)
     plain = np.abs(there) > _OUTSTANDING * usual
     return alike | (across & plain & (usual > 0.0)), full

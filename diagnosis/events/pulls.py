@@ -91,6 +91,11 @@ def _length_s(spans: Iterable[tuple[float, float]]) -> float:
     return sum(end - start for start, end in spans)
 
 
+def _shared_s(span: tuple[float, float], others: Iterable[tuple[float, float]]) -> float:
+    """How much of a span lies in others, s."""
+    return sum(max(min(span[1], end) - max(span[0], start), 0.0) for start, end in others)
+
+
 def _overlaps(span: tuple[float, float], others: Sequence[tuple[float, float]]) -> bool:
     return any(start < span[1] and span[0] < end for start, end in others)
 
@@ -202,7 +207,8 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
             continue
         start, end = min(a for _, (a, _) in found), max(b for _, (_, b) in found)
         (time, flags), (since, until) = found[0]  # an image that is wrong for another reason is loud for long
-        if until - since - 2.0 * LOUD_OVER_S > PUSH_PERIODS * period:  # at either end it is seen over that
+        lasts = until - since - _shared_s((since, until), world.unjudged_s)
+        if lasts - 2.0 * LOUD_OVER_S > PUSH_PERIODS * period:  # at either end it is seen over that
             continue
         start, end = max(start, since - period), min(end, until + period)
         if _holds_beside(time, flags, (since, until), period):
