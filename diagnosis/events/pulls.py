@@ -202,20 +202,22 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     for struck in (*struck_s, *ends_s):
         if any(start <= struck < end for start, end in world.unjudged_s):
             continue
-        found = [(one, span) for one in loud if (span := loud_stretch(*one, struck, period)) is not None]
-        if not found:
+        loudest = [(one, span) for one in loud if (span := loud_stretch(*one, struck, period)) is not None]
+        if not loudest:
             continue
-        start, end = min(a for _, (a, _) in found), max(b for _, (_, b) in found)
-        (time, flags), (since, until) = found[0]  # an image that is wrong for another reason is loud for long
+        start, end = min(a for _, (a, _) in loudest), max(b for _, (_, b) in loudest)
+        (time, flags), (since, until) = loudest[
+            0
+        ]  # an image that is wrong for another reason is loud for long
         lasts = until - since - _shared_s((since, until), world.unjudged_s)
         if lasts - 2.0 * LOUD_OVER_S > PUSH_PERIODS * period:  # at either end it is seen over that
             continue
         start, end = max(start, since - period), min(end, until + period)
         if _holds_beside(time, flags, (since, until), period):
             spans.append((max(start - LOUD_OVER_S, 0.0), end + LOUD_OVER_S))
-    if _length_s(spans) > _MOST * world.measured.duration_s:
-        return ()
-    return tuple(_merged(spans))
+    found = _merged(spans)
+    more_s = _length_s(found) - sum(_shared_s(one, world.unjudged_s) for one in found)
+    return () if more_s > _MOST * world.measured.duration_s else tuple(found)
 
 
 def _holds_beside(time: Array, loud: NDArray[np.bool_], span: tuple[float, float], period: float) -> bool:

@@ -155,6 +155,16 @@ def test_a_push_of_a_swing_and_a_half_is_found_where_the_arm_swings_quickly() ->
     assert spans[0][0] == pytest.approx(since, abs=0.04) and spans[0][1] == pytest.approx(until, abs=0.05)
 
 
+def test_a_push_that_goes_on_behind_what_is_not_judged_is_found(data: Measured) -> None:
+    """However long that is: the end of a pull was seen too early."""
+    since, until = RELEASED_S - 1.25, RELEASED_S + 0.25
+    shaken = pushed(data, 4.0, 0.0, since, until)
+    world = shaken.world.changed(unjudged_s=((RELEASED_S - 1.2, RELEASED_S),))
+    assert push_spans_s(shaken) == ()
+    ((_, end),) = push_spans_s(fit(make_data(world, SPLIT), shaken.vector, (), iterations=0))
+    assert end == pytest.approx(until, abs=0.06)
+
+
 def test_a_push_is_not_judged_and_the_arm_rings_on_from_it(data: Measured) -> None:
     found = without_pushes(
         pushed(data, 4.0, 6.0, RELEASED_S - 0.5 * PUSHED_S, RELEASED_S + 0.5 * PUSHED_S), SPLIT
