@@ -45,9 +45,6 @@ def test_one_frequency_beside_a_course_is_no_less_likely_than_the_steady_fit() -
     assert found.value("modes.0.frequency_hz") == pytest.approx(hz, rel=1e-3)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="an impact has to be seen by all sensors alike, and one at its limit shows less"
-)
 @pytest.mark.slow
 @pytest.mark.parametrize("stated_m_s2", [LIMIT_M_S2, 20.0], ids=["stated", "unknown"])
 def test_an_impact_beyond_the_sensor_s_limit_is_found_where_it_was(stated_m_s2: float) -> None:
