@@ -59,7 +59,12 @@ def white_noise(values: Array, order: int = 4) -> float:
 
 def without_spikes(values: Array) -> Array:
     """Values in which each that is an outlier among the four about it is their median (Hampel's filter): what lasts for
-    a sample or two is no motion. values: (n,), none missing."""
+    a sample or two is no motion. values: (n,); missing ones, NaN, stay, and are no neighbours."""
+    known = np.isfinite(values)
+    if not known.all():
+        clean = values.copy()
+        clean[known] = without_spikes(values[known])
+        return clean
     if len(values) < _ABOUT_A_SPIKE:
         return values
     about = np.lib.stride_tricks.sliding_window_view(

@@ -14,7 +14,6 @@ from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, Stage
 from stillarm.diagnosis.search.comparison import hinted
 
 _LED_OUT = 3  # forms, from whose fits the baseline's is begun again
-_FULL = 12  # steps of a fit
 _TOLD = 0.5  # of what is explainable beside a finding is left at most, where impacts tell most of it
 
 
@@ -42,7 +41,7 @@ def _explains_it_alone(one: Candidate, found: Found, split: Split) -> bool:
         alone = hinted(ground_of(found.baseline, split), one, forms(found.baseline.world))
     except OutOfTime:
         return False
-    return bool(alone) and alone[0].merit > first.merit
+    return alone is not None and alone.merit > first.merit
 
 
 def _struck_beside(found: Found, split: Split) -> Fit | None:
@@ -58,14 +57,17 @@ def _struck_beside(found: Found, split: Split) -> Fit | None:
         return None
     try:
         struck = with_further_impacts(last, split)
-        impacts, many = struck.world.impacts, len(struck.free) - len(last.free)
+        impacts = struck.world.impacts
+        if impacts == last.world.impacts:
+            return None
         left, before = (sum(explainable(one, split).values()) for one in (struck, last))
-        gained = float(score(struck, split).gain(score(last, split)).sum()) - PRICE_NATS * max(many, 0)
-        if impacts == last.world.impacts or left > _TOLD * before or gained < CHANGED_NATS:
+        price = PRICE_NATS * max(len(struck.free) - len(last.free), 0)
+        gained = float(score(struck, split).gain(score(last, split)).sum()) - price
+        if left > _TOLD * before or gained < CHANGED_NATS:
             return None
         world = baseline.world.changed(impacts=impacts, borne_out=frozenset(impacts))
         start, names = carried_over(baseline, world), world.baseline_names()
-        return fit(make_data(world, split), start, names, iterations=_FULL, colour=baseline.colour)
+        return fit(make_data(world, split), start, names, colour=baseline.colour)
     except OutOfTime:
         return None
 
@@ -92,6 +94,6 @@ def _led_out_of(stage: Stage, baseline: Fit, split: Split) -> Fit | None:
         best = max(best, begun, key=lambda each: each.train_log_likelihood)
     if best.train_log_likelihood < baseline.train_log_likelihood + CHANGED_NATS:
         return None
-    plain = fit(data, best.vector, baseline.free, iterations=_FULL)
+    plain = fit(data, best.vector, baseline.free)
     gained = float(score(plain, split).gain(score(baseline, split)).sum())
     return plain if gained > CHANGED_NATS else None

@@ -28,7 +28,6 @@ from stillarm.diagnosis.search.stated_baseline import stated_baseline
 from stillarm.diagnosis.sensors.image_dating import dated_anew
 from stillarm.diagnosis.sensors.laws import LawFound
 
-_FULL = 12  # steps of a fit
 _ANOTHER_SHARE = 0.6  # of the time: a round beside the usual baseline may have to follow
 _Beginning = tuple[Found, list[Stage]]
 """Where a search begins, and the rounds that are made already."""
@@ -143,7 +142,7 @@ def _without_doubtful_impacts(
     try:
         start = carried_over(baseline, fewer)
         names = free_names(baseline, fewer, ())
-        plain = fit(make_data(fewer, split), start, names, iterations=_FULL, colour=baseline.colour)
+        plain = fit(make_data(fewer, split), start, names, colour=baseline.colour)
         found = Found(plain, plain, hint=hint)
         before = score(baseline, split)
         many = len(doubtful) * (2 * fewer.modes + 2)  # numbers that the impacts took

@@ -29,7 +29,6 @@ _BEGINS = (0.05, 0.3, 0.6)
 """Of the usual amplitude, where the other stiffness begins: a fit moves it on from the nearest."""
 _MOST_PART = 0.9  # a law that begins at the amplitude's very end changes no frequency
 _USUAL = 0.9  # quantile of the deflection that stands for its amplitude: the frequency there is to be the finding's
-_FULL = 12  # steps of a fit
 
 
 def rival_law(first: Candidate, before: Fit, split: Split) -> Free | None:
@@ -78,7 +77,7 @@ def _one_sided(first: Candidate, before: Fit, split: Split) -> Free | None:
     )
     was = score(before, split)
     best = max(tried, key=lambda one: float(score(one, split).gain(was).sum()))
-    best = fit(data, best.vector, names, iterations=_FULL, colour=before.colour)
+    best = fit(data, best.vector, names, colour=before.colour)
     gains = score(best, split).gains(was)
     merit = sum(gains.values()) - PRICE_NATS * len(_FREE)
     if merit < first.merit or merit < _from_there(first, best, before, split):
@@ -96,7 +95,7 @@ def _from_there(first: Candidate, rival: Fit, before: Fit, split: Split) -> floa
     world = first.fit.world
     idle = {_SHARE: before.value(_SHARE), _AT: before.value(_AT)}
     start = world.space.with_values(carried_over(rival, world), idle | {_CUBIC_SIZE: cubic})
-    anew = fit(make_data(world, split), start, first.fit.free, iterations=_FULL, colour=before.colour)
+    anew = fit(make_data(world, split), start, first.fit.free, colour=before.colour)
     return float(score(anew, split).gain(score(before, split)).sum()) - PRICE_NATS * len(first.free)
 
 

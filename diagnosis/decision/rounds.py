@@ -44,7 +44,6 @@ from stillarm.diagnosis.sensors.laws import LawFound, laws
 MOST_CAUSES = 3  # rounds of the search, and its findings, at most: each costs a look at every form
 _WHOLE = 3  # causes of the drive that are fitted to all channels
 _OF_FRAMES = ("counter", "received_s", "started_s", "displacement_px", "captured_s")
-_FULL = 12  # steps of a fit
 _OF_A_SWING = 0.25  # by which a delay is off, for another swing to fit nearly as well
 
 
@@ -67,6 +66,7 @@ def explained(
         found.findings.append(one)
         found.stages.append(Stage([], [one], one))
     for stage in begun:
+        found.stages.append(stage)
         _take(stage, found, split)
     if begun and (again := to_begin_again(found, split)) is not None:
         return again
@@ -90,7 +90,6 @@ def explained(
         if little and found.findings:  # a part of something without a name, which is told as left
             stage.taken = None
             break
-        found.stages.pop()
         _take(stage, found, split)
         if (again := to_begin_again(found, split)) is not None:
             return again
@@ -110,7 +109,7 @@ def _settled(one: Candidate, split: Split) -> Candidate:
         starts.append(space.with_values(last.vector, {delay: space[delay].start}))
     data = make_data(last.world, split)
     try:
-        fits = [fit(data, start, last.free, iterations=_FULL, colour=last.colour) for start in starts]
+        fits = [fit(data, start, last.free, colour=last.colour) for start in starts]
     except OutOfTime:
         return one
     fitted = max(fits, key=lambda each: each.train_log_likelihood)
@@ -122,12 +121,11 @@ def _settled(one: Candidate, split: Split) -> Candidate:
 
 
 def _take(stage: Stage, found: Found, split: Split) -> None:
-    """Add a round and what it took."""
+    """Add what a round took to the findings."""
     assert stage.taken is not None
     if stage.taken.law is None:
         stage.taken = _settled(stage.taken, split)
         found.final = stage.taken.fit
-    found.stages.append(stage)
     found.findings.append(stage.taken)
 
 
@@ -266,7 +264,7 @@ def _moved_as_foretold(one: Candidate, split: Split) -> Candidate:
         return one
     there = world.changed(joint_hz=hz)
     start, names = carried_over(last, there), free_names(last, there, one.free)
-    anew = fit(make_data(there, split), start, names, iterations=_FULL, colour=last.colour)
+    anew = fit(make_data(there, split), start, names, colour=last.colour)
     better = float(score(anew, split).gain(score(last, split)).sum()) > 0.0
     return replace(one, fit=anew) if better else one
 

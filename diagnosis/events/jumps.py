@@ -51,7 +51,7 @@ def _all_series(world: World, residuals: dict[str, Array], w: float, last: Fit) 
         if known.sum() < _FEWEST:
             continue
         if name == "acceleration":
-            values[known] = without_spikes(values[known])
+            values = without_spikes(values)
         quiet = std_about_zero(np.diff(values[known])) / np.sqrt(2.0)
         rate = known.sum() / world.measured.duration_s
         choices.append((quiet / np.sqrt(rate), time[known], values[known]))

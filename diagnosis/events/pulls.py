@@ -97,7 +97,7 @@ def _shared_s(span: tuple[float, float], others: Iterable[tuple[float, float]]) 
 
 
 def _overlaps(span: tuple[float, float], others: Sequence[tuple[float, float]]) -> bool:
-    return any(start < span[1] and span[0] < end for start, end in others)
+    return _shared_s(span, others) > 0.0
 
 
 def without_pushes(baseline: Fit, split: Split) -> Fit:
@@ -206,9 +206,8 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
         if not loudest:
             continue
         start, end = min(a for _, (a, _) in loudest), max(b for _, (_, b) in loudest)
-        (time, flags), (since, until) = loudest[
-            0
-        ]  # an image that is wrong for another reason is loud for long
+        # an image that is wrong for another reason is loud for long
+        (time, flags), (since, until) = loudest[0]
         lasts = until - since - _shared_s((since, until), world.unjudged_s)
         if lasts - 2.0 * LOUD_OVER_S > PUSH_PERIODS * period:  # at either end it is seen over that
             continue

@@ -49,10 +49,7 @@ def _without_spikes(last: Fit) -> Fit:
     residual = last.residuals.get(_SPIKED)
     if residual is None:
         return last
-    known = np.isfinite(residual)
-    quiet = residual.copy()
-    quiet[known] = without_spikes(residual[known])
-    return replace(last, residuals={**last.residuals, _SPIKED: quiet})
+    return replace(last, residuals={**last.residuals, _SPIKED: without_spikes(residual)})
 
 
 def anything_matters(last: Fit, split: Split) -> bool:

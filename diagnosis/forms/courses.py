@@ -60,7 +60,7 @@ def of_course(
 
     def parameters(fit: Fit) -> Values:
         rate = rate_of_course(fit, channel, group_of(fit, group), scale(fit))
-        return {parameter: (rate + _declared(fit, identifier, parameter), 0.0)}
+        return _on_top(fit, identifier, parameter, rate)
 
     return of_terms(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
 
@@ -98,8 +98,7 @@ def of_walk(
         return 0.0 if walk is None else walk.nats
 
     def parameters(fit: Fit) -> Values:
-        rate = rate_of_course(fit, channel, group_of(fit, group))
-        return {parameter: (rate + _declared(fit, identifier, parameter), 0.0)}
+        return _on_top(fit, identifier, parameter, rate_of_course(fit, channel, group_of(fit, group)))
 
     return of_terms(identifier, "as a random walk", channel, group, parameters, added, nats_of=nats)
 
@@ -113,10 +112,11 @@ def rate_of_course(fit: Fit, channel: str, group: Added, unit: Array | float = 1
     return float(np.linalg.lstsq(line, course, rcond=None)[0][1])
 
 
-def _declared(fit: Fit, cause: str, parameter: str) -> float:
-    """The rate that the model declares already: a course comes on top of it."""
+def _on_top(fit: Fit, cause: str, parameter: str, rate: float) -> Values:
+    """A course's rate as its cause's parameter: it comes on top of the one that the model declares already."""
     name = quantity_of(cause, parameter)
-    return fit.value(name) if name in fit.world.space.place else 0.0
+    declared = fit.value(name) if name in fit.world.space.place else 0.0
+    return {parameter: (rate + declared, 0.0)}
 
 
 def of_terms(

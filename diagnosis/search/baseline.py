@@ -106,9 +106,8 @@ def _left_about_the_mode(residual: Array, usual: Fit, split: Split) -> float:
     hz = usual.value("modes.0.frequency_hz")
     block = split.blocks_of(usual.world.cycle_times)
     for one in range(len(split.held)):
-        off = residual[block == one]
+        off = without_spikes(residual[block == one])
         known = np.isfinite(off)
-        off[known] = without_spikes(off[known])
         power = np.abs(np.fft.rfft(np.where(known, off, 0.0))) ** 2 / max(int(known.sum()), 1)
         at = np.fft.rfftfreq(len(off), usual.world.step_s("acceleration"))
         about = (at > _ABOUT[0] * hz) & (at < _ABOUT[1] * hz)
@@ -176,14 +175,14 @@ def _along_a_course(steady: Fit, world: World, split: Split) -> Fit | None:
     if not courses:
         return None
     most = max(one.nats for one in courses.values())
+
+    def struck_along(course: dict[str, float]) -> Fit:
+        # freed: a course that is a little off leaves as much as an impact does
+        start = world.space.with_values(begun, course)
+        return with_impacts_sought(world, split, start, steady, _smooth(course))
+
     sought = [
-        (
-            # freed: a course that is a little off leaves as much as an impact does
-            with_impacts_sought(
-                world, split, world.space.with_values(begun, starts[0]), steady, _smooth(starts[0])
-            ),
-            starts,
-        )
+        (struck_along(starts[0]), starts)
         for one in courses.values()
         if one.nats > _NEXT_TO_BEST * most
         for starts in (one.starts(world),)

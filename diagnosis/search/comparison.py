@@ -67,8 +67,9 @@ def compared(
     try:
         ground = ground_of(last, split)
         if found.hint is not None:
-            candidates += hinted(ground, found.hint.taken, tried)
-            if candidates and not anything_matters(candidates[0].fit, split):
+            first = hinted(ground, found.hint.taken, tried)
+            candidates += [] if first is None else [first]
+            if first is not None and not anything_matters(first.fit, split):
                 tried, far = _near_there(ground, found.hint, tried)
                 candidates += far
         white = Whitened(make_data(last.world, split), last, ground.slopes)
@@ -98,12 +99,13 @@ def compared(
     return screening, _without_needless_walks(sorted(candidates, key=lambda one: -one.merit), last)
 
 
-def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> list[Candidate]:
-    """At most one: a form that was found beside another baseline, fitted to the end from what it was there."""
+def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> Candidate | None:
+    """A form that was found beside another baseline, fitted to the end from what it was there; None where that is not
+    possible here."""
     last, there = ground.last, hint.fit.world
     form = next((one for one in tried if (one.id, one.name) == (hint.cause, hint.form)), None)
     if form is None:
-        return []
+        return None
     terms = form.added(last) if form.added is not None else ()
     world = last.world.changed(
         extra_modes=there.extra_modes,
@@ -111,11 +113,11 @@ def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> list[Candi
         added=(*last.world.added, *terms),
     )
     if not set(hint.free) <= set(world.space.place):
-        return []
+        return None
     values = {name: hint.fit.value(name) for name in hint.free}
     begun = Begun(form, world, world.space.with_values(carried_over(last, world), values))
     fitted = refitted(ground, begun)
-    return [] if fitted is None else [candidate_of(ground, polished(ground, (begun, fitted)))]
+    return None if fitted is None else candidate_of(ground, polished(ground, (begun, fitted)))
 
 
 def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequence[Form], list[Candidate]]:

@@ -10,13 +10,14 @@ from stillarm.diagnosis.fitting.evidence import PRICE_NATS, foretold, score
 from stillarm.diagnosis.fitting.fit import Slopes, fit
 from stillarm.diagnosis.fitting.fitted import Data, Fit, make_data
 from stillarm.diagnosis.fitting.gains import free_names, gain_of, settled_nats
+from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair
 from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.search.onsets import with_onset_settled
 
 Array = NDArray[np.float64]
 
-QUICK, _FULL = 4, 12  # steps of a fit
+QUICK = 4  # steps of a fit
 _MOST_TRIALS = 40  # of a search along a quantity
 _AFAR = 0.003  # of the first mode's frequency: within 16 swings, which ring on at 1 % of damping, a third of a radian
 _FROM_AFAR = 8  # steps of a quick fit that begins there
@@ -26,28 +27,25 @@ _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 def refitted(ground: Ground, one: Begun) -> Fit | None:
     """A form fitted quickly; None where what comes out is not possible."""
     names = free_names(ground.last, one.world, one.form.cause.free(one.world))
+    known = _slopes_at(ground, one.world, one.start)
     fitted = fit(
         make_data(one.world, ground.split),
         one.start,
         names,
-        iterations=_FROM_AFAR if _is_afar(ground, one.start) else QUICK,
+        iterations=_FROM_AFAR if known is None else QUICK,
         colour=ground.last.colour,
-        known=_slopes_at(ground, one.start),
+        known=known,
         settled_nats=_QUICK_SETTLED,
     )
     return fitted if one.form.cause.possible(fitted) else None
 
 
-def _slopes_at(ground: Ground, vector: Array) -> Slopes | None:
-    """The ground's derivatives, where they hold at a vector of one of its forms' worlds."""
-    return None if _is_afar(ground, vector) else ground.slopes
-
-
-def _is_afar(ground: Ground, vector: Array) -> bool:
-    """Whether the arm swings at another frequency there than by the ground's fit: its derivatives are others then."""
+def _slopes_at(ground: Ground, world: World, vector: Array) -> Slopes | None:
+    """The ground's derivatives, where they hold at a vector of a world; None where the arm swings at another frequency
+    there."""
     name = "modes.0.frequency_hz"
-    hz = float(vector[ground.last.world.space.place[name]])  # the first quantities are those of every world
-    return abs(hz / ground.last.value(name) - 1.0) > _AFAR
+    hz = float(vector[world.space.place[name]])
+    return None if abs(hz / ground.last.value(name) - 1.0) > _AFAR else ground.slopes
 
 
 def to_the_end(ground: Ground, pair: Pair) -> tuple[Begun, Fit | None]:
@@ -60,9 +58,8 @@ def to_the_end(ground: Ground, pair: Pair) -> tuple[Begun, Fit | None]:
         data,
         fitted.vector,
         fitted.free,
-        iterations=_FULL,
         colour=ground.last.colour,
-        known=_slopes_at(ground, fitted.vector),
+        known=_slopes_at(ground, fitted.world, fitted.vector),
         settled_nats=settled_nats(fitted, ground.last),
     )
     return one, ended if one.form.cause.possible(ended) else None
@@ -75,7 +72,7 @@ def polished(ground: Ground, pair: Pair) -> Pair:
     if one.form.begins is not None:
         fitted = with_onset_settled(ground, one.form.begins, fitted, data)
     settled = settled_nats(fitted, last)
-    ended = fit(data, fitted.vector, fitted.free, iterations=_FULL, colour=last.colour, settled_nats=settled)
+    ended = fit(data, fitted.vector, fitted.free, colour=last.colour, settled_nats=settled)
     return one, ended
 
 

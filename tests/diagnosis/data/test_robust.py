@@ -64,3 +64,17 @@ def test_spikes_go_and_a_vibration_stays(wide: int) -> None:
     untouched = np.ones(len(time), bool)
     untouched[np.add.outer(at, np.arange(wide)).ravel()] = False
     assert np.array_equal(found[untouched], swing[untouched])
+
+
+def test_missing_values_are_no_neighbours_of_a_spike() -> None:
+    clean = np.sin(np.arange(60.0))
+    spiked = clean.copy()
+    spiked[30] += 50.0
+    known = np.ones(90, bool)
+    known[::3] = False
+    gapped = np.full(90, np.nan)
+    gapped[known] = spiked
+    without = without_spikes(gapped)
+    assert np.isnan(without[~known]).all()
+    assert without[known] == pytest.approx(without_spikes(spiked))
+    assert abs(without[known][30]) < 2.0
