@@ -51,6 +51,8 @@ class JumpAnswers:
         if jump is None:
             return None
         cycle, mode, velocity = jump
+        if cycle < _REST:
+            return None  # an interpolation at the recording's first samples is another
         key = (mode, velocity, vector.tobytes())
         one = self._answers.of(key, lambda: self._answer(mode, velocity, vector))
         found: dict[str, Array] = {}
@@ -64,8 +66,9 @@ class JumpAnswers:
         if "displacement" in shown:
             if one.scene is None:
                 return None
-            ends = len(one.scene) - cycle  # where the recording does
-            found["displacement"] = self._camera.exposed_later(one.scene[:ends], cycle - one.rest, vector)
+            begins, ends = max(one.rest - cycle, 0), len(one.scene) - cycle  # where the recording does
+            later = cycle - one.rest + begins
+            found["displacement"] = self._camera.exposed_later(one.scene[begins:ends], later, vector)
         return found
 
     def _answer(self, mode: int, velocity: bool, vector: Array) -> _Answer:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 from numpy.typing import NDArray
@@ -35,6 +35,7 @@ def by_difference(world: World, vector: Array, name: str) -> dict[str, Array]:
 
 
 @settings(max_examples=25, deadline=None)
+@example(4, 4, "0.q", 0.0, 0.0, 0.0, 0.125, 0.0)  # while an image is exposed that the recording begins in
 @given(
     impact=st.integers(1, 2990),
     other=st.integers(1, 2990),
@@ -68,6 +69,11 @@ def test_it_is_the_difference_quotient(
     for number in range(1, len(impacts) + 1):
         name = f"jump.{number}.{part}"
         found = world.slopes_of_jump(name, vector, world.predict(vector))
+        if impacts[number - 1] < 4:
+            assert (
+                found is None
+            )  # left to differences: at the first samples no interpolation is the usual one
+            continue
         assert found is not None
         expected = by_difference(world, vector, name)
         for channel, slope in expected.items():
