@@ -1,12 +1,13 @@
 """From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import exp
+from math import exp, inf
 
 from stillarm.common.causes import CAUSES as DECLARED
 from stillarm.diagnosis.data.channels import JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.decision.free_terms import best_free
+from stillarm.diagnosis.decision.free_terms import beside_the_others, best_free
 from stillarm.diagnosis.decision.rival_laws import rival_law
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit
@@ -17,7 +18,7 @@ from stillarm.diagnosis.fitting.rest import (
     rest_of,
     times_what_matters,
 )
-from stillarm.diagnosis.forms.freeform import Free
+from stillarm.diagnosis.forms.freeform import Free, Group
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.search.candidates import (
     EXPLAINED,
@@ -28,7 +29,7 @@ from stillarm.diagnosis.search.candidates import (
     shows_most,
     turns_the_joint,
 )
-from stillarm.diagnosis.search.convincing import is_of_free_form
+from stillarm.diagnosis.search.convincing import is_course, is_of_free_form
 
 ODDS_NATS = 3.0
 """Odds of 20 to 1 (contract.md)."""
@@ -43,6 +44,9 @@ _TIE = 0.02  # of a finding's nats: a rival that lacks less is as good, as no fo
 _CHANNEL_OF = {"accelerometer": "acceleration", "camera": "displacement"}
 _SHARPNESS = 10.0  # of the change from one verdict to the other
 _OF_LAWS = 0.97  # a law of noise or timing is seen in its own channel
+_COURSE_LEAVES = 0.3
+"""Of what matters in the channel that it follows, as an rms, the most that a course over time leaves: one that goes
+where it will, and yet leaves more, follows something else. Knots leave a tenth of a random walk, and less of a jump."""
 _RIVAL = 0.05  # of a finding's nats: free terms are no better by less, as no formula is quite the true one
 
 
@@ -86,7 +90,7 @@ def judge(found: Found, split: Split) -> Judged:
                 and first.law is None
                 and (beside or _may_lead(first, found.baseline, split))
             ):
-                alone = best_free(found.baseline, split, own, (beside.group,) if beside else ())
+                alone = _alone(found, first, own, (beside.group,) if beside else (), split)
     except OutOfTime:
         left_out.append("structure without a name")
     if first is None:
@@ -104,6 +108,24 @@ def judge(found: Found, split: Split) -> Judged:
     return Judged(verdict, rests, beside, alone, confidence, tuple(left_out))
 
 
+def _alone(
+    found: Found, first: Candidate, own: Sequence[str], others: Sequence[Group], split: Split
+) -> Free | None:
+    """The best free terms in the place of the first finding: of all by themselves, or where these lead and more was
+    found, beside that."""
+    best = best_free(found.baseline, split, own, others)
+    further = [one for one in found.findings if one is not first and one.law is None]
+    if best is None or not further or best.merit < first.merit or _changes_structure(first, found.baseline):
+        return best
+    return beside_the_others(best, first, further, found.final, split)
+
+
+def _changes_structure(one: Candidate, before: Fit) -> bool:
+    """Whether a finding has modes of its own, or another kind of play: no vector of the world before holds the rest."""
+    now, then = one.fit.world, before.world
+    return now.extra_modes != then.extra_modes or now.behind_encoder != then.behind_encoder
+
+
 def _odds_of_name(
     found: Found, first: Candidate, split: Split, beside: Free | None, alone: Free | None
 ) -> float:
@@ -119,7 +141,21 @@ def _odds_of_name(
         _SHARPNESS * (free - 0.5),
         2.0 * _SHARPNESS * (ahead + (0.0 if is_of_free_form(first, found.baseline) else _RIVAL)),
     )
-    return _logistic(min(doubts))
+    return _logistic(min((*doubts, _doubt_of_course(found, first, split))))
+
+
+def _doubt_of_course(found: Found, first: Candidate, split: Split) -> float:
+    """Log odds of a course over time by what all findings leave in the channels that it follows; no doubt of any other
+    finding, and where what is left does not matter."""
+    before = fit_before(found, first)
+    if not is_course(first, before):
+        return inf
+    lasting = [
+        times_what_matters(found.final, name, split) / max(times_what_matters(before, name, split), 1e-9)
+        for name in shows_most(first)
+        if name in before.residuals and not rest_of(found.final, name, split).immaterial
+    ]
+    return 2.0 * _SHARPNESS * (_COURSE_LEAVES - max(lasting, default=-inf))
 
 
 def _odds_beside(found: Found, one: Candidate, split: Split) -> float:
@@ -183,8 +219,9 @@ def _may_rival(first: Candidate, final: Fit, split: Split) -> bool:
 
 
 def _may_lead(first: Candidate, baseline: Fit, split: Split) -> bool:
-    """Whether any free terms could explain more than the first finding: none explains more than a perfect model."""
-    return sum(explainable(baseline, split).values()) > first.merit
+    """Whether any free terms could explain more than the first finding: none explains more than a perfect model. A
+    course of free form does: it goes along with some of the noise."""
+    return is_course(first, baseline) or sum(explainable(baseline, split).values()) > first.merit
 
 
 def _place(one: Candidate) -> str:

@@ -1,6 +1,7 @@
 """The best terms of free form on top of a fit: what a name is held against."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS, foretold, score
@@ -13,6 +14,7 @@ from stillarm.diagnosis.forms.freeform import Free, Group, groups
 from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import Ground, ground_of
+from stillarm.diagnosis.search.candidates import Candidate
 from stillarm.diagnosis.search.screen import Whitened
 
 _STEPS = 4  # of a fit of free terms: they are linear
@@ -49,6 +51,26 @@ def best_free(last: Fit, split: Split, own: Sequence[str] = (), others: Sequence
     if best is None or best.merit <= 0.0:
         return None
     return max(best, _of_its_own_state(ground, best), key=lambda one: one.merit)
+
+
+def beside_the_others(
+    free: Free, first: Candidate, others: Sequence[Candidate], final: Fit, split: Split
+) -> Free:
+    """Free terms in the place of a finding, beside what was found after it: what both leave is then told by the same. A
+    group that tells a little of everything is else worth more than the first of two causes. merit: as many nats off the
+    finding's as the recording is told worse so. others: found beside it; final: the fit of all."""
+    kept = final.world.added[len(first.fit.world.added) :]
+    world = final.world.changed(added=(*kept, free.fit.world.added[-1]))
+    values = {name: final.value(name) for one in others for name in one.free if name in world.space.place}
+    values |= {one.begins: final.value(one.begins) for one in others if one.begins is not None}
+    names = tuple(
+        dict.fromkeys((*free.fit.free, *(name for one in others for name in one.free if name in values)))
+    )
+    start = world.space.with_values(carried_over(free.fit, world), values)
+    fitted = fit(make_data(world, split), start, names, colour=final.colour)
+    lost = float(score(final, split).gain(score(fitted, split)).sum())
+    spared = PRICE_NATS * (len(first.free) - len(world.added[-1].amounts))
+    return replace(free, merit=first.merit - lost + spared)
 
 
 def _of_its_own_state(ground: Ground, best: Free) -> Free:

@@ -66,14 +66,14 @@ def with_impacts_sought(
 
 def with_impacts_in_place(sought: Fit, split: Split) -> Fit:
     """The second: each impact where it was, and none that was not."""
-    last = pruned(sought, split)
-    # the noise laws as they are now, rather than as they seemed at the start
-    return refit_with(last, split, last.world.impacts)
+    # by the noise laws as they are now, rather than as they seemed at the start, and by the samples just after each
+    # impact, which the search left alone: the ringing of a stiff arm is over within a block that is held out
+    return pruned(refit_with(sought, split, sought.world.impacts), split)
 
 
 def with_further_impacts(last: Fit, split: Split) -> Fit:
     """A fit, whatever it frees beside the baseline's quantities, with the impacts that show in what it leaves."""
-    return pruned(_sought(last, split, None), split)
+    return with_impacts_in_place(_sought(last, split, None), split)
 
 
 def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:

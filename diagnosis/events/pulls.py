@@ -19,6 +19,7 @@ from stillarm.diagnosis.events.impacts import ANEW, WHILE_SOUGHT, fit_with_impac
 from stillarm.diagnosis.events.jumps import PUSH_PERIODS
 from stillarm.diagnosis.fitting.departures import (
     LOUD_OVER_S,
+    as_loud_about,
     is_one_sided,
     long_stretch,
     loud_at,
@@ -41,6 +42,7 @@ _STRAYING = 0.5  # of the usual departure, that is left once images are seen fro
 _MOST = 0.3  # of the recording, that pulls leave unjudged: of more none is believed
 
 # a push
+_PUSHED = ("acceleration", "displacement")  # channels that show it
 _BESIDE_PERIODS = 1.0  # before and after it, the model holds
 _WORSE = 1.02  # times the power that was left, in any channel: more, and a push is not left out
 _HOLDS = 0.1  # of the time beside a push, that may depart from the model
@@ -195,28 +197,42 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     """Spans in which something pushed the arm, from and to, s: about an impact the sensors depart from the model, and
     before and after it they do not."""
     world, period = last.world, 1.0 / last.value("modes.0.frequency_hz")
-    loud = [one for one in (loud_at(last, "acceleration"), loud_at(last, "displacement")) if one is not None]
     spans = []
     struck_s = [cycle * world.measured.cycle_s for cycle in world.impacts]
     ends_s = [end for _, end in world.unjudged_s]  # a pull, or a longer push, may not be over there
     for struck in (*struck_s, *ends_s):
         if any(start <= struck < end for start, end in world.unjudged_s):
             continue
-        loudest = [(one, span) for one in loud if (span := loud_stretch(*one, struck, period)) is not None]
-        if not loudest:
-            continue
-        start, end = min(a for _, (a, _) in loudest), max(b for _, (_, b) in loudest)
-        # an image that is wrong for another reason is loud for long
-        (time, flags), (since, until) = loudest[0]
-        lasts = until - since - _shared_s((since, until), world.unjudged_s)
-        if lasts - 2.0 * LOUD_OVER_S > PUSH_PERIODS * period:  # at either end it is seen over that
-            continue
-        start, end = max(start, since - period), min(end, until + period)
-        if _holds_beside(time, flags, (since, until), period):
-            spans.append((max(start - LOUD_OVER_S, 0.0), end + LOUD_OVER_S))
+        by_usual = [loud_at(last, name) for name in _PUSHED]
+        by_most = [as_loud_about(last, name, struck, period) for name in _PUSHED]
+        pushed = (_push_about(last, struck, period, loud) for loud in (by_usual, by_most))
+        spans += [span for span in pushed if span is not None][:1]
     found = _merged(spans)
     more_s = _length_s(found) - sum(_shared_s(one, world.unjudged_s) for one in found)
     return () if more_s > _MOST * world.measured.duration_s else tuple(found)
+
+
+def _push_about(
+    last: Fit, struck: float, period: float, loud: Sequence[tuple[Array, NDArray[np.bool_]] | None]
+) -> tuple[float, float] | None:
+    """The span of a push about an impact, s, by when each channel was measured and is loud; None where it is none."""
+    loudest = [
+        (one, span)
+        for one in loud
+        if one is not None and (span := loud_stretch(*one, struck, period)) is not None
+    ]
+    if not loudest:
+        return None
+    start, end = min(a for _, (a, _) in loudest), max(b for _, (_, b) in loudest)
+    # an image that is wrong for another reason is loud for long
+    (time, flags), (since, until) = loudest[0]
+    lasts = until - since - _shared_s((since, until), last.world.unjudged_s)
+    if lasts - 2.0 * LOUD_OVER_S > PUSH_PERIODS * period:  # at either end it is seen over that
+        return None
+    if not _holds_beside(time, flags, (since, until), period):
+        return None
+    start, end = max(start, since - period), min(end, until + period)
+    return max(start - LOUD_OVER_S, 0.0), end + LOUD_OVER_S
 
 
 def _holds_beside(time: Array, loud: NDArray[np.bool_], span: tuple[float, float], period: float) -> bool:

@@ -12,6 +12,7 @@ LOUD_OVER_S = 0.02
 """Over which the accelerometer's departure is looked at, s."""
 _LEAST_FRAMES = 3  # over which an image's is
 _LOUD = 6.0  # times the usual departure, in which one window in a thousand lies by chance
+_AS_LOUD = 0.1  # of the most about an impact
 _LONG_FRAMES = 5  # over which an image's departure is looked at where it lasts
 # times the usual departure, in which one window of so many in a hundred thousand lies by chance
 _LONG_LOUD = 2.5
@@ -36,8 +37,28 @@ def loud_at(
         return None
     time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
     time, off = time[known], off[known]
-    width = width or max(_LEAST_FRAMES, round(LOUD_OVER_S / last.world.step_s(name)))
-    return time, is_loud(off, width, times)
+    return time, is_loud(off, width or _width(last, name), times)
+
+
+def as_loud_about(
+    last: Fit, name: str, struck: float, period: float
+) -> tuple[Array, NDArray[np.bool_]] | None:
+    """The same, by at least a tenth of the most that it does about an impact: where noise is little, what a wrong
+    account of an impact leaves is far over the usual for long after."""
+    usual = loud_at(last, name)
+    if usual is None:
+        return None
+    time, _ = usual
+    off = last.residuals[name][np.isfinite(last.residuals[name])]
+    width = _width(last, name)
+    loudness = _loudness(off, width)
+    near = np.abs(time - struck) < _ABOUT_PERIODS * period
+    least = max(_AS_LOUD * float(loudness[near].max(initial=0.0)), _LOUD * _usual(off, loudness))
+    return time, np.asarray(loudness > least)
+
+
+def _width(last: Fit, name: str) -> int:
+    return max(_LEAST_FRAMES, round(LOUD_OVER_S / last.world.step_s(name)))
 
 
 def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -48,9 +69,21 @@ def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def is_loud(off: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
     """Where a departure, over so many samples, is so many times what it usually is. off: (n,), none missing."""
-    loudness = np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same"))
-    usual = max(float(np.median(loudness)), white_noise(off))
-    return np.asarray(loudness > times * usual)
+    loudness = _loudness(off, width)
+    return np.asarray(loudness > times * _usual(off, loudness))
+
+
+def loud_beside(off: Array, usually: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
+    """Where one departure, over so many samples, is so many times what another usually is. Both (n,), none missing."""
+    return np.asarray(_loudness(off, width) > times * _usual(usually, _loudness(usually, width)))
+
+
+def _loudness(off: Array, width: int) -> Array:
+    return np.asarray(np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same")))
+
+
+def _usual(off: Array, loudness: Array) -> float:
+    return max(float(np.median(loudness)), white_noise(off))
 
 
 def long_stretch(last: Fit, struck: float) -> tuple[float, float] | None:

@@ -291,7 +291,7 @@ def fit(
     covariance = _covariance(normal)
     std = {name: sqrt(max(covariance[i, i], 0.0)) for i, name in enumerate(free)}
     sigma = _levels(data, now.residuals)
-    train, held = _nats(data, now.residuals, sigma)
+    train, held = _nats(data, now.residuals, now.sigma)
     return Fit(
         world, now.vector, free, std, sigma, colour, now.residuals, now.predicted, float(train.sum()), held, train,
         covariance,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.files.model import Model
+from stillarm.diagnosis.data.channels import FRAME_CHANNELS
 from stillarm.diagnosis.data.noise import LEAST, MATTERS_OF_MOTION, Colour, InstantUncertainty
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.physics.world import Predicted, World
@@ -17,6 +18,7 @@ Colours = dict[str, Colour | InstantUncertainty]
 
 THIN = {"joint_position": 8, "joint_velocity": 8}
 """Samples of a channel that are averaged to one: at 1 kHz 8 ms, within which a joint shows nothing new."""
+_SHOWING_MODES = ("acceleration", "deflection", "displacement")  # the best first
 _SET_OFF_S = 0.3  # within which a mode of 40 Hz and 1 % damping rings down to a twentieth
 
 
@@ -108,27 +110,33 @@ class Data:
 
 def make_data(world: World, split: Split) -> Data:
     """Mark the samples. What an impact sets off in the higher modes is over within a part of a block: in one that is
-    held out no sample would tell its size. So the accelerometer trains just after each impact, if the split lends that.
+    held out no sample would tell its size. So the accelerometer trains just after each impact, if the split lends that;
+    where there is none, what else shows the arm.
     """
     train, held, blocks = {}, {}, {}
-    struck = _just_struck(world) if split.lends else np.zeros(world.measured.cycles, bool)
+    lent = next((name for name in _SHOWING_MODES if name in world.channels), None) if split.lends else None
     for name, values in world.channels.items():
         block = split.blocks_of(world.times_of(name))
         known = np.isfinite(values)
         is_held = split.held[block]
-        if name == "acceleration":
-            is_held = is_held & ~struck
+        if name == lent:
+            is_held = is_held & ~_just_struck(world, name)
         held[name] = known & is_held
         train[name] = known & ~is_held
         blocks[name] = block
     return Data(world, split, train, held, blocks)
 
 
-def _just_struck(world: World) -> Mask:
-    """The cycles within a while of an impact, or of the end of what held the arm, (cycles,)."""
-    struck, reach = np.zeros(world.measured.cycles, bool), round(_SET_OFF_S / world.measured.cycle_s)
+def _just_struck(world: World, channel: str) -> Mask:
+    """The samples within a while of an impact, or of the end of what held the arm, (samples,)."""
+    times, late_s = (
+        world.times_of(channel),
+        world.model.timing.capture_delay_s if channel in FRAME_CHANNELS else 0.0,
+    )
+    struck = np.zeros(len(times), bool)
     for cycle in (*world.impacts, *world.unjudged_ends):
-        struck[cycle : cycle + reach] = True
+        since = times - cycle * world.measured.cycle_s
+        struck |= (since >= 0.0) & (since < _SET_OFF_S + late_s)
     return struck
 
 

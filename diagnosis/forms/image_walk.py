@@ -23,6 +23,10 @@ from stillarm.diagnosis.sensors.late_bursts import Wander, wander_of
 
 _NUMBERS = 3  # of the law: how far, for how long, and the noise
 _LASTS_SWINGS = 4.0  # of the arm, that a walk is remembered at least: what is quicker may be the arm
+_RETURNS = 20.6
+"""A walk is remembered for more than the recording's length over this: one that goes where it will seems to return
+sooner once in a hundred times (Dickey and Fuller 1979: the bias of the regression on the last value, with a mean). A
+tracker has lost where it was; what returns, such as a tip in gusts, is held by something."""
 # nats that the innovations' bands may tell: of what the walk gains; at least
 _OF_GAIN, _BY_CHANCE = 0.05, 20.0
 _MOST_FORETOLD = 0.5  # of a walk's deviation, left of it at most: a quarter of its power
@@ -38,6 +42,8 @@ def image_walk(last: Fit) -> Walk | None:
     period_s = last.world.step_s("displacement")
     lasts_s = -period_s / np.log(wander.stay)
     if lasts_s * last.value("modes.0.frequency_hz") < _LASTS_SWINGS:
+        return None
+    if lasts_s * _RETURNS < last.world.measured.duration_s:
         return None
     if wander.std < MATTERS_OF_NOISE * wander.noise_std:
         return None

@@ -60,6 +60,11 @@ class Space:
     def __getitem__(self, name: str) -> Quantity:
         return self.quantities[self.place[name]]
 
+    def within_bounds(self, name: str, vector: Array) -> bool:
+        """Whether a quantity may move both ways."""
+        quantity, value = self[name], float(vector[self.place[name]])
+        return quantity.low < value < quantity.high
+
     def clipped(self, vector: Array) -> Array:
         """Within all bounds."""
         low = np.array([quantity.low for quantity in self.quantities])

@@ -33,12 +33,14 @@ def ground_of(last: Fit, split: Split) -> Ground:
 
 @dataclass(frozen=True)
 class Begun:
-    """A form with its world and where its fit begins."""
+    """A form with its world and where its fit begins. asked: by the data, whatever a score test says. promised: what
+    that says, over the most that it says of any form."""
 
     form: Form
     world: World
     start: Array
     asked: bool = False
+    promised: float = 0.0
 
 
 Pair = tuple[Begun, Fit]

@@ -230,7 +230,8 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
             if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
                 assert form.begins is not None
                 start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
-                begun_later.append(Begun(form, one.world, sized(white, one, form.begins, start)))
+                at = sized(white, one, form.begins, start)
+                begun_later.append(Begun(form, one.world, at, promised=one.nats / top))
             continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
@@ -239,7 +240,8 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
         count[id(one.cause)] += 1
         if count[id(one.cause)] > _MOST_STARTS:
             continue
-        begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked))
+        promised = one.nats / max(top, SCREENED_NATS)
+        begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked, promised))
     for further in tried:
         terms = further.added(last) if further.added is not None else ()
         if terms:

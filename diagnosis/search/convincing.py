@@ -69,6 +69,11 @@ def is_of_free_form(one: Candidate, last: Fit) -> bool:
     return _adds_terms(one.fit, last)
 
 
+def is_course(one: Candidate, last: Fit) -> bool:
+    """Whether a form goes where it will over time: it follows whatever is slow enough, and some of the noise."""
+    return any(group.over_time for group in one.fit.world.added[len(last.world.added) :])
+
+
 def _adds_terms(fit: Fit, last: Fit) -> bool:
     return len(fit.world.added) > len(last.world.added)
 

@@ -18,26 +18,37 @@ from stillarm.diagnosis.search.onsets import with_onset_settled
 Array = NDArray[np.float64]
 
 QUICK = 4  # steps of a fit
+_TO_REST = 40
+"""Of a fit that is to settle, at most: what an impact sets off in modes that the images alone show is told by few of
+them, so that such a fit goes along a valley for thirty steps."""
 _MOST_TRIALS = 40  # of a search along a quantity
 _AFAR = 0.003  # of the first mode's frequency: within 16 swings, which ring on at 1 % of damping, a third of a radian
 _FROM_AFAR = 8  # steps of a quick fit that begins there
+_MUCH = 0.5  # of what a score test promises of any form
 _QUICK_SETTLED = 1.0  # nats: of a quick fit, a third of what a number costs
 
 
 def refitted(ground: Ground, one: Begun) -> Fit | None:
-    """A form fitted quickly; None where what comes out is not possible."""
-    names = free_names(ground.last, one.world, one.form.cause.free(one.world))
+    """A form fitted quickly; None where what comes out is not possible. With derivatives of its own where those of the
+    ground lead astray: what is promised much is far from there, where the images' noise is little."""
     known = _slopes_at(ground, one.world, one.start)
-    fitted = fit(
+    fitted = _fitted_from(ground, one, known)
+    if known is not None and one.promised > _MUCH and gain_of(fitted, ground.last) < 0.0:
+        fitted = _fitted_from(ground, one, None)
+    return fitted if one.form.cause.possible(fitted) else None
+
+
+def _fitted_from(ground: Ground, one: Begun, known: Slopes | None) -> Fit:
+    """A quick fit from where a form begins, by known derivatives or by its own."""
+    return fit(
         make_data(one.world, ground.split),
         one.start,
-        names,
+        free_names(ground.last, one.world, one.form.cause.free(one.world)),
         iterations=_FROM_AFAR if known is None else QUICK,
         colour=ground.last.colour,
         known=known,
         settled_nats=_QUICK_SETTLED,
     )
-    return fitted if one.form.cause.possible(fitted) else None
 
 
 def _slopes_at(ground: Ground, world: World, vector: Array) -> Slopes | None:
@@ -72,7 +83,9 @@ def polished(ground: Ground, pair: Pair) -> Pair:
     if one.form.begins is not None:
         fitted = with_onset_settled(ground, one.form.begins, fitted, data)
     settled = settled_nats(fitted, last)
-    ended = fit(data, fitted.vector, fitted.free, colour=last.colour, settled_nats=settled)
+    ended = fit(
+        data, fitted.vector, fitted.free, iterations=_TO_REST, colour=last.colour, settled_nats=settled
+    )
     return one, ended
 
 

@@ -69,8 +69,10 @@ class Whitened:
             self.spans[name] = slice(at, at + len(u))
             at += len(u)
         self.residual, self.time_s = np.concatenate(parts), np.concatenate(times)
-        # a part of a cycle is all that it may be: as a direction it would explain a dead time of any length
-        names = [name for name in last.free if name != ARRIVAL]
+        # A part of a cycle is all that it may be: as a direction it would explain a dead time of any length. Nor is a
+        # bound that the fit came to a direction, such as the most that two sound clocks differ by.
+        inside = last.world.space.within_bounds
+        names = [name for name in last.free if name != ARRIVAL and inside(name, last.vector)]
         by = jacobian(last.world, last.vector, names, last.predicted, last.colour, slopes)
         stacked = np.concatenate([by[n][self._masks[n]] * self.weights[n][:, None] for n in by])
         norms = np.linalg.norm(stacked, axis=0)
@@ -145,8 +147,8 @@ def _profile(residual: Array, least: float) -> float:
 def screen(
     white: Whitened, causes: list[Cause], may_begin: Callable[[Cause], bool] = lambda cause: False
 ) -> list[Scored]:
-    """Score every trial of every cause against the fit so far; of each cause the best three and those that the data
-    ask for, the best first. may_begin: whether a cause may act from an instant on alone: of each such the best of those
+    """Score every trial of every form against the fit so far; of each the best three and those that the data ask for,
+    the best first. may_begin: whether a cause may act from an instant on alone: of each such the best of those
     trials that promise more so is there too."""
     last = white.last
     context = Context(last, residual_peaks(last))
@@ -167,19 +169,19 @@ def screen(
         cause, trial = one
         return _scores(white, cause, trial, worlds[trial.options], onsets_s if may_begin(cause) else ())
 
-    best: dict[str, list[Scored]] = {}
+    best: dict[int, list[Scored]] = {}
     later: dict[int, Scored] = {}
     known = [*(one for pair in todo for one in pair), *(one[0] for one in worlds.values())]
     for (cause, _), found in zip(todo, shared_out(score, todo, known), strict=True):
         for one in found:
             if one.begins_s is None:
-                best.setdefault(cause.id, []).append(one)
+                best.setdefault(id(cause), []).append(one)
             elif id(cause) not in later or one.nats > later[id(cause)].nats:
                 later[id(cause)] = one
     scored = list(later.values())
-    for of_cause in best.values():
-        of_cause.sort(key=lambda item: -item.nats)
-        scored += [*of_cause[:3], *(one for one in of_cause[3:] if one.trial.asked)]
+    for of_form in best.values():
+        of_form.sort(key=lambda item: -item.nats)
+        scored += [*of_form[:3], *(one for one in of_form[3:] if one.trial.asked)]
     return sorted(scored, key=lambda item: -item.nats)
 
 

@@ -1,5 +1,6 @@
 """The verdict: what counts as explained, as left, and as told apart."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -9,11 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.decide import Judged, class_of, judge, runner_up
+from stillarm.diagnosis.decision.decide import Judged, _odds_of_name, class_of, judge, runner_up
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.rest import Rest
+from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
-from tests.fixtures.synthetic import fitted, measured
+from tests.fixtures.synthetic import fitted, measured, with_rest
 
 SPLIT = interleaved(20.0)
 
@@ -79,3 +81,19 @@ def test_the_largest_rest_is_told_first() -> None:
     ]
     left = Judged("unexplained", rests, None, None).left
     assert left is not None and left.channel == "displacement"
+
+
+@pytest.mark.parametrize(("left", "named"), [(0.0, True), (1.0, True), (7.0, False)])
+def test_a_course_that_leaves_much_of_what_it_follows_is_no_name(arm: Fit, left: float, named: bool) -> None:
+    """left: of the images' noise, where they strayed by ten times that. A tip in gusts strays them too fast."""
+    time = arm.world.times_of("displacement")
+    walk = Added("walk", {"displacement": time[:, None] / 20.0}, 1.0, over_time=True)
+    follows = replace(arm, world=arm.world.changed(added=(walk,)))
+    before = with_rest(arm, "displacement", 10.0 * arm.sigma["displacement"])
+    first = replace(
+        _candidate("tracking_drift", 500.0, "displacement"),
+        fit=with_rest(follows, "displacement", left * arm.sigma["displacement"]),
+        nats=np.full(30, 500.0 / 30.0),
+    )
+    found = Found(before, first.fit, [first])
+    assert (_odds_of_name(found, first, SPLIT, None, None) > 0.5) is named

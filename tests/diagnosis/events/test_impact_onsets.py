@@ -25,7 +25,8 @@ def fitted_with(impacts: tuple[int, ...]) -> Fit:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "impacts", [(STRUCK + 90,), (STRUCK + 90, STRUCK + 700), (STRUCK - 185, STRUCK + 185)]
+    "impacts",
+    [(STRUCK + 90,), (STRUCK - 45,), (STRUCK + 90, STRUCK + 700), (STRUCK - 185, STRUCK + 185)],
 )
 def test_it_goes_to_its_onset(impacts: tuple[int, ...]) -> None:
     begun = fitted_with(impacts)

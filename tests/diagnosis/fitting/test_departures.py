@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stillarm.diagnosis.fitting.departures import (
+    as_loud_about,
     is_one_sided,
     loud_at,
     loud_stretch,
@@ -94,3 +95,19 @@ def test_what_a_rest_becomes_louder_at_is_told_to_a_part_of_a_second_and_of_an_e
     found = sets_in_s(replace(last, residuals={**last.residuals, "acceleration": off}))
     assert min(abs(one - 7.4) for one in found) < 0.1
     assert all(7.0 < one < 7.6 for one in found)
+
+
+def test_what_is_loud_for_long_after_is_not_as_loud(arm: Fit) -> None:
+    """A wrong account of a push leaves ten times the usual for as long as the arm rings."""
+    pushed = with_more(with_more(arm, "acceleration", 4.0, 4.3, 1000.0), "acceleration", 4.3, 7.0, 20.0)
+    usual, most = loud_at(pushed, "acceleration"), as_loud_about(pushed, "acceleration", 4.1, PERIOD_S)
+    assert usual is not None and most is not None
+    usually = loud_stretch(*usual, 4.1, PERIOD_S)
+    as_most = loud_stretch(*most, 4.1, PERIOD_S)
+    assert usually is not None and usually[1] > 6.9
+    assert as_most == pytest.approx((4.0, 4.3), abs=0.02)
+
+
+def test_noise_is_not_as_loud_as_noise(arm: Fit) -> None:
+    found = as_loud_about(arm, "acceleration", 4.1, PERIOD_S)
+    assert found is not None and not found[1].any()

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stillarm.diagnosis.data.noise import log_likelihood
 from stillarm.diagnosis.data.split import Split, interleaved
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
@@ -67,3 +68,19 @@ def test_derivatives_that_are_kept_lead_to_the_same_fit() -> None:
     kept = fit(given, world.space.vector(), world.baseline_names(), iterations=30, anew=2)
     assert kept.train_log_likelihood == pytest.approx(exact.train_log_likelihood, abs=0.5)
     assert kept.value("modes.0.frequency_hz") == pytest.approx(exact.value("modes.0.frequency_hz"), rel=1e-5)
+
+
+def test_no_level_of_the_noise_makes_a_fit_likelier() -> None:
+    """Two fits are held against each other by their log-likelihoods: at a robust level one that leaves much in a part
+    of the recording would seem the better, the wider its level."""
+    last = fitted(measured(9.0, 3))
+    data = last.world.measured
+    loud = np.where(np.arange(data.cycles) % 3000 < 200, 3.0, 0.0) * np.sin(np.arange(data.cycles))
+    found = fitted(replace(data, acceleration=data.acceleration + loud))
+    marked = make_data(found.world, interleaved(9.0))
+    best = 0.0
+    for name, residual in found.residuals.items():
+        trained = residual[marked.train[name]]
+        levels = found.sigma[name] * np.geomspace(0.9, 5.0, 120)
+        best += max(float(np.sum(log_likelihood(trained / one, one))) for one in levels)
+    assert found.train_log_likelihood == pytest.approx(best, abs=2.0)

@@ -17,8 +17,8 @@ SECONDS, STEP_PX = 20.0, 0.3
 Array = NDArray[np.float64]
 
 
-def with_images_off(off_px: Array) -> Fit:
-    data = measured(SECONDS, 1)
+def with_images_off(off_px: Array, seconds: float = SECONDS) -> Fit:
+    data = measured(seconds, 1)
     seen = data.frames.displacement_px
     return fitted(replace(data, frames=replace(data.frames, displacement_px=seen + off_px[: len(seen)])))
 
@@ -61,6 +61,17 @@ def test_a_walk_is_the_trackers_and_named() -> None:
 def test_what_is_no_walk_has_no_such_form(off: Array) -> None:
     assert FORM.added is not None
     assert FORM.added(with_images_off(off)) == ()
+
+
+@pytest.mark.slow
+def test_what_comes_back_within_seconds_of_a_minute_is_no_trackers() -> None:
+    """A tip in gusts strays by as much, for longer than it swings, and is held by the arm."""
+    rng, stay = np.random.default_rng(8), np.exp(-1.0 / (65.0 * 2.0))
+    gusts = np.zeros(5000)
+    for k in range(1, len(gusts)):
+        gusts[k] = stay * gusts[k - 1] + 4.0 * np.sqrt(1.0 - stay**2) * rng.normal()
+    assert image_walk(with_images_off(gusts, 60.0)) is None
+    assert image_walk(with_images_off(strayed(STEP_PX), 60.0)) is not None
 
 
 def test_a_walk_gives_way_to_what_foretells_the_images_and_to_nothing_that_leaves_it_there() -> None:
