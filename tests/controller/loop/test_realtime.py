@@ -63,7 +63,6 @@ def test_without_them_the_controller_refuses_before_it_opens_anything(tmp_path: 
     assert not (tmp_path / "rec.mcap").exists()
 
 
-@pytest.mark.slow
 def test_asking_changes_nothing() -> None:
     """Scheduler, collector and place are as before."""
     before = os.sched_getscheduler(0), os.sched_getaffinity(0), gc.isenabled(), gc.get_freeze_count()
