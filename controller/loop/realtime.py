@@ -16,7 +16,7 @@ from stillarm.common.process.blas_threads import BLAS_THREADS
 from stillarm.common.process.loop_processor import loop_processor
 from stillarm.common.process.priority import run_fifo
 
-_MCL_CURRENT, _MCL_FUTURE = 1, 2
+_MCL_CURRENT, _MCL_FUTURE, _MCL_ONFAULT = 1, 2, 4
 _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4  # malloc.h
 PRIORITY = 60  # SCHED_FIFO, above all other processes of the rig: docs/realtime.md, Other processes
 _CPU_LATENCY = Path("/dev/cpu_dma_latency")
@@ -72,11 +72,12 @@ def missing_privileges() -> list[Missing]:
 
 
 def _may_lock_memory() -> bool:
-    """Whether all present and future memory may be locked: without limit, or by capability."""
+    """Whether all present and future memory may be locked: without limit, or by capability. No page is fetched for it:
+    a process of a gigabyte would be held for seconds."""
     if resource.getrlimit(resource.RLIMIT_MEMLOCK)[0] == resource.RLIM_INFINITY:
         return True
     libc = ctypes.CDLL(None, use_errno=True)
-    allowed: bool = libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0
+    allowed: bool = libc.mlockall(_MCL_CURRENT | _MCL_FUTURE | _MCL_ONFAULT) == 0
     libc.munlockall()
     return allowed
 

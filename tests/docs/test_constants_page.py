@@ -1,6 +1,7 @@
 """The page of constants holds every number of the diagnosis, each with what it is."""
 
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -12,14 +13,20 @@ sys.path.insert(0, str(ROOT / "docs" / "generator"))
 import constants_page
 
 
+@cache
+def constants() -> list[constants_page.Constant]:
+    """Of the program as it is: each reading of it takes a quarter of a second."""
+    return list(constants_page.constants())
+
+
 def test_every_constant_says_what_it_is() -> None:
-    silent = [f"{one.module}: {one.name}" for one in constants_page.constants() if not one.about]
+    silent = [f"{one.module}: {one.name}" for one in constants() if not one.about]
     assert silent == []
 
 
 @pytest.mark.parametrize("package", constants_page.PACKAGES)
 def test_every_package_is_looked_through(package: str) -> None:
-    assert any(one.module.startswith(f"diagnosis/{package}/") for one in constants_page.constants())
+    assert any(one.module.startswith(f"diagnosis/{package}/") for one in constants())
 
 
 def test_a_module_is_read_as_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

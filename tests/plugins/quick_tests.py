@@ -9,6 +9,7 @@ import multiprocessing.process
 import os
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -98,7 +99,9 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     return found
 
 
+@cache
 def _lies_in_a_folder_left_out(path: Path) -> bool:
+    """Asked anew for each of a file's tests."""
     return any(_TESTS / folder in (path, *path.parents) for folder in FOLDERS)
 
 

@@ -28,6 +28,7 @@ def test_bash_completes_commands_options_and_names() -> None:
     assert completed(script, "stillarm", "completion", "f") == ["fish"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shell", SHELLS)
 def test_each_shell_knows_every_command_and_option(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["completion", shell]) == 0

@@ -36,6 +36,7 @@ def test_coulomb_damping_takes_the_same_off_every_half_swing_and_then_holds() ->
     assert plant.tip_acceleration_m_s2 == 0.0
 
 
+@pytest.mark.slow
 def test_coulomb_damping_under_a_moving_joint() -> None:
     """Against a fine step-by-step integration that knows nothing of stretches: 400000 steps a second."""
     force, fine = 0.2, 400

@@ -6,6 +6,7 @@ import pytest
 from tests.fixtures.exposures import column, exposures
 
 
+@pytest.mark.slow
 def test_drops_take_their_share_independently_and_the_counter_goes_on() -> None:
     rows = exposures({"cause": "frame_drops", "fraction": 0.2}, frames=20_000)
     lost = column(rows, "lost")

@@ -14,6 +14,7 @@ from stillarm.common.user_error import UserError
 from tests.fixtures.recordings import some_fast, written
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_damage_gives_messages_or_one_line(tmp_path: Path, data: st.DataObject) -> None:

@@ -37,6 +37,7 @@ def cut_recording(path: Path, keep: float) -> None:
     path.write_bytes(whole[: int(len(whole) * keep)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keep", [0.3, 0.6, 0.8, 1.0])
 def test_everything_whole_is_kept(tmp_path: Path, keep: float) -> None:
     cut, mended = tmp_path / "cut.mcap", tmp_path / "mended.mcap"

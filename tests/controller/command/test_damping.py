@@ -118,6 +118,7 @@ def test_damping_while_the_joint_moves_returns_to_the_commanded_position() -> No
     assert np.max(np.abs(trace["truth"][-1000:])) < 0.1 * A
 
 
+@pytest.mark.slow
 def test_the_command_is_zero_within_a_fifth_of_a_second_of_the_last_image() -> None:
     """For any motion of the arm; damping resumes with the images."""
     arm = model()

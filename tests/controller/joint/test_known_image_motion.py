@@ -44,6 +44,7 @@ def test_the_rates_are_those_of_what_is_taken_off() -> None:
         assert forced_rate_m_s(joint, time_s) == pytest.approx(forced / 0.02, rel=0.02, abs=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["timestamps", "correlation"])
 def test_a_joint_that_moves_does_not_cut_the_window(method: str) -> None:
     """With time stamps half a frame early the joint's motion is subtracted at the wrong instant; this must
@@ -64,6 +65,7 @@ def test_a_joint_that_moves_does_not_cut_the_window(method: str) -> None:
     assert len([cut for cut in cuts if cut > 0.5]) <= 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["kalman_variable_delay", "kalman_fusion"])
 def test_a_joint_that_moves_does_not_begin_the_filter_anew(method: str) -> None:
     """As above: without the variance for misdating a tenth of the images would lie outside the gate."""

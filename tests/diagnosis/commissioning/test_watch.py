@@ -72,6 +72,7 @@ def test_the_first_thing_exceeded_is_the_one_told() -> None:
     assert "accelerometer" in str(watch.exceeded)
 
 
+@pytest.mark.slow
 def test_growth_ends_before_the_stage_that_is_too_much() -> None:
     """Image, sensor, images lost; or nothing, and then it goes all the way."""
     plan, bounds = stages(LIMITS), bounds_of(LIMITS, 19.6)

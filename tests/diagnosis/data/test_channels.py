@@ -32,6 +32,7 @@ def _literal_lookups(path: Path) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_no_channel_is_taken_for_granted() -> None:
     folder = Path(next(iter(diagnosis.__path__)))
     assert not [line for path in sorted(folder.rglob("*.py")) for line in _literal_lookups(path)]

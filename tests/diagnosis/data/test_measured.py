@@ -87,6 +87,7 @@ def test_rows_too_far_apart_for_the_first_mode_are_refused(tmp_path: Path) -> No
         read(tmp_path, time)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rate_hz", "digits"), [(100.0, 6), (610.3515625, 6), (2500.0, 5)])
 def test_rows_at_another_rate_than_the_models_cycle_make_their_own_grid(
     tmp_path: Path, rate_hz: float, digits: int

@@ -65,6 +65,7 @@ def test_the_likeliest_level_is_where_the_likelihood_is_largest(share: float) ->
     assert likeliest_level(values, 1.0, 100.0) == 100.0
 
 
+@pytest.mark.slow
 def test_white_values_have_no_colour() -> None:
     seen = [wander_colour(np.random.default_rng(seed).standard_normal(900), 900.0) for seed in range(40)]
     assert sum(one.stay > 0.0 for one in seen) <= 1

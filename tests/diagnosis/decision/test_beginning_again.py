@@ -26,6 +26,7 @@ def found_beside(baseline: Fit, final: Fit) -> Found:
     return Found(baseline, final, [taken], [Stage([], [taken], taken)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("struck", [True, False])
 def test_impacts_that_show_beside_a_finding_are_borne_out(struck: bool) -> None:
     own = impact(1, 0.02) if struck else {}

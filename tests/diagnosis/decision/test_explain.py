@@ -28,6 +28,7 @@ def _explained(values: dict[str, float], *only: str) -> Found:
     return explain(baseline, interleaved(SECONDS), only=only)
 
 
+@pytest.mark.slow
 def test_nothing_is_found_where_nothing_is_hidden() -> None:
     found = _explained(
         {}, "cubic_stiffness", "tracking_drift", "mains_hum", "accelerometer_lag", "joint_friction"
@@ -52,6 +53,7 @@ def test_the_hidden_cause_comes_first(quantity: str, value: float, cause: str) -
     assert found.final.value(quantity) == pytest.approx(value, rel=0.1) or found.findings[0].form
 
 
+@pytest.mark.slow
 def test_a_cause_that_is_not_looked_for_is_not_found() -> None:
     found = _explained({"camera.rate_px_per_s": 0.1}, "cubic_stiffness")
     assert "tracking_drift" not in [one.cause for one in found.findings]
@@ -69,6 +71,7 @@ def test_friction_that_begins_is_found_from_its_beginning() -> None:
     assert found.final.value("arm.coulomb_m_s2") == pytest.approx(friction, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_baseline_whose_mode_was_fitted_away_is_fitted_again() -> None:
     """From where a form led out of there; that form's own quantity is nothing again."""
     split = interleaved(SECONDS)
@@ -85,6 +88,7 @@ def test_a_baseline_whose_mode_was_fitted_away_is_fitted_again() -> None:
     assert likelier_baseline(Stage([], [one], one), best, split) is None
 
 
+@pytest.mark.slow
 def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
     """A coarse encoder moves it by its steps, as long as the drive's model does not foretell the joint."""
     data = measured(SECONDS, 5, {"drive.velocity_loss_rad_s": 0.02})
@@ -99,6 +103,7 @@ def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
     assert found.final.sigma["acceleration"] < 1.1 * NOISE["acceleration"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hidden", "told"),
     [
@@ -119,6 +124,7 @@ def test_moves_are_told_where_the_joint_and_the_images_show_nothing_amiss(
     assert not _moves_are_told(baseline, split, 100)
 
 
+@pytest.mark.slow
 def test_what_was_found_beside_another_baseline_is_fitted_before_the_time_is_over(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -146,6 +152,7 @@ def test_what_was_found_beside_another_baseline_is_fitted_before_the_time_is_ove
         assert found.left_out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("beside", "alone"), [({}, True), ({"accelerometer.gravity_m_s2_per_rad": 5.0}, False)]
 )

@@ -18,6 +18,7 @@ def arm() -> Fit:
     return fitted(measured(20.0, 3))
 
 
+@pytest.mark.slow
 def test_free_terms_count_where_a_rest_matters_or_where_the_finding_shows(arm: Fit) -> None:
     """A vibration in the acceleration alone, by less than anyone would act on."""
     name = "acceleration"

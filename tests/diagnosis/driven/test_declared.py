@@ -7,6 +7,7 @@ import pytest
 
 from stillarm.common.causes.driven import DRIVEN_CAUSES
 from stillarm.common.files.model import Drive, Model, check_model, load_model
+from stillarm.common.files.scenario import Scenario
 from stillarm.common.user_error import UserError
 from stillarm.diagnosis.diagnose import diagnose
 from stillarm.diagnosis.driven.declared import declared_numbers
@@ -14,6 +15,7 @@ from stillarm.diagnosis.driven.diagnosed import DrivenResult
 from stillarm.diagnosis.driven.recording.signals import Driven, Output
 from stillarm.diagnosis.report.extended_model import model_text
 from tests.fixtures.current_joint import write_recording
+from tests.fixtures.simulated import record
 
 POSITION = Output("joint_position_rad", "position", np.zeros(3), True, 0.0)
 DRIVEN = Driven("x", 0.001, 0.0, "joint_torque_n_m", np.zeros(3), False, (POSITION,), {})
@@ -92,8 +94,6 @@ def test_with_its_extended_model_a_recording_has_nothing_more(tmp_path: Path) ->
 
 @pytest.mark.slow
 def test_a_model_of_a_driven_joints_cause_is_refused_elsewhere(tmp_path: Path) -> None:
-    from tests.fixtures.simulated import record
-
     model = Model(effects=[{"cause": "torque_offset", "offset_rad_s2": 1.0}])
     with pytest.raises(UserError, match="only `stillarm diagnose` of such a recording obeys"):
-        diagnose(record(tmp_path), model)
+        diagnose(record(tmp_path, scenario=Scenario(duration_s=2.0)), model)

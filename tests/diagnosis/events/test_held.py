@@ -60,6 +60,7 @@ SOON = [(6.0, 8.5, 0.02), (8.55, 10.4, -0.02)]  # held again before the first is
 NEXT = [(6.0, 8.5, 0.02), (8.8, 10.6, 0.02)]  # before the arm has swung once
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pulls", [PULLS[:1], PULLS, SOON, NEXT], ids=["one", "three", "soon", "next"])
 def test_slow_pulls_are_left_out_from_their_beginning_to_their_release(
     pulls: list[tuple[float, float, float]],
@@ -74,12 +75,14 @@ def test_slow_pulls_are_left_out_from_their_beginning_to_their_release(
         assert np.nanstd(baseline.residuals[name]) == pytest.approx(NOISE[name], rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jump", [0.02, -0.05])
 def test_an_impact_is_no_pull(jump: float) -> None:
     data = measured(SECONDS, 3, {"jump.1.0.v": 2.0 * pi * HZ * jump}, impacts=(9000,))
     assert held_spans_s(fit_with_impacts(World(data, MODEL), SPLIT)) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("faster_hz", [0.1, 0.2])
 @pytest.mark.parametrize("struck", [9000, 9100, 9200])
 def test_a_swing_that_the_model_has_wrong_is_no_pull(struck: int, faster_hz: float) -> None:
@@ -91,6 +94,7 @@ def test_a_swing_that_the_model_has_wrong_is_no_pull(struck: int, faster_hz: flo
     assert held_spans_s(fit(make_data(world, SPLIT), wrong, (), iterations=0)) == ()
 
 
+@pytest.mark.slow
 def test_a_slow_course_of_the_images_without_a_release_is_no_pull() -> None:
     data = measured(SECONDS, 3)
     time = World(data, MODEL).instants(World(data, MODEL).space.vector())
@@ -105,6 +109,7 @@ def test_without_images_nothing_is_seen() -> None:
     assert bend(fit_with_impacts(World(replace(data, frames=unseen), MODEL), SPLIT)) is None
 
 
+@pytest.mark.slow
 def test_a_bend_is_told_in_pixels() -> None:
     last = fit_with_impacts(World(pulled(PULLS[:1]), MODEL), SPLIT)
     seen = bend(last)

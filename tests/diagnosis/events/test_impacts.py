@@ -26,6 +26,7 @@ def impact(number: int, amplitude_m: float) -> dict[str, float]:
     return {f"jump.{number}.0.v": 2.0 * pi * 2.6 * amplitude_m}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cycles", [(2800,), (1500, 5200, 8100)])
 def test_impacts_are_found_within_some_milliseconds(cycles: tuple[int, ...]) -> None:
     sizes = (0.02, -0.015, 0.012)
@@ -43,6 +44,7 @@ def test_where_nothing_struck_nothing_is_found() -> None:
     assert fit_with_impacts(World(data, MODEL), interleaved(8.0)).world.impacts == ()
 
 
+@pytest.mark.slow
 def test_a_search_from_another_start_ends_where_it_needs_more_impacts_and_is_less_likely() -> None:
     """Here from one that is told too many already, beside a fit with the true one."""
     data, split = measured(10.0, 3, impact(1, 0.02), impacts=(2800,)), interleaved(10.0)
@@ -108,6 +110,7 @@ def test_an_impact_that_a_better_model_bears_out_is_neither_dropped_nor_doubtful
         assert pruned(last, split).world.impacts == ((moving,) if borne_out else ())
 
 
+@pytest.mark.slow
 def test_what_a_fit_frees_beside_the_baseline_stays_free_while_impacts_are_sought() -> None:
     """A stiffness that is a little off would be made up for by impacts."""
     cubic = "arm.cubic_per_m2"

@@ -22,6 +22,7 @@ def test_a_jump_is_found_within_a_part_of_a_swing_and_where_nothing_jumps_none()
     assert find_jumps(last, 0.5) == pytest.approx([4.3], abs=0.1)
 
 
+@pytest.mark.slow
 def test_an_impact_that_a_higher_mode_alone_shows_is_found_while_the_joint_rests() -> None:
     """An arm that rubs may hold its first mode where it is struck."""
     modes = [*MODEL.arm.modes, Mode(frequency_hz=16.0, damping_ratio=0.004, participation=-0.3)]

@@ -93,6 +93,7 @@ def test_what_has_ended_before_the_impact_is_no_pull(data: Measured) -> None:
     assert pull_spans_s(told(data, np.where(over, 4.0, 0.0))) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("span", "a_move"), [((0.6, 1.5), True), ((0.6, 3.6), False), ((3.0, 6.0), False), ((5.1, 5.9), False)]
 )
@@ -212,6 +213,7 @@ def test_a_push_is_left_out_where_images_alone_show_it() -> None:
     assert np.nanstd(off) == pytest.approx(NOISE["displacement"], rel=0.15)
 
 
+@pytest.mark.slow
 def test_a_force_that_swings_the_arm_for_some_periods_is_left_out_where_an_impact_ends_it() -> None:
     """Beyond it the images are as foretold, so that nothing is mended there."""
     shaken = measured(30.0, 3, JUMP, impacts=(20000,))

@@ -36,6 +36,7 @@ def test_errors_are_as_large_as_their_standard_deviations_say() -> None:
     assert 0.5 < np.mean(errors**2) < 1.7, np.round(np.mean(errors**2, axis=0), 2)
 
 
+@pytest.mark.slow
 def test_what_is_held_out_is_not_fitted() -> None:
     data = measured(6.0, 1, TRUE)
     world = World(data, MODEL)

@@ -62,6 +62,7 @@ def test_a_drift_that_levels_off_is_a_form_of_a_steady_one() -> None:
     assert {"", "that levels off"} <= {one.name for one in ALL if one.id == "stiffness_drift"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", ALL, ids=titled)
 def test_its_quantities_exist_and_its_parameters_are_the_catalogues(one: Form, plain: Fit) -> None:
     found = fit_of(one, plain)

@@ -202,6 +202,7 @@ def test_a_buffer_holds_whole_frames(plain: Fit, frames: float, likely: bool) ->
     assert CAUSES["stale_frame_buffer"].possible(one) is (frames > 0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hz", "possible"), [(2.5, False), (2.9, False), (6.0, True), (15.0, True)])
 def test_a_second_mode_is_none_that_beats_with_the_first(hz: float, possible: bool) -> None:
     """An arm that softens with its amplitude looks like two modes side by side."""

@@ -44,6 +44,7 @@ def usual_wander(seed: int) -> Array:
     return np.asarray(ARRIVAL_STD_S / np.sqrt(3.0) * late)
 
 
+@pytest.mark.slow
 def test_a_delay_that_strays_is_named() -> None:
     strays = with_arrivals_late(bent(0.025))
     walk = delay_walk(strays)
@@ -58,6 +59,7 @@ def bursts() -> Array:
     return late
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "late",
     [np.zeros(5000), usual_wander(1), usual_wander(2), 0.001 * TIME_S, bursts()],
@@ -68,6 +70,7 @@ def test_what_is_no_walk_has_no_such_form(late: Array) -> None:
     assert FORM.added(with_arrivals_late(late)) == ()
 
 
+@pytest.mark.slow
 def test_a_walk_gives_way_to_what_foretells_the_arrivals_and_to_nothing_that_leaves_it_there() -> None:
     strays, clean = with_arrivals_late(bent(0.025)), with_arrivals_late(np.zeros(5000))
     assert is_foretold(strays, clean)

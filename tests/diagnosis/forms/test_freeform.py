@@ -66,6 +66,7 @@ def test_its_columns_are_finite_and_of_its_channels_length(group: Group, plain: 
     assert set(found.columns) == (own or {"acceleration", "displacement"})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", ALL, ids=lambda one: one.name)
 def test_its_amounts_take_part_in_a_world(group: Group, plain: Fit, unseen: Fit) -> None:
     """What an amount adds to a channel is its column, and nothing else."""

@@ -41,6 +41,7 @@ def test_a_few_images_tell_of_none() -> None:
     assert wander_of(np.zeros(5)) is None
 
 
+@pytest.mark.slow
 def test_a_walk_is_the_trackers_and_named() -> None:
     plain = with_images_off(strayed(STEP_PX))
     walk = image_walk(plain)
@@ -49,6 +50,7 @@ def test_a_walk_is_the_trackers_and_named() -> None:
     assert [one.cause for one in found.findings] == ["tracking_drift"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "off",
     [
@@ -80,6 +82,7 @@ def test_a_walk_gives_way_to_what_foretells_the_images_and_to_nothing_that_leave
     assert not is_foretold(strays, strays)
 
 
+@pytest.mark.slow
 def test_a_walk_gives_way_to_what_foretells_most_of_where_it_went() -> None:
     """A pull is left, say, that nobody has found."""
     rng = np.random.default_rng(6)

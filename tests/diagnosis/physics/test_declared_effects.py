@@ -39,7 +39,7 @@ def test_an_extended_model_s_recording_holds_nothing_unknown(tmp_path: Path) -> 
     assert not result.table["findings"]
 
 
-@pytest.mark.blind(each_run=1, seed=3)
+@pytest.mark.blind(each_run=1, seed=3, group="a recording of what its model declares")
 @pytest.mark.parametrize(
     ("cause", "amount"),
     [

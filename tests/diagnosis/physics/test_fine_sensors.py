@@ -77,6 +77,7 @@ def test_no_more_than_a_simulation_may_be_off() -> None:
     assert within_reach(measured, np.zeros(5)) == pytest.approx([0.0, 1e-5, 2e-5, most, -most])
 
 
+@pytest.mark.slow
 def test_the_arm_rings_with_the_joint() -> None:
     """The tip's path is that of the equation of motion, solved by another method."""
     time = np.arange(3000) * _STEP_S

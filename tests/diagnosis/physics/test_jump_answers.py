@@ -34,6 +34,7 @@ def by_difference(world: World, vector: Array, name: str) -> dict[str, Array]:
     return {one: slope[:-1] if one == "acceleration" else slope for one, slope in found.items()}
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @example(4, 4, "0.q", 0.0, 0.0, 0.0, 0.125, 0.0)  # while an image is exposed that the recording begins in
 @given(

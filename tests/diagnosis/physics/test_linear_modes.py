@@ -34,6 +34,7 @@ def test_a_hat_is_one_at_its_knot_and_nothing_at_the_others() -> None:
     assert hats(at, at) == pytest.approx(np.eye(4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hz", "damping"), [(2.6, 0.004), (2.6, 0.3), (12.0, 0.02)])
 def test_a_mode_answers_as_an_integrator_says(hz: float, damping: float) -> None:
     """q'' + 2 zeta w q' + w^2 q = f, from rest, under a force that begins softly."""

@@ -74,6 +74,7 @@ def test_too_little_that_is_measured_tells_nothing() -> None:
     assert departure_hz(seen, STILL, STEP_S) == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hz", [0.5, 4.0, 8.0, 16.0])
 def test_what_is_kept_of_a_sine_is_what_an_optimal_smoother_keeps(hz: float) -> None:
     """1 / (1 + (f / f_c)^6), without a shift of phase; the second derivative is that of it."""
@@ -84,6 +85,7 @@ def test_what_is_kept_of_a_sine_is_what_an_optimal_smoother_keeps(hz: float) -> 
     assert second[inner] == pytest.approx(-w * w * kept[inner], abs=0.01 * w * w * share)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hz", "damping"), [(2.6, 0.004), (9.0, 0.05)])
 def test_a_mode_answers_the_joint_as_an_integrator_says(hz: float, damping: float) -> None:
     """q'' + 2 zeta w q' + w^2 q = -p a."""

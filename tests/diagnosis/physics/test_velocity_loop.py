@@ -84,6 +84,7 @@ def test_a_joint_that_speeds_up_may_lag_more_than_one_that_slows_down(way: float
         assert shown[500:] == pytest.approx(shown[499] * np.exp(-down * time), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_further_lag_is_a_filter_in_front_of_the_drive() -> None:
     """Steps through two lags in a row, by an integrator."""
     lag_s = 0.03
@@ -99,6 +100,7 @@ def test_a_further_lag_is_a_filter_in_front_of_the_drive() -> None:
     )  # half a cycle's hold of a step of a quarter
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=20)
 @given(st.integers(0, 40))
 def test_a_dead_time_of_whole_cycles_shifts_what_the_joint_does(cycles: int) -> None:

@@ -20,6 +20,7 @@ TWO = msgspec.structs.replace(
 )
 
 
+@pytest.mark.slow
 def test_a_mode_that_was_lost_is_found_from_where_the_model_has_it() -> None:
     data = measured(8.0, 3, {"modes.1.frequency_hz": 14.1}, model=TWO)
     world = World(data, TWO)

@@ -15,6 +15,7 @@ SECONDS = 12.0
 LAG = "drive.lag_speeding_up_s"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("acts_from_s", "with_onset"), [(0.0, False), (6.0, True)])
 def test_a_form_has_an_onset_where_it_gains_by_it(acts_from_s: float, with_onset: bool) -> None:
     """The first move begins at 0.8 s: from when on a cause acts before that shows nowhere."""

@@ -9,7 +9,7 @@ from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.search.stated_baseline import stated_baseline
 from tests.fixtures.synthetic import fitted, measured
 
-SECONDS = 20.0
+SECONDS = 10.0
 SPLIT = interleaved(SECONDS)
 HZ, DAMPING = "modes.0.frequency_hz", "modes.0.damping_ratio"
 
@@ -42,6 +42,7 @@ def test_a_baseline_has_left_the_stated_modes_where_no_model_is_as_wrong(
         assert found.value(HZ) == stated_hz and HZ not in found.free and "camera.offset_px" in found.free
 
 
+@pytest.mark.slow
 def test_friction_is_found_beside_the_stated_modes(rubbing: Fit) -> None:
     found = explain(rubbing, SPLIT, only=("coulomb_damping", "quadratic_damping", "drive_lag"))
     assert [one.cause for one in found.findings] == ["coulomb_damping"]

@@ -58,6 +58,7 @@ def test_spikes_are_counted_and_sized() -> None:
     assert abs(size[0] - 8.0) < 0.3
 
 
+@pytest.mark.slow
 def test_few_spikes_are_seen_in_a_quick_motion() -> None:
     data = measured(SECONDS, 4)
     quiet = data.acceleration.copy()

@@ -22,6 +22,7 @@ def _late_from(frame: int) -> Measured:
     return replace(data, frames=replace(f, received_s=f.received_s + late, started_s=f.started_s + late))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", [120, 300, 480])
 def test_images_tell_that_no_frame_was_lost_where_arrivals_say_so(frame: int) -> None:
     split = interleaved(SECONDS)

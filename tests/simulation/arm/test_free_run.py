@@ -301,6 +301,7 @@ def test_acceleration_goes_on_evenly_where_the_dead_time_passes_a_cycle(share: f
     assert np.array_equal(read(3.5), read(3.5, 0.0))
 
 
+@pytest.mark.slow
 def test_a_driven_oscillator_follows_a_force_between_its_samples() -> None:
     """A Duffing oscillator with seventeen samples a period, the force as it is halfway between them known."""
     w, zeta, cubic, gain, per_sample = 2.0 * pi * 70.0, 0.05, 400.0, 300.0, 4

@@ -23,6 +23,7 @@ from tests.reference.plant_judge import (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("modes", [[FIRST], [FIRST, SECOND], [FIRST, FAST]])
 def test_ring_down(modes: list[Mode]) -> None:
     of = model(modes)

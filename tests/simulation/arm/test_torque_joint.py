@@ -77,6 +77,7 @@ def _difference(ours: Array, theirs: Array) -> float:
     return float(np.max(np.abs(ours - theirs) / np.max(np.abs(theirs), axis=0)))
 
 
+@pytest.mark.slow
 def test_the_linear_part_obeys_the_equations() -> None:
     """To what an adaptive integrator makes of an input with a corner at every sample."""
     assert _difference(_run(FLEXIBLE, INPUT), _solved(FLEXIBLE)) < 1e-5
@@ -95,6 +96,7 @@ def test_the_linear_part_is_exact() -> None:
     assert _difference(_run(FLEXIBLE, INPUT), np.array(expected)) < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("laws", "within"),
     [

@@ -86,6 +86,7 @@ def test_the_contracts_equation_holds_with_both_signs_and_the_rotation() -> None
     assert abs(_error_px(image, exact)) < 0.003
 
 
+@pytest.mark.slow
 def test_a_vibration_is_centred_on_the_middle_of_the_exposure() -> None:
     camera, w = Camera(), 2.0 * np.pi * 2.6
     renderer = _renderer(camera)

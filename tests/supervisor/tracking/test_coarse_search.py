@@ -1,12 +1,14 @@
 """The coarse search against its definition, worked out shift by shift."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stillarm.supervisor.tracking.coarse_search import MIN_COMMON, coarse_shift, coarse_view, overlap_score
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1),

@@ -22,6 +22,7 @@ def test_subpixel_vibration(shortest):
     assert all(r.inliers > 80 for r in results)
 
 
+@pytest.mark.slow
 def test_occluder_over_a_sixth():
     assert rms(tracked(vibration(), SinusoidScene(3), occluder=True)[0][:, :2]) < 0.012
 

@@ -80,6 +80,7 @@ def test_with_the_papers_noise_the_error_is_as_large_as_it_is_said_to_be() -> No
     assert abs(np.mean(biases)) < 0.001
 
 
+@pytest.mark.slow
 def test_damping_does_not_bias_the_delay() -> None:
     """Taking length theta'' instead of (1 - sum of participations) length theta'' off gave 8.6 ms (paper-notes.md)."""
     model = Model(arm=arm())
@@ -132,6 +133,7 @@ def test_a_vanishing_vibration_holds_the_delay_and_widens_its_uncertainty() -> N
     assert said[11.9].std_s <= 1.001 * max(model.timing.capture_delay_std_s, said[8.0].std_s)
 
 
+@pytest.mark.slow
 def test_missing_accelerometer_samples_are_skipped() -> None:
     """A third of the samples missing, in bursts, must not move the delay."""
     model = Model(arm=arm())
@@ -144,6 +146,7 @@ def test_missing_accelerometer_samples_are_skipped() -> None:
     assert abs(np.mean(errors)) < 0.0015
 
 
+@pytest.mark.slow
 def test_a_recording_at_half_the_rate_gives_the_same_delay() -> None:
     """Rows every second cycle only: the average is one over time, not over rows."""
     model = Model(arm=arm())

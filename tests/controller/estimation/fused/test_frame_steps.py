@@ -71,6 +71,7 @@ def test_of_two_images_read_at_once_both_are_dated() -> None:
     assert told == list(range(told[0], told[0] + len(told))) and len(told) > 50
 
 
+@pytest.mark.slow
 def test_frames_of_a_fast_arm_are_all_told() -> None:
     """Blocks of an 8 Hz arm take five cycles and three steps each. With a step a cycle the present told of one frame in
     ten, and lay up to a second behind the filters."""

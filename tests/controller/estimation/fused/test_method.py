@@ -146,6 +146,7 @@ def test_dates_that_have_gone_wrong_are_found_again(shift_s: float, seed: int) -
     assert sum(one.trusted is Trust.DOUBTFUL for one in said[8000:]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("excitation", ["steady", "once"])
 def test_a_delay_that_was_never_known_is_in_the_deflections_deviation(excitation: str) -> None:
     """No accelerometer, and a configured delay that is 15 ms off: 0.24 rad. The filters average a date's error away as

@@ -31,16 +31,17 @@ MISSED = {
     1014: "mean 0.75 %, largest 6.8 %, delay 1.1 ms, normalised errors squared 10.4 and 4.9, settled after 5.5 s",
 }
 """What each misses, and by how much; a case that keeps all moves up."""
+TAKES_TURNS = pytest.mark.blind(each_run=3, seed=1000, group="a stranger's swings")
 
 
-@pytest.mark.blind(each_run=3, seed=1000)
+@TAKES_TURNS
 @pytest.mark.parametrize("seed", KEPT)
 def test_a_strangers_swings_are_followed(seed: int, tmp_path: Path) -> None:
     assert _missed(seed, tmp_path) == {}
 
 
 @pytest.mark.slow
-@pytest.mark.blind(each_run=3, seed=1000)
+@TAKES_TURNS
 @pytest.mark.parametrize(
     "seed",
     [

@@ -38,6 +38,7 @@ def test_a_measured_deflection_survives_recording() -> None:
     assert again.read.deflection_m == 0.1 + 0.2
 
 
+@pytest.mark.slow
 def test_a_clipped_accelerometer_is_not_believed() -> None:
     """A range below the vibration's peak: samples at the range's end are none."""
     model = Model(arm=MODEL.arm, accelerometer=Accelerometer(range_m_s2=1.0))

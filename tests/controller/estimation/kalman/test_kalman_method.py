@@ -39,6 +39,7 @@ def test_time_stamps_follow_a_delay_that_a_constant_does_not() -> None:
     assert variable < 0.03 < fixed
 
 
+@pytest.mark.slow
 def test_white_jitter_is_averaged_out() -> None:
     """The constant delay is right in the mean: 6.4 ms of jitter would be 10 % of the amplitude in a single frame."""
     assert mean_error(run("kalman_constant_delay", 5.0, delay=white(0.074, 0.0064)), 1.5) < 0.03
@@ -202,6 +203,7 @@ def test_all_modes_of_the_model_are_followed(method: str) -> None:
     assert np.std(two_modes("timestamps", 3.0)[late]) > 0.2 * 0.4 * A
 
 
+@pytest.mark.slow
 @given(
     seed=st.integers(0, 10**6),
     method=st.sampled_from(METHODS),
@@ -221,6 +223,7 @@ def test_garbage_never_crashes_and_never_states_nonsense(seed: int, method: str,
     two_modes(method, 1.2, garbage)
 
 
+@pytest.mark.slow
 def test_the_same_inputs_give_the_same_numbers() -> None:
     """To the bit: replay relies on it."""
     assert run("kalman_fusion", 1.5).estimate[1000:] == run("kalman_fusion", 1.5).estimate[1000:]

@@ -37,6 +37,7 @@ def _with(fitted: DrivenFit, **numbers: float) -> DrivenFit:
     return fit(fitted.box, {**fitted.numbers, **numbers}, (*fitted.free, *numbers), fitted.states)
 
 
+@pytest.mark.slow
 def test_friction_that_is_larger_one_way_is_one_cause() -> None:
     """4 both ways and 3 that pushes on are 1 one way and 7 the other: the same equation."""
     found = one_for_two(_searched(4.0, 3.0))
@@ -47,16 +48,19 @@ def test_friction_that_is_larger_one_way_is_one_cause() -> None:
     assert "offset" not in found.final.free
 
 
+@pytest.mark.slow
 def test_what_would_not_be_told_beside_friction_asks_for_no_fuller_form() -> None:
     two = _searched(4.0, 0.0)
     assert one_for_two(two) is two
 
 
+@pytest.mark.slow
 def test_a_torque_beyond_all_friction_stays_a_cause_of_its_own() -> None:
     two = _searched(1.5, 4.0)
     assert one_for_two(two) is two
 
 
+@pytest.mark.slow
 def test_what_is_taken_out_of_a_model_is_out_of_it() -> None:
     found = _searched(1.5, 4.0)
     without = without_form(found.final, OFFSET, [PLAIN, OFFSET], found.start.numbers)

@@ -1,6 +1,7 @@
 """What sensors can show of a joint: by their kinds, and by what is known of their units."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,16 +30,17 @@ def _fitted(kind: Kind, unit: bool = True, modes: int = 0, model: bool = False) 
 
 
 @pytest.mark.parametrize(
-    ("fitted", "shown"),
+    ("kind", "known", "shown"),
     [
-        (_fitted("position"), {shows_joint, shows_angle, shows_link}),
-        (_fitted("velocity"), {shows_joint, shows_angle, shows_link}),
-        (_fitted("velocity", unit=False), {shows_joint, shows_link}),  # in volts
-        (_fitted("velocity", unit=False, model=True), {shows_joint, shows_angle, shows_link}),
-        (_fitted("acceleration"), {shows_joint, shows_link}),  # the arm does not bend
-        (_fitted("acceleration", modes=1), {shows_bending, shows_link}),
-        (_fitted("deflection", modes=1), {shows_bending, shows_link}),
+        ("position", {}, {shows_joint, shows_angle, shows_link}),
+        ("velocity", {}, {shows_joint, shows_angle, shows_link}),
+        ("velocity", {"unit": False}, {shows_joint, shows_link}),  # in volts
+        ("velocity", {"unit": False, "model": True}, {shows_joint, shows_angle, shows_link}),
+        ("acceleration", {}, {shows_joint, shows_link}),  # the arm does not bend
+        ("acceleration", {"modes": 1}, {shows_bending, shows_link}),
+        ("deflection", {"modes": 1}, {shows_bending, shows_link}),
     ],
 )
-def test_what_sensors_show(fitted: DrivenFit, shown: set[object]) -> None:
+def test_what_sensors_show(kind: Kind, known: dict[str, Any], shown: set[object]) -> None:
+    fitted = _fitted(kind, **known)
     assert {one for one in (shows_joint, shows_angle, shows_bending, shows_link) if one(fitted)} == shown

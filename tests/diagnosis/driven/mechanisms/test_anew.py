@@ -17,6 +17,7 @@ from tests.hidden_world.driven.case import make
 from tests.hidden_world.driven.files import write_case
 
 
+@pytest.mark.slow
 def test_a_constant_torque_in_a_closed_loop_leads_back_to_the_arm_that_is_there(tmp_path: Path) -> None:
     """A fifth of the motor's torque holds on. Without it a linear fit loses the arm's mode for good."""
     case = make(70001000001, "torque_offset")

@@ -13,6 +13,7 @@ from stillarm.diagnosis.driven.recording.signals import Driven, Output
 STEP_S, SAMPLES, W, ZETA, CUBIC = 0.005, 6000, 12.0, 0.03, 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["deflection", "acceleration"])
 def test_a_stiffening_arm_shows_its_cubic_force_over_the_deflection(kind: str) -> None:
     """q'' + 2 zeta w q' + w^2 q + c q^3 = u; the linear model is the true one, so that -c q^3 is what it lacks."""

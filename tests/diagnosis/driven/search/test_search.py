@@ -40,6 +40,7 @@ def test_a_bending_alone_asks_for_the_joints_damping_and_no_further_mode() -> No
     assert (best.form.cause, best.form.words) == ("", "a damping of the joint") and best.merit > 100.0
 
 
+@pytest.mark.slow
 def test_a_round_that_the_time_did_not_suffice_for_is_told() -> None:
     """The joint rubs. An answer without a cause, as none could be tried, must not pass for one that has tried all."""
     u = drive_input()

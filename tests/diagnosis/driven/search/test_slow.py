@@ -41,6 +41,7 @@ def _searched(start: DrivenFit) -> Searched:
     return Searched(start, (), start, (), ())
 
 
+@pytest.mark.slow
 def test_gravity_that_short_blocks_lose_shows_on_longer_ones() -> None:
     start = _start(0.01)
     short = [one.merit for one in tried_forms(start, lambda: 1e9) if one.form.cause == "gravity_load"]
@@ -51,6 +52,7 @@ def test_gravity_that_short_blocks_lose_shows_on_longer_ones() -> None:
     assert abs(found.final.numbers["gravity_sine"] + 0.01) < 3e-3
 
 
+@pytest.mark.slow
 def test_a_constant_torque_is_told_from_gravity_and_nothing_from_nothing() -> None:
     found = with_slow_torques(_searched(_start(0.0, 0.02)))
     assert [one.taken.form.cause for one in found.rounds] == ["torque_offset"]
@@ -58,6 +60,7 @@ def test_a_constant_torque_is_told_from_gravity_and_nothing_from_nothing() -> No
     assert with_slow_torques(nothing) is nothing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("worth", "cause"), [(1e6, "torque_ripple"), (CONVINCES, "gravity_load")])
 def test_long_blocks_do_not_lose_a_cause_that_was_worth_more(worth: float, cause: str) -> None:
     """Here they have no use for a ripple, as they may not where a fit over them has ended beside it."""

@@ -65,6 +65,7 @@ def test_a_clean_stream_gives_every_sample(name: str) -> None:
     assert (decoder.frames, decoder.rejected) == (200, 0)
 
 
+@pytest.mark.slow
 @EVERY
 @settings(max_examples=60, deadline=None)
 @given(

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
     scenario = Scenario(duration_s=3.0, strikes=[Strike(0.6, 0.02)])
-    return read_run(open_recording(record(tmp_path_factory.mktemp("beside"), scenario=scenario)))
+    return read_run(open_recording(record(tmp_path_factory.mktemp("beside"), scenario=scenario, method=None)))
 
 
 @pytest.fixture(scope="module")

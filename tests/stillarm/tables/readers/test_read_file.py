@@ -58,7 +58,9 @@ def test_a_damaged_file_gives_a_table_or_one_line(tmp_path: Path, name: str) -> 
         _table_or_one_line(path)
 
 
-@pytest.mark.parametrize("suffix", ["csv", "mat", "parquet", "npz", "npy", "mcap", "h5"])
+@pytest.mark.parametrize(
+    "suffix", ["csv", "mat", "parquet", "npz", "npy", "mcap", pytest.param("h5", marks=pytest.mark.slow)]
+)
 def test_garbage_gives_one_line(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"garbage.{suffix}"
     path.write_bytes(np.random.default_rng(1).bytes(5000))

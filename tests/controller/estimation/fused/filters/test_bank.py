@@ -1,6 +1,7 @@
 """The filter bank: covariances stay covariances whatever happens."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,6 +19,7 @@ actions = st.lists(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(course=actions)
 def test_covariances_stay_symmetric_and_positive_semi_definite(course: list[tuple[str, float]]) -> None:

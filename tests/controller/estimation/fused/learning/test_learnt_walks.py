@@ -44,6 +44,7 @@ def filtered(true_share: float, seed: int, *, learn: bool = True) -> tuple[float
     return float(np.mean(ratios)), float(np.mean(errors)), float(np.mean(shares))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("true_share", [0.2, 1.0, 6.0])
 def test_a_filter_that_learns_how_far_its_state_walks_is_calibrated(true_share: float) -> None:
     """Where it walks less than assumed, as assumed, and further: four seeds each."""

@@ -45,6 +45,7 @@ def test_the_wrong_sign_is_no_date() -> None:
     assert watched(0.0, -1.0, 0.0, 1).lag_rad == 0.0
 
 
+@pytest.mark.slow
 def test_right_dates_are_left_alone() -> None:
     """Two hundred sensors, 20 s each: noise alone gives no phase, nor a suspicion."""
     for seed in range(200):

@@ -52,6 +52,7 @@ def test_exact_without_noise(force: bool, learn: bool) -> None:
     assert np.all(fresh.gain > 0.0)
 
 
+@pytest.mark.slow
 def test_its_covariance_is_that_of_its_errors() -> None:
     """Two hundred draws: mean normalised error squared of two numbers, 2."""
     squares = []
