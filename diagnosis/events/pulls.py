@@ -188,7 +188,13 @@ def _no_worse(found: Fit, before: Fit) -> bool:
     """Whether a fit leaves no more where both are judged."""
     for name, off in found.residuals.items():
         both = np.isfinite(off) & np.isfinite(before.residuals[name])
-        if both.any() and np.mean(off[both] ** 2) > _WORSE * np.mean(before.residuals[name][both] ** 2):
+        # a joint that is told far below the least level of its noise is told no better or worse there
+        was = (
+            max(float(np.mean(before.residuals[name][both] ** 2)), before.sigma[name] ** 2)
+            if both.any()
+            else np.inf
+        )
+        if both.any() and float(np.mean(off[both] ** 2)) > _WORSE * was:
             return False
     return True
 
