@@ -145,17 +145,16 @@ def _odds_of_name(
 
 
 def _doubt_of_course(found: Found, first: Candidate, split: Split) -> float:
-    """Log odds of a course over time by what all findings leave in the channels that it follows; no doubt of any other
+    """Log odds of a course over time by what all findings leave in the channel that it follows; no doubt of any other
     finding, and where what is left does not matter."""
-    before = fit_before(found, first)
-    if not is_course(first, before):
+    if not is_course(first, found.baseline):
         return inf
-    lasting = [
-        times_what_matters(found.final, name, split) / max(times_what_matters(before, name, split), 1e-9)
-        for name in shows_most(first)
-        if name in before.residuals and not rest_of(found.final, name, split).immaterial
-    ]
-    return 2.0 * _SHARPNESS * (_COURSE_LEAVES - max(lasting, default=-inf))
+    (channel,) = shows_most(first)
+    left = times_what_matters(found.final, channel, split)
+    if left < 1.0:
+        return inf
+    before = times_what_matters(found.baseline, channel, split)
+    return 2.0 * _SHARPNESS * (_COURSE_LEAVES - left / max(before, 1e-9))
 
 
 def _odds_beside(found: Found, one: Candidate, split: Split) -> float:

@@ -187,14 +187,13 @@ def _left_out(baseline: Fit, spans: Sequence[tuple[float, float]], split: Split,
 def _no_worse(found: Fit, before: Fit) -> bool:
     """Whether a fit leaves no more where both are judged."""
     for name, off in found.residuals.items():
-        both = np.isfinite(off) & np.isfinite(before.residuals[name])
+        was = before.residuals[name]
+        both = np.isfinite(off) & np.isfinite(was)
+        if not both.any():
+            continue
         # a joint that is told far below the least level of its noise is told no better or worse there
-        was = (
-            max(float(np.mean(before.residuals[name][both] ** 2)), before.sigma[name] ** 2)
-            if both.any()
-            else np.inf
-        )
-        if both.any() and float(np.mean(off[both] ** 2)) > _WORSE * was:
+        power = max(float(np.mean(was[both] ** 2)), before.sigma[name] ** 2)
+        if np.mean(off[both] ** 2) > _WORSE * power:
             return False
     return True
 
@@ -204,15 +203,18 @@ def push_spans_s(last: Fit) -> tuple[tuple[float, float], ...]:
     before and after it they do not."""
     world, period = last.world, 1.0 / last.value("modes.0.frequency_hz")
     spans = []
+    by_usual = [loud_at(last, name) for name in _PUSHED]
     struck_s = [cycle * world.measured.cycle_s for cycle in world.impacts]
     ends_s = [end for _, end in world.unjudged_s]  # a pull, or a longer push, may not be over there
     for struck in (*struck_s, *ends_s):
         if any(start <= struck < end for start, end in world.unjudged_s):
             continue
-        by_usual = [loud_at(last, name) for name in _PUSHED]
-        by_most = [as_loud_about(last, name, struck, period) for name in _PUSHED]
-        pushed = (_push_about(last, struck, period, loud) for loud in (by_usual, by_most))
-        spans += [span for span in pushed if span is not None][:1]
+        span = _push_about(last, struck, period, by_usual)
+        if span is None:
+            by_most = [as_loud_about(last, name, struck, period) for name in _PUSHED]
+            span = _push_about(last, struck, period, by_most)
+        if span is not None:
+            spans.append(span)
     found = _merged(spans)
     more_s = _length_s(found) - sum(_shared_s(one, world.unjudged_s) for one in found)
     return () if more_s > _MOST * world.measured.duration_s else tuple(found)

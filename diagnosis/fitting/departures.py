@@ -29,15 +29,11 @@ def loud_at(
 ) -> tuple[Array, NDArray[np.bool_]] | None:
     """When a channel was measured, s, and whether it departs from the model by far more than it usually does. width:
     samples over which it is looked at, if not the usual ones; times: the usual departure."""
-    if name not in last.residuals:
+    found = _departure(last, name)
+    if found is None:
         return None
-    off = last.residuals[name]
-    known = np.isfinite(off)
-    if known.sum() < MIN_USUAL:
-        return None
-    time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
-    time, off = time[known], off[known]
-    return time, is_loud(off, width or _width(last, name), times)
+    time, off = found
+    return time, loud_beside(off, off, width or _width(last, name), times)
 
 
 def as_loud_about(
@@ -45,19 +41,31 @@ def as_loud_about(
 ) -> tuple[Array, NDArray[np.bool_]] | None:
     """The same, by at least a tenth of the most that it does about an impact: where noise is little, what a wrong
     account of an impact leaves is far over the usual for long after."""
-    usual = loud_at(last, name)
-    if usual is None:
+    found = _departure(last, name)
+    if found is None:
         return None
-    time, _ = usual
-    off = last.residuals[name][np.isfinite(last.residuals[name])]
-    width = _width(last, name)
-    loudness = _loudness(off, width)
+    time, off = found
+    loudness = _loudness(off, _width(last, name))
     near = np.abs(time - struck) < _ABOUT_PERIODS * period
     least = max(_AS_LOUD * float(loudness[near].max(initial=0.0)), _LOUD * _usual(off, loudness))
     return time, np.asarray(loudness > least)
 
 
+def _departure(last: Fit, name: str) -> tuple[Array, Array] | None:
+    """When a channel was measured, s, and its departure from the model, in its unit, without what is missing; None of a
+    channel that is not there, or of which too little is known to have a usual departure."""
+    if name not in last.residuals:
+        return None
+    off = last.residuals[name]
+    known = np.isfinite(off)
+    if known.sum() < MIN_USUAL:
+        return None
+    time = last.world.instants(last.vector) if name == "displacement" else last.world.cycle_times
+    return time[known], off[known]
+
+
 def _width(last: Fit, name: str) -> int:
+    """Samples over which a channel's departure is looked at."""
     return max(_LEAST_FRAMES, round(LOUD_OVER_S / last.world.step_s(name)))
 
 
@@ -67,22 +75,18 @@ def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(edges[::2], edges[1::2], strict=True))
 
 
-def is_loud(off: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
-    """Where a departure, over so many samples, is so many times what it usually is. off: (n,), none missing."""
-    loudness = _loudness(off, width)
-    return np.asarray(loudness > times * _usual(off, loudness))
-
-
 def loud_beside(off: Array, usually: Array, width: int, times: float = _LOUD) -> NDArray[np.bool_]:
     """Where one departure, over so many samples, is so many times what another usually is. Both (n,), none missing."""
     return np.asarray(_loudness(off, width) > times * _usual(usually, _loudness(usually, width)))
 
 
 def _loudness(off: Array, width: int) -> Array:
+    """The rms of a departure over so many samples about each."""
     return np.asarray(np.sqrt(np.convolve(off**2, np.full(width, 1.0 / width), "same")))
 
 
 def _usual(off: Array, loudness: Array) -> float:
+    """What a departure's loudness is for most of the time."""
     return max(float(np.median(loudness)), white_noise(off))
 
 

@@ -129,10 +129,8 @@ def make_data(world: World, split: Split) -> Data:
 
 def _just_struck(world: World, channel: str) -> Mask:
     """The samples within a while of an impact, or of the end of what held the arm, (samples,)."""
-    times, late_s = (
-        world.times_of(channel),
-        world.model.timing.capture_delay_s if channel in FRAME_CHANNELS else 0.0,
-    )
+    times = world.times_of(channel)
+    late_s = world.model.timing.capture_delay_s if channel in FRAME_CHANNELS else 0.0
     struck = np.zeros(len(times), bool)
     for cycle in (*world.impacts, *world.unjudged_ends):
         since = times - cycle * world.measured.cycle_s

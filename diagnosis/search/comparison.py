@@ -224,14 +224,14 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     best: dict[int, float] = {}
     top = max((one.nats for one in screening), default=0.0)
     for one in screening:
-        form = later[id(one.cause)]
+        form, promised = later[id(one.cause)], one.nats / max(top, SCREENED_NATS)
         if one.begins_s is not None and form is not None:
             enough = len({each.form.id for each in begun_later} | {form.id}) > _LATER
             if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
                 assert form.begins is not None
                 start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
                 at = sized(white, one, form.begins, start)
-                begun_later.append(Begun(form, one.world, at, promised=one.nats / top))
+                begun_later.append(Begun(form, one.world, at, promised=promised))
             continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
@@ -240,7 +240,6 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
         count[id(one.cause)] += 1
         if count[id(one.cause)] > _MOST_STARTS:
             continue
-        promised = one.nats / max(top, SCREENED_NATS)
         begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked, promised))
     for further in tried:
         terms = further.added(last) if further.added is not None else ()

@@ -74,8 +74,7 @@ def test_derivatives_that_are_kept_lead_to_the_same_fit() -> None:
 def test_no_level_of_the_noise_makes_a_fit_likelier() -> None:
     """Two fits are held against each other by their log-likelihoods: at a robust level one that leaves much in a part
     of the recording would seem the better, the wider its level."""
-    last = fitted(measured(9.0, 3))
-    data = last.world.measured
+    data = measured(9.0, 3)
     loud = np.where(np.arange(data.cycles) % 3000 < 200, 3.0, 0.0) * np.sin(np.arange(data.cycles))
     found = fitted(replace(data, acceleration=data.acceleration + loud))
     marked = make_data(found.world, interleaved(9.0))

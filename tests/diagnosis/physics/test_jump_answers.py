@@ -71,9 +71,7 @@ def test_it_is_the_difference_quotient(
         name = f"jump.{number}.{part}"
         found = world.slopes_of_jump(name, vector, world.predict(vector))
         if impacts[number - 1] < 4:
-            assert (
-                found is None
-            )  # left to differences: at the first samples no interpolation is the usual one
+            assert found is None  # at the first samples an interpolation is another: left to differences
             continue
         assert found is not None
         expected = by_difference(world, vector, name)
