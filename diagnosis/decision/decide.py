@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import takewhile
 from math import exp, inf
 
 from stillarm.common.causes import CAUSES as DECLARED
@@ -85,11 +86,8 @@ def judge(found: Found, split: Split) -> Judged:
             own = shows_most(first) if first is not None else ()
             if material or rivals:
                 beside = best_free(found.final, split, own)
-            if (
-                first is not None
-                and first.law is None
-                and (beside or _may_lead(first, found.baseline, split))
-            ):
+            # whatever a perfect model would gain: where nothing matters, it is not told how much that is
+            if first is not None and first.law is None:
                 alone = _alone(found, first, own, (beside.group,) if beside else (), split)
     except OutOfTime:
         left_out.append("structure without a name")
@@ -111,9 +109,9 @@ def judge(found: Found, split: Split) -> Judged:
 def _alone(
     found: Found, first: Candidate, own: Sequence[str], others: Sequence[Group], split: Split
 ) -> Free | None:
-    """The best free terms in the place of the first finding: of all by themselves, or where these lead and more was
-    found, beside that."""
-    best = best_free(found.baseline, split, own, others)
+    """The best free terms in the place of the first finding: by themselves on the fit that it was taken on, or where
+    these lead and more was found, beside that."""
+    best = best_free(fit_before(found, first), split, own, others)
     further = [one for one in found.findings if one is not first and one.law is None]
     if best is None or not further or best.merit < first.merit or _changes_structure(first, found.baseline):
         return best
@@ -132,7 +130,7 @@ def _odds_of_name(
     """Probability that the first finding is what it is called, rather than a part of something without a name."""
     if first.law is not None:
         return _OF_LAWS
-    share = share_explained(first, fit_before(found, first), split)
+    share = share_explained(first, fit_before(found, first), split, final=found.final)
     beyond = beside.merit if beside is not None and len(found.findings) == 1 else 0.0
     free = first.merit / max(first.merit + max(beyond, 0.0), 1e-9)
     ahead = (first.merit - (alone.merit if alone is not None else 0.0)) / max(first.merit, 1.0)
@@ -161,16 +159,20 @@ def _odds_beside(found: Found, one: Candidate, split: Split) -> float:
     """The same of a finding beside the first, of what that left."""
     if one.law is not None:
         return _OF_LAWS
-    return _logistic(_SHARPNESS * (share_explained(one, fit_before(found, one), split) - EXPLAINED))
+    share = share_explained(one, fit_before(found, one), split, final=found.final)
+    return _logistic(_SHARPNESS * (share - EXPLAINED))
 
 
 def _logistic(log_odds: float) -> float:
     return 1.0 / (1.0 + exp(-log_odds))
 
 
-def share_explained(one: Candidate, before: Fit, split: Split) -> float:
+def share_explained(
+    one: Candidate, before: Fit, split: Split, only: Sequence[str] | None = None, final: Fit | None = None
+) -> float:
     """What a finding gains, of the nats that a perfect model would gain where it was taken. 1 for a law: it is judged
-    by its own channel. before: the fit that it was taken on.
+    by its own channel. before: the fit that it was taken on; only: by these channels; final: of all findings, what
+    other ones explain being none of what it lacks.
 
     What goes wrong in a sensor or a drive shows in its own channels alone, and is judged there, if nothing larger is
     left elsewhere; a finding of timing by all channels; any other by all but the arrivals.
@@ -178,8 +180,8 @@ def share_explained(one: Candidate, before: Fit, split: Split) -> float:
     if one.law is not None:
         return 1.0
     left = explainable(one.fit, split)
-    own = _own_channels(one, before)
-    if own and _largest_there(before, one.fit, own, split):
+    own = _own_channels(one, before) if only is None else tuple(name for name in only if name in left)
+    if own and (only is not None or _largest_there(before, final or one.fit, own, split)):
         gains = score(one.fit, split).gains(score(before, split))
         gained = sum(gains[name] for name in own)
         return max(gained, 0.0) / max(gained + sum(left[name] for name in own), 1e-9)
@@ -208,19 +210,14 @@ def _largest_there(before: Fit, after: Fit, own: tuple[str, ...], split: Split) 
 
 def fit_before(found: Found, one: Candidate) -> Fit:
     """The fit on which a finding was taken."""
-    earlier = [each.fit for each in found.findings[: found.findings.index(one)] if each.law is None]
-    return earlier[-1] if earlier else found.baseline
+    taken = [stage.taken for stage in found.stages if stage.taken is not None]
+    fits = [each.fit for each in takewhile(lambda each: each is not one, taken) if each.law is None]
+    return fits[-1] if fits else found.baseline
 
 
 def _may_rival(first: Candidate, final: Fit, split: Split) -> bool:
     """Whether what the findings leave is worth enough for free terms to be told of beside the first."""
     return sum(explainable(final, split).values()) > _RIVAL * first.merit
-
-
-def _may_lead(first: Candidate, baseline: Fit, split: Split) -> bool:
-    """Whether any free terms could explain more than the first finding: none explains more than a perfect model. A
-    course of free form does: it goes along with some of the noise."""
-    return is_course(first, baseline) or sum(explainable(baseline, split).values()) > first.merit
 
 
 def _place(one: Candidate) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import share_explained
-from stillarm.diagnosis.decision.rounds import explained, joint_departs, one_round
+from stillarm.diagnosis.decision.rounds import explained, joint_departs, one_round, with_hint
 from stillarm.diagnosis.events.impacts import impacts_while_moving, without_impacts_while_moving
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import fit
@@ -65,16 +65,43 @@ def _searched(
     hint: Hint | None = None,
 ) -> Found:
     """The search from a baseline, or from the likelier one that its first round comes upon. hint: as in Found."""
-    begun = None
+    begun = first = None
+    usual = Found(baseline, baseline)
     if hint is None:
-        begun, hint = _from_another_baseline(baseline, split, tick, only)
+        if not known and not impacts_while_moving(baseline):
+            first = _first_round(usual, split, tick, only)
+        if first is None or not _leaves_nothing(first, split):
+            begun, hint = _from_another_baseline(baseline, split, tick, only)
+    usual.hint = hint
     if begun is None:
         begun, hint = _without_doubtful_impacts(baseline, split, only, hint)
-    found, stages = begun or (Found(baseline, baseline, hint=hint), [])
-    told = explained(found, split, tick, only, known, stages)
+    found, stages = begun or (usual, [])
+    if first is not None and hint is not None and not begun:
+        first = with_hint(first, usual, split)
+    told = explained(found, split, tick, only, known, stages, None if begun else first)
     if told.likelier is None:
         return told
     return _searched(told.likelier, split, tick, only, known, told.hint)
+
+
+def _first_round(
+    usual: Found, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
+) -> Stage | None:
+    """The first round beside the usual baseline: where that explains all that matters, no other one is asked for. None
+    where nothing matters, or the time does not suffice."""
+    try:
+        if not anything_matters(usual.baseline, split):
+            return None
+        tick(0.0, "causes, round 1")
+        return one_round(usual, split, only, upstream=joint_departs(usual.baseline))
+    except OutOfTime:
+        return None
+
+
+def _leaves_nothing(stage: Stage, split: Split) -> bool:
+    """Whether what a round took leaves nothing that matters."""
+    one = stage.taken
+    return one is not None and one.law is None and not anything_matters(one.fit, split)
 
 
 def _from_another_baseline(

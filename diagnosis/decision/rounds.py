@@ -26,6 +26,7 @@ from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz
 from stillarm.diagnosis.physics.world import World
+from stillarm.diagnosis.search.begun import ground_of
 from stillarm.diagnosis.search.candidates import (
     EXPLAINED,
     Candidate,
@@ -35,7 +36,7 @@ from stillarm.diagnosis.search.candidates import (
     of_law,
     turns_the_joint,
 )
-from stillarm.diagnosis.search.comparison import LEFT_OUT, compared
+from stillarm.diagnosis.search.comparison import LEFT_OUT, compared, hinted
 from stillarm.diagnosis.search.convincing import convinces, is_too_little
 from stillarm.diagnosis.search.refits import QUICK
 from stillarm.diagnosis.sensors.clocks import backward_steps
@@ -54,9 +55,11 @@ def explained(
     only: Sequence[str] | None,
     known: Sequence[LawFound],
     begun: Sequence[Stage] = (),
+    first: Stage | None = None,
 ) -> Found:
     """The findings one after another, unless the first round came upon a likelier baseline, which is told alone, or
-    with that round as a hint. begun: rounds that are made already."""
+    with that round as a hint. begun: rounds that are made already; first: the first, if it is, as far as what it took
+    is not yet taken."""
     baseline = found.baseline
     if begun and (better := likelier_baseline(begun[0], baseline, split)) is not None:
         return Found(baseline, baseline, likelier=better)
@@ -74,7 +77,8 @@ def explained(
         tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
         upstream = turn == 0 and joint_departs(found.final)
         try:
-            stage = _again(found, split) or one_round(found, split, only, upstream)
+            made = first if turn == 0 else _again(found, split)
+            stage = made or one_round(found, split, only, upstream)
             if turn == 0 and (plain := likelier_baseline(stage, baseline, split)) is not None:
                 return Found(baseline, baseline, likelier=plain)
             found.stages.append(stage)
@@ -90,12 +94,24 @@ def explained(
         if little and found.findings:  # a part of something without a name, which is told as left
             stage.taken = None
             break
+        told = not little or (
+            upstream and share_explained(stage.taken, found.final, split, JOINT_CHANNELS) >= EXPLAINED
+        )
         _take(stage, found, split)
         if (again := to_begin_again(found, split)) is not None:
             return again
-        if little:  # what the most of it is has no name, whatever beside it has one
+        if not told:  # what the most of it is has no name, whatever beside it has one
             break
-    return found
+    return replace(found, findings=_largest_first(found.findings))
+
+
+def _largest_first(findings: list[Candidate]) -> list[Candidate]:
+    """Findings with the one that tells most ahead of what the drive did, which is sought first wherever its own sensors
+    show it. Laws are judged by other channels, and stay."""
+    if not findings or findings[0].law is not None or not turns_the_joint(findings[0].cause):
+        return findings
+    first = max(findings, key=lambda one: one.merit if one.law is None else 0.0)
+    return [first, *(one for one in findings if one is not first)]
 
 
 def _settled(one: Candidate, split: Split) -> Candidate:
@@ -153,6 +169,19 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
             found.left_out.append("laws of noise and timing")
     ranked = _best_that_convinces(candidates, last, split, beside=bool(found.findings))
     return _taken_of(Stage(screening, ranked, None), found, split)
+
+
+def with_hint(stage: Stage, found: Found, split: Split) -> Stage:
+    """A round with what was found beside another baseline as one more candidate."""
+    assert found.hint is not None
+    try:
+        one = hinted(ground_of(found.final, split), found.hint.taken, forms(found.final.world))
+    except OutOfTime:
+        one = None
+    if one is None:
+        return stage
+    ranked = _best_that_convinces([*stage.candidates, one], found.final, split, beside=bool(found.findings))
+    return _taken_of(Stage(stage.screening, ranked, None), found, split)
 
 
 def _again(found: Found, split: Split) -> Stage | None:

@@ -36,8 +36,14 @@ def white_noise(last: Fit, name: str) -> float:
     if name == "arrival":
         return max(last.sigma[name], last.world.model.timing.capture_delay_std_s, least)
     if name == "acceleration":
-        residual = np.where(_pinned(last.world.channels[name]), np.nan, residual)
+        residual = np.where(at_a_limit(last), np.nan, residual)
     return max(robust.white_noise(residual), least)
+
+
+def at_a_limit(last: Fit) -> NDArray[np.bool_]:
+    """Where an accelerometer is at a limit, by what it reads or by what it should: a limit cuts the noise off, too."""
+    name = "acceleration"
+    return _pinned(last.world.channels[name]) | _pinned(last.predicted.channels[name])
 
 
 def _pinned(reading: Array) -> NDArray[np.bool_]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.data.noise import MATTERS_OF_NOISE
 from stillarm.diagnosis.data.robust import without_spikes
 from stillarm.diagnosis.data.split import Split
-from stillarm.diagnosis.fitting.channel_noise import least_that_matters, noise_of, white_noise
+from stillarm.diagnosis.fitting.channel_noise import at_a_limit, least_that_matters, noise_of, white_noise
 from stillarm.diagnosis.fitting.evidence import score, score_of_noise
 from stillarm.diagnosis.fitting.fitted import THIN, Fit
 
@@ -49,7 +49,11 @@ def _without_spikes(last: Fit) -> Fit:
     residual = last.residuals.get(_SPIKED)
     if residual is None:
         return last
-    return replace(last, residuals={**last.residuals, _SPIKED: without_spikes(residual)})
+    limited = at_a_limit(
+        last
+    )  # hardly any noise is left there, beside which that of the others were all spikes
+    clean = np.where(limited, residual, without_spikes(np.where(limited, np.nan, residual)))
+    return replace(last, residuals={**last.residuals, _SPIKED: clean})
 
 
 def anything_matters(last: Fit, split: Split) -> bool:

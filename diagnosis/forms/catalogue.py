@@ -45,6 +45,7 @@ from stillarm.diagnosis.forms.courses import (
 from stillarm.diagnosis.forms.delay_walk import FORM as DELAY_WALK
 from stillarm.diagnosis.forms.image_walk import FORM as IMAGE_WALK
 from stillarm.diagnosis.forms.swelling_hum import FORM as SWELLING_HUM
+from stillarm.diagnosis.forms.tilted_sensor import FORM as TILTED_SENSOR
 from stillarm.diagnosis.physics.quantities import (
     ACCELEROMETER_BEGIN,
     ARM_BEGIN,
@@ -249,6 +250,7 @@ _FURTHER: tuple[Form, ...] = (
         needs=has("acceleration"),
     ),
     SWELLING_HUM,
+    TILTED_SENSOR,
     SKEW_FROM_AN_ONSET,
     of_course(
         "accelerometer_bias_drift", "along a course", "rate_m_s3", "acceleration", "bias", lambda fit: 1.0, 3.0

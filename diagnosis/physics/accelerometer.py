@@ -16,6 +16,9 @@ from stillarm.diagnosis.physics.arm_motion import Motion, dead_s
 from stillarm.diagnosis.physics.declared_effects import effects_in, laws_at
 from stillarm.diagnosis.physics.quantities import (
     ACCELEROMETER_BEGIN,
+    GRAVITY_COSINE,
+    GRAVITY_SINE,
+    GRAVITY_SLOPE,
     LAG_BEND,
     MOST_DOWN,
     MOST_UP,
@@ -65,7 +68,7 @@ class Accelerometer:
         if vector[at[ACCELEROMETER_BEGIN]] > 0.0:
             return None
         effects = effects_in(vector, at)
-        if any(laws_at(effects, where) for where in ("sensitivity", "reading")):
+        if any(laws_at(effects, where) for where in ("sensitivity", "reading")) or self._feels_angle(vector):
             return None
         late = self._late(acceleration, vector)
         return np.asarray(vector[at["accelerometer.scale"]] * self._lagged(late, vector))
@@ -105,8 +108,17 @@ class Accelerometer:
         value = gain * value + vector[at["accelerometer.bias_m_s2"]]
         for law in laws_at(effects, "reading"):
             value = value + law(t, motion.tip_angle)
+        if self._feels_angle(vector):
+            theta = motion.joint[:, 0]
+            angle = theta + vector[at[GRAVITY_SLOPE]] * (motion.tip_angle - theta)
+            value = value + vector[at[GRAVITY_SINE]] * np.sin(angle)
+            value = value + vector[at[GRAVITY_COSINE]] * (np.cos(angle) - 1.0)
         shown: Array = np.clip(value, *self._limits(vector))
         return shown
+
+    def _feels_angle(self, vector: Array) -> bool:
+        """Whether gravity is felt by the sine or cosine of the sensor's angle."""
+        return any(vector[self.space.place[name]] != 0.0 for name in (GRAVITY_SINE, GRAVITY_COSINE))
 
     def _of_arrivals(self, motion: Motion, vector: Array) -> Array:
         """What the accelerometer reads more or less, m/s^2, where commands arrive as it is read: which comes first by

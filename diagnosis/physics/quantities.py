@@ -23,6 +23,11 @@ MOST_UP, MOST_DOWN = "accelerometer.most_up_m_s2", "accelerometer.most_down_m_s2
 SPEEDING, SLOWING = "drive.lag_speeding_up_s", "drive.lag_slowing_down_s"
 LAG_BEND = "accelerometer.lag_bend"
 """Of a sensor's filter 1 / (1 + lag s + bend (lag s)^2): 0 is of first order, 1/4 two equal lags, 1/2 Butterworth's."""
+GRAVITY_SINE, GRAVITY_COSINE = "accelerometer.gravity_sine_m_s2", "accelerometer.gravity_cosine_m_s2"
+"""What the sensor feels of gravity, by the sine of its angle and by its cosine less one."""
+GRAVITY_SLOPE = (
+    "accelerometer.gravity_of_slope"  # share of the tip's slope by which the sensor turns beside the joint
+)
 OF_ARRIVALS = "accelerometer.of_arrivals"  # share of a jump that a command brings as the sensor is read
 OF_LAST_JUMP = "accelerometer.of_last_jump"  # share of a command's jump, beyond what interpolation has of it
 _OF_LAST_JUMP_STD = 0.5  # where within a cycle a late sensor reads, and how sharply, is unknown
@@ -132,6 +137,9 @@ class Layout:
             (OF_ARRIVALS, 0.0, -0.5, 1.5, 1e-3),
             (OF_LAST_JUMP, 0.0, -1.0, 1.0, 1e-3),
             ("accelerometer.gravity_m_s2_per_rad", 0.0, -50.0, 50.0, 1e-4),
+            (GRAVITY_SINE, 0.0, -50.0, 50.0, 1e-4),
+            (GRAVITY_COSINE, 0.0, -50.0, 50.0, 1e-4),
+            (GRAVITY_SLOPE, 1.0, -0.5, 2.0, 1e-3),
             ("accelerometer.hum_hz", 0.0, 0.0, 5000.0, 1e-5),
             ("accelerometer.hum_sin", 0.0, -1e3, 1e3, 1e-5),
             ("accelerometer.hum_cos", 0.0, -1e3, 1e3, 1e-5),

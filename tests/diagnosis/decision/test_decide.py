@@ -10,9 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.decision.decide import Judged, _odds_of_name, class_of, judge, runner_up
+from stillarm.diagnosis.decision import decide
+from stillarm.diagnosis.decision.decide import (
+    Judged,
+    _odds_of_name,
+    class_of,
+    judge,
+    runner_up,
+    share_explained,
+)
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.rest import Rest
+from stillarm.diagnosis.forms.freeform import Free
 from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
 from tests.fixtures.synthetic import fitted, measured, with_rest
@@ -97,3 +106,27 @@ def test_a_course_that_leaves_much_of_what_it_follows_is_no_name(arm: Fit, left:
     )
     found = Found(before, first.fit, [first])
     assert (_odds_of_name(found, first, SPLIT, None, None) > 0.5) is named
+
+
+@pytest.mark.parametrize(("free_terms", "named"), [(0.0, True), (400.0, False)])
+def test_free_terms_are_asked_where_nothing_matters(
+    arm: Fit, free_terms: float, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A small departure that a name tells a little of, and a force that is not the same to both sides most."""
+    even = cast(Free, SimpleNamespace(merit=free_terms, group=SimpleNamespace()))
+    monkeypatch.setattr(decide, "best_free", lambda last, *rest: even if last is arm and free_terms else None)
+    first = replace(_candidate("rotor_imbalance", 20.0), fit=replace(arm), nats=np.full(30, 20.0 / 30.0))
+    found = Found(arm, first.fit, [first])
+    found.stages.append(Stage([], [first], first))
+    assert judge(found, SPLIT).verdict == ("named" if named else "none")
+
+
+def test_what_others_explain_is_none_of_what_a_finding_lacks(arm: Fit) -> None:
+    """A drive's finding tells all of the joint; the arm, which departs by more, is told by another."""
+    one = "acceleration"
+    loud = with_rest(arm, one, 50.0 * arm.sigma[one])
+    turned = with_rest(loud, "joint_velocity", 5.0 * arm.sigma["joint_velocity"])
+    turned = replace(turned, world=arm.world.changed(joint_hz=5.0))
+    first = replace(_candidate("drive_deadband", 900.0, "joint_velocity"), fit=loud, nats=np.full(30, 30.0))
+    assert share_explained(first, turned, SPLIT) < 0.5
+    assert share_explained(first, turned, SPLIT, final=arm) > 0.9

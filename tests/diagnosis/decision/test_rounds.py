@@ -39,3 +39,18 @@ def test_the_best_form_that_convinces_stands_for_its_cause(
     ]
     best = rounds._best_that_convinces(tried, LAST, interleaved(20.0), beside=False)
     assert [(one.cause, one.form) for one in best] == expected
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "leads"),
+    [
+        (("drive_deadband", 900.0), ("stiffness_drift", 4000.0), 1),
+        (("drive_deadband", 4000.0), ("stiffness_drift", 900.0), 0),
+        (("cubic_stiffness", 900.0), ("stiffness_drift", 4000.0), 0),
+    ],
+)
+def test_what_tells_most_leads_whatever_the_drive_did(
+    first: tuple[str, float], second: tuple[str, float], leads: int
+) -> None:
+    findings = [candidate(cause, "", merit) for cause, merit in (first, second)]
+    assert rounds._largest_first(findings)[0] is findings[leads]

@@ -9,7 +9,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.channel_noise import noise_of
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.rest import explainable, rest_of, times_what_matters
-from tests.fixtures.synthetic import fitted, measured
+from tests.fixtures.synthetic import NOISE, fitted, measured
 
 SPLIT = interleaved(20.0)
 
@@ -59,3 +59,17 @@ def test_lone_spikes_are_nothing_that_a_model_could_explain(arm: Fit) -> None:
     for after in range(1, 8):
         lasting[500 + after :: 997] += 40.0 * noise_of(arm, name, SPLIT)
     assert explainable(replace(arm, residuals={**arm.residuals, name: lasting}), SPLIT)[name] > 100.0
+
+
+def test_a_sensor_at_its_limit_has_no_spikes_beside_it() -> None:
+    """A soft limit: two samples of three are foretold at it and have a tenth of the noise, which the others exceed."""
+    data = measured(6.0, 1)
+    limit = float(np.quantile(np.abs(data.acceleration), 0.33))
+    fit = fitted(data)
+    shown = np.clip(fit.predicted.channels["acceleration"], -limit, limit)
+    limited = np.abs(shown) >= limit
+    noise = np.random.default_rng(3).normal(0.0, NOISE["acceleration"], data.cycles)
+    residuals = {**fit.residuals, "acceleration": np.where(limited, 0.1 * noise, noise)}
+    predicted = replace(fit.predicted, channels={**fit.predicted.channels, "acceleration": shown})
+    left = replace(fit, residuals=residuals, predicted=predicted)
+    assert explainable(left, interleaved(6.0))["acceleration"] == 0.0
