@@ -5,6 +5,7 @@ import io
 import json
 import math
 import traceback
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,8 +46,17 @@ def call(arguments: list[str]) -> Outcome:
     return Outcome(status, out.getvalue(), error.getvalue())
 
 
-def run_all(shape: Shape, folder: Path, budget_s: float | None = BUDGET_S) -> dict[str, Outcome]:
-    """The commands in turn; without a recording only the import's outcome."""
+def run_all(
+    shape: Shape,
+    folder: Path,
+    budget_s: float | None = BUDGET_S,
+    commands: Collection[str] = COMMANDS,
+    method: str | None = None,
+) -> dict[str, Outcome]:
+    """The import, then those of the commands in turn; without a recording only the import's outcome.
+
+    budget_s: of the diagnosis, None for its usual one. method: that is replayed, None for the recording's own.
+    """
     recording = folder / "recording.mcap"
     arguments = write(shape, folder / "data")
     found = {"import": call([*arguments, "-o", str(recording)])}
@@ -56,14 +66,16 @@ def run_all(shape: Shape, folder: Path, budget_s: float | None = BUDGET_S) -> di
     model.write_text(shape.model or MODEL)
     name = str(recording)
     limit = [] if budget_s is None else ["--budget-s", str(budget_s)]
+    replayed = [] if method is None else ["--method", method]
     for command, words in {
-        "replay": [name, "--out", str(folder / "replay")],
+        "replay": [name, *replayed, "--out", str(folder / "replay")],
         "calibrate": [name, "--model", str(model), "-o", str(folder / "calibrated.toml")],
         "diagnose": [name, "--no-use", *limit, "--out", str(folder / "diagnosis")],
         "export": [name, "-o", str(folder / "export")],
         "recover": [name, "-o", str(folder / "recovered.mcap")],
     }.items():
-        found[command] = call([command, *words])
+        if command in commands:
+            found[command] = call([command, *words])
     return found
 
 

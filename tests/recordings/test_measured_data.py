@@ -56,7 +56,7 @@ def test_the_silverbox_has_a_cubic_spring(tmp_path: Path) -> None:
     assert first["held_out"]["reduction"] > 0.9
 
 
-@pytest.mark.blind(each_run=10)
+@pytest.mark.blind(each_run=5)
 @pytest.mark.parametrize("name", SETS)
 def test_a_measured_set_is_imported_and_diagnosed(name: str, tmp_path: Path) -> None:
     one = SETS[name]

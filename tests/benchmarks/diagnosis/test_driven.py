@@ -28,5 +28,5 @@ def test_a_stated_rig_is_a_model_file(tmp_path: Path) -> None:
 def test_a_case_is_answered(tmp_path: Path) -> None:
     write_case(make(21, "none", longest_s=10.0), tmp_path / "case_0001")
     (tmp_path / "answer").mkdir()
-    assert answer(tmp_path / "case_0001", tmp_path / "answer", 60.0)
+    assert answer(tmp_path / "case_0001", tmp_path / "answer", 3.0)  # whatever the verdict, and however sure
     assert json.loads((tmp_path / "answer" / "diagnosis.json").read_text())["verdict"]

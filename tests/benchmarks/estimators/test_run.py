@@ -105,6 +105,8 @@ def test_a_part_of_the_campaign_is_the_same_trials() -> None:
 def test_the_later_tables_have_a_row_for_each_method(monkeypatch: pytest.MonkeyPatch) -> None:
     """One short trial in closed loop, one condition in each kind of loop; a method nobody knows fails alone."""
     monkeypatch.setattr("stillarm.benchmarks.estimators.damping_table._DISTURBED_S", 16.0)
+    monkeypatch.setattr("stillarm.benchmarks.estimators.damping_table._STRIKES_S", (8.0, 12.0))
+    monkeypatch.setattr("stillarm.benchmarks.estimators.damping_table._RING_S", 16.0)
     monkeypatch.setitem(OPEN_LOOP, "as told", replace(OPEN_LOOP["as told"], duration_s=12.0))
     monkeypatch.setitem(CLOSED_LOOP, "damping on", replace(CLOSED_LOOP["damping on"], duration_s=12.0))
     methods = ("timestamps", "nobody's")

@@ -13,7 +13,7 @@ CONFIGURATION = load_configuration(PATH)
 MODEL = load_assumed_model(CONFIGURATION, PATH)
 
 
-@pytest.mark.blind(each_run=12, seed=7)
+@pytest.mark.blind(each_run=6, seed=7)
 @pytest.mark.parametrize("kind", [kind for kind, fault in FAULTS.items() if not fault.images])
 def test_every_fault_is_stood(kind: str) -> None:
     (verdict,) = run_virtual_fault(kind, CONFIGURATION, MODEL, 1, 7)

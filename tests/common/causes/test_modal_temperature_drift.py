@@ -37,9 +37,9 @@ def test_the_arm_rings_at_it() -> None:
 @pytest.mark.slow
 def test_a_search_names_it_and_finds_its_size() -> None:
     true = {"modal_temperature_drift.time_constant_s": 4.0, "modal_temperature_drift.relative_change": -0.012}
-    data = measured(12.0, 3, true)
+    data = measured(10.0, 3, true)
     rivals = ["modal_temperature_drift", "stiffness_drift", "payload_change", "cubic_stiffness"]
-    found = explain(fitted(data), interleaved(12.0), only=rivals)
+    found = explain(fitted(data), interleaved(10.0), only=rivals)
     # a form of the mechanism that the contract knows
     assert [(one.cause, one.form) for one in found.findings] == [("stiffness_drift", "that levels off")]
     for name, value in true.items():

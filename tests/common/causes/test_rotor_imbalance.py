@@ -41,9 +41,9 @@ def test_a_joint_at_constant_speed_shakes_the_arm_as_a_sine_does() -> None:
 @pytest.mark.slow
 def test_a_search_names_it_and_finds_its_size() -> None:
     true = {"rotor_imbalance.gear_ratio": 70.0, "rotor_imbalance.imbalance_m": 6e-4}
-    data = measured(12.0, 3, true)
+    data = measured(6.0, 3, true)
     rivals = ["rotor_imbalance", "periodic_disturbance", "cubic_stiffness", "gear_backlash", "joint_friction"]
-    found = explain(fitted(data), interleaved(12.0), only=rivals)
+    found = explain(fitted(data), interleaved(6.0), only=rivals)
     assert [one.cause for one in found.findings] == ["rotor_imbalance"]
     for name, value in true.items():
         assert found.final.value(name) == pytest.approx(value, abs=4.0 * found.final.std[name])

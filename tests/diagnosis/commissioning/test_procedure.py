@@ -20,8 +20,9 @@ from stillarm.common.files.model import Arm, Mode, Model
 from stillarm.common.files.scenario import Scenario
 from stillarm.common.recording.reader import open_recording
 from stillarm.common.user_error import UserError
+from stillarm.diagnosis.calibration.start_values import Start, start_values
 from stillarm.diagnosis.commissioning import procedure
-from stillarm.diagnosis.commissioning.plan import Limits
+from stillarm.diagnosis.commissioning.plan import Limits, probe, within
 from stillarm.diagnosis.commissioning.procedure import commission, until
 from stillarm.diagnosis.commissioning.verdict import marked
 from stillarm.diagnosis.commissioning.watch import Bounds
@@ -115,19 +116,40 @@ def test_the_beginning_of_a_recording() -> None:
     assert len(part.frames) == 100 and part.frames.received_s[-1] < 1.5
 
 
+@pytest.fixture(scope="module")
+def probed(tmp_path_factory: pytest.TempPathFactory) -> Measured:
+    """The probe of a rig that is well."""
+    scenario = probe(within(LIMITS, assumed_model().drive))
+    folder = tmp_path_factory.mktemp("probe")
+    path, _ = simulated(draw_rig(100), assumed_model(), scenario, 1, folder, UNDAMPED)
+    return read_measured(open_recording(path), assumed_model())
+
+
+@pytest.fixture(scope="module")
+def rough(probed: Measured) -> Start:
+    """What the whole probe shows: the rigs that take turns judge it."""
+    found = start_values(probed, assumed_model())
+    assert found is not None
+    return found
+
+
+def shaken(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
+    """Moves in which the image leaves its bound, and which end there."""
+    measured = still(name, scenario, bounds)
+    measured.frames.displacement_px[300:] += 500.0
+    return until(measured, 5.0)
+
+
 @pytest.mark.slow
-def test_moves_that_are_cut_short_name_what_was_exceeded(tmp_path: Path) -> None:
+def test_moves_that_are_cut_short_name_what_was_exceeded(
+    probed: Measured, rough: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A rig that is well through the probe and shakes in the moves: no model."""
-    true = draw_rig(100)
 
     def record(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
-        if name == "probe":
-            path, _ = simulated(true, assumed_model(), scenario, 1, tmp_path / name, UNDAMPED)
-            return read_measured(open_recording(path), assumed_model())
-        measured = still(name, scenario, bounds)
-        measured.frames.displacement_px[300:] += 500.0
-        return until(measured, 5.0)
+        return probed if name == "probe" else shaken(name, scenario, bounds)
 
+    monkeypatch.setattr(procedure, "start_values", lambda measured, model: rough)
     with pytest.raises(UserError, match=r"ended after 5 of \d+ s: the image has moved by 500 px"):
         commission(record, assumed_model(), LIMITS)
 
@@ -138,25 +160,23 @@ class Fitted(Exception):
 
 @pytest.mark.slow
 def test_moves_that_a_bound_ends_are_made_once_more_slower(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    probed: Measured, rough: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The rig is well; the moves were planned by a rough model. What is fitted to is the second recording; the fit is
     that of the rigs that take turns."""
-    true, told, fastest = draw_rig(100), list[str](), dict[str, float]()
+    told, fastest = list[str](), dict[str, float]()
 
     def record(name: str, scenario: Scenario, bounds: Bounds) -> Measured:
         fastest[name] = max(abs(one.velocity_rad_s) for one in scenario.moves)
-        if name == "moves":
-            measured = still(name, scenario, bounds)
-            measured.frames.displacement_px[300:] += 500.0
-            return until(measured, 5.0)
-        path, _ = simulated(true, assumed_model(), scenario, 1, tmp_path / name, UNDAMPED)
-        return read_measured(open_recording(path), assumed_model())
+        if name == "probe":
+            return probed
+        return shaken(name, scenario, bounds) if name == "moves" else still(name, scenario, bounds)
 
     def fitted(measured: Measured, *_: object) -> None:
         raise Fitted(measured)
 
     rests: list[float] = []
+    monkeypatch.setattr(procedure, "start_values", lambda measured, model: rough)
     monkeypatch.setattr(procedure, "calibrate", fitted)
     with pytest.raises(Fitted) as ended:
         commission(record, assumed_model(), LIMITS, rest=rests.append, tell=told.append)
@@ -164,4 +184,4 @@ def test_moves_that_a_bound_ends_are_made_once_more_slower(
     assert len(rests) == 1 and 1.0 < rests[0] <= 60.0
     assert fastest["moves_slower"] == pytest.approx(0.6 * fastest["moves"])
     assert any("once more, at 0.6 of the velocity" in line for line in told)
-    assert "moves_slower" in measured.name and measured.duration_s > 10.0
+    assert measured.name == "moves_slower" and measured.duration_s > 10.0

@@ -77,7 +77,7 @@ def test_a_camera_clock_that_goes_wrong_on_the_way_is_found_with_its_onset() -> 
     assert found.final.value(SKEW_BEGIN) == pytest.approx(6.0, abs=0.5)
 
 
-@pytest.mark.slow
+@pytest.mark.blind(each_run=2, seed=4)
 @pytest.mark.parametrize("share", [0.0, 1.0])
 @pytest.mark.parametrize(
     ("cause", "values"),

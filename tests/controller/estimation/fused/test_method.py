@@ -1,6 +1,7 @@
 """The whole method in virtual time: a force held and let go in closed loop, and dates that have gone wrong."""
 
 from dataclasses import dataclass
+from functools import cache
 from math import nan, pi, sin
 
 import numpy as np
@@ -103,6 +104,7 @@ class Listener:
         return self.said[-1]
 
 
+@cache
 def led_astray(shift_s: float, seed: int) -> tuple[Trial, list[Estimate]]:
     """At 5 s all filters are made to believe dates that are shift_s too late, as sure of them as they were."""
     model = model_for(A, 0.3)

@@ -1,5 +1,7 @@
 """Bad starts, and a clock's time through pulls and releases, in the benchmark's own world."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,8 +25,9 @@ def test_a_queue_that_drains_while_the_arm_swings_is_no_force() -> None:
     that: 140 % of the amplitude wrong from 2.0 to 2.5 s, and still 80 % half a second later."""
     seed = 0, 9, list(REGIMES).index("live")
     data = generate(LIVE, 0.3, seed, 40.0, Arm())
-    answers = run_method("fused", data, assumed_model(LIVE, 0.3), 1.0 + scale_error(seed))
-    error = np.abs(answers.deflection_m - data.deflection_m)[:4000] / data.amplitude_m[:4000]
+    begun = replace(data, acceleration_m_s2=data.acceleration_m_s2[:4000])  # no more is judged
+    answers = run_method("fused", begun, assumed_model(LIVE, 0.3), 1.0 + scale_error(seed))
+    error = np.abs(answers.deflection_m - data.deflection_m[:4000]) / data.amplitude_m[:4000]
     assert float(error[scored_cycles(data)[:4000]].max()) < 0.08
 
 
