@@ -72,13 +72,13 @@ def _searched(
             first = _first_round(usual, split, tick, only)
         if first is None or not _leaves_nothing(first, split):
             begun, hint = _from_another_baseline(baseline, split, tick, only)
-    usual.hint = hint
     if begun is None:
         begun, hint = _without_doubtful_impacts(baseline, split, only, hint)
-    found, stages = begun or (usual, [])
-    if first is not None and hint is not None and not begun:
-        first = with_hint(first, usual, split)
-    told = explained(found, split, tick, only, known, stages, None if begun else first)
+    usual.hint = hint
+    if begun is not None:
+        told = explained(begun[0], split, tick, only, known, begun[1])
+    else:
+        told = explained(usual, split, tick, only, known, first=with_hint(first, usual, split))
     if told.likelier is None:
         return told
     return _searched(told.likelier, split, tick, only, known, told.hint)

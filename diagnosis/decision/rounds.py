@@ -58,8 +58,8 @@ def explained(
     first: Stage | None = None,
 ) -> Found:
     """The findings one after another, unless the first round came upon a likelier baseline, which is told alone, or
-    with that round as a hint. begun: rounds that are made already; first: the first, if it is, as far as what it took
-    is not yet taken."""
+    with that round as a hint. begun: rounds that are made already; first: the first beside this baseline, if it is
+    made, from which nothing is taken yet."""
     baseline = found.baseline
     if begun and (better := likelier_baseline(begun[0], baseline, split)) is not None:
         return Found(baseline, baseline, likelier=better)
@@ -77,7 +77,7 @@ def explained(
         tick(turn / MOST_CAUSES, f"causes, round {turn + 1}")
         upstream = turn == 0 and joint_departs(found.final)
         try:
-            made = first if turn == 0 else _again(found, split)
+            made = first if not found.stages else _again(found, split)
             stage = made or one_round(found, split, only, upstream)
             if turn == 0 and (plain := likelier_baseline(stage, baseline, split)) is not None:
                 return Found(baseline, baseline, likelier=plain)
@@ -171,9 +171,10 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
     return _taken_of(Stage(screening, ranked, None), found, split)
 
 
-def with_hint(stage: Stage, found: Found, split: Split) -> Stage:
-    """A round with what was found beside another baseline as one more candidate."""
-    assert found.hint is not None
+def with_hint(stage: Stage | None, found: Found, split: Split) -> Stage | None:
+    """A round, if it is made, with what was found beside another baseline, if anything was, as one more candidate."""
+    if stage is None or found.hint is None:
+        return stage
     try:
         one = hinted(ground_of(found.final, split), found.hint.taken, forms(found.final.world))
     except OutOfTime:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stillarm.diagnosis.data.split import interleaved
+from stillarm.diagnosis.decision import explain as search
 from stillarm.diagnosis.decision.beginning_again import likelier_baseline
 from stillarm.diagnosis.decision.explain import _moves_are_told, explain
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
@@ -57,6 +58,26 @@ def test_the_hidden_cause_comes_first(quantity: str, value: float, cause: str) -
 def test_a_cause_that_is_not_looked_for_is_not_found() -> None:
     found = _explained({"camera.rate_px_per_s": 0.1}, "cubic_stiffness")
     assert "tracking_drift" not in [one.cause for one in found.findings]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("cause", "asked"), [("tracking_drift", False), ("cubic_stiffness", True)])
+def test_another_baseline_is_asked_for_only_where_the_usual_one_leaves_something(
+    cause: str, asked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none_there(*_: object) -> tuple[None, Hint]:
+        asked_for.append(cause)
+        return None, Hint(baseline, Stage([], [elsewhere], elsewhere))
+
+    baseline = fitted(measured(SECONDS, 5, {"camera.rate_px_per_s": 0.1}))
+    drifting = fitted(measured(SECONDS, 5, {"camera.rate_px_per_s": 0.1}), "camera.rate_px_per_s")
+    elsewhere = Candidate("tracking_drift", drifting, 0.0, 1.0, {}, free=("camera.rate_px_per_s",), merit=9.0)
+    asked_for: list[str] = []
+    monkeypatch.setattr(search, "_from_another_baseline", none_there)
+    found = explain(baseline, interleaved(SECONDS), only=[cause])
+    assert bool(asked_for) is asked
+    # what was found there is one more candidate of the round that is made already
+    assert [one.cause for one in found.findings] == ["tracking_drift"]
 
 
 @pytest.mark.slow
