@@ -49,9 +49,8 @@ def _without_spikes(last: Fit) -> Fit:
     residual = last.residuals.get(_SPIKED)
     if residual is None:
         return last
-    limited = at_a_limit(
-        last
-    )  # hardly any noise is left there, beside which that of the others were all spikes
+    # at a limit hardly any noise is left, beside which that of the other samples were all spikes
+    limited = at_a_limit(last)
     clean = np.where(limited, residual, without_spikes(np.where(limited, np.nan, residual)))
     return replace(last, residuals={**last.residuals, _SPIKED: clean})
 

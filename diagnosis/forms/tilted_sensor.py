@@ -9,8 +9,10 @@ sensor at the tip turns with the whole slope of the tip, one near the hub with t
 
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.forms.cause import Cause, Context, Form, Trial, Values, free_of, has, plain
+from stillarm.diagnosis.physics.declared_effects import quantity_of
 from stillarm.diagnosis.physics.quantities import GRAVITY_COSINE, GRAVITY_SINE, GRAVITY_SLOPE
 
+_DECLARED = quantity_of("gravity_leakage", "gain_m_s2_per_rad")
 _TRIED_M_S2 = 0.5  # of each: the sensor's reading is in proportion to it
 
 
@@ -20,8 +22,9 @@ def _trials(context: Context) -> list[Trial]:
 
 
 def _gain(fit: Fit) -> Values:
-    """Gain at an angle of zero."""
-    return plain(fit, gain_m_s2_per_rad=GRAVITY_SINE)
+    """Gain at an angle of zero, on top of a declared one."""
+    more, std = plain(fit, gain=GRAVITY_SINE)["gain"]
+    return {"gain_m_s2_per_rad": (fit.value(_DECLARED) + more, std)}
 
 
 FORM = Form(

@@ -50,3 +50,10 @@ def test_a_sensor_without_gravity_reads_what_it_did() -> None:
     turned[at[GRAVITY_SLOPE]] = 0.0
     before, after = (world.predict(one).channels["acceleration"] for one in (plain.vector, turned))
     assert np.array_equal(before, after)
+
+
+def test_the_gain_is_on_top_of_a_declared_one() -> None:
+    plain = fitted(measured(SECONDS, 4))
+    values = {"accelerometer.gravity_m_s2_per_rad": 2.0, GRAVITY_SINE: 3.0}
+    both = replace(plain, vector=plain.world.space.with_values(plain.vector, values))
+    assert FORM.cause.parameters_of(both)["gain_m_s2_per_rad"][0] == pytest.approx(5.0)
