@@ -77,7 +77,7 @@ def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveRun]:
         time.sleep(1.5)
         processes["supervisor"] = start("supervisor", folder, *config)
         restarted = time.monotonic()
-        time.sleep(4.0)
+        time.sleep(5.5)  # a busy computer takes three of them until the supervisor sends
         processes["controller"].send_signal(signal.SIGKILL)
         controller_killed = time.monotonic()
         processes["controller"].wait()
@@ -104,13 +104,14 @@ def test_a_killed_supervisor_brings_the_command_to_zero_within_a_fifth_of_a_seco
 
 
 def test_a_restarted_supervisor_resumes_the_damping_by_itself(live: LiveRun) -> None:
-    """Nothing else is started again."""
+    """Nothing else is started again. On a busy computer a prediction may be unsure for tenths of a second."""
     fast = live.recording.columns("/fast")
     t, command = fast["time_s"], fast["joint_velocity_command_rad_s"]
     after = (t > live.restarted_s) & (t < live.controller_killed_s)
     assert np.max(np.abs(command[after])) > 0.002
-    status = live.recording.columns("/estimate")["damping_status"]
-    assert list(status[-50:]).count("active") > 25
+    estimates = live.recording.columns("/estimate")
+    again = estimates["time_s"] > live.restarted_s
+    assert np.sum(estimates["damping_status"][again] == "active") > 500
 
 
 def test_the_recording_of_a_killed_controller_is_complete(live: LiveRun) -> None:
