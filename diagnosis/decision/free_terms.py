@@ -15,7 +15,7 @@ from stillarm.diagnosis.physics.copies import shared_out
 from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import Ground, ground_of
 from stillarm.diagnosis.search.candidates import Candidate
-from stillarm.diagnosis.search.screen import Whitened
+from stillarm.diagnosis.search.whitened import Whitened
 
 _STEPS = 4  # of a fit of free terms: they are linear
 _FITTED = 8  # groups of free terms, by a score test: of linear terms it is off by what the baseline's own slopes change

@@ -6,6 +6,7 @@ S and a are learnt for each band: evidence.py says why, and from where it is.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,8 @@ Array = NDArray[np.float64]
 SHAPES = (1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 1e4)
 """Shapes a that are tried: a block's level strays by about 1 / sqrt(a) of itself, at the last not at all."""
 _LOWEST_HZ, _WIDTH = 0.3, 1.25  # of the bands: a quarter wide, as a ringing of a few periods is
-_TURNS = 30  # of the fixed point that gives S: to 1e-3
+# steps of Newton's method that gives S, at most; relative accuracy at which it ends; e^step, the widest
+_STEPS, _TO, _WIDEST = 20, 1e-5, 1.6
 _FEWEST = 12  # known samples of a block: of fewer it counts for nothing
 
 
@@ -29,6 +31,7 @@ class Spectra:
     least: float
 
 
+@lru_cache(maxsize=16)
 def _edges(step_s: float) -> Array:
     """Of the bands, Hz."""
     highest = 0.5 / step_s
@@ -38,11 +41,13 @@ def _edges(step_s: float) -> Array:
     return np.asarray(edges, np.float64)
 
 
+@lru_cache(maxsize=64)
 def band_of(samples: int, step_s: float) -> NDArray[np.int64]:
-    """Number of the band of each frequency of a real Fourier transform, the mean's zero."""
+    """Number of the band of each frequency of a real Fourier transform, the mean's zero. Read-only."""
     edges = _edges(step_s)
     band = np.searchsorted(edges, np.fft.rfftfreq(samples, step_s), side="right").clip(1, len(edges) - 1)
     band[:1] = 0
+    band.flags.writeable = False
     return band
 
 
@@ -95,12 +100,24 @@ def level_and_shape(by_bands: Spectra, learnt_on: NDArray[np.bool_]) -> tuple[Ar
     level, shape = first.copy(), np.full(len(first), SHAPES[-1])
     best = np.full(len(first), -np.inf)
     for tried in SHAPES:
-        at = first.copy()
-        for _ in range(_TURNS):
-            size = power / at
-            ratio = ((count + tried) * size / (tried + size)).sum(axis=0) / total
-            at = np.maximum(at * np.clip(ratio, 0.2, 5.0), by_bands.least)
+        at = _likeliest_level(count, power, tried, first, by_bands.least)
         density = log_density(count, power, at, tried).sum(axis=0)
         better = density > best
         level[better], shape[better], best[better] = at[better], tried, density[better]
     return level, shape
+
+
+def _likeliest_level(count: Array, power: Array, shape: float, first: Array, least: float) -> Array:
+    """Level S of each band at a shape a, (bands + 1,): where sum (n + a) I / (a S + I) = sum n over the blocks, by
+    Newton's method in log S. first: where it begins; least: below which no level is."""
+    at, weight, total = first, count + shape, count.sum(axis=0)
+    for _ in range(_STEPS):
+        size = power / at
+        share = size / (shape + size)
+        falls = (weight * share * (1.0 - share)).sum(axis=0)
+        step = ((weight * share).sum(axis=0) - total) / np.maximum(falls, 1e-300)
+        then = np.maximum(at * np.exp(np.clip(step, -_WIDEST, _WIDEST)), least)
+        settled, at = (np.abs(then - at) <= _TO * at).all(), then
+        if settled:
+            break
+    return at

@@ -7,6 +7,7 @@ Lost frames, bursts, spikes and steps of a clock come by chance: no simulation f
 """
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from math import atan2, cos, hypot, isnan, sin, sqrt
 from typing import Any
 
@@ -100,19 +101,31 @@ def declared_quantities(model: Model) -> dict[str, float]:
     return found
 
 
+@cache
+def _fitted_laws() -> tuple[tuple[str, tuple[tuple[str, str, float], ...]], ...]:
+    """The laws whose numbers are quantities, each with its numbers' names, quantities and neutral values."""
+    return tuple(
+        (
+            identifier,
+            tuple((one.name, quantity_of(identifier, one.name), one.neutral) for one in cause.numbers),
+        )
+        for identifier, cause in LAWS.items()
+        if cause.acts in _FITTED and identifier not in _OWN_WAY
+    )
+
+
 def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[str, float]]]:
     """The effects that a vector says change anything by a law that is fitted, each with its values by name.
 
     place: of each quantity in the vector.
     """
-    found = [
-        (
-            identifier,
-            {one.name: float(vector[place[quantity_of(identifier, one.name)]]) for one in cause.numbers},
-        )
-        for identifier, cause in LAWS.items()
-        if cause.acts in _FITTED and identifier not in _OWN_WAY
-    ]
+    found = []
+    for identifier, numbers in _fitted_laws():
+        # most are idle, and this is asked for every prediction
+        if not any(vector[place[quantity]] == neutral for _, quantity, neutral in numbers):
+            found.append(
+                (identifier, {name: float(vector[place[quantity]]) for name, quantity, _ in numbers})
+            )
     relative = float(vector[place["arm.frequency_rate_per_s"]])
     rate = {"frequency_rate_hz_per_s": relative * float(vector[place["modes.0.frequency_hz"]])}
     found.append(

@@ -13,4 +13,5 @@ __all__ = [
     "refits",
     "screen",
     "stated_baseline",
+    "whitened",
 ]

@@ -24,7 +24,8 @@ from stillarm.diagnosis.search.begun import Begun, Ground, Pair, ground_of
 from stillarm.diagnosis.search.candidates import Candidate, Found, Hint, beside_another
 from stillarm.diagnosis.search.onsets import sized, with_onset
 from stillarm.diagnosis.search.refits import candidate_of, polished, refitted, throughout, to_the_end
-from stillarm.diagnosis.search.screen import Scored, Whitened, screen
+from stillarm.diagnosis.search.screen import Scored, screen
+from stillarm.diagnosis.search.whitened import Whitened
 
 _Item = TypeVar("_Item")
 _Key = TypeVar("_Key")
@@ -219,19 +220,17 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     causes = [one.cause for one in tried if one.added is None]
     screening = screen(white, causes, lambda cause: later[id(cause)] is not None)
     begun: list[Begun] = []
-    begun_later: list[Begun] = []
+    to_size: list[tuple[Form, Scored]] = []
     count: dict[int, int] = defaultdict(int)
     best: dict[int, float] = {}
     top = max((one.nats for one in screening), default=0.0)
+
     for one in screening:
-        form, promised = later[id(one.cause)], one.nats / max(top, SCREENED_NATS)
+        form = later[id(one.cause)]
         if one.begins_s is not None and form is not None:
-            enough = len({each.form.id for each in begun_later} | {form.id}) > _LATER
+            enough = len({each.id for each, _ in to_size} | {form.id}) > _LATER
             if one.nats > max(SCREENED_NATS, _PROMISING_LATER * top) and not enough:
-                assert form.begins is not None
-                start = one.world.space.with_values(one.start, {form.begins: one.begins_s})
-                at = sized(white, one, form.begins, start)
-                begun_later.append(Begun(form, one.world, at, promised=promised))
+                to_size.append((form, one))
             continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
@@ -240,13 +239,25 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
         count[id(one.cause)] += 1
         if count[id(one.cause)] > _MOST_STARTS:
             continue
-        begun.append(Begun(by_cause[id(one.cause)], one.world, one.start, one.trial.asked, promised))
+        form = by_cause[id(one.cause)]
+        begun.append(Begun(form, one.world, one.start, one.trial.asked, _share_of(top, one)))
     for further in tried:
         terms = further.added(last) if further.added is not None else ()
         if terms:
             world = last.world.changed(added=(*last.world.added, *terms))
             begun.append(Begun(further, world, carried_over(last, world)))
-    return [*begun, *begun_later], screening
+
+    def sets_in(item: tuple[Form, Scored]) -> Begun:
+        form, one = item
+        return Begun(form, one.world, sized(white, one, form), promised=_share_of(top, one))
+
+    known = [part for form, one in to_size for part in (form, one.world)]
+    return [*begun, *shared_out(sets_in, to_size, known)], screening
+
+
+def _share_of(top: float, one: Scored) -> float:
+    """What a trial promises, over the most that any does."""
+    return one.nats / max(top, SCREENED_NATS)
 
 
 def _quickly(ground: Ground, one: Begun) -> tuple[_Promise, Fit | None]:

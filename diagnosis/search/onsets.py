@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.fitting.fit import SETTLED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Data, Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of, settled_nats
+from stillarm.diagnosis.forms.cause import Form
 from stillarm.diagnosis.search.begun import Begun, Ground, Pair
-from stillarm.diagnosis.search.screen import Scored, Whitened
+from stillarm.diagnosis.search.screen import Scored
+from stillarm.diagnosis.search.whitened import Whitened
 
 Array = NDArray[np.float64]
 
@@ -26,10 +28,12 @@ _TIMES_THE_WHOLE = (1.0, 3.0)  # what acts in a part of the recording is larger 
 _SIZE_FOLLOWS = 3  # steps of a fit, in which the size follows an onset that is off by up to a swing
 
 
-def sized(white: Whitened, one: Scored, begins: str, start: Array) -> Array:
-    """Where a fit begins, with the size and the onset that foretell most: what sets in may be so large that the answer
-    is in no proportion to it. begins: its onset's quantity."""
-    world = one.world
+def sized(white: Whitened, one: Scored, form: Form) -> Array:
+    """Where the fit of a form from an onset begins, with the size and the onset that foretell most: what sets in may be
+    so large that the answer is in no proportion to it."""
+    world, begins = one.world, form.begins
+    assert begins is not None and one.begins_s is not None
+    start = world.space.with_values(one.start, {begins: one.begins_s})
     still = carried_over(white.last, world)
     base = world.predict(still)
     places = [world.space.place[name] for column in one.trial.columns for name in column]

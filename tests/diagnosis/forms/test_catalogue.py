@@ -20,7 +20,8 @@ from stillarm.diagnosis.physics.world import World
 from stillarm.diagnosis.search.begun import ground_of
 from stillarm.diagnosis.search.comparison import begun_fits
 from stillarm.diagnosis.search.refits import refitted
-from stillarm.diagnosis.search.screen import Whitened, variant
+from stillarm.diagnosis.search.screen import variant
+from stillarm.diagnosis.search.whitened import Whitened
 from tests.fixtures.synthetic import MODEL, fitted, measured
 
 WORLD = World(measured(6.0, 1), MODEL)

@@ -5,7 +5,8 @@ from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.forms.causes.camera_clock_skew import CAUSE, FROM_AN_ONSET
 from stillarm.diagnosis.physics.quantities import QUARTZ
 from stillarm.diagnosis.search.begun import ground_of
-from stillarm.diagnosis.search.screen import Whitened, screen
+from stillarm.diagnosis.search.screen import screen
+from stillarm.diagnosis.search.whitened import Whitened
 from tests.fixtures.synthetic import fitted, measured
 
 SPLIT = interleaved(9.0)
