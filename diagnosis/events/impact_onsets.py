@@ -5,6 +5,8 @@ departs from the model at the impact, and goes on while the higher modes ring th
 at a wrong instant no state of those modes fits, and a second impact is made up where they have died away.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stillarm.diagnosis.data.split import Split
@@ -13,6 +15,10 @@ from stillarm.diagnosis.fitting.departures import LOUD_OVER_S, loud_at, loud_bes
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.gains import gain_of
+from stillarm.diagnosis.physics.copies import shared_out
+
+_Move = tuple[int, int]
+"""Cycle of an impact, and the cycle to which it is moved."""
 
 _MADE_UP_PERIODS = 4.0  # after an impact at a wrong instant
 _PAIR_PERIODS = 1.5  # apart at most, are two impacts that stand about one
@@ -22,32 +28,63 @@ _SHARPER_S = 0.002  # by less no impact is moved
 
 def with_impacts_at_onsets(last: Fit, split: Split) -> Fit:
     """The fit, or a likelier one with an impact at the onset of the departure about it, and none made up after it."""
-    before, tried = last, set[tuple[int, int]]()
+    before, tried = last, set[_Move]()
     while (moved := _one_moved(last, split, tried)) is not None:
         last = moved
     return last if last is before else pruned(last, split)
 
 
-def _one_moved(last: Fit, split: Split, tried: set[tuple[int, int]]) -> Fit | None:
-    """A fit with the first impact moved that is likelier elsewhere; None where none is. tried: cycles from and to, that
-    were no better; adds those of now."""
-    per_s = 1.0 / last.world.measured.cycle_s
-    reach = _MADE_UP_PERIODS * per_s / last.value("modes.0.frequency_hz")
+def _one_moved(last: Fit, split: Split, tried: set[_Move]) -> Fit | None:
+    """A likelier fit with impacts moved that are far from each other, or else with one; None where none is. tried:
+    cycles from and to, that were no better; adds those of now."""
+    places = _to_try(last, tried)
+    gains = shared_out(lambda place: gain_of(_moved(last, split, [place], quickly=True), last), places)
+    tried |= set(places)
+    better = [place for place, gain in zip(places, gains, strict=True) if gain > CHANGED_NATS]
+    together = _apart(better, last)
+    # a quick fit may be anywhere
+    for moves in ([together] if len(together) > 1 else []) + [[place] for place in better]:
+        moved = _moved(last, split, moves)
+        if gain_of(moved, last) > CHANGED_NATS:
+            tried -= {place for place in better if place not in moves}
+            return moved
+    return None
+
+
+def _to_try(last: Fit, tried: set[_Move]) -> list[_Move]:
+    """Where each impact may have been instead, but for what was tried."""
+    near = _SHARPER_S / last.world.measured.cycle_s
+    places: list[_Move] = []
     for cycle in last.world.impacts:
         onset = _onset(last, cycle)
         for there in [*([] if onset is None else [onset]), *_strokes(last, cycle), *_between(last, cycle)]:
-            if any(cycle == old and abs(there - to) < _SHARPER_S * per_s for old, to in tried):
-                continue
-            tried.add((cycle, there))
-            others = (i for i in last.world.impacts if i != cycle and not there < i < there + reach)
-            impacts = tuple(sorted({*others, there}))
-            quick = refit_with(last, split, impacts, iterations=WHILE_SOUGHT, anew=ANEW)
-            if gain_of(quick, last) <= CHANGED_NATS:
-                continue
-            moved = refit_with(last, split, impacts)  # a quick fit may be anywhere
-            if gain_of(moved, last) > CHANGED_NATS:
-                return moved
-    return None
+            if not any(cycle == old and abs(there - to) < near for old, to in (*tried, *places)):
+                places.append((cycle, there))
+    return places
+
+
+def _made_up_over(last: Fit) -> float:
+    """Cycles after an impact at a wrong instant, in which another may have been made up."""
+    return _MADE_UP_PERIODS / (last.world.measured.cycle_s * last.value("modes.0.frequency_hz"))
+
+
+def _apart(better: Sequence[_Move], last: Fit) -> list[_Move]:
+    """Of the moves that gain, the first of each impact, without those near an impact moved before."""
+    reach, chosen = _made_up_over(last), list[_Move]()
+    for cycle, there in better:
+        if all(abs(one - other) > reach for one in (cycle, there) for move in chosen for other in move):
+            chosen.append((cycle, there))
+    return chosen
+
+
+def _moved(last: Fit, split: Split, moves: Sequence[_Move], quickly: bool = False) -> Fit:
+    """The fit with these impacts moved, and without those made up after them."""
+    reach, impacts = _made_up_over(last), set(last.world.impacts)
+    for cycle, there in moves:
+        impacts = {i for i in impacts if i != cycle and not there < i < there + reach} | {there}
+    if quickly:
+        return refit_with(last, split, tuple(sorted(impacts)), iterations=WHILE_SOUGHT, anew=ANEW)
+    return refit_with(last, split, tuple(sorted(impacts)))
 
 
 def _strokes(last: Fit, cycle: int) -> list[int]:

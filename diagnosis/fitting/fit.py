@@ -31,6 +31,7 @@ SETTLED_NATS = 0.02
 """A step of a fit that gains less is its last, unless the caller says otherwise."""
 
 _FEW = 97  # of a column's values are looked at first
+_PARTS = 4  # of the columns, which threads take one by one: two each, as some columns take longer
 _DAMPING, _DAMPED = 1e-4, 6  # at the start; steps tried with ever more of it
 
 CHANGED_NATS = 20.0
@@ -128,8 +129,14 @@ def jacobian(
         for channel, columns in found.items():
             columns[:, index] = whitened(channel, slopes[channel], colour) if channel in slopes else 0.0
 
+    def columns_of(part: Sequence[int]) -> None:
+        for index in part:
+            column(index)
+
     there = known if known is not None and before is not None else {}
-    side_by_side(column, [index for index, name in enumerate(names) if name not in there])
+    asked = [index for index, name in enumerate(names) if name not in there]
+    # a column may take less than it takes to hand it to another thread
+    side_by_side(columns_of, [asked[first::_PARTS] for first in range(_PARTS)])
     return found
 
 

@@ -122,6 +122,7 @@ class ArmMotion:
         self._departures: Lately[bytes, tuple[Array, Array]] = Lately(JOINTS)
         self._answers: Lately[tuple[bytes, float, float], tuple[Array, Array]] = Lately(ANSWERS)
         self._decays: Lately[tuple[float, float], Array] = Lately(ANSWERS)
+        self._acting: Lately[bytes, frozenset[str]] = Lately(1)
         self._slopes = np.array(tip_slopes_per_m(self.length or 1.0, self.modes))
         self._force = upsampled(measured.force, 2 * _SUBSTEPS_OF_PAIR) if measured.pair else np.empty(0)
         self._jump_cycles = np.array([0, *impacts], dtype=np.int64)
@@ -140,7 +141,7 @@ class ArmMotion:
 
     def forget(self) -> None:
         """Give the memory of what is remembered back."""
-        for one in (self._joints, self._departures, self._answers, self._decays):
+        for one in (self._joints, self._departures, self._answers, self._decays, self._acting):
             one.forget()
 
     def move(self, vector: Array) -> Motion:
@@ -241,9 +242,12 @@ class ArmMotion:
 
     def _answers_linearly(self, vector: Array, modes: set[int]) -> bool:
         """Whether these modes keep their frequency, and answer a jump whatever else they do."""
-        acting = {
-            LAWS[cause].acts for cause, _ in effects_in(vector, self.space.place) if cause not in _OF_TIME
-        }
+
+        def at_work() -> frozenset[str]:
+            effects = effects_in(vector, self.space.place)
+            return frozenset(LAWS[cause].acts for cause, _ in effects if cause not in _OF_TIME)
+
+        acting = self._acting.of(vector.tobytes(), at_work)
         return "frequency" not in acting and (0 not in modes or not acting & {"force", "friction"})
 
     def jump_at(self, place: int, vector: Array) -> tuple[int, int, bool] | None:

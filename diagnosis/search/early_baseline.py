@@ -5,6 +5,8 @@ both halves are told wrongly, impacts are made up, and no direction leads to the
 it yet. With its baseline the rest departs from some instant on, as the cause has it.
 """
 
+from functools import partial
+
 import numpy as np
 
 from stillarm.diagnosis.data.measured import first_part
@@ -12,6 +14,7 @@ from stillarm.diagnosis.data.split import Split, interleaved
 from stillarm.diagnosis.events.impacts import fit_with_impacts, impacts_while_moving
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
+from stillarm.diagnosis.physics.copies import shared_out
 
 _PARTS = (0.5, 0.25)  # of the recording
 _LEAST_S, _LEAST_SWINGS = 5.0, 15.0  # of a part
@@ -28,18 +31,16 @@ def early_baseline(baseline: Fit, split: Split) -> Fit | None:
         return None
     swing_s = 1.0 / baseline.value("modes.0.frequency_hz")
     least_s = max(_LEAST_S, _LEAST_SWINGS * swing_s)
-    for share in _PARTS:
-        end_s = share * world.measured.duration_s
-        if end_s < least_s:
-            break
-        one = _of_a_part(baseline, end_s)
-        if one is None or not _is_cleaner(one, baseline):
+    ends_s = [share * world.measured.duration_s for share in _PARTS]
+    ends_s = [end_s for end_s in ends_s if end_s >= least_s]
+    for end_s, part in zip(ends_s, shared_out(partial(_of_a_part, baseline), ends_s), strict=True):
+        if part is None or not _is_cleaner(part, baseline):
             continue
-        made_up = impacts_while_moving(one)
+        made_up = impacts_while_moving(part)
         before_s = made_up[0] * world.measured.cycle_s - swing_s if made_up else end_s
-        if made_up and before_s > least_s:  # it set in before the part's end
-            one = _of_a_part(baseline, before_s) or one
-        return _of_the_whole(one, baseline, split)
+        sets_in = bool(made_up) and before_s > least_s  # before the part's end
+        earlier = _of_a_part(baseline, before_s) if sets_in else None
+        return _of_the_whole(earlier or part, baseline, split)
     return None
 
 

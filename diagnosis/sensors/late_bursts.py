@@ -7,16 +7,19 @@ estimator of second order; Bar-Shalom, Li and Kirubarajan, Estimation with Appli
 bursts it is the wander alone: a delay that merely wanders, or scatters, is no burst.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import log
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import OptimizeResult, minimize
 
 from stillarm.diagnosis.data.noise import MIN_ARRIVALS
 from stillarm.diagnosis.data.robust import std_about_median
+from stillarm.diagnosis.physics.copies import shared_out
 
 Array = NDArray[np.float64]
 
@@ -105,6 +108,23 @@ def _innovations(r: Array, stay: float, wander: float, white: float, out: Array)
             mean, var = ahead + doubt / s * off, doubt * (1.0 - doubt / s)
 
 
+def _filtered(
+    r: Array,
+    stay: float,
+    wander: float,
+    white: float,
+    size: float = 0.0,
+    spread: float = 0.0,
+    enter: float = 1e-9,
+    leave: float = 0.5,
+) -> tuple[Array, Array]:
+    """The log-likelihood of each frame, and the probability that it is late, as `_filter` has it; without bursts unless
+    they have a size."""
+    nats, late = np.empty(len(r)), np.empty(len(r))
+    _filter(r, stay, wander, white, size, spread, enter, leave, nats, late)
+    return nats, late
+
+
 def wander_of(residual: Array) -> Wander | None:
     """Fit a wander and white noise to a frames' channel, (frames,) in any unit, NaN where unknown; None of too few."""
     known = residual[np.isfinite(residual)]
@@ -112,29 +132,31 @@ def wander_of(residual: Array) -> Wander | None:
         return None
     scale = std_about_median(known) + 1e-12
     r = (residual - float(np.median(known))) / scale
-    nats, late, innovations = np.empty(len(r)), np.empty(len(r)), np.empty(len(r))
+    innovations = np.empty(len(r))
+
+    def nats_of(x: Array) -> float:
+        stay = _LONGEST_STAY / (1.0 + np.exp(-x[0]))
+        nats, _ = _filtered(r - x[3], stay, np.exp(x[1]), np.exp(x[2]))
+        return float(nats.sum())
 
     def cost(x: Array) -> float:
-        stay = _LONGEST_STAY / (1.0 + np.exp(-x[0]))
-        _filter(r - x[3], stay, np.exp(x[1]), np.exp(x[2]), 0.0, 0.0, 1e-9, 0.5, nats, late)
-        return -float(nats.sum()) + 0.005 * float(np.sum(x * x))
+        return -nats_of(x) + 0.005 * float(np.sum(x * x))
 
-    best = min(
-        (
-            minimize(cost, np.array([start, -1.0, -1.0, 0.0]), (), "Nelder-Mead", options={"maxfev": 400})
-            for start in (2.0, 5.0)
-        ),
-        key=lambda one: float(one.fun),
-    )
+    best = _likeliest(cost, [np.array([start, -1.0, -1.0, 0.0]) for start in (2.0, 5.0)], 400)
     stay, wander, white = _LONGEST_STAY / (1.0 + np.exp(-best.x[0])), np.exp(best.x[1]), np.exp(best.x[2])
-    cost(best.x)
-    with_it = float(nats.sum())
-    _filter(r, 0.0, _NO_WANDER, float(np.nanvar(r)), 0.0, 0.0, 1e-9, 0.5, nats, late)
+    without, _ = _filtered(r, 0.0, _NO_WANDER, float(np.nanvar(r)))
     _innovations(r - best.x[3], stay, wander, white, innovations)
     return Wander(
         float(stay), scale * float(np.sqrt(wander)), scale * float(np.sqrt(white)),
-        with_it - len(known) * log(scale), float(nats.sum()) - len(known) * log(scale), innovations,
+        nats_of(best.x) - len(known) * log(scale), float(without.sum()) - len(known) * log(scale), innovations,
     )  # fmt: skip
+
+
+def _likeliest(cost: Callable[[Array], float], starts: Sequence[Array], most: int) -> OptimizeResult:
+    """The least cost from any of these starts, by Nelder and Mead's method. most: values of it that are asked for."""
+    options = {"maxfev": most}
+    found = shared_out(lambda start: minimize(cost, start, (), "Nelder-Mead", options=options), starts)
+    return min(found, key=lambda one: float(one.fun))
 
 
 def find_bursts(residual_s: Array, used: NDArray[np.bool_]) -> Bursts | None:
@@ -144,46 +166,36 @@ def find_bursts(residual_s: Array, used: NDArray[np.bool_]) -> Bursts | None:
         return None
     scale = std_about_median(known) + 1e-6
     r = (residual_s - float(np.median(known))) / scale
-    nats, late = np.empty(len(r)), np.empty(len(r))
 
-    def run(x: Array, bursts: bool) -> None:
+    def run(x: Array, bursts: bool) -> tuple[Array, Array]:
         stay = _LONGEST_STAY / (1.0 + np.exp(-x[0]))
         mean = x[3]
         if bursts:
             enter = 0.5 / (1.0 + np.exp(-x[5]))
             leave = 1.0 / _SHORTEST_FRAMES / (1.0 + np.exp(-x[6]))
             size, spread = float(np.exp(x[4])), float(np.exp(x[7]))
-            _filter(r - mean, stay, np.exp(x[1]), np.exp(x[2]), size, spread, enter, leave, nats, late)
-        else:
-            _filter(r - mean, stay, np.exp(x[1]), np.exp(x[2]), 0.0, 0.0, 1e-9, 0.5, nats, late)
+            return _filtered(r - mean, stay, np.exp(x[1]), np.exp(x[2]), size, spread, enter, leave)
+        return _filtered(r - mean, stay, np.exp(x[1]), np.exp(x[2]))
 
     def cost(x: Array, bursts: bool) -> float:
-        run(x, bursts)
+        nats, _ = run(x, bursts)
         return -float(nats[used].sum()) + 0.005 * float(np.sum(x * x))
 
-    plain = min(
-        (
-            minimize(
-                cost, np.array([start, -1.0, -0.7, 0.0]), (False,), "Nelder-Mead", options={"maxfev": 300}
-            )
-            for start in (2.0, 5.0)
-        ),
-        key=lambda one: float(one.fun),
-    )
-    run(plain.x, False)
-    plain_nats = nats.copy()
-    tries = []
-    for size in (2.0, 5.0, 15.0, 40.0):
-        for part in (0.03, 0.3):
-            x = np.array([*plain.x[:3], plain.x[3] - part, np.log(size), np.log(part / 5.0), -0.5, -1.0])
-            tries.append(minimize(cost, x, (True,), "Nelder-Mead", options={"maxfev": 250}))
-    best = min(tries, key=lambda one: float(one.fun))
-    best = minimize(cost, best.x, (True,), "Nelder-Mead", options={"maxfev": 600})
-    run(best.x, True)
+    starts = [np.array([start, -1.0, -0.7, 0.0]) for start in (2.0, 5.0)]
+    plain = _likeliest(partial(cost, bursts=False), starts, 300)
+    plain_nats, _ = run(plain.x, False)
+    starts = [
+        np.array([*plain.x[:3], plain.x[3] - part, np.log(size), np.log(part / 5.0), -0.5, -1.0])
+        for size in (2.0, 5.0, 15.0, 40.0)
+        for part in (0.03, 0.3)
+    ]
+    best = _likeliest(partial(cost, bursts=True), starts, 250)
+    best = _likeliest(partial(cost, bursts=True), [best.x], 600)
+    nats, late = run(best.x, True)
     enter = 0.5 / (1.0 + float(np.exp(-best.x[5])))
     leave = 1.0 / _SHORTEST_FRAMES / (1.0 + float(np.exp(-best.x[6])))
     return Bursts(
-        float(np.exp(best.x[4])) * scale, enter, leave, nats.copy(), plain_nats, _smoothed(late, enter, leave)
+        float(np.exp(best.x[4])) * scale, enter, leave, nats, plain_nats, _smoothed(late, enter, leave)
     )
 
 
