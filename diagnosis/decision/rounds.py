@@ -158,7 +158,10 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
         screening, candidates = [], []
         if found.findings and not anything_matters(last, split):
             elsewhere = _convincing_elsewhere(found, split)
-            allowed = [one for one in allowed if one.id in elsewhere]
+            # arrivals that step change nothing that matters, and a round of the drive alone does not look at them
+            looked_at = [one.cause.id for stage in found.stages for one in stage.screening]
+            unseen = all(turns_the_joint(cause) for cause in looked_at)
+            allowed = [one for one in allowed if one.id in elsewhere or (unseen and _is_of_timing(one.id))]
         if allowed:
             screening, candidates = compared(last, allowed, split, found)
         try:
@@ -236,6 +239,10 @@ def _best_that_convinces(
         for of_cause in forms_of.values()
     ]
     return sorted(best, key=lambda one: -one.merit)
+
+
+def _is_of_timing(cause: str) -> bool:
+    return DECLARED[cause].place == "timing"
 
 
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:

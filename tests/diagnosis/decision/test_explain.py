@@ -110,6 +110,21 @@ def test_a_baseline_whose_mode_was_fitted_away_is_fitted_again() -> None:
 
 
 @pytest.mark.slow
+def test_a_clock_that_was_set_is_found_beside_what_the_drive_did() -> None:
+    """What the drive did is sought by itself, and then nothing is left that matters: arrivals change no image."""
+    data = measured(SECONDS, 5, {"drive.velocity_loss_rad_s": 0.02})
+    received = data.frames.received_s
+    set_on = np.where(received > 0.5 * SECONDS, 0.05, 0.0)
+    data = replace(data, frames=replace(data.frames, received_s=received + set_on, counted=True))
+    split = interleaved(SECONDS)
+    world = moved_as_measured(World(data, MODEL), split)
+    baseline = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    found = explain(baseline, split, only=("joint_friction", "clock_step"))
+    assert [one.cause for one in found.findings] == ["joint_friction", "clock_step"]
+    assert found.findings[1].values["step_s"][0] == pytest.approx(0.05, abs=0.005)
+
+
+@pytest.mark.slow
 def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
     """A coarse encoder moves it by its steps, as long as the drive's model does not foretell the joint."""
     data = measured(SECONDS, 5, {"drive.velocity_loss_rad_s": 0.02})
