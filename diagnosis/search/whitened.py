@@ -44,7 +44,7 @@ class Whitened:
 
     def __init__(self, data: Data, last: Fit, slopes: Slopes) -> None:
         """slopes: of the fit (stillarm.diagnosis.fitting.fit.slopes_of)."""
-        self.data, self.last = data, last
+        self.last = last
         self.sets_in_s = sets_in_s(last)
         self.weights: dict[str, Array] = {}
         parts, self.spans = [], {}
