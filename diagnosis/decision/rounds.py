@@ -157,11 +157,11 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
     else:
         screening, candidates = [], []
         if found.findings and not anything_matters(last, split):
-            elsewhere = _convincing_elsewhere(found, split)
+            judged_again = _convincing_elsewhere(found, split)
             # arrivals that step change nothing that matters, and a round of the drive alone does not look at them
-            looked_at = [one.cause.id for stage in found.stages for one in stage.screening]
-            unseen = all(turns_the_joint(cause) for cause in looked_at)
-            allowed = [one for one in allowed if one.id in elsewhere or (unseen and _is_of_timing(one.id))]
+            if _drive_alone_looked_at(found):
+                judged_again |= {one.id for one in allowed if DECLARED[one.id].place == "timing"}
+            allowed = [one for one in allowed if one.id in judged_again]
         if allowed:
             screening, candidates = compared(last, allowed, split, found)
         try:
@@ -241,8 +241,9 @@ def _best_that_convinces(
     return sorted(best, key=lambda one: -one.merit)
 
 
-def _is_of_timing(cause: str) -> bool:
-    return DECLARED[cause].place == "timing"
+def _drive_alone_looked_at(found: Found) -> bool:
+    """Whether no round has looked at other causes than the drive's."""
+    return all(turns_the_joint(one.cause.id) for stage in found.stages for one in stage.screening)
 
 
 def _convincing_elsewhere(found: Found, split: Split) -> set[str]:

@@ -29,12 +29,12 @@ _SHARPER_S = 0.002  # by less no impact is moved
 def with_impacts_at_onsets(last: Fit, split: Split) -> Fit:
     """The fit, or a likelier one with an impact at the onset of the departure about it, and none made up after it."""
     before, tried = last, set[_Move]()
-    while (moved := _one_moved(last, split, tried)) is not None:
+    while (moved := _likelier_elsewhere(last, split, tried)) is not None:
         last = moved
     return last if last is before else pruned(last, split)
 
 
-def _one_moved(last: Fit, split: Split, tried: set[_Move]) -> Fit | None:
+def _likelier_elsewhere(last: Fit, split: Split, tried: set[_Move]) -> Fit | None:
     """A likelier fit with impacts moved that are far from each other, or else with one; None where none is. tried:
     cycles from and to, that were no better; adds those of now."""
     places = _to_try(last, tried)

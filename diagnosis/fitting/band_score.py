@@ -33,11 +33,12 @@ class Spectra:
 
 @lru_cache(maxsize=16)
 def _edges(step_s: float) -> Array:
-    """Of the bands, Hz."""
+    """Of the bands, Hz. Read-only."""
     highest = 0.5 / step_s
     bands = max(1, int(np.log(highest / _LOWEST_HZ) / np.log(_WIDTH)))
     edges = np.geomspace(_LOWEST_HZ, highest * 1.001, bands + 1)
     edges[0] = 1e-9
+    edges.flags.writeable = False
     return np.asarray(edges, np.float64)
 
 

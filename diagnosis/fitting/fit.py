@@ -136,7 +136,7 @@ def jacobian(
     there = known if known is not None and before is not None else {}
     asked = [index for index, name in enumerate(names) if name not in there]
     # a column may take less than it takes to hand it to another thread
-    side_by_side(columns_of, [asked[first::_PARTS] for first in range(_PARTS)])
+    side_by_side(columns_of, [asked[first::_PARTS] for first in range(min(_PARTS, len(asked)))])
     return found
 
 

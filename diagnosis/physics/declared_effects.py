@@ -126,16 +126,17 @@ def effects_in(vector: Array, place: Mapping[str, int]) -> list[tuple[str, dict[
             found.append(
                 (identifier, {name: float(vector[place[quantity]]) for name, quantity, _ in numbers})
             )
+    derived = []
     relative = float(vector[place["arm.frequency_rate_per_s"]])
     rate = {"frequency_rate_hz_per_s": relative * float(vector[place["modes.0.frequency_hz"]])}
-    found.append(
+    derived.append(
         ("stiffness_drift", rate | {"higher_modes_share": float(vector[place["arm.higher_modes_share"]])})
     )
     for cause, prefix in _WAVES.items():
         hz, sine, cosine = (float(vector[place[f"{prefix}_{part}"]]) for part in ("hz", "sin", "cos"))
         wave = {"frequency_hz": hz, "amplitude_m_s2": hypot(sine, cosine), "phase_rad": atan2(cosine, sine)}
-        found.append((cause, wave))
-    return [(cause, values) for cause, values in found if not LAWS[cause].is_idle(values)]
+        derived.append((cause, wave))
+    return [*found, *((cause, values) for cause, values in derived if not LAWS[cause].is_idle(values))]
 
 
 def waves_to_refit(model: Model) -> list[str]:

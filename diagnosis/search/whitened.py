@@ -108,7 +108,8 @@ class Whitened:
         most to read.
         """
         edges_s = sorted(set(onsets_s))
-        parts = _Sums(len(edges_s) + 1, len(self.spans), self.basis.shape[1], d.shape[1])
+        many, n, k = (len(edges_s) + 1, len(self.spans)), self.basis.shape[1], d.shape[1]
+        parts = Products(np.zeros((*many, k, k)), np.zeros((*many, n, k)), np.zeros((*many, k)))
         for channel, (name, span) in enumerate(self.spans.items()):
             inner = (span.start + np.searchsorted(self.times_s[name], edges_s)).tolist()
             edges = [span.start, *inner, span.stop]
@@ -120,7 +121,7 @@ class Whitened:
                 parts.own[part, channel] = squares
                 parts.baseline[part, channel] = self.basis[start:end].T @ own
                 parts.residual[part, channel] = self.residual[start:end] @ own
-        from_there = parts.from_each_on()
+        from_there = _from_each_on(parts)
         places = [0, *(edges_s.index(begins_s) + 1 for begins_s in onsets_s)]
         return [self._exact(from_there[place], d, edges_s[place - 1] if place else None) for place in places]
 
@@ -179,18 +180,10 @@ class Whitened:
         return likelihood
 
 
-class _Sums:
-    """Inner products by parts of the time, (parts, channels, ...)."""
-
-    def __init__(self, parts: int, channels: int, n: int, k: int) -> None:
-        self.own = np.zeros((parts, channels, k, k))
-        self.baseline = np.zeros((parts, channels, n, k))
-        self.residual = np.zeros((parts, channels, k))
-
-    def from_each_on(self) -> list[Products]:
-        """Of each part and all that follow it."""
-        summed = [sums[::-1].cumsum(axis=0)[::-1] for sums in (self.own, self.baseline, self.residual)]
-        return [Products(*one) for one in zip(*summed, strict=True)]
+def _from_each_on(parts: Products) -> list[Products]:
+    """Of each part of the time and all that follow it. parts: inner products of each alone, (parts, channels, ...)."""
+    summed = [one[::-1].cumsum(axis=0)[::-1] for one in (parts.own, parts.baseline, parts.residual)]
+    return [Products(*one) for one in zip(*summed, strict=True)]
 
 
 def best_amounts(products: Products) -> Array | None:
