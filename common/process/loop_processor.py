@@ -22,6 +22,14 @@ def leave_it_to_the_loop() -> None:
             os.sched_setaffinity(0, others)
 
 
+def send_beside_the_loop(process: int) -> None:
+    """Keep a running child off the loop's processor, with all its threads; not where there is no other, or no child."""
+    with contextlib.suppress(OSError, AttributeError):
+        others = os.sched_getaffinity(0) - {loop_processor()}
+        for thread in os.listdir(f"/proc/{process}/task") if others else ():
+            os.sched_setaffinity(int(thread), others)
+
+
 @contextlib.contextmanager
 def beside_the_loop() -> Iterator[None]:
     """Processes started in this block keep off the loop's processor; the calling thread itself only for so long."""

@@ -14,7 +14,7 @@ from stillarm.common.files.configuration import (
 )
 from stillarm.common.files.effects import not_used_by_controller
 from stillarm.common.memory.left_behind import remove_left_blocks
-from stillarm.common.process.loop_processor import beside_the_loop
+from stillarm.common.process.loop_processor import send_beside_the_loop
 from stillarm.common.process.service_notify import notify
 from stillarm.common.process.single_instance import hold_instance
 from stillarm.common.process.stop_signal import SignalFlag, StopSignal
@@ -64,12 +64,15 @@ def run(
     realtime = RealTime()
     try:
         devices.start()
-        with beside_the_loop():
-            recorder = RecorderClient.launch()
-            statistics = start_statistics(block.name, recorder.process_id, configuration.telemetry)
+        recorder = RecorderClient.launch()
+        statistics = start_statistics(block.name, recorder.process_id, configuration.telemetry)
         warm_up(model, configuration.controller, model_name)
         wait_until_loaded(statistics)
         recorder.wait_until_loaded()
+        # Only now: the loop's processor is free until the first cycle, and a rig and a supervisor that run already may
+        # leave them hardly any time on the others.
+        for child in (recorder.process_id, statistics.pid):
+            send_beside_the_loop(child)
         log_start("controller", configuration, configuration_path)
         for note in filter(None, (not_used_by_controller(model), *devices.notes)):
             log("controller", "warning", note)

@@ -23,7 +23,8 @@ from stillarm.simulation.demo.set_up import write_demo_configuration
 
 CYCLE_S = 0.001  # of the demo's model
 _STOP_WITHIN_S = 15.0
-_READY_WITHIN_S = 20.0
+_READY_WITHIN_S = 60.0
+"""Longer than the controller itself waits for its devices and its own processes, and then tells which is missing."""
 _OVER_TIME_S = 30.0
 _POLL_S = 0.05
 _TO_FIRST_IMAGE_S = 0.2
