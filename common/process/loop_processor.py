@@ -7,6 +7,7 @@ long again. If there are several processors, all other processes of the program 
 import contextlib
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 
 def loop_processor() -> int:
@@ -26,8 +27,8 @@ def send_beside_the_loop(process: int) -> None:
     """Keep a running child off the loop's processor, with all its threads; not where there is no other, or no child."""
     with contextlib.suppress(OSError, AttributeError):
         others = os.sched_getaffinity(0) - {loop_processor()}
-        for thread in os.listdir(f"/proc/{process}/task") if others else ():
-            os.sched_setaffinity(int(thread), others)
+        for thread in Path(f"/proc/{process}/task").iterdir() if others else ():
+            os.sched_setaffinity(int(thread.name), others)
 
 
 @contextlib.contextmanager

@@ -24,7 +24,8 @@ from stillarm.common.process.child_process import start_module, stop_process
 from stillarm.common.process.parent_death import ended_with_parent
 from stillarm.common.recording.reader import open_recording
 from stillarm.common.user_error import UserError
-from stillarm.diagnosis.commissioning.watch import Bounds, Watch
+from stillarm.diagnosis.commissioning.stop_listener import StopListener
+from stillarm.diagnosis.commissioning.watch import Bounds, Watch, exceeded
 from stillarm.diagnosis.data.measured import Measured
 from stillarm.diagnosis.data.reading import read_measured
 
@@ -36,7 +37,10 @@ _METHOD = "timestamps"  # its estimate moves nothing here; it needs the least of
 
 
 class LiveRig:
-    """Records scenarios on the rig that a configuration names. The supervisor runs already, the controller does not."""
+    """Records scenarios on the rig that a configuration names. The supervisor runs already, the controller does not.
+
+    Between two of them the operator's stop is heard, too. To be closed.
+    """
 
     def __init__(
         self,
@@ -54,9 +58,27 @@ class LiveRig:
         self._configuration = load_configuration(configuration_path.resolve())
         self._words = ("--allow-non-realtime",) if allow_non_realtime else ()
         self._progress = progress
+        self._between: StopListener | None = None
+
+    def rest(self, seconds: float) -> None:
+        """Let the arm ring down for so long, or until the operator's stop."""
+        if self._between is None:
+            time.sleep(seconds)
+        else:
+            self._between.rest(seconds)
+
+    def close(self) -> None:
+        """Leave the operator's port. May be called twice."""
+        if self._between is not None:
+            self._between.close()
+            self._between = None
 
     def record(self, name: str, scenario: Scenario, bounds: Bounds) -> Measured:
-        """Run a scenario as far as the bounds allow. Raises UserError when the controller fails or is stopped."""
+        """Run a scenario as far as the bounds allow.
+
+        Raises UserError when the controller fails or is stopped, or this computer is too busy to watch the moves.
+        """
+        self._refuse_after_stop()
         folder = self._folder.resolve()
         listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         with contextlib.closing(listener):
@@ -78,13 +100,26 @@ class LiveRig:
                 "--duration-s",
                 str(scenario.duration_s),
             ]
+            watch = Watch(bounds)
             with _controller([*words, *self._words], log) as process:
-                self._watch(process, listener, scenario, Watch(bounds), name, log)
+                self._watch(process, listener, scenario, watch, name, log)
+        self._between = StopListener(self._configuration.link)
         if process.returncode != 0:
             raise UserError(f"commission: the controller failed: {_last_words(log)} (see {log})")
         recorded = open_recording(recording)
         _refuse_fault(recorded.columns("/estimate"))
-        return read_measured(recorded, self._model)
+        measured = read_measured(recorded, self._model)
+        _refuse_blind_watch(watch, measured, bounds)
+        return measured
+
+    def _refuse_after_stop(self) -> None:
+        """Raise UserError where the operator has asked for a stop since the last controller ended."""
+        listener = self._between
+        self.close()
+        if listener is not None and listener.stopped:
+            raise UserError(
+                "commission: emergency stop, between two parts; the joint stands. See to it, and begin again"
+            )
 
     def _watch(
         self,
@@ -186,6 +221,15 @@ def _refuse_fault(estimates: dict[str, Any]) -> None:
             raise UserError(
                 f"commission: stopped by the controller: {reason}; the joint stands. See to it, and begin again"
             )
+
+
+def _refuse_blind_watch(watch: Watch, measured: Measured, bounds: Bounds) -> None:
+    """Raise UserError where the watch ended the moves for what the recording does not show: telemetry was lost."""
+    if watch.exceeded is not None and exceeded(measured, bounds) is None:
+        raise UserError(
+            f"commission: {watch.exceeded} in the telemetry by which the moves are watched, though the recording "
+            f"({measured.name}) does not show it: this computer is too busy; end what else runs on it, and begin again"
+        )
 
 
 def _said_error(log: Path) -> bool:

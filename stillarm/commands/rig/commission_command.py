@@ -1,8 +1,8 @@
 """`stillarm commission`: identifies the rig's model file from small, supervised moves."""
 
 import argparse
+import contextlib
 import sys
-import time
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -81,20 +81,24 @@ def run(arguments: argparse.Namespace) -> int:
     from stillarm.diagnosis.commissioning.verdict import marked
     from stillarm.progress import progress_bar
 
-    with progress_bar("commission") as progress:
-        rig = LiveRig(
-            arguments.config,
-            model,
-            folder,
-            allow_non_realtime=arguments.allow_non_realtime,
-            progress=_Guide(progress, arguments.strike_s),
-        )
+    with (
+        progress_bar("commission") as progress,
+        contextlib.closing(
+            LiveRig(
+                arguments.config,
+                model,
+                folder,
+                allow_non_realtime=arguments.allow_non_realtime,
+                progress=_Guide(progress, arguments.strike_s),
+            )
+        ) as rig,
+    ):
         done = commission(
             rig.record,
             model,
             limits,
             strike_s=arguments.strike_s,
-            rest=time.sleep,
+            rest=rig.rest,
             tell=_tell,
             tick=lambda part, what: progress(0.9 + 0.1 * part),
         )

@@ -25,6 +25,7 @@ _VALUE_WORDS = {
     "method": "method VALUE; refused while damping",
 }
 _ANSWER_WITHIN_S = 1.0
+_STOPPED_WITHIN_S = 5.0  # a controller that starts meanwhile is stopped, too
 _REPEATS, _PAUSE_S = 3, 0.01
 _MOST_DATAGRAMS = 256  # at each look; the telemetry sends fewer in that time
 
@@ -79,7 +80,8 @@ def operate(configuration: Configuration, word: str) -> str:
     from stillarm.controller.safety.table import Operator
 
     bits = Operator.EMERGENCY_STOP if word == "stop" else Operator[word.upper()]
-    return _sent(configuration, lambda sender: sender.command(bits))
+    within_s = _STOPPED_WITHIN_S if word == "stop" else _ANSWER_WITHIN_S
+    return _sent(configuration, lambda sender: sender.command(bits), within_s)
 
 
 def adjust(configuration: Configuration, method: str, added_damping_ratio: float) -> str:
@@ -113,7 +115,11 @@ def adjust(configuration: Configuration, method: str, added_damping_ratio: float
         listener.close()
 
 
-def _sent(configuration: Configuration, packed: Callable[[OperatorSender], bytes]) -> str:
+def _sent(
+    configuration: Configuration,
+    packed: Callable[[OperatorSender], bytes],
+    within_s: float = _ANSWER_WITHIN_S,
+) -> str:
     """Meet the controller, and send what `packed` makes; returns the address."""
     link = configuration.link
     controller = (link.controller_host, link.reference_port)
@@ -125,7 +131,7 @@ def _sent(configuration: Configuration, packed: Callable[[OperatorSender], bytes
         f"operate: sends to the controller at {controller[0]}:{controller[1]}, and waits for its answer"
     )
     try:
-        deadline = time.monotonic() + _ANSWER_WITHIN_S
+        deadline = time.monotonic() + within_s
         while not sender.known:
             if time.monotonic() > deadline:
                 raise UserError(

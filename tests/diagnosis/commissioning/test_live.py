@@ -4,20 +4,30 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from math import nan
 from pathlib import Path
 
 import msgspec
 import pytest
+import tomli_w
 
+from stillarm.commands.rig.operate_command import operate
 from stillarm.common.files.configuration import Configuration, Controller, Damping, Dither, Link, Safety
+from stillarm.common.files.model import load_model
+from stillarm.common.files.scenario import Scenario
+from stillarm.common.link.free_ports import free_ports
 from stillarm.common.recorder.telemetry import telemetry_map
 from stillarm.common.recording.topics import FastSample, FrameSample
 from stillarm.common.user_error import UserError
 from stillarm.diagnosis.commissioning import live
-from stillarm.diagnosis.commissioning.live import commissioning_configuration, feed
+from stillarm.diagnosis.commissioning.live import LiveRig, commissioning_configuration, feed
+from stillarm.diagnosis.commissioning.stop_listener import StopListener
 from stillarm.diagnosis.commissioning.watch import Bounds, Watch
+from tests.fixtures.probed import measured
 
+CONFIGS = Path(__file__).parents[3] / "configs"
 USERS = Configuration(
     model="arm.toml",
     link=Link(controller_port=50001),
@@ -31,6 +41,17 @@ USERS = Configuration(
         safety=Safety(emergency_stop_input="/sys/class/gpio/gpio17/value", checks_before_arming=("vision",)),
     ),
 )
+
+
+@contextmanager
+def simulated_rig(folder: Path) -> Iterator[LiveRig]:
+    """Nothing of it runs."""
+    (folder / "arm.toml").write_text((CONFIGS / "model.toml").read_text())
+    path = folder / "rig.toml"
+    here = Configuration(model="arm.toml", link=Link(reference_port=free_ports(1)[0]))
+    path.write_text(tomli_w.dumps(msgspec.to_builtins(here)))
+    with closing(LiveRig(path, load_model(folder / "arm.toml"), folder, allow_non_realtime=True)) as rig:
+        yield rig
 
 
 def test_nothing_adds_to_the_moves_and_the_stops_stay(tmp_path: Path) -> None:
@@ -85,6 +106,32 @@ def test_a_fault_in_the_recording_is_told() -> None:
     live._refuse_fault({"state": ["armed", "degraded"], "reason": ["", "uncommissioned"]})
     with pytest.raises(UserError, match="stopped by the controller: emergency stop; the joint stands"):
         live._refuse_fault({"state": ["armed", "fault"], "reason": ["", "emergency stop"]})
+
+
+def test_moves_ended_by_lost_telemetry_are_no_measurement() -> None:
+    """Where the recording shows a bound exceeded, too, it is what it says."""
+    bounds, recorded = Bounds(0.05, 100.0, 10.0), measured(100.0, 0.1)
+    watch = Watch(bounds)
+    live._refuse_blind_watch(watch, recorded, bounds)
+    watch.image(0.1, 0.0)
+    watch.cycle(0.9, 0.0, 0.0)
+    with pytest.raises(UserError, match=r"no image was measured for 0\.5 s in the telemetry .* too busy"):
+        live._refuse_blind_watch(watch, recorded, bounds)
+    live._refuse_blind_watch(watch, recorded, Bounds(0.05, 1e-9, 10.0))
+
+
+def test_a_stop_between_two_parts_lets_no_other_begin(tmp_path: Path) -> None:
+    """And it ends the rest. Closed, the rig listens no more."""
+    with simulated_rig(tmp_path) as rig:
+        assert rig.rest(0.0) is None
+        rig._between = StopListener(rig._configuration.link)
+        operate(rig._configuration, "stop")
+        rig.rest(30.0)
+        with pytest.raises(
+            UserError, match="commission: emergency stop, between two parts; the joint stands"
+        ):
+            rig.record("moves", Scenario(duration_s=1.0), Bounds(0.05, 100.0, 10.0))
+    assert not list(tmp_path.glob("*.log")) and rig._between is None
 
 
 @pytest.mark.slow

@@ -3,36 +3,13 @@
 from dataclasses import replace
 from math import nan
 
-import numpy as np
 import pytest
 
-from stillarm.diagnosis.commissioning.plan import Limits, probe, stages
+from stillarm.diagnosis.commissioning.plan import stages
 from stillarm.diagnosis.commissioning.watch import Bounds, Watch, bounds_of, growth
-from stillarm.diagnosis.data.measured import Frames, Measured
+from tests.fixtures.probed import LIMITS, measured
 
 BOUNDS = Bounds(angle_rad=0.05, image_px=100.0, acceleration_m_s2=10.0)
-LIMITS = Limits()
-
-
-def measured(px_per_rad_s: float, m_s2_per_rad_s: float, images_until_s: float = 1e9) -> Measured:
-    """A probe on a rig whose sensors show the joint's velocity."""
-    plan = probe(LIMITS)
-    n = round(plan.duration_s / 0.001)
-    time = np.asarray(np.arange(n) * 0.001, dtype=np.float64)
-    velocity = np.array([plan.reference_rad_s(float(t)) for t in time])
-    at = np.arange(0, n, 15)
-    at = at[time[at] < images_until_s]
-    frames = Frames(
-        np.arange(len(at)),
-        time[at],
-        time[at] - 0.05,
-        3.0 + px_per_rad_s * velocity[at],
-        np.full(len(at), nan),
-    )
-    return Measured(
-        "test", 0.001, 0.0, velocity, velocity, 0.5 + m_s2_per_rad_s * velocity, np.cumsum(velocity) * 0.001, velocity,
-        np.zeros(n), np.full(n, nan), frames, np.empty(0),
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
