@@ -32,6 +32,7 @@ from stillarm.diagnosis.search.candidates import (
     Candidate,
     Found,
     Stage,
+    by_one_measure,
     explains_the_same,
     of_law,
     turns_the_joint,
@@ -238,7 +239,7 @@ def _best_that_convinces(
         next((one for one in of_cause if convinces(one, last, split, beside)), of_cause[0])
         for of_cause in forms_of.values()
     ]
-    return sorted(best, key=lambda one: -one.merit)
+    return by_one_measure(best, split)
 
 
 def _drive_alone_looked_at(found: Found) -> bool:

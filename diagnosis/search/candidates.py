@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stillarm.common.causes import CAUSES as DECLARED
-from stillarm.diagnosis.fitting.evidence import PRICE_NATS, Score
+from stillarm.diagnosis.data.split import Split
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS, PRICE_NATS, Score
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.search.screen import Scored
 from stillarm.diagnosis.sensors.laws import LawFound
@@ -100,6 +101,28 @@ def beside_another(candidates: Sequence[Candidate], first: Score, baseline: Scor
     """Candidates with their merits over another baseline than the one, `first`, that they were found on."""
     more = first.gain(baseline)
     return [replace(one, nats=one.nats + more, merit=one.merit + float(more.sum())) for one in candidates]
+
+
+def by_one_measure(candidates: Sequence[Candidate], split: Split) -> list[Candidate]:
+    """Candidates, the best first; all by what they foretell of held-out blocks where a free form, which is judged by
+    that, would lose to a formula by merit alone, though it leads that one by all blocks and by the held-out ones."""
+    ranked = sorted(candidates, key=lambda one: -one.merit)
+    best = next((one for one in ranked if one.law is None), None)
+    if best is None or not any(_leads(one, best) for one in ranked if one is not best and one.law is None):
+        return ranked
+    alike = [
+        one
+        if one.law is not None
+        else replace(one, merit=min(one.merit, split.blocks_per_held * one.held_out_gain))
+        for one in ranked
+    ]
+    return sorted(alike, key=lambda one: -one.merit)
+
+
+def _leads(one: Candidate, best: Candidate) -> bool:
+    """Whether a candidate leads one of more merit by all blocks, less what numbers cost, and by those held out."""
+    whole = float(one.nats.sum()) - PRICE_NATS * len(one.free)
+    return whole > best.merit and one.held_out_gain > best.held_out_gain + CONVINCING_NATS
 
 
 def shows_most(one: Candidate) -> tuple[str, ...]:
