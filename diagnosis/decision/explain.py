@@ -67,10 +67,12 @@ def _searched(
     """The search from a baseline, or from the likelier one that its first round comes upon. hint: as in Found."""
     begun = first = None
     usual = Found(baseline, baseline)
+    # the drive is sought first then, whatever the baseline says of the arm
+    departs = joint_departs(baseline)
     if hint is None:
-        if not known and not impacts_while_moving(baseline):
+        if not known and (departs or not impacts_while_moving(baseline)):
             first = _first_round(usual, split, tick, only)
-        if first is None or not _leaves_nothing(first, split):
+        if not departs and (first is None or not _leaves_nothing(first, split)):
             begun, hint = _from_another_baseline(baseline, split, tick, only)
     if begun is None:
         begun, hint = _without_doubtful_impacts(baseline, split, only, hint)
@@ -161,9 +163,10 @@ def _without_doubtful_impacts(
 ) -> tuple[_Beginning | None, Hint | None]:
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
     model that is wrong about moves is put right by an impact at each. None where it is not; and then what was found
-    without them, which is to be tried beside them. hint: as in Found."""
+    without them, which is to be tried beside them. Not where the joint departs from the drive's model: the arm is moved
+    by the joint as it was measured then. hint: as in Found."""
     doubtful = impacts_while_moving(baseline)
-    if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
+    if not doubtful or joint_departs(baseline) or _moves_are_told(baseline, split, len(doubtful)):
         return None, hint
     fewer = without_impacts_while_moving(baseline)
     try:
@@ -176,7 +179,7 @@ def _without_doubtful_impacts(
         if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
             return (found, []), hint
         with limited_to(_ANOTHER_SHARE):
-            stage = one_round(found, split, only, upstream=joint_departs(plain))
+            stage = one_round(found, split, only, upstream=False)
     except OutOfTime:
         return None, hint
     if stage.taken is None or stage.taken.law is not None:

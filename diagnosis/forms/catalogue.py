@@ -44,6 +44,7 @@ from stillarm.diagnosis.forms.courses import (
 )
 from stillarm.diagnosis.forms.delay_walk import FORM as DELAY_WALK
 from stillarm.diagnosis.forms.image_walk import FORM as IMAGE_WALK
+from stillarm.diagnosis.forms.overtones import FORM as OVERTONES
 from stillarm.diagnosis.forms.swelling_hum import FORM as SWELLING_HUM
 from stillarm.diagnosis.forms.tilted_sensor import FORM as TILTED_SENSOR
 from stillarm.diagnosis.physics.quantities import (
@@ -263,6 +264,7 @@ _FURTHER: tuple[Form, ...] = (
         "tracking_drift", "that wanders", "rate_px_per_s", "displacement", "walk", image_std, 0.1, walk=True
     ),
     IMAGE_WALK,
+    OVERTONES,
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
     DELAY_WALK,
     of_terms("camera_tilt_coupling", "along an arc", "displacement", "arc", arc_values, arc_terms),

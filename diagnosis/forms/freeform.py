@@ -202,11 +202,14 @@ def _driven(fit: Fit) -> dict[str, Array]:
 
 
 def _force(fit: Fit, force: Array) -> dict[str, Array]:
-    """What forces on the first mode, (cycles, k), do to the arm's channels."""
+    """What forces on the first mode, (cycles, k), over its stiffness, do to the arm's channels."""
+    return answered_by_arm(fit, force * (2.0 * pi * fit.value("modes.0.frequency_hz")) ** 2)
+
+
+def answered_by_arm(fit: Fit, force: Array) -> dict[str, Array]:
+    """What forces on the first mode, (cycles, k) m/s^2, do to the arm's channels, measured or not."""
     hz, damping = fit.value("modes.0.frequency_hz"), fit.value("modes.0.damping_ratio")
-    step = fit.world.measured.cycle_s
-    scale = (2.0 * pi * hz) ** 2
-    q, second = answer_of_mode(force * scale, hz, max(damping, 1e-4), step)
+    q, second = answer_of_mode(force, hz, max(damping, 1e-4), fit.world.measured.cycle_s)
     return _of_tip(fit, q, q, second)
 
 

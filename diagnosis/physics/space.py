@@ -75,12 +75,13 @@ class Space:
 @dataclass(frozen=True, eq=False)
 class Added:
     """One group of terms. columns: by channel, (samples, amounts). prior_std: of each amount. over_time: a course, of
-    which samples tell what lies between them alone."""
+    which samples tell what lies between them alone. hz: of waves, if they are."""
 
     name: str
     columns: Mapping[str, Array]
     prior_std: float
     over_time: bool = False
+    hz: float = 0.0
 
     @property
     def amounts(self) -> tuple[str, ...]:

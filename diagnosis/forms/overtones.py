@@ -1,0 +1,127 @@
+"""A periodic force whose wave is no sine, as a machine's: with its overtones.
+
+    q_1'' = ... + sum over k = 1 ... 3 of  c_k cos(2 pi k f t) + s_k sin(2 pi k f t)
+
+f is a peak of what is left. By how much it is off there is told by terms that grow with time: c cos(2 pi (f + d) t) is,
+to first order in d, c cos(2 pi f t) - 2 pi d c t sin(2 pi f t).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.fitting.peaks import residual_peaks
+from stillarm.diagnosis.forms.cause import Cause, Form, Trial, Values, arm_moves
+from stillarm.diagnosis.forms.freeform import answered_by_arm
+from stillarm.diagnosis.physics.space import Added
+from stillarm.diagnosis.physics.world import World
+
+Array = NDArray[np.float64]
+
+_GROUP = "overtones"
+_SHOWN = ("acceleration", "displacement", "deflection")
+_ORDERS = (1, 2, 3)  # of the wave: what an arm answers falls with the square of the frequency
+_OF_A_WAVE = 4  # columns: cosine and sine, and both growing with time
+_TOLD = 0.1  # of what a wave takes away, that its first order, and its overtones, are to take at least
+_MOST_OF_RATE = 0.4  # a frequency over the cycles': a faster wave is none in samples
+_PEAKS = 8  # of the residuals, the largest
+_STD = 10.0  # of an amount, over what sways the arm, standing still, by as much as it does
+
+
+@dataclass(frozen=True)
+class _Wave:
+    """Terms by channel; nats that its first order takes away, and all of them."""
+
+    hz: float
+    columns: dict[str, Array]
+    first: float
+    whole: float
+
+
+def _added(fit: Fit) -> tuple[Added, ...]:
+    best = max(_waves(fit), key=lambda one: one.whole, default=None)
+    if best is None or best.whole - best.first < max(CONVINCING_NATS, _TOLD * best.whole):
+        return ()
+    w = 2.0 * pi * fit.value("modes.0.frequency_hz")
+    sways = w * w * float(np.std(fit.predicted.motion.q[:, 0])) or 1.0
+    return (Added(_GROUP, best.columns, _STD * sways, hz=best.hz),)
+
+
+def _waves(fit: Fit) -> Iterator[_Wave]:
+    """Of each peak; but for those whose first order tells nothing: the peak is an overtone of another."""
+    seen = residual_peaks(fit)
+    peaks = dict.fromkeys(hz for name in _SHOWN for hz in seen.get(name, ())[:_PEAKS])
+    for hz in peaks:
+        if max(_ORDERS) * hz > _MOST_OF_RATE / fit.world.measured.cycle_s:
+            continue
+        answers = answered_by_arm(fit, _wave(fit, hz))
+        columns = {name: answers[name] for name in _SHOWN if name in fit.world.channels}
+        first, whole = _nats(fit, columns, 1), _nats(fit, columns, len(_ORDERS))
+        if first > _TOLD * whole:
+            yield _Wave(hz, columns, first, whole)
+
+
+def _wave(fit: Fit, hz: float) -> Array:
+    """Accelerations of the first mode of 1 m/s^2, (cycles, waves)."""
+    time, middle = fit.world.cycle_times, _middle_s(fit.world)
+    grows = time / middle - 1.0
+    columns = []
+    for order in _ORDERS:
+        phase = 2.0 * pi * order * hz * time
+        columns += [np.cos(phase), np.sin(phase), grows * np.cos(phase), grows * np.sin(phase)]
+    return np.stack(columns, axis=1)
+
+
+def _nats(fit: Fit, columns: dict[str, Array], orders: int) -> float:
+    """What the first orders of a wave take away from white residuals, all channels together."""
+    rows, rest = [], []
+    for name in _SHOWN:
+        sensor = fit.channel(name)
+        if sensor is None or name not in columns:
+            continue
+        known = np.isfinite(sensor.residual)
+        rows.append(columns[name][known][:, : orders * _OF_A_WAVE] / fit.sigma[name])
+        rest.append(sensor.residual[known] / fit.sigma[name])
+    design, left = np.concatenate(rows), np.concatenate(rest)
+    amounts = np.linalg.lstsq(design, left, rcond=None)[0]
+    return 0.5 * float(left @ left - np.sum((left - design @ amounts) ** 2))
+
+
+def _amounts(world: World) -> tuple[str, ...]:
+    one = world.added_group(_GROUP)
+    return () if one is None else one.amounts
+
+
+def _values(fit: Fit) -> Values:
+    """Frequency and size of the first order, in the middle of the recording."""
+    one = fit.world.added_group(_GROUP)
+    assert one is not None
+    cosine, sine, cosine_grows, sine_grows = (fit.value(each) for each in one.amounts[:_OF_A_WAVE])
+    size = float(np.hypot(cosine, sine))
+    turns = (cosine * sine_grows - sine * cosine_grows) / max(
+        size * size, 1e-300
+    )  # rad by which it comes to lag
+    hz = one.hz - turns / (2.0 * pi * _middle_s(fit.world))
+    return {"frequency_hz": (hz, 0.0), "amplitude_m_s2": (size, 0.0)}
+
+
+def _middle_s(world: World) -> float:
+    return 0.5 * world.measured.duration_s
+
+
+FORM = Form(
+    Cause(
+        id="periodic_disturbance",
+        needs=arm_moves,
+        trials=lambda context: [Trial({}, ({},))],
+        free=_amounts,
+        parameters_of=_values,
+    ),
+    "with its overtones",
+    _added,
+)
