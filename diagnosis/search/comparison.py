@@ -53,10 +53,11 @@ _WORTH_A_SEARCH = 0.03  # the same of a form whose threshold is not yet searched
 
 @dataclass(frozen=True)
 class _Promise:
-    """What a quick fit gains, in nats by the log score that makes more of it."""
+    """What a quick fit gains: in nats by the log score that makes more of it, and by that of all frequencies alone."""
 
     begun: Begun
     gain: float
+    nats: float
 
 
 def compared(
@@ -183,11 +184,14 @@ def _in_reach(pairs: list[Pair], candidates: Sequence[Candidate], split: Split) 
 
 
 def _leading(fits: list[Pair], candidates: Sequence[Candidate]) -> list[Pair]:
-    """The best form of each of the few causes that may be taken."""
+    """The best form of each of the few causes that may be taken; and where that one is free, the declared one too: by
+    the derivatives of a baseline that the cause has bent it may not have got far."""
     merit = {id(one.fit): one.merit for one in candidates}
     best = sorted(fits, key=lambda pair: -merit.get(id(pair[1]), 0.0))
     worth = [pair for pair in best if merit.get(id(pair[1]), 0.0) > PRICE_NATS]
-    return list(_first_of_each_cause(worth).values())[:_POLISHED]
+    leading = list(_first_of_each_cause(worth).values())[:_POLISHED]
+    free = {one.form.id for one, _ in leading if one.form.added is not None}
+    return [*leading, *(pair for pair in worth if pair[0].form.id in free and not pair[0].form.name)]
 
 
 def _worth_an_onset(candidates: Sequence[Candidate], ended: list[Pair]) -> list[Pair]:
@@ -268,10 +272,13 @@ def _quickly(ground: Ground, one: Begun) -> tuple[_Promise, Fit | None]:
     """
     last, fitted = ground.last, refitted(ground, one)
     if fitted is None:
-        return _Promise(one, 0.0), None
-    gain = max(gain_of(fitted, last), float(score(fitted, ground.split).gain(ground.score).sum()))
+        return _Promise(one, 0.0, 0.0), None
+    nats = float(score(fitted, ground.split).gain(ground.score).sum())
+    gain = max(gain_of(fitted, last), nats)
     one.world.forget()
-    return _Promise(one, gain), replace(fitted, residuals={}, predicted=replace(last.predicted, channels={}))
+    return _Promise(one, gain, nats), replace(
+        fitted, residuals={}, predicted=replace(last.predicted, channels={})
+    )
 
 
 def best_of_each(quick: list[tuple[_Promise, Fit]]) -> list[Pair]:
@@ -282,13 +289,17 @@ def best_of_each(quick: list[tuple[_Promise, Fit]]) -> list[Pair]:
         if key not in best or one.gain > best[key][0].gain:
             best[key] = (one, fitted)
     top = max((one.gain for one, _ in best.values()), default=0.0)
-    kept = [found for found in best.values() if _goes_on(found[0].begun, found[0].gain, top)]
+    most = max((one.nats for one, _ in best.values()), default=0.0)
+    kept = [found for found in best.values() if _goes_on(found[0], top, most)]
     return [(one.begun, fitted) for one, fitted in sorted(kept, key=lambda found: -found[0].gain)]
 
 
-def _goes_on(one: Begun, gain: float, top: float) -> bool:
-    """Whether a form is fitted to the end. top: gain of the best form."""
-    # white noise's likelihood says little of a course that steps where it is held out
-    if one.form.added or one.asked:
+def _goes_on(one: _Promise, top: float, most: float) -> bool:
+    """Whether a form is fitted to the end. top, most: gain and nats of the best forms. Either may tell: white noise's
+    likelihood says so much of a loud line that what bends the images is nothing beside it."""
+    form = one.begun.form
+    # nor does it say much of a course that steps where it is held out
+    if form.added or one.begun.asked:
         return True
-    return gain > (_WORTH_A_SEARCH if one.form.cause.settle else _WORTH_A_FIT) * top
+    share = _WORTH_A_SEARCH if form.cause.settle else _WORTH_A_FIT
+    return one.gain > share * top or one.nats > max(share * most, PRICE_NATS)

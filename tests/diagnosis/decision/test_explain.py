@@ -125,6 +125,29 @@ def test_a_clock_that_was_set_is_found_beside_what_the_drive_did() -> None:
 
 
 @pytest.mark.slow
+def test_what_the_drive_did_is_sought_beside_the_usual_baseline_with_its_impacts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The arm is moved by the joint as it was measured: the drive is sought alone, and that tells nothing of impacts,
+    nor of another baseline of the arm."""
+
+    def not_asked(*_: object) -> None:
+        raise AssertionError
+
+    struck = round(0.6 * SECONDS / 0.001)
+    data = measured(SECONDS, 5, {"drive.velocity_loss_rad_s": 0.02})
+    split = interleaved(SECONDS)
+    world = moved_as_measured(World(data, MODEL), split).changed(impacts=(struck,))
+    baseline = fit(make_data(world, split), world.space.vector(), world.baseline_names())
+    monkeypatch.setattr(search, "impacts_while_moving", lambda last: [struck])
+    monkeypatch.setattr(search, "_from_another_baseline", not_asked)
+    monkeypatch.setattr(search, "without_impacts_while_moving", not_asked)
+    found = explain(baseline, split, only=("joint_friction",))
+    assert [one.cause for one in found.findings] == ["joint_friction"]
+    assert struck in found.final.world.impacts
+
+
+@pytest.mark.slow
 def test_an_arm_is_moved_as_a_finding_of_the_drive_foretells() -> None:
     """A coarse encoder moves it by its steps, as long as the drive's model does not foretell the joint."""
     data = measured(SECONDS, 5, {"drive.velocity_loss_rad_s": 0.02})

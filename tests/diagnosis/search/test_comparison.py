@@ -1,0 +1,72 @@
+"""Which forms a round goes on with. What a round takes in the end: tests/diagnosis/decision/test_explain.py."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.search import comparison
+from stillarm.diagnosis.search.begun import Begun, Pair
+from stillarm.diagnosis.search.candidates import Candidate
+from stillarm.diagnosis.search.comparison import best_of_each
+
+
+def begun(cause: str, name: str = "", added: bool = False) -> Begun:
+    """Where a form of a cause begins."""
+    form = SimpleNamespace(id=cause, name=name, added=added or None, cause=SimpleNamespace(settle={}))
+    return cast(Begun, SimpleNamespace(form=form, asked=False))
+
+
+def kept(*quick: tuple[Begun, float, float]) -> list[str]:
+    """The causes that go on, of quick fits with these gains and nats."""
+    tried: list[tuple[Any, Fit]] = [
+        (comparison._Promise(*one), cast(Fit, SimpleNamespace())) for one in quick
+    ]
+    return sorted(one.form.id for one, _ in best_of_each(tried))
+
+
+@pytest.mark.parametrize(
+    ("nats", "goes_on"),
+    [(300.0, True), (90.0, False)],  # of the most, 1000: a tenth is asked
+)
+def test_a_form_goes_on_by_either_measure(nats: float, goes_on: bool) -> None:
+    """A loud line gains most by white noise's likelihood, and nothing by the other."""
+    hum = (begun("mains_hum"), 29000.0, -40.0)
+    lens = (begun("lens_distortion"), 1000.0, 1000.0)
+    tilt = (begun("camera_tilt_coupling"), 270.0, nats)
+    assert ("camera_tilt_coupling" in kept(hum, lens, tilt)) is goes_on
+    assert {"mains_hum", "lens_distortion"} <= set(kept(hum, lens, tilt))
+
+
+def test_what_gains_nothing_goes_on_only_as_a_course() -> None:
+    hum = (begun("mains_hum"), 29000.0, -40.0)
+    assert kept(hum, (begun("drive_lag"), 3.0, 2.0)) == ["mains_hum"]
+    assert kept(hum, (begun("tracking_drift", "along a course", True), 3.0, 2.0)) == [
+        "mains_hum",
+        "tracking_drift",
+    ]
+
+
+def test_beside_a_free_form_the_declared_one_is_polished_too() -> None:
+    """Not that of a cause whose best form is a formula already, nor one that is worth nothing."""
+    merits = {
+        ("camera_tilt_coupling", "along an arc", True): 700.0,
+        ("camera_tilt_coupling", "", False): 250.0,
+        ("drive_lag", "a further lag", False): 90.0,
+        ("drive_lag", "", False): 80.0,
+        ("tracking_drift", "along a course", True): 60.0,
+        ("tracking_drift", "", False): -5.0,
+    }
+    pairs: list[Pair] = [(begun(*key), cast(Fit, SimpleNamespace(key=key))) for key in merits]
+    candidates = [
+        Candidate(key[0], pair[1], 0.0, 0.0, {}, form=key[1], merit=merit)
+        for (key, merit), pair in zip(merits.items(), pairs, strict=True)
+    ]
+    leading = [(one.form.id, one.form.name) for one, _ in comparison._leading(pairs, candidates)]
+    assert leading == [
+        ("camera_tilt_coupling", "along an arc"),
+        ("drive_lag", "a further lag"),
+        ("tracking_drift", "along a course"),
+        ("camera_tilt_coupling", ""),
+    ]
