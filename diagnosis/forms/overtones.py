@@ -29,7 +29,7 @@ _ORDERS = (1, 2, 3)  # of the wave: what an arm answers falls with the square of
 _OF_A_WAVE = 4  # columns: cosine and sine, and both growing with time
 _TOLD = 0.1  # of what a wave takes away, that its first order, and its overtones, are to take at least
 _MOST_OF_RATE = 0.4  # a frequency over the cycles': a faster wave is none in samples
-_PEAKS = 8  # of the residuals, the largest
+_PEAKS = 8  # of a channel's residual, the largest
 _STD = 10.0  # of an amount, over what sways the arm, standing still, by as much as it does
 
 
@@ -61,7 +61,7 @@ def _waves(fit: Fit) -> Iterator[_Wave]:
             continue
         answers = answered_by_arm(fit, _wave(fit, hz))
         columns = {name: answers[name] for name in _SHOWN if name in fit.world.channels}
-        first, whole = _nats(fit, columns, 1), _nats(fit, columns, len(_ORDERS))
+        first, whole = _nats(fit, columns)
         if first > _TOLD * whole:
             yield _Wave(hz, columns, first, whole)
 
@@ -77,19 +77,24 @@ def _wave(fit: Fit, hz: float) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _nats(fit: Fit, columns: dict[str, Array], orders: int) -> float:
-    """What the first orders of a wave take away from white residuals, all channels together."""
-    rows, rest = [], []
-    for name in _SHOWN:
+def _nats(fit: Fit, columns: dict[str, Array]) -> tuple[float, float]:
+    """What a wave's first order takes away from white residuals, and what all of them do; all channels together."""
+    many = _OF_A_WAVE * len(_ORDERS)
+    products, with_rest = np.zeros((many, many)), np.zeros(many)
+    for name, terms in columns.items():
         sensor = fit.channel(name)
-        if sensor is None or name not in columns:
+        if sensor is None:
             continue
         known = np.isfinite(sensor.residual)
-        rows.append(columns[name][known][:, : orders * _OF_A_WAVE] / fit.sigma[name])
-        rest.append(sensor.residual[known] / fit.sigma[name])
-    design, left = np.concatenate(rows), np.concatenate(rest)
-    amounts = np.linalg.lstsq(design, left, rcond=None)[0]
-    return 0.5 * float(left @ left - np.sum((left - design @ amounts) ** 2))
+        of_noise = terms[known] / fit.sigma[name]
+        products += of_noise.T @ of_noise
+        with_rest += of_noise.T @ (sensor.residual[known] / fit.sigma[name])
+
+    def taken(count: int) -> float:
+        own = with_rest[:count]
+        return 0.5 * float(own @ np.linalg.lstsq(products[:count, :count], own, rcond=None)[0])
+
+    return taken(_OF_A_WAVE), taken(many)
 
 
 def _amounts(world: World) -> tuple[str, ...]:
@@ -103,9 +108,8 @@ def _values(fit: Fit) -> Values:
     assert one is not None
     cosine, sine, cosine_grows, sine_grows = (fit.value(each) for each in one.amounts[:_OF_A_WAVE])
     size = float(np.hypot(cosine, sine))
-    turns = (cosine * sine_grows - sine * cosine_grows) / max(
-        size * size, 1e-300
-    )  # rad by which it comes to lag
+    # rad by which it comes to lag from the middle to the end
+    turns = (cosine * sine_grows - sine * cosine_grows) / max(size * size, 1e-300)
     hz = one.hz - turns / (2.0 * pi * _middle_s(fit.world))
     return {"frequency_hz": (hz, 0.0), "amplitude_m_s2": (size, 0.0)}
 
