@@ -67,14 +67,15 @@ def _searched(
     """The search from a baseline, or from the likelier one that its first round comes upon. hint: as in Found."""
     begun = first = None
     usual = Found(baseline, baseline)
-    # the drive is sought first then, whatever the baseline says of the arm
+    # The drive is sought first then, and alone: by the joint as it was measured, which moves the arm, whatever the
+    # baseline says of that and of impacts.
     departs = joint_departs(baseline)
     if hint is None:
         if not known and (departs or not impacts_while_moving(baseline)):
             first = _first_round(usual, split, tick, only)
         if not departs and (first is None or not _leaves_nothing(first, split)):
             begun, hint = _from_another_baseline(baseline, split, tick, only)
-    if begun is None:
+    if begun is None and not departs:
         begun, hint = _without_doubtful_impacts(baseline, split, only, hint)
     usual.hint = hint
     if begun is not None:
@@ -163,10 +164,9 @@ def _without_doubtful_impacts(
 ) -> tuple[_Beginning | None, Hint | None]:
     """What explains the recording without the impacts that were found while the joint moved, where that is likelier: a
     model that is wrong about moves is put right by an impact at each. None where it is not; and then what was found
-    without them, which is to be tried beside them. Not where the joint departs from the drive's model: the arm is moved
-    by the joint as it was measured then. hint: as in Found."""
+    without them, which is to be tried beside them. hint: as in Found."""
     doubtful = impacts_while_moving(baseline)
-    if not doubtful or joint_departs(baseline) or _moves_are_told(baseline, split, len(doubtful)):
+    if not doubtful or _moves_are_told(baseline, split, len(doubtful)):
         return None, hint
     fewer = without_impacts_while_moving(baseline)
     try:

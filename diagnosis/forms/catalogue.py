@@ -267,7 +267,7 @@ _FURTHER: tuple[Form, ...] = (
     OVERTONES,
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
     DELAY_WALK,
-    of_terms("camera_tilt_coupling", "along an arc", "displacement", "arc", arc_values, arc_terms),
-    of_terms("camera_tilt_coupling", "with the joint alone", "displacement", "tilt", tilt_values, tilt_terms),
-    of_terms("lens_distortion", "about a centre", "displacement", "lens", lens_values, lens_terms),
+    of_terms("camera_tilt_coupling", "along an arc", has("displacement"), "arc", arc_values, arc_terms),
+    of_terms("camera_tilt_coupling", "with the joint alone", has("displacement"), "tilt", tilt_values, tilt_terms),
+    of_terms("lens_distortion", "about a centre", has("displacement"), "lens", lens_values, lens_terms),
 )  # fmt: skip

@@ -62,7 +62,9 @@ def of_course(
         rate = rate_of_course(fit, channel, group_of(fit, group), scale(fit))
         return _on_top(fit, identifier, parameter, rate)
 
-    return of_terms(identifier, name, channel, group, parameters, _course(channel, group, scale, std, walk))
+    return of_terms(
+        identifier, name, has(channel), group, parameters, _course(channel, group, scale, std, walk)
+    )
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def of_walk(
     def parameters(fit: Fit) -> Values:
         return _on_top(fit, identifier, parameter, rate_of_course(fit, channel, group_of(fit, group)))
 
-    return of_terms(identifier, "as a random walk", channel, group, parameters, added, nats_of=nats)
+    return of_terms(identifier, "as a random walk", has(channel), group, parameters, added, nats_of=nats)
 
 
 def rate_of_course(fit: Fit, channel: str, group: Added, unit: Array | float = 1.0) -> float:
@@ -122,13 +124,13 @@ def _on_top(fit: Fit, cause: str, parameter: str, rate: float) -> Values:
 def of_terms(
     identifier: str,
     name: str,
-    channel: str,
+    needs: Callable[[World], bool],
     group: str,
     parameters: Callable[[Fit], Values],
     added: Callable[[Fit], tuple[Added, ...]],
     nats_of: Callable[[Fit], float] | None = None,
 ) -> Form:
-    """A form of a group of added terms in one channel. nats_of: as in Form."""
+    """A form of a group of added terms. needs: as in Cause; nats_of: as in Form."""
 
     def amounts(world: World) -> tuple[str, ...]:
         one = world.added_group(group)
@@ -136,7 +138,7 @@ def of_terms(
 
     cause = Cause(
         id=identifier,
-        needs=has(channel),
+        needs=needs,
         trials=lambda context: [Trial({}, ({},))],
         free=amounts,
         parameters_of=parameters,

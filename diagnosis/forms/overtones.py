@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.peaks import residual_peaks
-from stillarm.diagnosis.forms.cause import Cause, Form, Trial, Values, arm_moves
+from stillarm.diagnosis.forms.cause import Form, Values, arm_moves
+from stillarm.diagnosis.forms.courses import group_of, of_terms
 from stillarm.diagnosis.forms.freeform import answered_by_arm
 from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.physics.world import World
@@ -97,15 +98,9 @@ def _nats(fit: Fit, columns: dict[str, Array]) -> tuple[float, float]:
     return taken(_OF_A_WAVE), taken(many)
 
 
-def _amounts(world: World) -> tuple[str, ...]:
-    one = world.added_group(_GROUP)
-    return () if one is None else one.amounts
-
-
 def _values(fit: Fit) -> Values:
     """Frequency and size of the first order, in the middle of the recording."""
-    one = fit.world.added_group(_GROUP)
-    assert one is not None
+    one = group_of(fit, _GROUP)
     cosine, sine, cosine_grows, sine_grows = (fit.value(each) for each in one.amounts[:_OF_A_WAVE])
     size = float(np.hypot(cosine, sine))
     # rad by which it comes to lag from the middle to the end
@@ -118,14 +113,4 @@ def _middle_s(world: World) -> float:
     return 0.5 * world.measured.duration_s
 
 
-FORM = Form(
-    Cause(
-        id="periodic_disturbance",
-        needs=arm_moves,
-        trials=lambda context: [Trial({}, ({},))],
-        free=_amounts,
-        parameters_of=_values,
-    ),
-    "with its overtones",
-    _added,
-)
+FORM: Form = of_terms("periodic_disturbance", "with its overtones", arm_moves, _GROUP, _values, _added)

@@ -12,7 +12,7 @@ from scipy.interpolate import BSpline
 
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.peaks import residual_peaks
-from stillarm.diagnosis.forms.cause import Form, Values
+from stillarm.diagnosis.forms.cause import Form, Values, has
 from stillarm.diagnosis.forms.causes.mains_hum import of_the_mains
 from stillarm.diagnosis.forms.courses import group_of, of_terms
 from stillarm.diagnosis.physics.space import Added
@@ -66,4 +66,4 @@ def _line_hz_of(wave: Array, step_s: float) -> float:
     return float(np.argmax(power) / (length * step_s))
 
 
-FORM: Form = of_terms("mains_hum", "that swells", "acceleration", _GROUP, _values, _added)
+FORM: Form = of_terms("mains_hum", "that swells", has("acceleration"), _GROUP, _values, _added)

@@ -62,4 +62,5 @@ def test_a_stop_waits_for_a_controller_that_starts() -> None:
     operate(here, "stop")
     late.join()
     with closing(listeners[0]) as listener:
-        assert listener.stopped or (listener.rest(1.0) is None and listener.stopped)
+        listener.rest(1.0)
+        assert listener.stopped
