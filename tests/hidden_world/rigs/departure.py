@@ -48,12 +48,13 @@ def departures(changed: Recording, plain: Recording, moves: list[Move] | None = 
         out["joint_position"] = _apart(changed.position, plain.position, noise)
         out["joint_velocity"] = _apart(changed.speed, plain.speed, rig.encoder.speed_noise_rad_s)
     out["displacement"] = _apart(changed.px[here], px, rig.camera.noise_px, LEAST_PX)
-    late, usual = (a.received_s - a.middle_s)[here], (b.received_s - b.middle_s)[there]
+    # nobody knows when an exposure was, but by its number and the request
+    late, usual = (a.received_s - a.counted_s)[here], (b.received_s - b.counted_s)[there]
     if moves is not None:
         usual = usual + np.mean(late - usual)
     out["image_timing"] = _apart(late, usual, rig.arrival.std_s, LEAST_S)
     if rig.camera.stamped:
-        stamp, without = (a.stamp_s - a.middle_s)[here], (b.stamp_s - b.middle_s)[there]
+        stamp, without = (a.stamp_s - a.counted_s)[here], (b.stamp_s - b.counted_s)[there]
         if moves is not None:
             t = b.middle_s[there]
             without = without + np.polyval(np.polyfit(t, stamp - without, 1), t)

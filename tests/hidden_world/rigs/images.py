@@ -17,13 +17,14 @@ _LAST_S = 0.4  # before the end, no more exposures
 @dataclass(frozen=True)
 class Images:
     """Of each image that is read, shape (images,). index: of its exposure; content: of the exposure that it shows;
-    number: as the camera or the driver counts; middle_s: of the exposure that it shows, truly; stamp_s: NaN where
-    there is none."""
+    number: as the camera or the driver counts; middle_s: of the exposure that it shows, truly; counted_s: of the
+    exposure of its index, as a sound camera's count or the request dates it; stamp_s: NaN where there is none."""
 
     index: NDArray[np.int64]
     content: NDArray[np.int64]
     number: NDArray[np.int64]
     middle_s: Values
+    counted_s: Values
     received_s: Values
     started_s: Values
     stamp_s: Values
@@ -77,6 +78,7 @@ def images(rig: Rig, effects: tuple[Effect, ...]) -> Images:
         content[keep],
         number[keep],
         middle[content][keep],
+        nominal[keep] + 0.5 * camera.exposure_s,
         received[keep],
         started[keep],
         stamp[keep],
