@@ -83,10 +83,9 @@ def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
     impacts: set[int] = set(last.world.impacts)
     for turn in range(5):
         share = _SHARE if turn else _FIRST_SHARE
-        cycle_s = last.world.measured.cycle_s
-        period = 1.0 / last.value("modes.0.frequency_hz")
-        new = {round(t / cycle_s) for t in find_jumps(last, share)}
-        new = {k for k in new if all(abs(k - old) * cycle_s > 0.6 * period for old in impacts)}
+        new = _new_impacts(last, share, impacts)
+        if impacts and not new:
+            new = _new_impacts(last, share, impacts, elsewhere=True)
         if turn and not new:
             break
         impacts |= new
@@ -95,6 +94,13 @@ def _sought(last: Fit, split: Split, steady: Fit | None) -> Fit:
             break
         last, impacts = _sharpened(last, split)
     return last
+
+
+def _new_impacts(last: Fit, share: float, known: set[int], elsewhere: bool = False) -> set[int]:
+    """The cycles at which the vibration jumps and no impact is known. share, elsewhere: as in `find_jumps`."""
+    cycle_s, period = last.world.measured.cycle_s, 1.0 / last.value("modes.0.frequency_hz")
+    cycles = {round(t / cycle_s) for t in find_jumps(last, share, elsewhere)}
+    return {one for one in cycles if all(abs(one - old) * cycle_s > 0.6 * period for old in known)}
 
 
 def needs_more(last: Fit, other: Fit) -> bool:

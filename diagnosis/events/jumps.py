@@ -69,12 +69,14 @@ def _phasor(time: Array, values: Array, w: float, start: Array, end: Array) -> t
     return 2.0 * (moved - mean / count * plain) / count, (last - first).astype(float)
 
 
-def find_jumps(last: Fit, share: float) -> list[float]:
+def find_jumps(last: Fit, share: float, elsewhere: bool = False) -> list[float]:
     """Times, s, at which the vibration jumps by more than `share` of the residual's largest and the usual: the first
-    mode's, or while the joint rests a higher one's. An arm that rubs may hide an impact in its first mode alone."""
+    mode's, or while the joint rests a higher one's. An arm that rubs may hide an impact in its first mode alone.
+    elsewhere: the residual's largest is that of the first mode away from the known impacts. What a push by hand leaves
+    about its impact is its force, which may be far larger than the vibration after another push."""
     found: list[float] = []
     period = 1.0 / last.value("modes.0.frequency_hz")
-    jumps = [*_jumps_of_the_first_mode(last, share), *_jumps_of_higher_modes(last, share)]
+    jumps = [*_jumps_of_the_first_mode(last, share, elsewhere), *_jumps_of_higher_modes(last, share)]
     for _, time in sorted(jumps, reverse=True)[:_MOST]:  # a large one shows in the others' windows, too
         if all(abs(time - other) > _APART_PERIODS * period for other in found):
             found.append(time)
@@ -130,7 +132,7 @@ def _largest(jump: Array, threshold: Array, at: Array, apart_s: float) -> list[t
     return found
 
 
-def _jumps_of_the_first_mode(last: Fit, share: float) -> list[tuple[float, float]]:
+def _jumps_of_the_first_mode(last: Fit, share: float, elsewhere: bool) -> list[tuple[float, float]]:
     """Size, as the accelerometer would show it, m/s^2, and time, s, of each."""
     world = last.world
     w = 2.0 * pi * last.value("modes.0.frequency_hz")
@@ -150,13 +152,23 @@ def _jumps_of_the_first_mode(last: Fit, share: float) -> list[tuple[float, float
     jump[~full] = 0.0
     usual = _usual(jump, full, round(period / float(at[1] - at[0])))
     swing = _LEAST_SHARE * float(np.max(np.abs(last.predicted.motion.q[:, 0])))
-    threshold = np.maximum(usual, max(share * float(np.max(np.abs(after))), swing))
+    about = _about_impacts(world, at, period) if elsewhere else np.zeros(len(at), bool)
+    largest = float(np.max(np.abs(after[~about]), initial=0.0))
+    jump[about] = 0.0
+    threshold = np.maximum(usual, max(share * largest, swing))
     for other in series[1:]:
         borne_out = _borne_out(at, period, w, series[0], other)
         if not world.impacts and not (borne_out & (jump >= threshold)).any():
             borne_out = _borne_out(at, period, w, series[0], other, of_any_size=True)
         jump[~borne_out] = 0.0
     return [(w * w * size, time) for size, time in _largest(jump, threshold, at, _APART_PERIODS * period)]
+
+
+def _about_impacts(world: World, at: Array, period: float) -> NDArray[np.bool_]:
+    """Which instants a push by hand may take up whose impact is known, windows of a period included."""
+    struck = np.array(world.impacts) * world.measured.cycle_s
+    near = (PUSH_PERIODS / 2.0 + 1.0) * period
+    return np.asarray((np.abs(at[:, None] - struck) < near).any(axis=1))
 
 
 def _borne_out(

@@ -1,11 +1,14 @@
 """A jump of the vibration is found about a mode's frequency; where nothing jumps, none."""
 
+from dataclasses import replace
+
 import msgspec
+import numpy as np
 import pytest
 
 from stillarm.common.files.model import Mode
 from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.events.impacts import fit_with_impacts
+from stillarm.diagnosis.events.impacts import fit_with_impacts, with_further_impacts
 from stillarm.diagnosis.events.jumps import find_jumps
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import make_data
@@ -42,3 +45,20 @@ def test_a_jump_that_both_sensors_show_plainly_is_found_whatever_the_scale_of_on
     struck = World(data, msgspec.structs.replace(MODEL, camera=camera))
     last = fit(make_data(struck, interleaved(10.0)), struck.space.vector(), (), iterations=0)
     assert 4.3 in [pytest.approx(one, abs=0.1) for one in find_jumps(last, 0.5)]
+
+
+def test_a_strong_push_hides_no_lesser_impact_once_its_own_is_known() -> None:
+    """It bends the arm by its force while it lasts: no state after it accounts for that."""
+    pushed, struck = 2800, 7400
+    data = measured(10.0, 3, {**impact(1, 0.02), **impact(2, 0.003)}, impacts=(pushed, struck))
+    lasting = np.abs(np.arange(data.cycles) - pushed) < 60
+    shaken = data.acceleration + np.where(lasting, 30.0, 0.0)
+    unseen = replace(data.frames, displacement_px=np.full(len(data.frames.displacement_px), np.nan))
+    data = replace(data, acceleration=shaken, frames=unseen)
+    world, split = World(data, MODEL, (pushed,)), interleaved(10.0)
+    vector = world.space.with_values(world.space.vector(), {"jump.0.0.q": 0.02, **impact(1, 0.02)})
+    last = fit(make_data(world, split), vector, (), iterations=0)
+    assert all(abs(one - 0.001 * pushed) < 0.5 for one in find_jumps(last, 0.25))
+    assert find_jumps(last, 0.25, elsewhere=True) == pytest.approx([0.001 * struck], abs=0.1)
+    found = with_further_impacts(last, split).world.impacts
+    assert any(abs(one - struck) < 60 for one in found)
