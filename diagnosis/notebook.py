@@ -5,15 +5,12 @@ found = stillarm.diagnose("rec.mcap")
 found.plot().savefig("evidence.png")
 """
 
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
-
-from stillarm.common.process.blas_threads import one_blas_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -123,14 +120,17 @@ def diagnose(
     depend on the machine. progress: receives the fraction done, 0 to 1, and the stage.
     """
     began_s = time.monotonic()
-    if "numpy" not in sys.modules:
-        one_blas_thread()
+    from threadpoolctl import threadpool_limits
+
     from stillarm.common.files.model import load_model
     from stillarm.diagnosis.decision.budget import Budget
     from stillarm.diagnosis.diagnose import diagnose as result_of
 
     known = load_model(model) if isinstance(model, str | Path) else model
-    return Diagnosis(result_of(recording, known, hold_out, progress, Budget(budget_s, began_s)))
+    # numpy may be loaded already, with a thread for each processor: beside the copies that share out the work, they
+    # would wait for each other, ten times as long as the work takes
+    with threadpool_limits(1, "blas"):
+        return Diagnosis(result_of(recording, known, hold_out, progress, Budget(budget_s, began_s)))
 
 
 def _finding(row: dict[str, Any]) -> Finding:

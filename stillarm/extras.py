@@ -10,7 +10,7 @@ from stillarm.common.user_error import UserError
 
 PACKAGES = {
     "vision": ("cv2",),
-    "diagnosis": ("matplotlib", "numba", "scipy"),
+    "diagnosis": ("matplotlib", "numba", "scipy", "threadpoolctl"),
     "hardware": ("can", "canopen"),
     "formats": ("h5py", "pyarrow", "rosbags"),
     "panel": ("aiohttp",),

@@ -6,7 +6,7 @@ from stillarm.diagnosis.events.impacts import with_further_impacts
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import CHANGED_NATS, fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
-from stillarm.diagnosis.fitting.rest import anything_matters, explainable
+from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters, explainable
 from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.search.begun import ground_of
@@ -21,13 +21,12 @@ def to_begin_again(found: Found, split: Split) -> Found | None:
     """Where the search is to begin again, with its last round as a hint: beside impacts that show beside the first
     finding alone, or where the last finding explains by itself what the first, a course, took. None where nowhere."""
     baseline, last = found.baseline, found.findings[-1]
-    if sum(one.law is None for one in found.findings) == 1:
-        better = _struck_beside(found, split)
-    else:
-        better = baseline if _explains_it_alone(last, found, split) else None
+    struck = sum(one.law is None for one in found.findings) == 1
+    alone = baseline if not struck and _explains_it_alone(last, found, split) else None
+    better = _struck_beside(found, split) if struck else alone
     if better is None:
         return None
-    return Found(baseline, baseline, likelier=better, hint=Hint(baseline, found.stages[-1]))
+    return Found(baseline, baseline, likelier=better, hint=Hint(baseline, found.stages[-1], struck))
 
 
 def _explains_it_alone(one: Candidate, found: Found, split: Split) -> bool:
@@ -52,7 +51,7 @@ def _struck_beside(found: Found, split: Split) -> Fit | None:
     if (
         last is baseline
         or any(one.over_time for one in last.world.added)
-        or not anything_matters(last, split)
+        or not anything_but_spikes_matters(last, split)
     ):
         return None
     try:

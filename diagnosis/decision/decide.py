@@ -1,6 +1,6 @@
 """From what was found to what is said: named, none or unexplained, how sure, and what is left (contract.md)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
 from math import exp, inf
@@ -179,16 +179,28 @@ def share_explained(
     """
     if one.law is not None:
         return 1.0
-    left = explainable(one.fit, split)
+    gains = score(one.fit, split).gains(score(before, split))
+    left = _left_to_explain(one.fit, before, gains, split)
     own = _own_channels(one, before) if only is None else tuple(name for name in only if name in left)
     if own and (only is not None or _largest_there(before, final or one.fit, own, split)):
-        gains = score(one.fit, split).gains(score(before, split))
         gained = sum(gains[name] for name in own)
         return max(gained, 0.0) / max(gained + sum(left[name] for name in own), 1e-9)
     gained = float(one.nats.sum())
     if _place(one) != "timing":
         left.pop("arrival", None)
     return gained / max(gained + sum(left.values()), 1e-9)
+
+
+def _left_to_explain(after: Fit, before: Fit, gains: Mapping[str, float], split: Split) -> dict[str, float]:
+    """Nats that a finding leaves to a perfect model, by channel. Nats make much of a quiet rest that lasts, beside a
+    slow or short departure that was many times as large. So where what is left does not matter (contract.md), it is no
+    larger a part of what the finding gained than its rms is of the rms that is gone."""
+    left = explainable(after, split)
+    for name, nats in left.items():
+        now, then = (rest_of(one, name, split) for one in (after, before))
+        if now.immaterial and then.rms > now.rms and gains[name] > 0.0:
+            left[name] = min(nats, gains[name] * now.rms / (then.rms - now.rms))
+    return left
 
 
 def _own_channels(one: Candidate, before: Fit) -> tuple[str, ...]:

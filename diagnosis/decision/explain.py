@@ -13,13 +13,19 @@ import numpy as np
 from stillarm.diagnosis.data.channels import BEND_CHANNELS, JOINT_CHANNELS
 from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.decision.decide import share_explained
-from stillarm.diagnosis.decision.rounds import explained, joint_departs, one_round, with_hint
+from stillarm.diagnosis.decision.rounds import (
+    beside_its_law,
+    explained,
+    joint_departs,
+    one_round,
+    with_hint,
+)
 from stillarm.diagnosis.events.impacts import impacts_while_moving, without_impacts_while_moving
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
-from stillarm.diagnosis.fitting.rest import anything_matters, rest_of
+from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters, rest_of
 from stillarm.diagnosis.physics.computing import OutOfTime, limited_to
 from stillarm.diagnosis.search.candidates import EXPLAINED, Candidate, Found, Hint, Stage, beside_another
 from stillarm.diagnosis.search.convincing import convinces
@@ -73,7 +79,7 @@ def _searched(
     if hint is None:
         if not known and (departs or not impacts_while_moving(baseline)):
             first = _first_round(usual, split, tick, only)
-        if not departs and (first is None or not _leaves_nothing(first, split)):
+        if not departs and (first is None or not _leaves_nothing(beside_its_law(first, usual, split), split)):
             begun, hint = _from_another_baseline(baseline, split, tick, only)
     if begun is None and not departs:
         begun, hint = _without_doubtful_impacts(baseline, split, only, hint)
@@ -93,7 +99,7 @@ def _first_round(
     """The first round beside the usual baseline: where that explains all that matters, no other one is asked for. None
     where nothing matters, or the time does not suffice."""
     try:
-        if not anything_matters(usual.baseline, split):
+        if not anything_but_spikes_matters(usual.baseline, split):
             return None
         tick(0.0, "causes, round 1")
         return one_round(usual, split, only, upstream=joint_departs(usual.baseline))
@@ -104,7 +110,7 @@ def _first_round(
 def _leaves_nothing(stage: Stage, split: Split) -> bool:
     """Whether what a round took leaves nothing that matters."""
     one = stage.taken
-    return one is not None and one.law is None and not anything_matters(one.fit, split)
+    return one is not None and one.law is None and not anything_but_spikes_matters(one.fit, split)
 
 
 def _from_another_baseline(
@@ -115,7 +121,7 @@ def _from_another_baseline(
     explain most of what the usual baseline leaves. None where it does not; and then what acts throughout, which is to
     be tried beside the usual baseline."""
     try:
-        if not anything_matters(baseline, split):
+        if not anything_but_spikes_matters(baseline, split):
             return None, None
         stated = stated_baseline(baseline, split)
         other = stated or early_baseline(baseline, split)
@@ -138,13 +144,16 @@ def _from_another_baseline(
 def _round_beside(
     other: Fit | None, split: Split, tick: Callable[[float, str], None], only: Sequence[str] | None
 ) -> Stage | None:
-    """A round beside another baseline than the usual one; None where there is none, or nothing is taken but a law."""
+    """A round beside another baseline than the usual one, laws aside; None where there is none, or nothing is
+    taken."""
     if other is None:
         return None
     tick(0.0, "causes, beside another baseline")
+    found = Found(other, other)
     with limited_to(_ANOTHER_SHARE):
-        stage = one_round(Found(other, other), split, only, upstream=joint_departs(other))
-    return stage if stage.taken is not None and stage.taken.law is None else None
+        stage = one_round(found, split, only, upstream=joint_departs(other))
+        stage = beside_its_law(stage, found, split)
+    return stage if stage.taken is not None else None
 
 
 def _sets_in(one: Candidate) -> bool:
@@ -179,10 +188,10 @@ def _without_doubtful_impacts(
         if float(score(plain, split).gain(before).sum()) > -PRICE_NATS * many:
             return (found, []), hint
         with limited_to(_ANOTHER_SHARE):
-            stage = one_round(found, split, only, upstream=False)
+            stage = beside_its_law(one_round(found, split, only, upstream=False), found, split)
     except OutOfTime:
         return None, hint
-    if stage.taken is None or stage.taken.law is not None:
+    if stage.taken is None:
         return None, hint
     lead = float(score(stage.taken.fit, split).gain(before).sum())
     if lead < PRICE_NATS * (len(stage.taken.free) - many):

@@ -21,7 +21,7 @@ from stillarm.diagnosis.fitting.evidence import score
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import free_names
-from stillarm.diagnosis.fitting.rest import anything_matters
+from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
 from stillarm.diagnosis.forms.catalogue import forms
 from stillarm.diagnosis.physics.computing import OutOfTime
 from stillarm.diagnosis.physics.measured_joint import departure_hz
@@ -157,7 +157,7 @@ def one_round(found: Found, split: Split, only: Sequence[str] | None, upstream: 
         candidates = [_of_the_whole(one, last, split) for one in _best_of_each(candidates)[:_WHOLE]]
     else:
         screening, candidates = [], []
-        if found.findings and not anything_matters(last, split):
+        if found.findings and not anything_but_spikes_matters(last, split):
             judged_again = _convincing_elsewhere(found, split)
             # arrivals that step change nothing that matters, and a round of the drive alone does not look at them
             if _drive_alone_looked_at(found):
@@ -196,10 +196,19 @@ def _again(found: Found, split: Split) -> Stage | None:
     if before is None or before.taken is None or before.taken.law is None or not before.screening:
         return None
     ranked = [one for one in before.candidates if one is not before.taken]
-    if not anything_matters(found.final, split):
+    if not anything_but_spikes_matters(found.final, split):
         elsewhere = _convincing_elsewhere(found, split)
         ranked = [one for one in ranked if one.law is not None or one.cause in elsewhere]
     return _taken_of(Stage(before.screening, ranked, None), found, split)
+
+
+def beside_its_law(stage: Stage, found: Found, split: Split) -> Stage:
+    """A round that took a law, which changes no fit, with the best of its other causes taken, if one convinces; any
+    other round as it is."""
+    if stage.taken is None or stage.taken.law is None:
+        return stage
+    others = [one for one in stage.candidates if one.law is None]
+    return _taken_of(Stage(stage.screening, others, None), found, split)
 
 
 def _taken_of(stage: Stage, found: Found, split: Split) -> Stage:

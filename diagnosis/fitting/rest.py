@@ -60,6 +60,11 @@ def anything_matters(last: Fit, split: Split) -> bool:
     return any(not rest_of(last, name, split).immaterial for name in last.residuals)
 
 
+def anything_but_spikes_matters(last: Fit, split: Split) -> bool:
+    """The same of all but lone spikes of the accelerometer: whether these have a law is no matter of any fit."""
+    return anything_matters(_without_spikes(last), split)
+
+
 def rest_of(last: Fit, name: str, split: Split) -> Rest:
     """What a fit leaves in a channel beyond its noise."""
     rms, noise = _beyond_noise(last, name, split)

@@ -47,6 +47,7 @@ from stillarm.diagnosis.forms.image_walk import FORM as IMAGE_WALK
 from stillarm.diagnosis.forms.overtones import FORM as OVERTONES
 from stillarm.diagnosis.forms.swelling_hum import FORM as SWELLING_HUM
 from stillarm.diagnosis.forms.tilted_sensor import FORM as TILTED_SENSOR
+from stillarm.diagnosis.forms.wandering_force import FORM as WANDERING_FORCE
 from stillarm.diagnosis.physics.quantities import (
     ACCELEROMETER_BEGIN,
     ARM_BEGIN,
@@ -265,6 +266,7 @@ _FURTHER: tuple[Form, ...] = (
     ),
     IMAGE_WALK,
     OVERTONES,
+    WANDERING_FORCE,
     of_course("delay_drift", "along a course", "rate_s_per_s", "arrival", "lateness", delay_std, 3.0),
     DELAY_WALK,
     of_terms("camera_tilt_coupling", "along an arc", has("displacement"), "arc", arc_values, arc_terms),

@@ -1,27 +1,22 @@
 """Mains hum whose size and phase take a course of their own: a load on the mains swells, comes and goes.
 
-    a = ... + c(t) cos(2 pi f t) + s(t) sin(2 pi f t)
-
-f is the largest line of the residual near the mains' frequencies; c and s are cubic splines, which also take up by how
-much f is off.
+f is the largest line of the residual near the mains' frequencies; the wave is that of swelling_wave.
 """
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
 
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.forms.cause import Form, Values, has
 from stillarm.diagnosis.forms.causes.mains_hum import of_the_mains
 from stillarm.diagnosis.forms.courses import group_of, of_terms
+from stillarm.diagnosis.forms.swelling_wave import wave_columns
 from stillarm.diagnosis.physics.space import Added
 
 Array = NDArray[np.float64]
 
 _GROUP = "hum"
-_KNOTS_S = 2.0  # a cubic spline then follows a swell of 7 s to 1 %
-_MOST_PIECES = 24  # each is two columns of the recording's length: 40 MB at 50 000 cycles in all
 _STD = 10.0  # of an amount, in deviations of what is left
 
 
@@ -35,21 +30,9 @@ def _added(fit: Fit) -> tuple[Added, ...]:
     hz, sensor = _line_hz(fit), fit.channel("acceleration")
     if hz is None or sensor is None:
         return ()
-    world = fit.world
-    pieces = min(int(world.measured.duration_s / _KNOTS_S) + 1, _MOST_PIECES)
-    course = _splines(world.cycle_times, world.measured.duration_s, pieces)
-    phase = 2.0 * np.pi * hz * world.cycle_times[:, None]
-    columns = np.concatenate([course * np.cos(phase), course * np.sin(phase)], axis=1)
+    columns = wave_columns(fit.world.cycle_times, fit.world.measured.duration_s, hz)
     columns *= float(np.nanstd(sensor.residual))
     return (Added(_GROUP, {"acceleration": columns}, _STD, over_time=True),)
-
-
-def _splines(time_s: Array, duration_s: float, pieces: int) -> Array:
-    """Cubic B-splines over the recording, (samples, pieces + 3)."""
-    inner = np.linspace(0.0, duration_s, pieces + 1)
-    knots = np.concatenate([np.zeros(3), inner, np.full(3, duration_s)])
-    within = np.clip(time_s, 0.0, duration_s)
-    return np.asarray(BSpline.design_matrix(within, knots, 3).toarray())
 
 
 def _values(fit: Fit) -> Values:

@@ -57,10 +57,12 @@ class Stage:
 
 @dataclass(frozen=True)
 class Hint:
-    """A round beside another baseline, in which something was taken."""
+    """A round beside another baseline, in which something was taken. struck: the baseline differs by the impacts alone
+    that what was taken bears out."""
 
     baseline: Fit
     stage: Stage
+    struck: bool = False
 
     @property
     def taken(self) -> Candidate:

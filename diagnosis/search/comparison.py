@@ -14,7 +14,7 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.evidence import PRICE_NATS, score
 from stillarm.diagnosis.fitting.fitted import Fit, carried_over, make_data
 from stillarm.diagnosis.fitting.gains import gain_of
-from stillarm.diagnosis.fitting.rest import anything_matters
+from stillarm.diagnosis.fitting.rest import anything_but_spikes_matters
 from stillarm.diagnosis.forms import delay_walk, image_walk
 from stillarm.diagnosis.forms.catalogue import from_an_onset
 from stillarm.diagnosis.forms.cause import Form
@@ -41,7 +41,9 @@ SCREENED_NATS = 8.0
 _STARTS, _MOST_STARTS = 2, 8  # by their scores; with those that the data ask for
 _PROMISING = 0.02  # of the best score: what promises less says more in a later round
 _LATER, _PROMISING_LATER = 5, 0.1  # causes begun from an onset at once, at most; as above, of those
-_SECOND = 0.5  # of the best trial's score, below which no fit is begun from another trial of the same form
+_SECOND = 0.5
+"""Of the best trial's score, below which no fit is begun from another trial of the same form; of the best of those that
+the data ask for, from another one of these."""
 _WORTH_A_FIT = 0.1
 """Of the best form's gain: a quick fit is nearly at its end; a later round says more of the rest."""
 _QUICK_SHARE, _ENDED_SHARE, _ONSET_SHARE = 0.5, 0.6, 0.5
@@ -71,7 +73,7 @@ def compared(
         if found.hint is not None:
             first = hinted(ground, found.hint.taken, tried)
             candidates += [] if first is None else [first]
-            if first is not None and not anything_matters(first.fit, split):
+            if first is not None and _says_which_are_near(found.hint, first, split):
                 tried, far = _near_there(ground, found.hint, tried)
                 candidates += far
         white = Whitened(make_data(last.world, split), last, ground.slopes)
@@ -122,9 +124,16 @@ def hinted(ground: Ground, hint: Candidate, tried: Sequence[Form]) -> Candidate 
     return None if fitted is None else candidate_of(ground, polished(ground, (begun, fitted)))
 
 
+def _says_which_are_near(hint: Hint, here: Candidate, split: Split) -> bool:
+    """Whether a hint's round says of this one which forms may be the best: it leaves nothing that matters here either,
+    or it gains as much here, beside no more than the impacts that it bears out."""
+    as_much = here.merit > _IN_REACH * hint.taken.merit
+    return (hint.struck and as_much) or not anything_but_spikes_matters(here.fit, split)
+
+
 def _near_there(ground: Ground, hint: Hint, tried: Sequence[Form]) -> tuple[Sequence[Form], list[Candidate]]:
-    """Of a hint that leaves nothing that matters here either, the forms that came near it there, and the candidates
-    that did not, as they are worth here: what gained far less there is not fitted anew."""
+    """The forms that came near a hint where it was found, and the candidates that did not, as they are worth here: what
+    gained far less there is not fitted anew."""
     if set(hint.baseline.residuals) != set(ground.last.residuals):  # of the joint alone, which costs little
         return tried, []
     near = {one.cause for one in hint.stage.candidates if one.merit > _IN_REACH * hint.taken.merit}
@@ -177,7 +186,7 @@ def _in_reach(pairs: list[Pair], candidates: Sequence[Candidate], split: Split) 
     """The forms that may still be the best: where the leading one leaves nothing that matters, none can gain much more,
     and what gains far less is not worth the time to its end."""
     best = max(candidates, key=lambda one: one.merit, default=None)
-    if best is None or anything_matters(best.fit, split):
+    if best is None or anything_but_spikes_matters(best.fit, split):
         return pairs
     merit = {id(one.fit): one.merit for one in candidates}
     return [pair for pair in pairs if merit[id(pair[1])] > _IN_REACH * best.merit]
@@ -227,6 +236,7 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
     to_size: list[tuple[Form, Scored]] = []
     count: dict[int, int] = defaultdict(int)
     best: dict[int, float] = {}
+    best_asked: dict[int, float] = {}
     top = max((one.nats for one in screening), default=0.0)
 
     for one in screening:
@@ -238,6 +248,9 @@ def begun_fits(white: Whitened, tried: Sequence[Form]) -> tuple[list[Begun], lis
             continue
         least = max(SCREENED_NATS, _PROMISING * top, _SECOND * best.get(id(one.cause), 0.0))
         if not one.trial.asked and (one.nats < least or count[id(one.cause)] >= _STARTS):
+            continue
+        # from where they begin each step works out all derivatives anew: of those, what is half as good is not tried
+        if one.trial.asked and one.nats < _SECOND * best_asked.setdefault(id(one.cause), one.nats):
             continue
         best.setdefault(id(one.cause), one.nats)
         count[id(one.cause)] += 1

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from msgspec import structs
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import stillarm
 from stillarm.common.user_error import UserError
@@ -35,6 +36,20 @@ def test_what_there_is_not_is_an_attribute_error() -> None:
 def test_a_recording_that_is_not_there_is_the_users_mistake(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"none\.mcap"):
         stillarm.diagnose(tmp_path / "none.mcap")
+
+
+def test_linear_algebra_is_on_one_thread_whatever_was_loaded_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two processes with two threads each, on two processors, wait for each other."""
+    threads: list[int] = []
+
+    def diagnosed(*_: object) -> object:
+        threads.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
+        return object()
+
+    monkeypatch.setattr("stillarm.diagnosis.diagnose.diagnose", diagnosed)
+    with threadpool_limits(2, "blas"):
+        stillarm.diagnose("rec.mcap")
+    assert threads and set(threads) == {1}
 
 
 @pytest.mark.slow

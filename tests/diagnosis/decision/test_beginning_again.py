@@ -44,3 +44,4 @@ def test_impacts_that_show_beside_a_finding_are_borne_out(struck: bool) -> None:
     assert [abs(one - 4300) <= 8 for one in there.impacts] == [True]
     assert there.borne_out == set(there.impacts)
     assert LAW not in again.likelier.free and again.hint.taken.cause == "quadratic_damping"
+    assert again.hint.struck

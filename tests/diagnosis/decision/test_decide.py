@@ -13,6 +13,7 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.decision import decide
 from stillarm.diagnosis.decision.decide import (
     Judged,
+    _left_to_explain,
     _odds_of_name,
     class_of,
     judge,
@@ -20,7 +21,7 @@ from stillarm.diagnosis.decision.decide import (
     share_explained,
 )
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.fitting.rest import Rest
+from stillarm.diagnosis.fitting.rest import Rest, explainable
 from stillarm.diagnosis.forms.freeform import Free
 from stillarm.diagnosis.physics.space import Added
 from stillarm.diagnosis.search.candidates import Candidate, Found, Stage
@@ -130,3 +131,22 @@ def test_what_others_explain_is_none_of_what_a_finding_lacks(arm: Fit) -> None:
     first = replace(_candidate("drive_deadband", 900.0, "joint_velocity"), fit=loud, nats=np.full(30, 30.0))
     assert share_explained(first, turned, SPLIT) < 0.5
     assert share_explained(first, turned, SPLIT, final=arm) > 0.9
+
+
+@pytest.mark.parametrize(("left", "is_small"), [(0.45, True), (0.7, False)])
+def test_what_does_not_matter_is_as_small_a_part_as_its_rms(arm: Fit, left: float, is_small: bool) -> None:
+    """A wave of less than half the noise may be worth as many nats as a slow drift that was ten times as large; one
+    that matters counts by its nats."""
+    name = "acceleration"
+    noise, count = arm.sigma[name], len(arm.residuals[name])
+    comes_and_goes = np.arange(count) % 4000 < 1000
+    wave = 2.8 * left * noise * np.sin(np.arange(count) / 3.0) * comes_and_goes
+    drift = np.linspace(-1.0, 1.0, count) * 8.0 * noise
+    after = replace(arm, residuals={**arm.residuals, name: arm.residuals[name] + wave})
+    before = replace(after, residuals={**after.residuals, name: after.residuals[name] + drift})
+    gained = 100.0
+    nats = _left_to_explain(after, before, dict.fromkeys(arm.residuals, gained), SPLIT)[name]
+    assert explainable(after, SPLIT)[name] > gained
+    assert (
+        nats == pytest.approx(0.11 * gained, rel=0.3) if is_small else nats == explainable(after, SPLIT)[name]
+    )

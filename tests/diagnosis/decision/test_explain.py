@@ -81,6 +81,22 @@ def test_another_baseline_is_asked_for_only_where_the_usual_one_leaves_something
 
 
 @pytest.mark.slow
+def test_lone_spikes_ask_for_no_other_baseline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their law changes no fit, whatever else a round tells."""
+
+    def never(*_: object) -> tuple[None, None]:
+        raise AssertionError("another baseline was asked for")
+
+    data = measured(SECONDS, 5, {"camera.rate_px_per_s": 0.1})
+    spikes = np.zeros(data.cycles)
+    spikes[np.random.default_rng(3).choice(data.cycles, 60, replace=False)] = 15.0
+    baseline = fitted(replace(data, acceleration=data.acceleration + spikes))
+    monkeypatch.setattr(search, "_from_another_baseline", never)
+    found = explain(baseline, interleaved(SECONDS), only=["tracking_drift"])
+    assert [one.cause for one in found.findings] == ["impulse_noise", "tracking_drift"]
+
+
+@pytest.mark.slow
 def test_friction_that_begins_is_found_from_its_beginning() -> None:
     """What acts in a part of the recording is several times larger than what fits the whole."""
     friction, onset_s = 0.1, 12.3

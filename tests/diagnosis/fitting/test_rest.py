@@ -8,7 +8,13 @@ import pytest
 from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.channel_noise import noise_of
 from stillarm.diagnosis.fitting.fitted import Fit
-from stillarm.diagnosis.fitting.rest import explainable, rest_of, times_what_matters
+from stillarm.diagnosis.fitting.rest import (
+    anything_but_spikes_matters,
+    anything_matters,
+    explainable,
+    rest_of,
+    times_what_matters,
+)
 from tests.fixtures.synthetic import NOISE, fitted, measured
 
 SPLIT = interleaved(20.0)
@@ -55,10 +61,20 @@ def test_lone_spikes_are_nothing_that_a_model_could_explain(arm: Fit) -> None:
     off[500::997] += 40.0 * noise_of(arm, name, SPLIT)
     spiked = replace(arm, residuals={**arm.residuals, name: off})
     assert explainable(spiked, SPLIT)[name] < 10.0
+    assert not anything_but_spikes_matters(spiked, SPLIT)
     lasting = off.copy()
     for after in range(1, 8):
         lasting[500 + after :: 997] += 40.0 * noise_of(arm, name, SPLIT)
-    assert explainable(replace(arm, residuals={**arm.residuals, name: lasting}), SPLIT)[name] > 100.0
+    lasts = replace(arm, residuals={**arm.residuals, name: lasting})
+    assert explainable(lasts, SPLIT)[name] > 100.0
+
+
+def test_spikes_matter_to_whom_no_law_has_told_them(arm: Fit) -> None:
+    name = "acceleration"
+    off = arm.residuals[name].copy()
+    off[500::97] += 40.0 * noise_of(arm, name, SPLIT)
+    spiked = replace(arm, residuals={**arm.residuals, name: off})
+    assert anything_matters(spiked, SPLIT) and not anything_but_spikes_matters(spiked, SPLIT)
 
 
 def test_a_sensor_at_its_limit_has_no_spikes_beside_it() -> None:

@@ -1,10 +1,7 @@
 """A periodic force that is no sine is followed, with its frequency and size; a sine is left to the declared form."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from stillarm.common.causes import CAUSES
 from stillarm.diagnosis.data.measured import Measured
@@ -12,35 +9,20 @@ from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.fit import fit
 from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.forms.overtones import FORM
-from tests.fixtures.synthetic import NOISE, fitted, measured
+from tests.fixtures.forced_arm import forced
+from tests.fixtures.synthetic import NOISE, fitted
 
 SECONDS, HZ, SIZE = 20.0, 1.713, 0.5
 
 
 def pushed(overtone: float) -> Measured:
-    """What a force does to the arm of a recording, by scipy's integrator: the images and the acceleration show more."""
-    plain = measured(SECONDS, 1)
-    mode = fitted(plain).world.model.arm.modes[0]
-    time = np.arange(plain.cycles) * plain.cycle_s
-    w = mode.angular_frequency
+    """The arm of a recording under a wave with an overtone."""
 
     def force(t: float) -> float:
         phase = 2.0 * np.pi * HZ * t
         return float(SIZE * (np.sin(phase + 0.4) + overtone * np.sin(2.0 * phase + 1.1)))
 
-    def rates(t: float, x: np.ndarray) -> list[float]:
-        return [x[1], force(t) - 2.0 * mode.damping_ratio * w * x[1] - w * w * x[0]]
-
-    done = solve_ivp(rates, (0.0, SECONDS), [0.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-10)
-    q = done.y[0]
-    second = np.array([rates(t, x)[1] for t, x in zip(time, done.y.T, strict=True)])
-    model = fitted(plain).world.model
-    at = fitted(plain).world.times_of("displacement")
-    frames = replace(
-        plain.frames,
-        displacement_px=plain.frames.displacement_px - model.camera.scale_px_per_m * np.interp(at, time, q),
-    )
-    return replace(plain, acceleration=plain.acceleration + second, frames=frames)
+    return forced(force, SECONDS)
 
 
 def with_overtones(plain: Fit) -> Fit:

@@ -5,10 +5,11 @@ from typing import Any, cast
 
 import pytest
 
+from stillarm.diagnosis.data.split import interleaved
 from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.search import comparison
 from stillarm.diagnosis.search.begun import Begun, Pair
-from stillarm.diagnosis.search.candidates import Candidate
+from stillarm.diagnosis.search.candidates import Candidate, Hint, Stage
 from stillarm.diagnosis.search.comparison import best_of_each
 
 
@@ -70,3 +71,24 @@ def test_beside_a_free_form_the_declared_one_is_polished_too() -> None:
         ("tracking_drift", "along a course"),
         ("camera_tilt_coupling", ""),
     ]
+
+
+@pytest.mark.parametrize(
+    ("struck", "merit", "matters", "near"),
+    [
+        (True, 900.0, True, True),
+        (True, 300.0, True, False),  # of 1000 where it was found
+        (False, 900.0, True, False),
+        (False, 300.0, False, True),
+    ],
+)
+def test_a_hint_says_which_forms_are_near(
+    monkeypatch: pytest.MonkeyPatch, struck: bool, merit: float, matters: bool, near: bool
+) -> None:
+    """Where it tells all here, or as much as there beside more impacts alone."""
+    monkeypatch.setattr(comparison, "anything_but_spikes_matters", lambda fit, split: matters)
+    there, here = (
+        Candidate("gravity_leakage", cast(Fit, None), 0.0, 0.0, {}, merit=one) for one in (1000.0, merit)
+    )
+    hint = Hint(cast(Fit, None), Stage([], [there], there), struck)
+    assert comparison._says_which_are_near(hint, here, interleaved(10.0)) is near
