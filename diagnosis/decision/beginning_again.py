@@ -22,8 +22,9 @@ def to_begin_again(found: Found, split: Split) -> Found | None:
     finding alone, or where the last finding explains by itself what the first, a course, took. None where nowhere."""
     baseline, last = found.baseline, found.findings[-1]
     struck = sum(one.law is None for one in found.findings) == 1
-    alone = baseline if not struck and _explains_it_alone(last, found, split) else None
-    better = _struck_beside(found, split) if struck else alone
+    if not struck and not _explains_it_alone(last, found, split):
+        return None
+    better = _struck_beside(found, split) if struck else baseline
     if better is None:
         return None
     return Found(baseline, baseline, likelier=better, hint=Hint(baseline, found.stages[-1], struck))

@@ -79,7 +79,7 @@ def _searched(
     if hint is None:
         if not known and (departs or not impacts_while_moving(baseline)):
             first = _first_round(usual, split, tick, only)
-        if not departs and (first is None or not _leaves_nothing(beside_its_law(first, usual, split), split)):
+        if not departs and (first is None or not _leaves_nothing(first, usual, split)):
             begun, hint = _from_another_baseline(baseline, split, tick, only)
     if begun is None and not departs:
         begun, hint = _without_doubtful_impacts(baseline, split, only, hint)
@@ -107,10 +107,14 @@ def _first_round(
         return None
 
 
-def _leaves_nothing(stage: Stage, split: Split) -> bool:
-    """Whether what a round took leaves nothing that matters."""
-    one = stage.taken
-    return one is not None and one.law is None and not anything_but_spikes_matters(one.fit, split)
+def _leaves_nothing(stage: Stage, usual: Found, split: Split) -> bool:
+    """Whether what a round took, its law aside, leaves nothing that matters; not where the time does not suffice to
+    tell."""
+    try:
+        one = beside_its_law(stage, usual, split).taken
+    except OutOfTime:
+        return False
+    return one is not None and not anything_but_spikes_matters(one.fit, split)
 
 
 def _from_another_baseline(

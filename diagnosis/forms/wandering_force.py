@@ -16,82 +16,55 @@ from stillarm.diagnosis.fitting.fitted import Fit
 from stillarm.diagnosis.fitting.peaks import residual_peaks
 from stillarm.diagnosis.forms.cause import Form, Values, arm_moves
 from stillarm.diagnosis.forms.courses import group_of, of_terms
-from stillarm.diagnosis.forms.freeform import answered_by_arm
+from stillarm.diagnosis.forms.force_terms import (
+    OF_A_WAVE,
+    amount_std,
+    highest_hz,
+    nats_taken,
+    own_frequencies_hz,
+    shown_of,
+    steady_wave,
+)
 from stillarm.diagnosis.forms.swelling_wave import phasor_of, wave_columns
 from stillarm.diagnosis.physics.space import Added
 
 Array = NDArray[np.float64]
 
 _GROUP = "wandering"
-_SHOWN = ("acceleration", "displacement", "deflection")
 _PEAKS = 2  # of a channel's residual, the largest
 _OF_ITSELF = 0.15  # of a mode's frequency, or of its overtones', within which the arm rings of itself
-_OVERTONES = (1, 2, 3)  # a force that is even or odd in the deflection rings at these, at the least order
 _LEAST_HZ = 0.5  # twice what a course of its size and phase is wide: a slower wave is no wave but that course
-_MOST_OF_RATE = 0.4  # a frequency over the cycles': a faster wave is none in samples
 _STEADY = 0.8  # of what a wave that wanders takes away: one that stays as it is takes less
 _STILL_THERE, _GOES_ON = 0.4, 0.95  # of its size; of the time since it began, in which it is larger
-_STD = 10.0  # of an amount, over what sways the arm, standing still, by as much as it does
 
 
 def _added(fit: Fit) -> tuple[Added, ...]:
-    of_steady = {hz: _nats(fit, _answers(fit, _steady(fit, hz))) for hz in _peaks_hz(fit)}
+    of_steady = {
+        hz: nats_taken(fit, shown_of(fit, steady_wave(fit, hz)), OF_A_WAVE)[0] for hz in _peaks_hz(fit)
+    }
     if not of_steady:
         return ()
     hz = max(of_steady, key=lambda one: of_steady[one])
-    duration_s = fit.world.measured.duration_s
-    columns = _answers(fit, wave_columns(fit.world.cycle_times, duration_s, hz))
-    whole = _nats(fit, columns)
+    force = wave_columns(fit.world.cycle_times, fit.world.measured.duration_s, hz)
+    columns = shown_of(fit, force)
+    (whole,) = nats_taken(fit, columns, force.shape[1])
     if whole < CONVINCING_NATS or of_steady[hz] > _STEADY * whole:
         return ()
-    w = 2.0 * np.pi * fit.value("modes.0.frequency_hz")
-    sways = w * w * float(np.std(fit.predicted.motion.q[:, 0])) or 1.0
-    return (Added(_GROUP, columns, _STD * sways, over_time=True, hz=hz),)
+    return (Added(_GROUP, columns, amount_std(fit), over_time=True, hz=hz),)
 
 
 def _peaks_hz(fit: Fit) -> list[float]:
-    """Frequencies at which most is left, and the arm does not ring of itself."""
-    own = [fit.value(f"modes.{mode}.frequency_hz") for mode in range(fit.world.modes)]
-    own = [order * hz for hz in own for order in _OVERTONES]
-    highest, seen = _MOST_OF_RATE / fit.world.measured.cycle_s, residual_peaks(fit)
+    """Frequencies at which most is left of a channel, and the arm does not ring of itself."""
+    own, highest = own_frequencies_hz(fit), highest_hz(fit)
     found: list[float] = []
-    for name in _SHOWN:
+    for peaks in residual_peaks(fit).values():
         apart = [
             hz
-            for hz in seen.get(name, ())
+            for hz in peaks
             if _LEAST_HZ < hz < highest and all(abs(hz / one - 1.0) > _OF_ITSELF for one in own)
         ]
         found += apart[:_PEAKS]
     return list(dict.fromkeys(found))
-
-
-def _steady(fit: Fit, hz: float) -> Array:
-    """A force of 1 m/s^2 that stays as it is but for its frequency, which may be a little off, (cycles, 4)."""
-    time = fit.world.cycle_times
-    phase, grows = 2.0 * np.pi * hz * time, 2.0 * time / fit.world.measured.duration_s - 1.0
-    wave = np.stack([np.cos(phase), np.sin(phase)], axis=1)
-    return np.concatenate([wave, grows[:, None] * wave], axis=1)
-
-
-def _answers(fit: Fit, force: Array) -> dict[str, Array]:
-    """What the measured channels show of forces on the first mode."""
-    answers = answered_by_arm(fit, force)
-    return {name: answers[name] for name in _SHOWN if name in fit.world.channels}
-
-
-def _nats(fit: Fit, columns: dict[str, Array]) -> float:
-    """What the terms take away from white residuals, all channels together."""
-    many = next(iter(columns.values())).shape[1]
-    products, with_rest = np.zeros((many, many)), np.zeros(many)
-    for name, terms in columns.items():
-        sensor = fit.channel(name)
-        if sensor is None:
-            continue
-        known = np.isfinite(sensor.residual)
-        of_noise = terms[known] / fit.sigma[name]
-        products += of_noise.T @ of_noise
-        with_rest += of_noise.T @ (sensor.residual[known] / fit.sigma[name])
-    return 0.5 * float(with_rest @ np.linalg.lstsq(products, with_rest, rcond=None)[0])
 
 
 def _phasor(fit: Fit) -> NDArray[np.complex128]:

@@ -11,6 +11,7 @@ from stillarm.diagnosis.data.split import Split
 from stillarm.diagnosis.fitting.channel_noise import noise_of
 from stillarm.diagnosis.fitting.evidence import CONVINCING_NATS
 from stillarm.diagnosis.fitting.fitted import Fit
+from stillarm.diagnosis.forms.force_terms import own_frequencies_hz
 from stillarm.diagnosis.search.candidates import Candidate, turns_the_joint
 
 Array = NDArray[np.float64]
@@ -34,8 +35,6 @@ _BLOCKS_OF_AN_EVENT = 2  # of the recording: in which it lies, or across whose e
 _TENTHS = 10
 # of a mode's frequency: some widths of the resonance of an arm with a damping ratio of 0.01 to 0.02
 _NEAR_A_MODE = 0.1
-# a force that is even or odd in the deflection has these, at the least order that is no linear one
-_OVERTONES = (1, 2, 3)
 
 
 def convinces(one: Candidate, last: Fit, split: Split, beside: bool) -> bool:
@@ -96,9 +95,8 @@ def _rings_with_a_mode(one: Candidate) -> bool:
     not quite the same to both sides, or grows a little, makes overtones."""
     if DECLARED[one.cause].acts != "force" or "frequency_hz" not in one.values:
         return False
-    modes = [one.fit.value(f"modes.{mode}.frequency_hz") for mode in range(one.fit.world.modes)]
-    own = [overtone * hz for hz in modes for overtone in _OVERTONES]
-    return any(abs(one.values["frequency_hz"][0] / hz - 1.0) < _NEAR_A_MODE for hz in own)
+    hz = one.values["frequency_hz"][0]
+    return any(abs(hz / own - 1.0) < _NEAR_A_MODE for own in own_frequencies_hz(one.fit))
 
 
 def size_in_noise(before: Fit, after: Fit, split: Split, parts: int = 1) -> float:

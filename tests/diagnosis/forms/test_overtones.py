@@ -5,12 +5,9 @@ import pytest
 
 from stillarm.common.causes import CAUSES
 from stillarm.diagnosis.data.measured import Measured
-from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.fitting.fit import fit
-from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.forms.overtones import FORM
 from tests.fixtures.forced_arm import forced
-from tests.fixtures.synthetic import NOISE, fitted
+from tests.fixtures.synthetic import NOISE, fitted, with_form
 
 SECONDS, HZ, SIZE = 20.0, 1.713, 0.5
 
@@ -25,18 +22,10 @@ def pushed(overtone: float) -> Measured:
     return forced(force, SECONDS)
 
 
-def with_overtones(plain: Fit) -> Fit:
-    """Fitted with the form's terms."""
-    assert FORM.added is not None
-    world = plain.world.changed(added=FORM.added(plain))
-    split = interleaved(SECONDS)
-    return fit(make_data(world, split), world.space.vector(), (*plain.free, *FORM.cause.free(world)))
-
-
 @pytest.mark.slow
 def test_a_wave_that_is_no_sine_is_followed_to_the_noise() -> None:
     plain = fitted(pushed(0.4))
-    found = with_overtones(plain)
+    found = with_form(FORM, plain)
     left = float(np.nanstd(found.residuals["acceleration"]))
     assert left < 1.1 * NOISE["acceleration"] < float(np.nanstd(plain.residuals["acceleration"]))
     told = FORM.cause.parameters_of(found)

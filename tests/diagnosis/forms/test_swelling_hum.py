@@ -7,11 +7,8 @@ import pytest
 
 from stillarm.common.causes import CAUSES
 from stillarm.diagnosis.data.measured import Measured
-from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.fitting.fit import fit
-from stillarm.diagnosis.fitting.fitted import make_data
 from stillarm.diagnosis.forms.swelling_hum import FORM
-from tests.fixtures.synthetic import NOISE, fitted, measured
+from tests.fixtures.synthetic import NOISE, fitted, measured, with_form
 
 SECONDS, HZ, SIZE = 20.0, 50.03, 4.0
 
@@ -25,12 +22,8 @@ def with_wave(hz: float) -> Measured:
 
 @pytest.mark.slow
 def test_a_swell_is_followed_to_the_noise() -> None:
-    data = with_wave(HZ)
-    plain = fitted(data)
-    assert FORM.added is not None
-    world = plain.world.changed(added=FORM.added(plain))
-    start = world.space.vector()
-    found = fit(make_data(world, interleaved(data.duration_s)), start, (*plain.free, *FORM.cause.free(world)))
+    plain = fitted(with_wave(HZ))
+    found = with_form(FORM, plain)
     left = float(np.nanstd(found.residuals["acceleration"]))
     assert left < 1.05 * NOISE["acceleration"] < float(np.nanstd(plain.residuals["acceleration"]))
     told = FORM.cause.parameters_of(found)

@@ -6,12 +6,9 @@ import pytest
 
 from stillarm.common.causes import CAUSES
 from stillarm.diagnosis.data.measured import Measured
-from stillarm.diagnosis.data.split import interleaved
-from stillarm.diagnosis.fitting.fit import fit
-from stillarm.diagnosis.fitting.fitted import Fit, make_data
 from stillarm.diagnosis.forms.wandering_force import FORM
 from tests.fixtures.forced_arm import forced
-from tests.fixtures.synthetic import NOISE, fitted
+from tests.fixtures.synthetic import NOISE, fitted, with_form
 
 SECONDS, HZ, SIZE = 20.0, 1.313, 0.8
 
@@ -26,18 +23,10 @@ def wandering(by_rad: float, hz: float = HZ) -> Measured:
     return forced(force, SECONDS)
 
 
-def followed(plain: Fit) -> Fit:
-    """Fitted with the form's terms."""
-    assert FORM.added is not None
-    world = plain.world.changed(added=FORM.added(plain))
-    data = make_data(world, interleaved(SECONDS))
-    return fit(data, world.space.vector(), (*plain.free, *FORM.cause.free(world)))
-
-
 @pytest.mark.slow
 def test_a_force_that_wanders_is_followed_to_the_noise() -> None:
     plain = fitted(wandering(0.9))
-    found = followed(plain)
+    found = with_form(FORM, plain)
     left = {name: float(np.nanstd(found.residuals[name])) for name in ("acceleration", "displacement")}
     assert left["acceleration"] < 1.1 * NOISE["acceleration"]
     assert left["displacement"] < 0.1 * float(np.nanstd(plain.residuals["displacement"]))
