@@ -77,8 +77,9 @@ def test_a_running_rig_passes_and_a_mistake_is_named(tmp_path: Path) -> None:
         key=["machine", "bus", "sensor", "camera", "link", "drive"].index,
     )
     assert failed.returncode == 1
-    (line,) = (line for line in failed.stdout.splitlines() if "FAIL" in line)
-    assert "accelerometer.axis = 'z' carries" in line
+    failures = [line for line in failed.stdout.splitlines() if "FAIL" in line]
+    assert len(failures) == 1, failed.stdout
+    assert "accelerometer.axis = 'z' carries" in failures[0]
     position = open_recording(truth).columns("/truth/state")["joint_position_rad"]
     assert (position == 0.0).all()  # nothing moved
 
